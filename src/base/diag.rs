@@ -1,0 +1,198 @@
+//! One shape for everything mocc says about a model: a stable code, one sentence, places, remedy.
+
+use super::source::Span;
+
+/// How bad it is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Severity {
+    /// The model can not be compiled or run.
+    Error,
+    /// The model runs, but the user should know.
+    Warning,
+}
+
+/// A message about the model, with the places it concerns and what to do.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Diagnostic {
+    /// Stable code, such as `MO0201`; a retired code is never used again.
+    pub code: &'static str,
+    /// Error or warning.
+    pub severity: Severity,
+    /// One sentence, lower case, without full stop, in the user's names.
+    pub message: String,
+    /// The place it is about and what to say there; may be [`Span::NONE`].
+    pub primary: (Span, String),
+    /// Further places.
+    pub secondary: Vec<(Span, String)>,
+    /// What to do about it.
+    pub help: Option<String>,
+    /// Background, such as the section of the Modelica specification.
+    pub notes: Vec<String>,
+}
+
+impl Diagnostic {
+    /// An error at `span`.
+    pub fn error(code: &'static str, span: Span, message: impl Into<String>) -> Self {
+        Diagnostic {
+            code,
+            severity: Severity::Error,
+            message: message.into(),
+            primary: (span, String::new()),
+            secondary: Vec::new(),
+            help: None,
+            notes: Vec::new(),
+        }
+    }
+    /// A warning at `span`.
+    pub fn warning(code: &'static str, span: Span, message: impl Into<String>) -> Self {
+        Diagnostic { severity: Severity::Warning, ..Self::error(code, span, message) }
+    }
+    /// What to write under the primary place.
+    pub fn label(mut self, text: impl Into<String>) -> Self {
+        self.primary.1 = text.into();
+        self
+    }
+    /// A further place.
+    pub fn also(mut self, span: Span, text: impl Into<String>) -> Self {
+        if !span.is_none() {
+            self.secondary.push((span, text.into()));
+        }
+        self
+    }
+    /// The remedy.
+    pub fn help(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(text.into());
+        self
+    }
+    /// Background.
+    pub fn note(mut self, text: impl Into<String>) -> Self {
+        self.notes.push(text.into());
+        self
+    }
+}
+
+/// A list of diagnostics that grows while a stage works, so that one run reports many problems.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Problems {
+    list: Vec<Diagnostic>,
+}
+
+impl Problems {
+    /// No problems yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+    /// Adds one, unless the same was already said.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        if !self.list.contains(&diagnostic) {
+            self.list.push(diagnostic);
+        }
+    }
+    /// Adds all of `other`.
+    pub fn extend(&mut self, other: Problems) {
+        other.list.into_iter().for_each(|d| self.push(d));
+    }
+    /// True if at least one is an error.
+    pub fn has_errors(&self) -> bool {
+        self.list.iter().any(|d| d.severity == Severity::Error)
+    }
+    /// Number of errors.
+    pub fn error_count(&self) -> usize {
+        self.list.iter().filter(|d| d.severity == Severity::Error).count()
+    }
+    /// True without any.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+    /// In order of place: file, then offset; without a place last.
+    pub fn sorted(&self) -> Vec<&Diagnostic> {
+        let mut v: Vec<&Diagnostic> = self.list.iter().collect();
+        v.sort_by_key(|d| (d.primary.0, d.code));
+        v
+    }
+    /// In order of arrival.
+    pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
+        self.list.iter()
+    }
+}
+
+/// What a stage returns: its result where there is one, and what there is to say.
+/// A value beside errors is partial: good enough to look for further problems, never to run.
+#[derive(Debug)]
+pub struct Outcome<T> {
+    /// The result, absent when nothing useful could be made.
+    pub value: Option<T>,
+    /// Errors and warnings.
+    pub problems: Problems,
+}
+
+impl<T> Outcome<T> {
+    /// The value if there are no errors, with the warnings; otherwise all problems.
+    pub fn into_result(self) -> Result<(T, Problems), Problems> {
+        match self.value {
+            Some(value) if !self.problems.has_errors() => Ok((value, self.problems)),
+            _ => Err(self.problems),
+        }
+    }
+}
+
+/// The candidate most like `wanted`, for "did you mean": at most a third of its letters differ.
+pub fn did_you_mean<'a>(
+    wanted: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let limit = (wanted.chars().count() / 3).max(1);
+    candidates
+        .into_iter()
+        .filter(|c| *c != wanted)
+        .map(|c| (edit_distance(wanted, c), c))
+        .filter(|(d, _)| *d <= limit)
+        .min()
+        .map(|(_, c)| c)
+}
+
+/// Damerau-Levenshtein distance (optimal string alignment) without regard to case.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.to_lowercase().chars().collect();
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut before: Vec<usize> = Vec::new();
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let cost = usize::from(a[i - 1] != b[j - 1]);
+            let mut d = (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + cost);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                d = d.min(before[j - 2] + 1);
+            }
+            row.push(d);
+        }
+        before = std::mem::replace(&mut last, row);
+    }
+    last[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggests_near_misses_only() {
+        let names = ["p_supply", "t_dwell", "t_off"];
+        assert_eq!(did_you_mean("p_suply", names), Some("p_supply"));
+        assert_eq!(did_you_mean("t_dwlel", names), Some("t_dwell"));
+        assert_eq!(did_you_mean("velocity", names), None);
+    }
+
+    #[test]
+    fn problems_are_sorted_by_place_and_said_once() {
+        use crate::base::source::FileId;
+        let at = |s| Span::new(FileId(0), s, s + 1);
+        let mut p = Problems::new();
+        p.push(Diagnostic::error("MO0002", at(9), "second"));
+        p.push(Diagnostic::error("MO0001", at(2), "first"));
+        p.push(Diagnostic::error("MO0001", at(2), "first"));
+        let said: Vec<_> = p.sorted().iter().map(|d| d.message.as_str()).collect();
+        assert_eq!(said, ["first", "second"]);
+    }
+}

@@ -1,0 +1,132 @@
+//! Typed indices and the vectors they index: an equation number can not be used for a variable.
+
+use std::marker::PhantomData;
+use std::ops::{Index, IndexMut};
+
+/// Hash map for keys that are ids or interned names. Never iterated where order could reach a result.
+pub type FastMap<K, V> = std::collections::HashMap<K, V, rustc_hash::FxBuildHasher>;
+/// Hash set for keys that are ids or interned names. Never iterated where order could reach a result.
+pub type FastSet<K> = std::collections::HashSet<K, rustc_hash::FxBuildHasher>;
+
+/// A typed index: a `u32` that knows what it counts.
+pub trait Id: Copy + Eq + Ord + std::hash::Hash + std::fmt::Debug {
+    /// Wraps a position. Panics beyond `u32::MAX`, which is a bug in mocc, not in a model.
+    fn from_usize(i: usize) -> Self;
+    /// The position as an array index.
+    fn idx(self) -> usize;
+}
+
+/// Declares a typed index.
+#[macro_export]
+macro_rules! define_id {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        $vis struct $name(pub u32);
+        impl $crate::base::index::Id for $name {
+            fn from_usize(i: usize) -> Self {
+                $name(u32::try_from(i).expect("fewer than 2^32 objects of one kind"))
+            }
+            fn idx(self) -> usize {
+                self.0 as usize
+            }
+        }
+    };
+}
+
+/// A vector indexed by a typed id.
+#[derive(Clone, PartialEq, Eq)]
+pub struct IndexVec<I, T> {
+    raw: Vec<T>,
+    index: PhantomData<fn(I) -> I>,
+}
+
+impl<I: Id, T> IndexVec<I, T> {
+    /// An empty vector.
+    pub fn new() -> Self {
+        IndexVec { raw: Vec::new(), index: PhantomData }
+    }
+    /// `n` copies of `value`.
+    pub fn filled(value: T, n: usize) -> Self
+    where
+        T: Clone,
+    {
+        IndexVec { raw: vec![value; n], index: PhantomData }
+    }
+    /// Appends and returns the id of the new element.
+    pub fn push(&mut self, value: T) -> I {
+        let id = I::from_usize(self.raw.len());
+        self.raw.push(value);
+        id
+    }
+    /// The id that the next `push` returns.
+    pub fn next_id(&self) -> I {
+        I::from_usize(self.raw.len())
+    }
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.raw.len()
+    }
+    /// True without elements.
+    pub fn is_empty(&self) -> bool {
+        self.raw.is_empty()
+    }
+    /// Elements in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.raw.iter()
+    }
+    /// Elements in order, mutable.
+    pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
+        self.raw.iter_mut()
+    }
+    /// Ids in order.
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = I> + ExactSizeIterator + use<I, T> {
+        (0..self.raw.len()).map(I::from_usize)
+    }
+    /// Ids and elements in order.
+    pub fn enumerate(&self) -> impl DoubleEndedIterator<Item = (I, &T)> + ExactSizeIterator {
+        self.raw.iter().enumerate().map(|(i, v)| (I::from_usize(i), v))
+    }
+    /// The element, if the id is in range.
+    pub fn get(&self, i: I) -> Option<&T> {
+        self.raw.get(i.idx())
+    }
+    /// The plain slice.
+    pub fn as_slice(&self) -> &[T] {
+        &self.raw
+    }
+    /// Grows to `n` elements with copies of `value`.
+    pub fn resize(&mut self, n: usize, value: T)
+    where
+        T: Clone,
+    {
+        self.raw.resize(n, value);
+    }
+}
+
+impl<I: Id, T> Default for IndexVec<I, T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+impl<I: Id, T> Index<I> for IndexVec<I, T> {
+    type Output = T;
+    fn index(&self, i: I) -> &T {
+        &self.raw[i.idx()]
+    }
+}
+impl<I: Id, T> IndexMut<I> for IndexVec<I, T> {
+    fn index_mut(&mut self, i: I) -> &mut T {
+        &mut self.raw[i.idx()]
+    }
+}
+impl<I: Id, T> FromIterator<T> for IndexVec<I, T> {
+    fn from_iter<It: IntoIterator<Item = T>>(iter: It) -> Self {
+        IndexVec { raw: iter.into_iter().collect(), index: PhantomData }
+    }
+}
+impl<I: Id, T: std::fmt::Debug> std::fmt::Debug for IndexVec<I, T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.raw.fmt(f)
+    }
+}

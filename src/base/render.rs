@@ -1,0 +1,81 @@
+//! Diagnostics as terminal text with the source beside them. Sole user of `annotate-snippets`.
+
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+
+use super::diag::{Diagnostic, Problems, Severity};
+use super::source::{FileId, SourceMap, Span};
+
+/// Colours or plain text.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Style {
+    /// ANSI colours, for a terminal.
+    Coloured,
+    /// No escape codes, for pipes and snapshots.
+    Plain,
+}
+
+/// All problems in order of place, each followed by an empty line.
+pub fn render_all(problems: &Problems, sources: &SourceMap, style: Style) -> String {
+    problems.sorted().iter().map(|d| render(d, sources, style) + "\n\n").collect()
+}
+
+/// One diagnostic with its excerpts.
+pub fn render(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
+    let level = match diagnostic.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+    };
+    let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
+    let places: Vec<(Span, &str, AnnotationKind)> =
+        std::iter::once((diagnostic.primary.0, diagnostic.primary.1.as_str(), AnnotationKind::Primary))
+            .chain(diagnostic.secondary.iter().map(|(s, t)| (*s, t.as_str(), AnnotationKind::Context)))
+            .filter(|(s, ..)| sources.get(s.file).is_some())
+            .collect();
+    let mut files: Vec<FileId> = Vec::new();
+    for (span, ..) in &places {
+        if !files.contains(&span.file) {
+            files.push(span.file);
+        }
+    }
+    let paths: Vec<String> =
+        files.iter().map(|f| sources.get(*f).unwrap().path.display().to_string()).collect();
+
+    let mut elements: Vec<annotate_snippets::Element<'_>> = Vec::new();
+    for (file, path) in files.iter().zip(&paths) {
+        let source = sources.get(*file).unwrap();
+        let snippet = Snippet::source(&*source.text).path(path.as_str()).annotations(
+            places.iter().filter(|(s, ..)| s.file == *file).map(|(s, text, kind)| {
+                let range = clamp(&source.text, *s);
+                let annotation = kind.span(range);
+                if text.is_empty() { annotation } else { annotation.label(*text) }
+            }),
+        );
+        elements.push(snippet.into());
+    }
+    elements.extend(diagnostic.notes.iter().map(|n| Level::NOTE.message(n.as_str()).into()));
+    elements.extend(diagnostic.help.iter().map(|h| Level::HELP.message(h.as_str()).into()));
+    let report: Vec<Group<'_>> = if elements.is_empty() {
+        vec![Group::with_title(title)]
+    } else {
+        vec![title.elements(elements)]
+    };
+    let renderer = match style {
+        Style::Coloured => Renderer::styled(),
+        Style::Plain => Renderer::plain(),
+    };
+    renderer.render(&report)
+}
+
+/// A range inside the text, on character boundaries, at least one character long where possible.
+fn clamp(text: &str, span: Span) -> std::ops::Range<usize> {
+    let boundary = |mut i: usize| {
+        i = i.min(text.len());
+        while !text.is_char_boundary(i) {
+            i -= 1;
+        }
+        i
+    };
+    let start = boundary(span.start as usize);
+    let end = boundary(span.end as usize).max(start);
+    start..end
+}

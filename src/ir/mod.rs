@@ -1,0 +1,1 @@
+//! The representations between the stages, in pipeline order.

@@ -1,0 +1,2 @@
+//! The command line: argv to exit code.
+fn main() {}

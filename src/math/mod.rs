@@ -1,0 +1,3 @@
+//! Mathematics that knows no equations: graphs of integers and arrays of floats.
+pub mod graph;
+pub mod numeric;
