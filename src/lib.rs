@@ -1,6 +1,9 @@
 //! `mocc`: a compiler and simulator for an equation-based modelling language (a Modelica subset).
-#![doc = "The map of the crate; ARCHITECTURE.md draws it."]
+//!
+//! The map of the crate, in the order of the pipeline; ARCHITECTURE.md draws it.
 
+// Ground floor.
 pub mod base;
 pub mod ir;
 pub mod math;
+pub mod symbolic;

@@ -1,2 +1,6 @@
 //! The representations between the stages, in pipeline order.
 pub mod ast;
+pub mod blocks;
+pub mod dae;
+pub mod expr;
+pub mod flat;

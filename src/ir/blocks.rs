@@ -1,0 +1,97 @@
+//! The sorted system: what is computed from what, in which order.
+//!
+//! *Holds:* the [`Dae`] with differentiated equations, the selected states, and three sequences of
+//! blocks: initialisation, events, and continuous phases.
+//! *Never holds:* an equation or an unknown that stands in no block of a sequence it belongs to.
+//! *Made by:* `structure`. *Read by:* `codegen`, `driver` (`mocc structure`).
+
+use super::dae::{Dae, EqId};
+use super::expr::{ExprId, VarId};
+
+/// The sorted system.
+#[derive(Clone)]
+pub struct Blocks {
+    /// The system, with differentiated equations and derivative variables appended.
+    pub dae: Dae,
+    /// Selected states with their derivatives, in order of declaration.
+    pub states: Vec<State>,
+    /// Differentiated variables that are not states: their derivatives are dummy derivatives.
+    pub dummies: Vec<VarId>,
+    /// Determines every variable at the start: states (fixed or not), derivatives, algebraic,
+    /// discrete variables and parameters with `fixed = false`.
+    pub initial: Vec<Block>,
+    /// At an event: derivatives, algebraic and discrete variables from states, `pre` values and time.
+    pub event: Vec<Block>,
+    /// Between events: derivatives and algebraic variables from states, discrete variables and time.
+    pub continuous: Vec<Block>,
+    /// Starts that initialisation had to choose because the model leaves them open.
+    pub assumed_starts: Vec<VarId>,
+}
+
+/// A selected state.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct State {
+    /// The state.
+    pub variable: VarId,
+    /// Its derivative.
+    pub derivative: VarId,
+}
+
+/// Which equation a block comes from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Source {
+    /// `dae.equations[i]`
+    Continuous(EqId),
+    /// `dae.discrete[i]`
+    Discrete(usize),
+    /// `dae.initial[i]`
+    Initial(usize),
+    /// `variable = start`, from `fixed = true` or assumed.
+    Start(VarId),
+}
+
+/// A step of a sequence.
+#[derive(Clone, Debug)]
+pub enum Block {
+    /// `variable := value`
+    Assign(Assignment),
+    /// Equations to be solved together.
+    Torn(Torn),
+    /// Discrete and continuous equations that depend on each other: the parts are repeated in order
+    /// until no discrete variable changes any more.
+    Mixed(Vec<Block>),
+}
+
+/// `variable := value`
+#[derive(Clone, Copy, Debug)]
+pub struct Assignment {
+    /// The unknown.
+    pub variable: VarId,
+    /// Reads only what is computed before.
+    pub value: ExprId,
+    /// Where it comes from.
+    pub source: Source,
+}
+
+/// Simultaneous equations, torn: given the tearing variables, `explicit` follows in order, and the
+/// residuals must vanish.
+#[derive(Clone, Debug)]
+pub struct Torn {
+    /// Tearing variables.
+    pub unknowns: Vec<VarId>,
+    /// Assignments in order.
+    pub explicit: Vec<Assignment>,
+    /// As many as tearing variables.
+    pub residuals: Vec<Residual>,
+    /// The residuals, after the explicit part is put in, are linear in the tearing variables.
+    pub linear: bool,
+}
+
+/// `value = 0`
+#[derive(Clone, Copy, Debug)]
+pub struct Residual {
+    /// Must vanish.
+    pub value: ExprId,
+    /// Where it comes from.
+    pub source: Source,
+}

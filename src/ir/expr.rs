@@ -1,0 +1,439 @@
+//! The one expression graph after parsing: typed, scalar, hash-consed.
+//!
+//! *Holds:* every scalar expression of a model once; equal expressions have equal ids, so common
+//! sub-expressions are shared from the first day and differentiation and code follow the sharing.
+//! *Never holds:* arrays, records (they are scalarised before), syntax, places in the text
+//! (equations carry those).
+//! *Made by:* `flatten` (through the simplifying constructors of `symbolic`). *Read by:* all after.
+
+use hashbrown::HashTable;
+use std::hash::{BuildHasher, Hash};
+
+use crate::base::index::{FastMap, IndexVec};
+use crate::base::name::Name;
+use crate::define_id;
+
+define_id! {
+    /// A node of the [`Graph`].
+    pub struct ExprId
+}
+define_id! {
+    /// A scalar variable of the flat model.
+    pub struct VarId
+}
+define_id! {
+    /// A function that is called at run time.
+    pub struct FunctionId
+}
+define_id! {
+    /// An enumeration type.
+    pub struct EnumId
+}
+define_id! {
+    /// An interned list of arguments.
+    pub struct ListId
+}
+
+/// The scalar types.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Type {
+    /// `Real`
+    Real,
+    /// `Integer`
+    Integer,
+    /// `Boolean`
+    Boolean,
+    /// `String`
+    String,
+    /// An enumeration.
+    Enumeration(EnumId),
+}
+
+/// A literal value. Reals are kept by their bits, so that the graph can compare and hash them.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Const {
+    /// The bits of a finite `f64`.
+    Real(u64),
+    /// An integer.
+    Integer(i64),
+    /// A truth value.
+    Boolean(bool),
+    /// A text.
+    String(Name),
+    /// A literal of an enumeration, counted from 1.
+    Enumeration(EnumId, u32),
+}
+
+/// Unary operators and functions.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[allow(missing_docs)]
+pub enum Unary {
+    Neg,
+    Not,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Exp,
+    Log,
+    Log10,
+    Sqrt,
+    Abs,
+    Sign,
+    Floor,
+    Ceil,
+    /// `integer(x)`: floor with an `Integer` result.
+    ToInteger,
+    /// The number of an enumeration literal; also `Integer(b)` of an event flag.
+    Ordinal,
+}
+
+/// Binary operators and functions. Relations give `Boolean`.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[allow(missing_docs)]
+pub enum Binary {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Pow,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Equal,
+    NotEqual,
+    And,
+    Or,
+    Atan2,
+    Min,
+    Max,
+    /// `div(x, y)`: quotient truncated towards zero.
+    Quotient,
+    Mod,
+    Rem,
+}
+
+/// One node.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Node {
+    /// A literal.
+    Const(Const),
+    /// `time`
+    Time,
+    /// The current value of a variable.
+    Var(VarId),
+    /// `der(v)`. Gone after `lower`, which gives derivatives variables of their own.
+    Der(VarId),
+    /// `pre(v)`
+    Pre(VarId),
+    /// An operator or function of one argument.
+    Unary(Unary, ExprId),
+    /// An operator or function of two arguments.
+    Binary(Binary, ExprId, ExprId),
+    /// `if c then a else b`
+    If(ExprId, ExprId, ExprId),
+    /// `noEvent(e)`
+    NoEvent(ExprId),
+    /// `smooth(k, e)`
+    Smooth(u32, ExprId),
+    /// `homotopy(actual, simplified)`
+    Homotopy(ExprId, ExprId),
+    /// Output `output` of a function called at run time.
+    Call {
+        /// The function.
+        function: FunctionId,
+        /// Which of its scalar outputs.
+        output: u32,
+        /// Its scalar arguments.
+        args: ListId,
+    },
+    /// `sample(start, interval)`
+    Sample(ExprId, ExprId),
+    /// `initial()`
+    Initial,
+    /// `terminal()`
+    Terminal,
+    /// The held truth value of relation `k` of the model. Made by `lower`.
+    Relation(u32),
+}
+
+/// An enumeration type.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Enumeration {
+    /// Its full name.
+    pub name: String,
+    /// Its literals in order.
+    pub literals: Vec<Name>,
+}
+
+/// The expression graph.
+#[derive(Clone, Default)]
+pub struct Graph {
+    nodes: IndexVec<ExprId, Node>,
+    types: IndexVec<ExprId, Type>,
+    table: HashTable<ExprId>,
+    lists: IndexVec<ListId, Box<[ExprId]>>,
+    list_table: FastMap<Box<[ExprId]>, ListId>,
+    /// The enumeration types of the model.
+    pub enumerations: IndexVec<EnumId, Enumeration>,
+}
+
+impl Graph {
+    /// An empty graph.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The node of an id.
+    pub fn node(&self, e: ExprId) -> Node {
+        self.nodes[e]
+    }
+
+    /// The type of an expression.
+    pub fn ty(&self, e: ExprId) -> Type {
+        self.types[e]
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// True without nodes.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The arguments of a call.
+    pub fn list(&self, id: ListId) -> &[ExprId] {
+        &self.lists[id]
+    }
+
+    /// Interns a list of arguments.
+    pub fn intern_list(&mut self, items: &[ExprId]) -> ListId {
+        if let Some(id) = self.list_table.get(items) {
+            return *id;
+        }
+        let id = self.lists.push(items.into());
+        self.list_table.insert(items.into(), id);
+        id
+    }
+
+    /// Interns a node exactly as given, without simplification.
+    pub fn intern(&mut self, node: Node, ty: Type) -> ExprId {
+        let hasher = rustc_hash::FxBuildHasher;
+        let hash = hasher.hash_one((node, ty));
+        let (nodes, types) = (&self.nodes, &self.types);
+        if let Some(id) = self.table.find(hash, |id| nodes[*id] == node && types[*id] == ty) {
+            return *id;
+        }
+        let id = self.nodes.push(node);
+        self.types.push(ty);
+        let (nodes, types) = (&self.nodes, &self.types);
+        self.table.insert_unique(hash, id, |id| hasher.hash_one((nodes[*id], types[*id])));
+        id
+    }
+
+    /// A literal.
+    pub fn constant(&mut self, value: Const) -> ExprId {
+        let ty = match value {
+            Const::Real(_) => Type::Real,
+            Const::Integer(_) => Type::Integer,
+            Const::Boolean(_) => Type::Boolean,
+            Const::String(_) => Type::String,
+            Const::Enumeration(e, _) => Type::Enumeration(e),
+        };
+        self.intern(Node::Const(value), ty)
+    }
+
+    /// A real literal; `-0.0` is stored as `0.0`.
+    pub fn real(&mut self, value: f64) -> ExprId {
+        self.constant(Const::Real((value + 0.0).to_bits()))
+    }
+
+    /// An integer literal.
+    pub fn integer(&mut self, value: i64) -> ExprId {
+        self.constant(Const::Integer(value))
+    }
+
+    /// A truth value.
+    pub fn boolean(&mut self, value: bool) -> ExprId {
+        self.constant(Const::Boolean(value))
+    }
+
+    /// `time`
+    pub fn time(&mut self) -> ExprId {
+        self.intern(Node::Time, Type::Real)
+    }
+
+    /// The value of a variable.
+    pub fn var(&mut self, v: VarId, ty: Type) -> ExprId {
+        self.intern(Node::Var(v), ty)
+    }
+
+    /// The literal, if the expression is one.
+    pub fn as_const(&self, e: ExprId) -> Option<Const> {
+        match self.nodes[e] {
+            Node::Const(c) => Some(c),
+            _ => None,
+        }
+    }
+
+    /// The number, if the expression is a real or integer literal.
+    pub fn as_number(&self, e: ExprId) -> Option<f64> {
+        self.as_const(e).and_then(Const::number)
+    }
+
+    /// Calls `visit` with each direct operand, in order.
+    pub fn for_each_operand(&self, e: ExprId, mut visit: impl FnMut(ExprId)) {
+        match self.nodes[e] {
+            Node::Const(_)
+            | Node::Time
+            | Node::Var(_)
+            | Node::Der(_)
+            | Node::Pre(_)
+            | Node::Initial
+            | Node::Terminal
+            | Node::Relation(_) => {}
+            Node::Unary(_, a) | Node::NoEvent(a) | Node::Smooth(_, a) => visit(a),
+            Node::Binary(_, a, b) | Node::Homotopy(a, b) | Node::Sample(a, b) => {
+                visit(a);
+                visit(b);
+            }
+            Node::If(c, a, b) => {
+                visit(c);
+                visit(a);
+                visit(b);
+            }
+            Node::Call { args, .. } => self.lists[args].iter().copied().for_each(visit),
+        }
+    }
+
+    /// All nodes below `roots`, operands before users, each once. Iterative: depth costs no stack.
+    pub fn postorder(&self, roots: impl IntoIterator<Item = ExprId>) -> Vec<ExprId> {
+        let mut seen = crate::base::index::FastSet::default();
+        let mut order = Vec::new();
+        let mut stack: Vec<(ExprId, bool)> = Vec::new();
+        for root in roots {
+            stack.push((root, false));
+            while let Some((e, done)) = stack.pop() {
+                if done {
+                    order.push(e);
+                } else if seen.insert(e) {
+                    stack.push((e, true));
+                    let first = stack.len();
+                    self.for_each_operand(e, |a| stack.push((a, false)));
+                    stack[first..].reverse();
+                }
+            }
+        }
+        order
+    }
+
+    /// The variables (not `der`, not `pre`) below `e`, in order of first use.
+    pub fn variables(&self, e: ExprId) -> Vec<VarId> {
+        self.postorder([e])
+            .into_iter()
+            .filter_map(|n| match self.nodes[n] {
+                Node::Var(v) => Some(v),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
+impl Const {
+    /// The number of a real or integer literal.
+    pub fn number(self) -> Option<f64> {
+        match self {
+            Const::Real(bits) => Some(f64::from_bits(bits)),
+            Const::Integer(i) => Some(i as f64),
+            _ => None,
+        }
+    }
+
+    /// How the literal stands in a register at run time: truth values are 0 and 1, enumeration
+    /// literals their number. Texts have no run-time value.
+    pub fn register(self) -> Option<f64> {
+        match self {
+            Const::Boolean(b) => Some(f64::from(u8::from(b))),
+            Const::Enumeration(_, k) => Some(f64::from(k)),
+            other => other.number(),
+        }
+    }
+}
+
+impl Unary {
+    /// The function's name in Modelica; `-` and `not` for the operators.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unary::Neg => "-",
+            Unary::Not => "not",
+            Unary::Sin => "sin",
+            Unary::Cos => "cos",
+            Unary::Tan => "tan",
+            Unary::Asin => "asin",
+            Unary::Acos => "acos",
+            Unary::Atan => "atan",
+            Unary::Sinh => "sinh",
+            Unary::Cosh => "cosh",
+            Unary::Tanh => "tanh",
+            Unary::Exp => "exp",
+            Unary::Log => "log",
+            Unary::Log10 => "log10",
+            Unary::Sqrt => "sqrt",
+            Unary::Abs => "abs",
+            Unary::Sign => "sign",
+            Unary::Floor => "floor",
+            Unary::Ceil => "ceil",
+            Unary::ToInteger => "integer",
+            Unary::Ordinal => "Integer",
+        }
+    }
+}
+
+impl Binary {
+    /// True for `<`, `<=`, `>`, `>=`, `==`, `<>`.
+    pub fn is_relation(self) -> bool {
+        matches!(
+            self,
+            Binary::Less
+                | Binary::LessEqual
+                | Binary::Greater
+                | Binary::GreaterEqual
+                | Binary::Equal
+                | Binary::NotEqual
+        )
+    }
+
+    /// The operator or the function's name in Modelica.
+    pub fn name(self) -> &'static str {
+        match self {
+            Binary::Add => "+",
+            Binary::Sub => "-",
+            Binary::Mul => "*",
+            Binary::Div => "/",
+            Binary::Pow => "^",
+            Binary::Less => "<",
+            Binary::LessEqual => "<=",
+            Binary::Greater => ">",
+            Binary::GreaterEqual => ">=",
+            Binary::Equal => "==",
+            Binary::NotEqual => "<>",
+            Binary::And => "and",
+            Binary::Or => "or",
+            Binary::Atan2 => "atan2",
+            Binary::Min => "min",
+            Binary::Max => "max",
+            Binary::Quotient => "div",
+            Binary::Mod => "mod",
+            Binary::Rem => "rem",
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! The flat model: scalar variables and scalar equations, as chapter 5.6 of the Modelica
+//! specification describes them.
+//!
+//! *Holds:* every scalar variable with evaluated structure (dimensions, conditions, `if` on structural
+//! parameters), equations of connections written out, functions inlined or listed, every equation
+//! with the place in the text that it comes from. `der`, `pre`, relations still stand in expressions.
+//! *Never holds:* arrays, records, `connect`, `for`, classes, modifications.
+//! *Made by:* `flatten`. *Read by:* `lower`, and printed as flat Modelica by `flatten::print`.
+
+use std::sync::Arc;
+
+use super::expr::{ExprId, FunctionId, Graph, Type, VarId};
+use crate::base::index::IndexVec;
+use crate::base::name::Name;
+use crate::base::source::Span;
+
+pub use super::ast::{Causality, Variability};
+
+/// A flat model.
+#[derive(Clone)]
+pub struct FlatModel {
+    /// Name of the class that was flattened.
+    pub name: String,
+    /// Its description string.
+    pub description: Option<Arc<str>>,
+    /// Where its name stands.
+    pub span: Span,
+    /// All expressions.
+    pub graph: Graph,
+    /// Variables in order of declaration, depth first.
+    pub variables: IndexVec<VarId, Variable>,
+    /// `equation` sections, bindings of non-parameters excluded (they stay with the variable).
+    pub equations: Vec<Equation>,
+    /// `initial equation` sections.
+    pub initial_equations: Vec<Equation>,
+    /// Functions that could not be inlined.
+    pub functions: IndexVec<FunctionId, Function>,
+    /// `annotation(experiment(...))`.
+    pub experiment: Experiment,
+}
+
+/// Defaults of a run from `annotation(experiment(...))`.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Experiment {
+    /// `StartTime`, s.
+    pub start: Option<f64>,
+    /// `StopTime`, s.
+    pub stop: Option<f64>,
+    /// `Interval`, s.
+    pub interval: Option<f64>,
+    /// `Tolerance`, relative.
+    pub tolerance: Option<f64>,
+}
+
+/// `stateSelect`, in rising order of preference.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
+#[allow(missing_docs)]
+pub enum StateSelect {
+    Never,
+    Avoid,
+    #[default]
+    Default,
+    Prefer,
+    Always,
+}
+
+/// A scalar variable.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    /// Full dotted name, array elements as `a[1]`, as the user knows it.
+    pub name: String,
+    /// Scalar type.
+    pub ty: Type,
+    /// Constant, parameter, discrete or continuous; never more than what the type allows
+    /// (an `Integer` without prefix is `Discrete`).
+    pub variability: Variability,
+    /// `input` or `output` at the top level.
+    pub causality: Option<Causality>,
+    /// Declaration equation; for parameters and constants their value.
+    pub binding: Option<ExprId>,
+    /// `start`.
+    pub start: Option<ExprId>,
+    /// `fixed`, evaluated; `None` where not written.
+    pub fixed: Option<bool>,
+    /// `min`.
+    pub min: Option<ExprId>,
+    /// `max`.
+    pub max: Option<ExprId>,
+    /// `nominal`.
+    pub nominal: Option<ExprId>,
+    /// `unit`; empty where not given.
+    pub unit: Name,
+    /// `displayUnit`; empty where not given.
+    pub display_unit: Name,
+    /// `stateSelect`.
+    pub state_select: StateSelect,
+    /// The description string.
+    pub description: Option<Arc<str>>,
+    /// Declared after `protected`.
+    pub protected: bool,
+    /// Its value was used to fix the structure (a size, a condition), or it is `final`.
+    pub structural: bool,
+    /// Place of the declaration.
+    pub span: Span,
+}
+
+/// Where an equation comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// Place in the text.
+    pub span: Span,
+    /// Dotted name of the component whose class holds it; empty for the model itself.
+    pub component: Arc<str>,
+}
+
+/// An equation.
+#[derive(Clone, Debug)]
+pub struct Equation {
+    /// What it says.
+    pub kind: EquationKind,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// The forms of flat equations.
+#[derive(Clone, Debug)]
+pub enum EquationKind {
+    /// `a = b`, both scalar of one type. `if` equations have become `if` expressions.
+    Equal(ExprId, ExprId),
+    /// A when-clause: the first branch whose condition becomes true acts.
+    When(Vec<WhenBranch>),
+    /// `assert(condition, message, level)`.
+    Assert(Assert),
+    /// `terminate(message)` outside a when-clause is not allowed, so it stands in [`Action`] only;
+    /// an algorithm section: `outputs[i] := values[i]` for all i at once.
+    Algorithm {
+        /// The variables that the section assigns.
+        outputs: Vec<VarId>,
+        /// What each holds after the section, in terms of other variables (and of `pre(v)` or the
+        /// start value where a variable is read before it is assigned).
+        values: Vec<ExprId>,
+    },
+}
+
+/// One branch of a when-clause.
+#[derive(Clone, Debug)]
+pub struct WhenBranch {
+    /// The scalar conditions; a vector condition `{a, b}` has several: any edge activates.
+    pub conditions: Vec<ExprId>,
+    /// What happens, in order.
+    pub actions: Vec<Action>,
+}
+
+/// What a when-clause does.
+#[derive(Clone, Debug)]
+pub enum Action {
+    /// `v = value`
+    Assign(VarId, ExprId),
+    /// `reinit(state, value)`, only if `guard` (from an `if` inside the when-clause) is true.
+    Reinit {
+        /// The state.
+        state: VarId,
+        /// Its new value.
+        value: ExprId,
+        /// Extra condition, if any.
+        guard: Option<ExprId>,
+    },
+    /// `assert(...)`
+    Assert(Assert),
+    /// `terminate(message)`
+    Terminate(ExprId),
+}
+
+/// `assert(condition, message, level)`
+#[derive(Clone, Debug)]
+pub struct Assert {
+    /// Must be true.
+    pub condition: ExprId,
+    /// A `String` expression.
+    pub message: ExprId,
+    /// `AssertionLevel.warning`.
+    pub warning: bool,
+}
+
+/// A function that is called at run time: loops whose length is known only then.
+#[derive(Clone, Debug)]
+pub struct Function {
+    /// Full name.
+    pub name: String,
+    /// Place of its definition.
+    pub span: Span,
+    /// Scalar inputs.
+    pub inputs: Vec<LocalId>,
+    /// Scalar outputs.
+    pub outputs: Vec<LocalId>,
+    /// Names of all scalar locals, inputs and outputs included.
+    pub locals: IndexVec<LocalId, String>,
+    /// The body; expressions read locals as `Node::Var(VarId(local))`.
+    pub body: Vec<Statement>,
+}
+
+crate::define_id! {
+    /// A scalar local of a [`Function`].
+    pub struct LocalId
+}
+
+/// A statement of a [`Function`].
+#[derive(Clone, Debug)]
+pub enum Statement {
+    /// `local := value`
+    Assign(LocalId, ExprId),
+    /// `if`
+    If(ExprId, Vec<Statement>, Vec<Statement>),
+    /// `while`
+    While(ExprId, Vec<Statement>),
+    /// `break`
+    Break,
+    /// `return`
+    Return,
+    /// `assert(...)`
+    Assert(Assert),
+}
+
+impl FlatModel {
+    /// An empty model.
+    pub fn new(name: impl Into<String>, span: Span) -> Self {
+        FlatModel {
+            name: name.into(),
+            description: None,
+            span,
+            graph: Graph::new(),
+            variables: IndexVec::new(),
+            equations: Vec::new(),
+            initial_equations: Vec::new(),
+            functions: IndexVec::new(),
+            experiment: Experiment::default(),
+        }
+    }
+
+    /// The expression that reads `v`.
+    pub fn read(&mut self, v: VarId) -> ExprId {
+        let ty = self.variables[v].ty;
+        self.graph.var(v, ty)
+    }
+}

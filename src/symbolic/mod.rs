@@ -1,0 +1,6 @@
+//! Algebra on [`crate::ir::expr`]: the only place that knows what the operators mean.
+pub mod eval;
+pub mod gradient;
+pub mod print;
+pub mod rewrite;
+pub mod simplify;

@@ -1,0 +1,225 @@
+//! Expressions as Modelica text, with no more parentheses than needed.
+
+use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Type, Unary, VarId};
+
+/// Prints `e`; `names` gives each variable its name.
+pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> String {
+    let mut out = String::new();
+    write(graph, e, names, 0, &mut out);
+    out
+}
+
+/// A real number as a Modelica literal that reads back as the same `f64`.
+pub fn real_literal(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map_or(text.clone(), |whole| {
+        if whole.len() <= 15 { format!("{whole}.0") } else { text.clone() }
+    })
+}
+
+// Binding strengths, loosest first (section 3.2 of the specification).
+const IF: u8 = 1;
+const OR: u8 = 2;
+const AND: u8 = 3;
+const NOT: u8 = 4;
+const RELATION: u8 = 5;
+const SUM: u8 = 6;
+const PRODUCT: u8 = 7;
+const POWER: u8 = 8;
+const PRIMARY: u8 = 9;
+
+fn write(g: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String, outer: u8, out: &mut String) {
+    let strength = strength(g, e);
+    let parenthesised = strength < outer;
+    if parenthesised {
+        out.push('(');
+    }
+    match g.node(e) {
+        Node::Const(c) => literal(g, c, out),
+        Node::Time => out.push_str("time"),
+        Node::Var(v) => out.push_str(&names(v)),
+        Node::Der(v) => call(out, "der", |out| out.push_str(&names(v))),
+        Node::Pre(v) => call(out, "pre", |out| out.push_str(&names(v))),
+        Node::Unary(Unary::Neg, a) => {
+            out.push('-');
+            write(g, a, names, PRODUCT, out);
+        }
+        Node::Unary(Unary::Not, a) => {
+            out.push_str("not ");
+            write(g, a, names, RELATION, out);
+        }
+        Node::Unary(op, a) => call(out, op.name(), |out| write(g, a, names, 0, out)),
+        Node::Binary(op, a, b) => match operator_strengths(op) {
+            Some((_, left, right)) => {
+                write(g, a, names, left, out);
+                let spaced = !matches!(op, Binary::Pow);
+                if spaced {
+                    out.push(' ');
+                }
+                out.push_str(op.name());
+                if spaced {
+                    out.push(' ');
+                }
+                write(g, b, names, right, out);
+            }
+            None => call(out, op.name(), |out| {
+                write(g, a, names, 0, out);
+                out.push_str(", ");
+                write(g, b, names, 0, out);
+            }),
+        },
+        Node::If(..) => if_chain(g, e, names, out),
+        Node::NoEvent(a) => call(out, "noEvent", |out| write(g, a, names, 0, out)),
+        Node::Smooth(k, a) => call(out, "smooth", |out| {
+            out.push_str(&format!("{k}, "));
+            write(g, a, names, 0, out);
+        }),
+        Node::Homotopy(a, b) => call(out, "homotopy", |out| {
+            write(g, a, names, 0, out);
+            out.push_str(", ");
+            write(g, b, names, 0, out);
+        }),
+        Node::Sample(a, b) => call(out, "sample", |out| {
+            write(g, a, names, 0, out);
+            out.push_str(", ");
+            write(g, b, names, 0, out);
+        }),
+        Node::Call { function, output, args } => {
+            let name = format!("function{}_{}", function.0, output + 1);
+            call(out, &name, |out| {
+                for (i, a) in g.list(args).iter().enumerate() {
+                    if i > 0 {
+                        out.push_str(", ");
+                    }
+                    write(g, *a, names, 0, out);
+                }
+            });
+        }
+        Node::Initial => out.push_str("initial()"),
+        Node::Terminal => out.push_str("terminal()"),
+        Node::Relation(k) => out.push_str(&format!("$relation[{}]", k + 1)),
+    }
+    if parenthesised {
+        out.push(')');
+    }
+}
+
+fn call(out: &mut String, name: &str, args: impl FnOnce(&mut String)) {
+    out.push_str(name);
+    out.push('(');
+    args(out);
+    out.push(')');
+}
+
+fn if_chain(g: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String, out: &mut String) {
+    let mut rest = e;
+    let mut keyword = "if ";
+    while let Node::If(c, a, b) = g.node(rest) {
+        out.push_str(keyword);
+        write(g, c, names, OR, out);
+        out.push_str(" then ");
+        write(g, a, names, OR, out);
+        keyword = " elseif ";
+        rest = b;
+    }
+    out.push_str(" else ");
+    write(g, rest, names, OR, out);
+}
+
+fn literal(g: &Graph, c: Const, out: &mut String) {
+    match c {
+        Const::Real(bits) => out.push_str(&real_literal(f64::from_bits(bits))),
+        Const::Integer(i) => out.push_str(&i.to_string()),
+        Const::Boolean(b) => out.push_str(if b { "true" } else { "false" }),
+        Const::String(s) => {
+            out.push('"');
+            for ch in s.chars() {
+                match ch {
+                    '"' => out.push_str("\\\""),
+                    '\\' => out.push_str("\\\\"),
+                    '\n' => out.push_str("\\n"),
+                    '\t' => out.push_str("\\t"),
+                    other => out.push(other),
+                }
+            }
+            out.push('"');
+        }
+        Const::Enumeration(e, k) => {
+            let ty = &g.enumerations[e];
+            out.push_str(&ty.name);
+            out.push('.');
+            out.push_str(&ty.literals[k as usize - 1]);
+        }
+    }
+}
+
+/// Strength of the operator and what its left and right operands must have at least.
+fn operator_strengths(op: Binary) -> Option<(u8, u8, u8)> {
+    Some(match op {
+        Binary::Or => (OR, OR, AND),
+        Binary::And => (AND, AND, NOT),
+        Binary::Add => (SUM, SUM, PRODUCT),
+        Binary::Sub => (SUM, SUM, PRODUCT),
+        Binary::Mul => (PRODUCT, PRODUCT, PRODUCT + 1),
+        Binary::Div => (PRODUCT, PRODUCT, PRODUCT + 1),
+        Binary::Pow => (POWER, PRIMARY, PRIMARY),
+        _ if op.is_relation() => (RELATION, SUM, SUM),
+        _ => return None,
+    })
+}
+
+fn strength(g: &Graph, e: ExprId) -> u8 {
+    match g.node(e) {
+        Node::Const(Const::Real(bits)) if f64::from_bits(bits) < 0.0 => SUM,
+        Node::Const(Const::Integer(i)) if i < 0 => SUM,
+        Node::Unary(Unary::Neg, _) => SUM,
+        Node::Unary(Unary::Not, _) => NOT,
+        Node::Binary(op, ..) => operator_strengths(op).map_or(PRIMARY, |s| s.0),
+        Node::If(..) => IF,
+        _ => PRIMARY,
+    }
+}
+
+/// The name of a scalar type in flat Modelica.
+pub fn type_name(graph: &Graph, ty: Type) -> String {
+    match ty {
+        Type::Real => "Real".into(),
+        Type::Integer => "Integer".into(),
+        Type::Boolean => "Boolean".into(),
+        Type::String => "String".into(),
+        Type::Enumeration(e) => graph.enumerations[e].name.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parentheses_only_where_the_meaning_needs_them() {
+        let mut g = Graph::new();
+        let [a, b, c] = [0, 1, 2].map(|i| g.var(VarId(i), Type::Real));
+        let names = |v: VarId| ["a", "b", "c"][v.0 as usize].to_string();
+        let sum = g.add(a, b);
+        let difference = g.sub(b, c);
+        let two = g.real(2.0);
+        let cases = [
+            (g.mul(sum, c), "(a + b) * c"),
+            (g.sub(a, difference), "a - (b - c)"),
+            (g.div(a, sum), "a / (a + b)"),
+            (g.pow(sum, two), "(a + b)^2.0"),
+            (g.add(sum, difference), "a + b + (b - c)"),
+        ];
+        for (e, text) in cases {
+            assert_eq!(print(&g, e, &names), text);
+        }
+        let quotient = g.div(b, c);
+        let e = g.mul(a, quotient);
+        assert_eq!(print(&g, e, &names), "a * (b / c)");
+        let negative = g.neg(sum);
+        let e = g.mul(negative, c);
+        assert_eq!(print(&g, e, &names), "-(a + b) * c");
+        assert_eq!(real_literal(1e-9), "1e-9");
+        assert_eq!(real_literal(0.1), "0.1");
+    }
+}
