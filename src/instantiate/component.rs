@@ -1,0 +1,408 @@
+//! Component instances: class, redeclaration, condition, dimensions, children.
+
+use std::rc::Rc;
+
+use super::Context;
+use super::class::merge_prefix;
+use crate::base::index::FastSet;
+use crate::base::name::Name;
+use crate::ir::ast::{self, ElementKind, Subscript};
+use crate::ir::instance::{
+    ClassId, ClassTable, Declaration, Entry, EntryKind, Instance, InstanceId, InstanceKind,
+    Redeclaration, Scope,
+};
+use crate::ir::modification::{Binding, Layer, LayerSource};
+
+/// Attributes of the predefined types (section 4.9 of the specification).
+pub const ATTRIBUTES: [&str; 11] = [
+    "quantity",
+    "unit",
+    "displayUnit",
+    "min",
+    "max",
+    "start",
+    "fixed",
+    "nominal",
+    "unbounded",
+    "stateSelect",
+    "value",
+];
+
+impl Context<'_> {
+    /// Completes an instance and everything below it.
+    pub fn complete_all(&mut self, root: InstanceId) {
+        let mut stack = vec![root];
+        while let Some(id) = stack.pop() {
+            self.complete(id);
+            match &self.instances[id].kind {
+                InstanceKind::Object(children) => stack.extend(children.iter().rev()),
+                InstanceKind::Array { elements, .. } => stack.extend(elements.iter().rev()),
+                _ => {}
+            }
+        }
+    }
+
+    /// Finds out what an instance is, unless that is known.
+    pub fn complete(&mut self, id: InstanceId) {
+        match self.instances[id].kind {
+            InstanceKind::Pending => {}
+            InstanceKind::InProgress => {
+                self.report_component_cycle(id);
+                return;
+            }
+            _ => return,
+        }
+        self.instances[id].kind = InstanceKind::InProgress;
+        let kind = match self.instances[id].declaration.clone() {
+            Some(declaration) => self.declared(id, &declaration),
+            None => self.object(id),
+        };
+        // An error on the way may have settled it already.
+        if matches!(self.instances[id].kind, InstanceKind::InProgress) {
+            self.instances[id].kind = kind.unwrap_or(InstanceKind::Absent);
+        }
+    }
+
+    /// What a declared component is; `None` after an error.
+    fn declared(&mut self, id: InstanceId, declaration: &Declaration) -> Option<InstanceKind> {
+        let scope = self.instances[id].scope;
+        let element = &declaration.element;
+        let clause = declaration.clause();
+        let component = declaration.component();
+        if element.outer && !element.inner {
+            if let Some(inner) = self.find_inner(id, component.name.name) {
+                return Some(InstanceKind::Outer(inner));
+            }
+            self.report_no_inner(component.name);
+            return None;
+        }
+        if let Some(condition) = &component.condition {
+            match self.fold_boolean(condition, scope) {
+                Some(true) => {}
+                Some(false) | None => return Some(InstanceKind::Absent),
+            }
+        }
+        let class = self.class_or_report(&clause.type_name, scope)?;
+        let redeclared = self.class_redeclarations(&self.instances[id].layers.clone());
+        let class = self.with_redeclarations(class, redeclared);
+        self.instances[id].class = Some(class);
+        let table = self.table(class);
+
+        let mut prefix = clause.prefix;
+        merge_prefix(&mut prefix, table.prefix);
+        let around = self.instances[id].prefix;
+        prefix.variability = match (prefix.variability, around.variability) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        prefix.connection = prefix.connection.or(around.connection);
+        self.instances[id].prefix = prefix;
+
+        let sizes = self.sizes(id, declaration, &table)?;
+        match table.scalar {
+            Some(ty) => {
+                self.check_attribute_names(id);
+                Some(InstanceKind::Variable { ty, dims: sizes.into(), first: None })
+            }
+            None if sizes.is_empty() => {
+                self.check_instantiable(id, class);
+                self.object(id)
+            }
+            None => Some(self.array_of_objects(id, class, sizes)),
+        }
+    }
+
+    /// Dimensions of a component, of its type as written, and of its short classes.
+    fn sizes(
+        &mut self,
+        id: InstanceId,
+        declaration: &Declaration,
+        table: &ClassTable,
+    ) -> Option<Vec<usize>> {
+        let scope = self.instances[id].scope;
+        let component = declaration.component();
+        let mut written: Vec<(Subscript, Scope)> = Vec::new();
+        for s in component.dims.iter().chain(&declaration.clause().type_dims) {
+            written.push((s.clone(), scope));
+        }
+        for (list, holder) in &table.dims {
+            let outside = self.outside(*holder);
+            written.extend(list.iter().map(|s| (s.clone(), outside)));
+        }
+        let mut sizes = Vec::with_capacity(written.len());
+        let mut from_binding: Option<Vec<usize>> = None;
+        for (k, (subscript, scope)) in written.iter().enumerate() {
+            match subscript {
+                Subscript::Expr(e) => sizes.push(self.fold_size(e, *scope)?),
+                Subscript::Colon(span) => {
+                    if from_binding.is_none() {
+                        let value = self.binding_value(id);
+                        from_binding = Some(value.map(|v| v.dims().to_vec()).unwrap_or_default());
+                    }
+                    match from_binding.as_ref().and_then(|d| d.get(k)) {
+                        Some(n) => sizes.push(*n),
+                        None => {
+                            self.report_unknown_size(component.name, *span);
+                            return None;
+                        }
+                    }
+                }
+            }
+        }
+        Some(sizes)
+    }
+
+    /// An array of components with components: one instance for each element.
+    fn array_of_objects(
+        &mut self,
+        id: InstanceId,
+        class: ClassId,
+        sizes: Vec<usize>,
+    ) -> InstanceKind {
+        self.check_instantiable(id, class);
+        let count: usize = sizes.iter().product();
+        let template = self.instances[id].clone();
+        let mut elements = Vec::with_capacity(count);
+        let mut subscripts = vec![1; sizes.len()];
+        for _ in 0..count {
+            let layers: Rc<[Layer]> =
+                template.layers.iter().filter_map(|l| l.element(&subscripts)).collect();
+            let element = self.instances.push(Instance {
+                parent: Some(id),
+                subscripts: subscripts.clone().into(),
+                declaration: None,
+                layers,
+                class: Some(class),
+                kind: InstanceKind::Pending,
+                ..template.clone()
+            });
+            elements.push(element);
+            advance(&mut subscripts, &sizes);
+        }
+        InstanceKind::Array { dims: sizes.into(), elements: elements.into() }
+    }
+
+    /// The children of a component with components.
+    fn object(&mut self, id: InstanceId) -> Option<InstanceKind> {
+        let class = self.instances[id].class?;
+        let table = self.table(class);
+        self.check_modified_names(id, &table);
+        let mut children = Vec::with_capacity(table.component_count);
+        for entry in &table.entries {
+            if let EntryKind::Component(declaration) = &entry.kind {
+                children.push(self.child_instance(id, entry, declaration));
+            }
+        }
+        Some(InstanceKind::Object(children.into()))
+    }
+
+    fn child_instance(
+        &mut self,
+        parent: InstanceId,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> InstanceId {
+        let wanted = entry.name.name;
+        let own = Scope { instance: parent, class: entry.class };
+        let mut layers = Vec::new();
+        let outer = self.instances[parent].layers.clone();
+        for layer in outer.iter() {
+            layer.child(wanted, &mut layers);
+        }
+        let mut scope = own;
+        let mut declared = declaration.clone();
+        for (replacement, at) in self.component_redeclarations(&outer, entry, parent, wanted) {
+            push_whole(&mut layers, replacement.component().modification.as_ref(), at);
+            if scope == own {
+                scope = at;
+                declared = replacement;
+            }
+        }
+        for (modification, class) in entry.layers.iter() {
+            let layer = Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.modification_scope(*class, parent),
+                subscripts: Rc::from([]),
+            };
+            layer.child(wanted, &mut layers);
+        }
+        // What the original declaration says also holds for a replacement (section 7.3.2), unless
+        // a constraining clause says what does.
+        let constraint = declaration.element.replaceable.as_ref();
+        match constraint.and_then(|r| r.constraint.as_ref().map(|_| r)) {
+            Some(r) if scope != own => push_whole(&mut layers, r.modification.as_ref(), own),
+            _ => push_whole(&mut layers, declaration.component().modification.as_ref(), own),
+        }
+        let holder = &self.instances[parent];
+        let prefix = ast::TypePrefix {
+            variability: holder.prefix.variability,
+            connection: holder.prefix.connection,
+            causality: None,
+        };
+        let protected = holder.protected || entry.protected;
+        self.instances.push(Instance {
+            name: wanted,
+            parent: Some(parent),
+            subscripts: Box::new([]),
+            declaration: Some(declared),
+            scope,
+            layers: layers.into(),
+            class: None,
+            kind: InstanceKind::Pending,
+            prefix,
+            protected,
+        })
+    }
+
+    /// `redeclare T name(...)` in the modifications of the parent, outermost first.
+    fn component_redeclarations(
+        &self,
+        outer: &[Layer],
+        entry: &Entry,
+        parent: InstanceId,
+        wanted: Name,
+    ) -> Vec<(Declaration, Scope)> {
+        let inherited = entry.layers.iter().map(|(m, class)| Layer {
+            source: LayerSource::Whole(m.clone()),
+            scope: self.modification_scope(*class, parent),
+            subscripts: Rc::from([]),
+        });
+        let mut found = Vec::new();
+        for layer in outer.iter().cloned().chain(inherited) {
+            for (element, _) in layer.redeclarations() {
+                if let ElementKind::Components(clause) = &element.kind
+                    && let Some(k) = clause.components.iter().position(|c| c.name.name == wanted)
+                {
+                    let element = Rc::new((**element).clone());
+                    found.push((Declaration { element, component: k }, layer.scope));
+                }
+            }
+        }
+        found
+    }
+
+    /// Classes redeclared by the modifications of a component, outermost first.
+    fn class_redeclarations(&self, layers: &[Layer]) -> Vec<Redeclaration> {
+        let mut seen = FastSet::default();
+        let mut found = Vec::new();
+        for layer in layers {
+            for (element, _) in layer.redeclarations() {
+                if let ElementKind::Class(class) = &element.kind
+                    && seen.insert(class.name.name)
+                {
+                    found.push(Redeclaration {
+                        name: class.name.name,
+                        class: class.clone(),
+                        written_in: layer.scope.class,
+                        instance: Some(layer.scope.instance),
+                    });
+                }
+            }
+        }
+        found
+    }
+
+    /// The `inner` component of that name in the components around.
+    fn find_inner(&mut self, id: InstanceId, wanted: Name) -> Option<InstanceId> {
+        let mut at = self.instances[id].parent;
+        while let Some(holder) = at {
+            at = self.instances[holder].parent;
+            if !matches!(self.instances[holder].kind, InstanceKind::Object(_)) {
+                continue;
+            }
+            if let Some(found) = self.child(holder, wanted)
+                && found != id
+                && self.instances[found].declaration.as_ref().is_some_and(|d| d.element.inner)
+            {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// The outermost binding of an instance.
+    pub fn binding(&self, id: InstanceId) -> Option<Binding> {
+        self.instances[id].layers.iter().find_map(Layer::binding)
+    }
+
+    /// The outermost binding of an attribute of an instance of predefined type: from modifications of
+    /// the component, then from its type.
+    pub fn attribute(&mut self, id: InstanceId, attribute: Name) -> Option<Binding> {
+        let mut found = Vec::new();
+        for layer in self.instances[id].layers.iter() {
+            layer.child(attribute, &mut found);
+        }
+        if let Some(binding) = found.iter().find_map(Layer::binding) {
+            return Some(binding);
+        }
+        let table = self.table_of(id);
+        for (modification, class) in &table.layers {
+            let layer = Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.outside(*class),
+                subscripts: Rc::from([]),
+            };
+            layer.child(attribute, &mut found);
+        }
+        found.iter().find_map(Layer::binding)
+    }
+
+    fn check_attribute_names(&mut self, id: InstanceId) {
+        for layer in self.instances[id].layers.clone().iter() {
+            if let LayerSource::Setting(s, depth) = &layer.source {
+                if s.parts.len() == *depth
+                    || (s.parts.len() == depth + 1 && is_attribute(s.parts[*depth].0))
+                {
+                    s.used.set(true);
+                }
+                continue;
+            }
+            for (text, span) in layer.modified_names() {
+                if !is_attribute(text) {
+                    self.report_unknown_attribute(id, text, span);
+                }
+            }
+        }
+    }
+
+    fn check_modified_names(&mut self, id: InstanceId, table: &ClassTable) {
+        for layer in self.instances[id].layers.clone().iter() {
+            if let LayerSource::Setting(s, depth) = &layer.source
+                && s.parts.len() == *depth
+            {
+                s.used.set(true);
+            }
+            for (text, span) in layer.modified_names() {
+                if !table.index.contains_key(&text) {
+                    self.report_unknown_modifier(id, text, span, table);
+                }
+            }
+        }
+    }
+}
+
+fn is_attribute(text: Name) -> bool {
+    ATTRIBUTES.contains(&text.as_str())
+}
+
+fn push_whole(
+    layers: &mut Vec<Layer>,
+    modification: Option<&std::sync::Arc<ast::Modification>>,
+    scope: Scope,
+) {
+    if let Some(m) = modification {
+        let source = LayerSource::Whole(m.clone());
+        layers.push(Layer { source, scope, subscripts: Rc::from([]) });
+    }
+}
+
+/// The next subscripts in row-major order, counted from 1.
+pub fn advance(subscripts: &mut [usize], sizes: &[usize]) {
+    for k in (0..sizes.len()).rev() {
+        subscripts[k] += 1;
+        if subscripts[k] <= sizes[k] {
+            return;
+        }
+        subscripts[k] = 1;
+    }
+}

@@ -1,0 +1,218 @@
+//! Names to classes: local, inherited, imported, enclosing, library (section 5.3 of the
+//! specification).
+
+use super::{Context, Predefined, ROOT};
+use crate::base::name::Name;
+use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind, ImportForm};
+use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, InstanceKind, Scope};
+
+/// What a first identifier stands for when it is no component of the instance itself.
+#[derive(Clone, Copy, Debug)]
+pub enum Found {
+    /// A class.
+    Class(ClassId),
+    /// A component of an enclosing or imported package.
+    Component(InstanceId),
+}
+
+impl Context<'_> {
+    /// The class of a dotted name, seen from `scope`.
+    pub fn find_class(&mut self, path: &ast::Path, scope: Scope) -> Option<ClassId> {
+        let (first, rest) = path.parts.split_first()?;
+        let mut at = if path.global {
+            self.member_class(ROOT.class, first.name, ROOT.instance)
+        } else {
+            match self.find_first(first.name, scope)? {
+                Found::Class(c) => Some(c),
+                Found::Component(_) => None,
+            }
+        }?;
+        for part in rest {
+            let holder = self.classes[at].holder;
+            at = self.member_class(at, part.name, holder)?;
+        }
+        Some(at)
+    }
+
+    /// The class of a dotted name; what is missing is reported.
+    pub fn class_or_report(&mut self, path: &ast::Path, scope: Scope) -> Option<ClassId> {
+        let found = self.find_class(path, scope);
+        if found.is_none() {
+            self.report_unknown_class(path, scope);
+        }
+        found
+    }
+
+    /// The first identifier of a name, looked up outwards from `scope.class`: classes, and the
+    /// components (constants) of enclosing packages. Components of `scope.instance` itself are
+    /// the caller's business.
+    pub fn find_first(&mut self, wanted: Name, scope: Scope) -> Option<Found> {
+        let mut class = scope.class;
+        let mut instance = scope.instance;
+        let mut own = true;
+        loop {
+            if let Some(c) = self.member_class(class, wanted, instance) {
+                return Some(Found::Class(c));
+            }
+            if !own && let Some(i) = self.package_component(class, wanted) {
+                return Some(Found::Component(i));
+            }
+            if let Some(found) = self.imported(class, wanted) {
+                return Some(found);
+            }
+            own = false;
+            let here = &self.classes[class];
+            let encapsulated =
+                matches!(&here.body, ClassText::Written(c) if c.encapsulated);
+            match here.enclosing {
+                Some(_) if encapsulated => {
+                    instance = ROOT.instance;
+                    class = ROOT.class;
+                }
+                Some(outer) => {
+                    instance = here.holder;
+                    class = outer;
+                }
+                None => break,
+            }
+        }
+        match self.predefined.get(&wanted) {
+            Some(Predefined::Type(c) | Predefined::Enumeration(c, _)) => Some(Found::Class(*c)),
+            None => None,
+        }
+    }
+
+    /// The class `wanted` among the elements of `class`, own or inherited or in a file of its own.
+    /// `instance` is the instance of `class` in hand.
+    pub fn member_class(
+        &mut self,
+        class: ClassId,
+        wanted: Name,
+        instance: InstanceId,
+    ) -> Option<ClassId> {
+        if class == ROOT.class {
+            let text = self.library.top(wanted, self.sources, self.problems)?;
+            return Some(self.class_in(&text, ROOT.class, ROOT.instance));
+        }
+        let redeclared = self.classes[class].redeclared.clone();
+        if let Some(r) = redeclared.iter().find(|r| r.name == wanted) {
+            let holder = r.instance.unwrap_or(instance);
+            return Some(self.class_in(&r.class, r.written_in, holder));
+        }
+        let (text, declared_in) = if self.table_in_progress(class) {
+            (self.own_class(class, wanted)?, class)
+        } else {
+            let table = self.table(class);
+            match table.index.get(&wanted).map(|at| &table.entries[*at]) {
+                Some(entry) => match &entry.kind {
+                    EntryKind::Class(c) => (c.clone(), entry.class),
+                    EntryKind::Component(_) => return None,
+                },
+                None => {
+                    let full_name = self.classes[class].full_name;
+                    let c = self.library.child(full_name, wanted, self.sources, self.problems)?;
+                    (c, class)
+                }
+            }
+        };
+        let holder = if self.is_package(class) { self.package_instance(class) } else { instance };
+        Some(self.class_in(&text, declared_in, holder))
+    }
+
+    /// A class written in the text of `class` itself, or beside it in the package's folder.
+    fn own_class(&mut self, class: ClassId, wanted: Name) -> Option<std::sync::Arc<ast::Class>> {
+        let text = self.text(class)?.clone();
+        if let ClassBody::Long(composition) = &text.body {
+            for element in &composition.elements {
+                if let ElementKind::Class(c) = &element.kind
+                    && c.name.name == wanted
+                {
+                    return Some(c.clone());
+                }
+            }
+        }
+        let full_name = self.classes[class].full_name;
+        self.library.child(full_name, wanted, self.sources, self.problems)
+    }
+
+    fn is_package(&self, class: ClassId) -> bool {
+        self.text(class).is_some_and(|c| c.kind == ClassKind::Package)
+    }
+
+    /// The instance that holds the constants of a package.
+    pub(crate) fn package_instance(&mut self, class: ClassId) -> InstanceId {
+        if let Some(id) = self.package_instances.get(&class) {
+            return *id;
+        }
+        let full_name = self.classes[class].full_name;
+        let id = self.instances.push(super::package_like(class, full_name));
+        self.instances[id].scope = Scope { instance: id, class };
+        self.package_instances.insert(class, id);
+        id
+    }
+
+    /// The component `wanted` of a package.
+    pub(crate) fn package_component(&mut self, class: ClassId, wanted: Name) -> Option<InstanceId> {
+        if class == ROOT.class || self.table_in_progress(class) {
+            return None;
+        }
+        let table = self.table(class);
+        let entry = table.index.get(&wanted).map(|at| &table.entries[*at])?;
+        entry.component?;
+        let package = self.package_instance(class);
+        self.child(package, wanted)
+    }
+
+    /// The component `wanted` of an instance.
+    pub fn child(&mut self, parent: InstanceId, wanted: Name) -> Option<InstanceId> {
+        self.complete(parent);
+        let parent = match self.instances[parent].kind {
+            InstanceKind::Outer(inner) => inner,
+            _ => parent,
+        };
+        self.complete(parent);
+        let table = self.table_of(parent);
+        let at = table.index.get(&wanted)?;
+        let position = table.entries[*at].component?;
+        match &self.instances[parent].kind {
+            InstanceKind::Object(children) => children.get(position).copied(),
+            _ => None,
+        }
+    }
+
+    /// Import clauses of the text of `class` (they are not inherited).
+    fn imported(&mut self, class: ClassId, wanted: Name) -> Option<Found> {
+        let text = self.text(class)?.clone();
+        let ClassBody::Long(composition) = &text.body else { return None };
+        for element in &composition.elements {
+            let ElementKind::Import(import) = &element.kind else { continue };
+            let parts: Vec<Name> = import.path.parts.iter().map(|p| p.name).collect();
+            let full: Option<Vec<Name>> = match &import.form {
+                ImportForm::Qualified => (parts.last() == Some(&wanted)).then_some(parts),
+                ImportForm::Renamed(alias) => (alias.name == wanted).then_some(parts),
+                ImportForm::List(names) if names.iter().any(|n| n.name == wanted) => {
+                    Some([parts, vec![wanted]].concat())
+                }
+                ImportForm::All => Some([parts, vec![wanted]].concat()),
+                ImportForm::List(_) => None,
+            };
+            if let Some(found) = full.and_then(|f| self.absolute(&f)) {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// A name from the top: a class, or a component of a package.
+    fn absolute(&mut self, parts: &[Name]) -> Option<Found> {
+        let (last, packages) = parts.split_last()?;
+        let mut class = ROOT.class;
+        for part in packages {
+            class = self.member_class(class, *part, ROOT.instance)?;
+        }
+        if let Some(c) = self.member_class(class, *last, ROOT.instance) {
+            return Some(Found::Class(c));
+        }
+        self.package_component(class, *last).map(Found::Component)
+    }
+}

@@ -1,0 +1,184 @@
+//! Modifications on their way to what they modify: a layer is a place in the text of a modification
+//! together with the scope in which its expressions are read. Nothing is copied or merged; the list
+//! of layers is searched from the outermost inwards (section 7.2 of the specification).
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::ast::{ArgumentKind, Element, Expr, Modification};
+use super::instance::Scope;
+use crate::base::name::Name;
+use crate::base::source::Span;
+
+/// One modification that applies to a component.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Where it stands.
+    pub source: LayerSource,
+    /// Where its names are looked up.
+    pub scope: Scope,
+    /// Subscripts to apply to a binding, collected from the arrays between the text and here.
+    pub subscripts: Rc<[usize]>,
+}
+
+/// A place in a modification.
+#[derive(Clone, Debug)]
+pub enum LayerSource {
+    /// A modification as a whole, such as that of a declaration.
+    Whole(Arc<Modification>),
+    /// Argument `.1` of a modification, of whose dotted name the first `.2 + 1` parts are matched.
+    Argument(Arc<Modification>, usize, usize),
+    /// A setting from outside the text, of whose name the first `.1` parts are matched.
+    Setting(Rc<Setting>, usize),
+}
+
+/// `NAME=VALUE` from the command line or a program.
+#[derive(Debug)]
+pub struct Setting {
+    /// The dotted name with subscripts.
+    pub parts: Vec<(Name, Vec<usize>)>,
+    /// Its value.
+    pub value: Arc<Expr>,
+    /// The name as written.
+    pub text: String,
+    /// Whether a component of this name was found.
+    pub used: std::cell::Cell<bool>,
+}
+
+/// A binding with what stands around it.
+#[derive(Clone, Debug)]
+pub struct Binding {
+    /// The expression.
+    pub value: Arc<Expr>,
+    /// Where its names are looked up.
+    pub scope: Scope,
+    /// To be applied to the value, unless it has fewer dimensions.
+    pub subscripts: Rc<[usize]>,
+    /// `final`.
+    pub is_final: bool,
+    /// From the command line.
+    pub setting: bool,
+}
+
+impl Layer {
+    /// The layers that this one holds for the component or attribute `name`.
+    pub fn child(&self, name: Name, out: &mut Vec<Layer>) {
+        match &self.source {
+            LayerSource::Whole(m) => self.arguments(m, name, out),
+            LayerSource::Argument(m, k, depth) => {
+                let ArgumentKind::Element { path, modification, .. } = &m.args[*k].kind else {
+                    return;
+                };
+                if let Some(part) = path.parts.get(depth + 1) {
+                    if part.name == name {
+                        out.push(self.at(LayerSource::Argument(m.clone(), *k, depth + 1), false));
+                    }
+                } else if let Some(inner) = modification {
+                    self.arguments(inner, name, out);
+                }
+            }
+            LayerSource::Setting(s, depth) => {
+                if s.parts.get(*depth).is_some_and(|(part, _)| *part == name) {
+                    out.push(self.at(LayerSource::Setting(s.clone(), depth + 1), false));
+                }
+            }
+        }
+    }
+
+    fn arguments(&self, m: &Arc<Modification>, name: Name, out: &mut Vec<Layer>) {
+        for (k, arg) in m.args.iter().enumerate() {
+            if let ArgumentKind::Element { path, .. } = &arg.kind
+                && path.parts.first().is_some_and(|p| p.name == name)
+            {
+                out.push(self.at(LayerSource::Argument(m.clone(), k, 0), arg.each));
+            }
+        }
+    }
+
+    fn at(&self, source: LayerSource, each: bool) -> Layer {
+        let subscripts = if each { Rc::from([]) } else { self.subscripts.clone() };
+        Layer { source, scope: self.scope, subscripts }
+    }
+
+    /// The layer for one element of an array of components.
+    pub fn element(&self, subscripts: &[usize]) -> Option<Layer> {
+        if let LayerSource::Setting(s, depth) = &self.source
+            && let Some((_, wanted)) = depth.checked_sub(1).and_then(|d| s.parts.get(d))
+            && !wanted.is_empty()
+        {
+            return (wanted == subscripts).then(|| self.clone());
+        }
+        let all: Vec<usize> = self.subscripts.iter().chain(subscripts).copied().collect();
+        Some(Layer { source: self.source.clone(), scope: self.scope, subscripts: all.into() })
+    }
+
+    /// The binding that this layer gives to the component itself.
+    pub fn binding(&self) -> Option<Binding> {
+        let make = |value: &Arc<Expr>, is_final, setting| Binding {
+            value: value.clone(),
+            scope: self.scope,
+            subscripts: self.subscripts.clone(),
+            is_final,
+            setting,
+        };
+        match &self.source {
+            LayerSource::Whole(m) => m.binding.as_ref().map(|e| make(e, false, false)),
+            LayerSource::Argument(m, k, depth) => match &m.args[*k].kind {
+                ArgumentKind::Element { path, modification: Some(inner), .. }
+                    if path.parts.len() == depth + 1 =>
+                {
+                    inner.binding.as_ref().map(|e| make(e, m.args[*k].is_final, false))
+                }
+                _ => None,
+            },
+            LayerSource::Setting(s, depth) => {
+                (s.parts.len() == *depth).then(|| make(&s.value, false, true))
+            }
+        }
+    }
+
+    /// The modification whose arguments this layer holds for the component, if any.
+    pub fn inner(&self) -> Option<&Arc<Modification>> {
+        match &self.source {
+            LayerSource::Whole(m) => Some(m),
+            LayerSource::Argument(m, k, depth) => match &m.args[*k].kind {
+                ArgumentKind::Element { path, modification, .. }
+                    if path.parts.len() == depth + 1 =>
+                {
+                    modification.as_ref()
+                }
+                _ => None,
+            },
+            LayerSource::Setting(..) => None,
+        }
+    }
+
+    /// Redeclarations in this layer of elements of the component.
+    pub fn redeclarations(&self) -> impl Iterator<Item = (&Arc<Element>, Span)> {
+        self.inner().into_iter().flat_map(|m| &m.args).filter_map(|arg| match &arg.kind {
+            ArgumentKind::Redeclare(element) => Some((element, arg.span)),
+            ArgumentKind::Element { .. } => None,
+        })
+    }
+
+    /// Names of elements that this layer modifies, with their places.
+    pub fn modified_names(&self) -> Vec<(Name, Span)> {
+        match &self.source {
+            LayerSource::Argument(m, k, depth) => match &m.args[*k].kind {
+                ArgumentKind::Element { path, .. } if path.parts.len() > depth + 1 => {
+                    let part = &path.parts[depth + 1];
+                    return vec![(part.name, part.span)];
+                }
+                _ => {}
+            },
+            LayerSource::Setting(..) => return Vec::new(),
+            LayerSource::Whole(_) => {}
+        }
+        let args = self.inner().into_iter().flat_map(|m| &m.args);
+        args.filter_map(|arg| match &arg.kind {
+            ArgumentKind::Element { path, .. } => path.parts.first().map(|p| (p.name, p.span)),
+            ArgumentKind::Redeclare(_) => None,
+        })
+        .collect()
+    }
+}

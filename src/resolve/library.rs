@@ -1,0 +1,212 @@
+//! All classes that a compilation can reach, read on demand.
+//!
+//! A package may be one file or a folder with `package.mo` (section 13.4 of the specification);
+//! what no model asks for is never opened.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::base::diag::{Diagnostic, Problems};
+use crate::base::index::FastMap;
+use crate::base::name::{Name, name};
+use crate::base::source::{SourceMap, Span};
+use crate::ir::ast;
+
+/// A tree of folders that holds packages: a folder on disk or the library in the binary.
+pub trait Folder {
+    /// Names in a folder, sorted; empty if there is no such folder. Folders end with `/`.
+    fn entries(&self, path: &Path) -> Vec<String>;
+    /// The text of a file, or `None` if there is no such file.
+    fn read(&self, path: &Path) -> Option<Result<String, String>>;
+    /// How a file is named in messages.
+    fn display(&self, path: &Path) -> PathBuf;
+}
+
+/// The classes in reach.
+pub struct Library {
+    files: Vec<Arc<ast::Class>>,
+    folders: Vec<Box<dyn Folder>>,
+    tops: FastMap<Name, Option<Arc<ast::Class>>>,
+    /// Where a package stands that is a folder: full name to (folder, path).
+    packages: FastMap<Name, (usize, PathBuf)>,
+    children: FastMap<(Name, Name), Option<Arc<ast::Class>>>,
+}
+
+impl Library {
+    /// A library of the given folders, searched in order.
+    pub fn new(folders: Vec<Box<dyn Folder>>) -> Self {
+        Library {
+            files: Vec::new(),
+            folders,
+            tops: FastMap::default(),
+            packages: FastMap::default(),
+            children: FastMap::default(),
+        }
+    }
+
+    /// Adds the classes of a file that the user named; they hide libraries of the same name.
+    pub fn add_file(&mut self, file: &ast::File, sources: &SourceMap, problems: &mut Problems) {
+        for class in &file.classes {
+            if let Some(before) = self.files.iter().find(|c| c.name.name == class.name.name) {
+                problems.push(
+                    Diagnostic::error(
+                        "MO0101",
+                        class.name.span,
+                        format!("`{}` is defined twice", class.name.name),
+                    )
+                    .label("second definition")
+                    .also(before.name.span, "first definition")
+                    .help("rename or remove one of them"),
+                );
+                continue;
+            }
+            if let Some(within) = &file.within
+                && !within.parts.is_empty()
+            {
+                // A class of a package, opened by itself: it is also reachable by its short name.
+                self.open_enclosing(file, class, within, sources);
+            }
+            self.files.push(class.clone());
+        }
+    }
+
+    fn open_enclosing(
+        &mut self,
+        _file: &ast::File,
+        class: &Arc<ast::Class>,
+        within: &ast::Path,
+        _sources: &SourceMap,
+    ) {
+        let package = name(&within.to_string());
+        self.children.insert((package, class.name.name), Some(class.clone()));
+    }
+
+    /// Classes of the user's files, in order.
+    pub fn file_classes(&self) -> &[Arc<ast::Class>] {
+        &self.files
+    }
+
+    /// The top-level class of a name.
+    pub fn top(
+        &mut self,
+        wanted: Name,
+        sources: &mut SourceMap,
+        problems: &mut Problems,
+    ) -> Option<Arc<ast::Class>> {
+        if let Some(c) = self.files.iter().find(|c| c.name.name == wanted) {
+            return Some(c.clone());
+        }
+        if let Some(known) = self.tops.get(&wanted) {
+            return known.clone();
+        }
+        let mut found = None;
+        for k in 0..self.folders.len() {
+            let plain = wanted.to_string();
+            let versioned = self.folders[k]
+                .entries(Path::new(""))
+                .into_iter()
+                .filter_map(|e| e.strip_suffix('/').map(str::to_string))
+                .find(|e| e.split(' ').next() == Some(&plain));
+            let folder = versioned.unwrap_or(plain.clone());
+            if let Some(c) = self.open(k, Path::new(""), &folder, &plain, wanted, sources, problems) {
+                found = Some(c);
+                break;
+            }
+        }
+        self.tops.insert(wanted, found.clone());
+        found
+    }
+
+    /// A class that stands in the folder of package `full_name`, in a file of its own.
+    pub fn child(
+        &mut self,
+        full_name: Name,
+        wanted: Name,
+        sources: &mut SourceMap,
+        problems: &mut Problems,
+    ) -> Option<Arc<ast::Class>> {
+        if let Some(known) = self.children.get(&(full_name, wanted)) {
+            return known.clone();
+        }
+        let (folder, path) = self.packages.get(&full_name)?.clone();
+        let qualified = name(&format!("{full_name}.{wanted}"));
+        let found = self.open(folder, &path, &wanted, &wanted, qualified, sources, problems);
+        self.children.insert((full_name, wanted), found.clone());
+        found
+    }
+
+    /// Names of classes in files of their own in the folder of a package, or of all top-level
+    /// packages for an empty name: candidates for "did you mean".
+    pub fn child_names(&self, full_name: &str) -> Vec<String> {
+        let clean = |entries: Vec<String>| {
+            entries
+                .into_iter()
+                .map(|e| e.trim_end_matches('/').trim_end_matches(".mo").to_string())
+                .filter(|e| e != "package" && !e.contains('.'))
+        };
+        if full_name.is_empty() {
+            let mut all: Vec<String> =
+                self.files.iter().map(|c| c.name.name.to_string()).collect();
+            for f in &self.folders {
+                all.extend(clean(f.entries(Path::new(""))));
+            }
+            return all;
+        }
+        match self.packages.get(&name(full_name)) {
+            Some((k, path)) => clean(self.folders[*k].entries(path)).collect(),
+            None => Vec::new(),
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn open(
+        &mut self,
+        folder: usize,
+        parent: &Path,
+        folder_name: &str,
+        class_name: &str,
+        full_name: Name,
+        sources: &mut SourceMap,
+        problems: &mut Problems,
+    ) -> Option<Arc<ast::Class>> {
+        let as_folder = parent.join(folder_name);
+        let package = as_folder.join("package.mo");
+        let (path, text) = match self.folders[folder].read(&package) {
+            Some(text) => {
+                self.packages.insert(full_name, (folder, as_folder));
+                (package, text)
+            }
+            None => {
+                let file = parent.join(format!("{class_name}.mo"));
+                let text = self.folders[folder].read(&file)?;
+                (file, text)
+            }
+        };
+        let shown = self.folders[folder].display(&path);
+        let text = match text {
+            Ok(text) => text,
+            Err(why) => {
+                problems.push(Diagnostic::error(
+                    "MO0102",
+                    Span::NONE,
+                    format!("cannot read {}: {why}", shown.display()),
+                ));
+                return None;
+            }
+        };
+        let id = sources.add(shown, text.as_str());
+        let file = crate::parse::parse(id, &text, problems);
+        let class = file.classes.iter().find(|c| c.name.name.as_str() == class_name).cloned();
+        if class.is_none() {
+            problems.push(
+                Diagnostic::error(
+                    "MO0103",
+                    Span::new(id, 0, 0),
+                    format!("this file should define `{class_name}`, and does not"),
+                )
+                .note("a file of a library holds the class of its own name (section 13.4.1)"),
+            );
+        }
+        class
+    }
+}
