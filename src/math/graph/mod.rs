@@ -14,8 +14,9 @@ pub mod dulmage_mendelsohn;
 //pub mod dummy;
 pub mod matching;
 pub mod pantelides;
+pub mod rank;
 pub mod scc;
-//pub mod tearing;
+pub mod tearing;
 
 #[cfg(test)]
 mod samples;

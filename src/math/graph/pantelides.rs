@@ -59,7 +59,7 @@ pub enum Singular {
 /// - `fixed`: rows that may not be differentiated.
 ///
 /// Terminates always, because a system in which it would not is found to be singular first
-/// (Pantelides 1988, theorem 4.1: the system extended by ẋ = dx/dt must not be singular).
+/// (Pantelides 1988, section 4: the system extended by ẋ = dx/dt must not be singular).
 pub fn pantelides(
     incidence: &Bipartite,
     derivative: &IndexVec<Col, Option<Col>>,
@@ -146,7 +146,7 @@ impl System {
         search.augment(&self.graph, &mut self.matching, row, |_, col| derivative[col].is_none())
     }
 
-    /// Step 3b-5 of the algorithm: differentiates the coloured columns and rows, carries the
+    /// Differentiates the coloured columns and rows, carries the
     /// assignment over to the derivatives, and returns the derivative of `start`.
     fn differentiate(&mut self, start: Row, rows: &[Row], cols: &[Col]) -> Result<Row, Singular> {
         let rows = ascending(rows);
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(reduction.incidence.cols(Row(8)), [0, 1, 4, 5, 9, 10].map(Col));
     }
 
-    /// Mattsson and Söderlind 1993, section 3: x1 + x2 + u1 = 0, x1 + x2 + x3 + u2 = 0,
+    /// The linear example of Mattsson and Söderlind 1993: x1 + x2 + u1 = 0, x1 + x2 + x3 + u2 = 0,
     /// x1 + x3' + x4 + u3 = 0, 2 x1'' + x2'' + x3'' + x4' + u4 = 0; differentiated 2, 2, 1, 0 times.
     #[test]
     fn linear_system_of_mattsson_and_soderlind() {

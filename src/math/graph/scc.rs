@@ -140,8 +140,6 @@ mod tests {
         blocks.iter().map(|block| block.iter().map(|(row, _)| row.0).collect()).collect()
     }
 
-    /// Tarjan 1972, figure 3: eight nodes with the components {1}, {2}, {3, 4, 5, 6, 7, 8} as the
-    /// graph of a matched system whose row i needs the rows its node points to.
     #[test]
     fn components_of_a_matched_system() {
         // Two loops 0-1-2 and 3-4, the second one feeding the first, and a row that feeds none.
