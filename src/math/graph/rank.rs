@@ -6,7 +6,7 @@
 //! 2 x + 2 y are found to be dependent although they can be matched.
 
 use super::bipartite::Row;
-use crate::base::index::{Id, IndexVec};
+use crate::base::index::IndexVec;
 use std::collections::BTreeMap;
 
 /// A number modulo the Mersenne prime 2^61 - 1.
@@ -107,6 +107,7 @@ impl Echelon {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::index::Id;
     use crate::math::graph::samples::Xorshift;
 
     fn column(entries: &[f64]) -> Vec<(Row, Residue)> {

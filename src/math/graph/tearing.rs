@@ -143,7 +143,8 @@ impl<'a> Block<'a> {
     fn solve_what_can_be(&mut self) {
         while let Some(row) = self.ready.pop_front() {
             // Another row may have been solved for the unknown in the meantime.
-            if let Some(edge) = self.unknown_edges(row).next().filter(|&edge| self.solvable[edge]) {
+            let [unknown, _] = self.first_unknowns(row);
+            if let Some(edge) = unknown.filter(|&edge| self.solvable[edge]) {
                 let col = self.graph.col(edge);
                 self.solved[row] = true;
                 self.torn.explicit.push((row, col));
@@ -162,10 +163,11 @@ impl<'a> Block<'a> {
             self.unknowns[row] -= 1;
             // A row that had two unknowns has made its promise good or void.
             let was_solvable = self.graph.edge(row, col).is_some_and(|edge| self.solvable[edge]);
-            if self.unknowns[row] == 1 && was_solvable {
-                if let Some(edge) = self.unknown_edges(row).next() {
-                    self.add_point(self.graph.col(edge), false);
-                }
+            if self.unknowns[row] == 1
+                && was_solvable
+                && let [Some(edge), _] = self.first_unknowns(row)
+            {
+                self.add_point(self.graph.col(edge), false);
             }
             self.count_unknowns(row);
         }
@@ -176,20 +178,20 @@ impl<'a> Block<'a> {
         if self.unknowns[row] == 1 {
             self.ready.push_back(row);
         } else if self.unknowns[row] == 2 {
-            let mut edges = self.unknown_edges(row);
-            if let (Some(one), Some(other)) = (edges.next(), edges.next()) {
-                drop(edges);
-                for (guessed, solved) in [(one, other), (other, one)] {
-                    if self.solvable[solved] {
-                        self.add_point(self.graph.col(guessed), true);
-                    }
+            let [one, other] = self.first_unknowns(row);
+            for (guessed, solved) in [(one, other), (other, one)] {
+                if let (Some(guessed), true) = (guessed, solved.is_some_and(|e| self.solvable[e])) {
+                    self.add_point(self.graph.col(guessed), true);
                 }
             }
         }
     }
 
-    fn unknown_edges(&self, row: Row) -> impl Iterator<Item = Edge> {
-        self.graph.edges(row).filter(|&edge| !self.known[self.graph.col(edge)])
+    /// The first two unknowns of a row.
+    fn first_unknowns(&self, row: Row) -> [Option<Edge>; 2] {
+        let is_unknown = |edge: &Edge| !self.known[self.graph.col(*edge)];
+        let mut edges = self.graph.edges(row).filter(is_unknown);
+        [edges.next(), edges.next()]
     }
 
     fn add_point(&mut self, col: Col, more: bool) {
