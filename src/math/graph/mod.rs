@@ -7,7 +7,7 @@
 //! A structural analysis calls them in this order: [`matching`] and, if that is not perfect,
 //! [`dulmage_mendelsohn`] to explain it; [`pantelides`] to find which equations to differentiate;
 //! [`dummy`] to choose the states; [`scc`] to order the equations into blocks; [`tearing`] to
-//! shrink each block.
+//! shrink each block. [`augment`] and [`rank`] serve them.
 pub mod augment;
 pub mod bipartite;
 pub mod dulmage_mendelsohn;
