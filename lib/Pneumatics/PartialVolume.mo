@@ -5,9 +5,10 @@ partial model PartialVolume "Isothermal air in a volume; how large it is, is the
   parameter Units.AbsolutePressure p_start = Air.p_ambient "Pressure at the start";
   parameter Units.Volume           V_nominal = 1e-6        "Size, to scale the mass for the solver";
 
-  Units.AbsolutePressure p "Absolute pressure";
-  Units.Volume           V "Volume";
-  Units.Mass             m(nominal = Air.p_ambient*V_nominal/(Air.R*Air.T), stateSelect = StateSelect.prefer) "Mass of air";
+  Units.AbsolutePressure p(start = p_start)   "Absolute pressure";
+  Units.Volume           V(start = V_nominal) "Volume";
+  Units.Mass             m(start = p_start*V_nominal/(Air.R*Air.T), nominal = Air.p_ambient*V_nominal/(Air.R*Air.T),
+                           stateSelect = StateSelect.prefer) "Mass of air";
 
   Port port;
 initial equation

@@ -10,14 +10,11 @@ model PilotValve "Solenoid pilot: follows a switch late and gradually"
   Boolean open(start = false, fixed = true) "Where the opening is heading";
 protected
   constant Units.Time never = 1e30;
-  discrete Units.Time t_open  "When the last switching-on takes effect";
-  discrete Units.Time t_close "When the last switching-off takes effect";
-initial equation
-  pre(t_open) = if on then time + t_delay else never;
-  pre(t_close) = never;
+  discrete Units.Time t_open(start = never, fixed = true)  "When the last switching-on takes effect";
+  discrete Units.Time t_close(start = never, fixed = true) "When the last switching-off takes effect";
 equation
-  when on then
-    t_open = time + t_delay;
+  when {initial(), on} then
+    t_open = if on then time + t_delay else never;
   end when;
   when not on then
     t_close = time + t_delay;
