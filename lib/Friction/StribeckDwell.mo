@@ -1,5 +1,5 @@
 within Friction;
-model StribeckDwell "Stribeck friction that grows with the time without operation"
+model StribeckDwell "Stribeck friction that grows with time without operation"
   extends StribeckShape;
   parameter Units.Force    F_Coulomb      "Coulomb friction";
   parameter Units.Force    F_Stribeck_max "Stribeck force after infinite rest";

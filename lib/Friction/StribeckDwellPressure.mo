@@ -1,5 +1,5 @@
 within Friction;
-model StribeckDwellPressure "Stribeck friction that grows with the time without operation and with the pressure difference"
+model StribeckDwellPressure "Stribeck friction that grows with time without operation and with pressure"
   extends StribeckShape;
   parameter Units.Force       F_Coulomb      "Coulomb friction without pressure";
   parameter Units.PerPressure k_C            "Relative increase of F_Coulomb per pressure difference";

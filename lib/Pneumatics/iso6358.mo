@@ -12,14 +12,18 @@ function iso6358 "Mass flow through a restriction after ISO 6358, from a to b, e
   output Units.MassFlowRate     m_flow "Mass flow, positive from a to b";
 protected
   constant Units.Fraction r_linear = 0.999;
-  Units.AbsolutePressure p_up "Upstream pressure";
+  Boolean forward "True if a is upstream";
+  Units.AbsolutePressure p_1 "Upstream pressure";
+  Units.AbsolutePressure p_2 "Downstream pressure";
   Units.Fraction r   "Pressure ratio";
   Units.Fraction z   "Place between choking (0) and standstill (1)";
   Units.Fraction psi "Flow function, 0 to 1";
 algorithm
-  p_up := max(p_a, p_b);
-  r := min(p_a, p_b)/p_up;
-  z := (max(b, min(r, r_linear)) - b)/(1 - b);
-  psi := sqrt(1 - z^2)*min(1, (1 - r)/(1 - r_linear));
-  m_flow := (if p_a >= p_b then 1 else -1)*C*Air.rho_0*p_up*psi;
+  forward := p_a >= p_b;
+  p_1 := if forward then p_a else p_b;
+  p_2 := if forward then p_b else p_a;
+  r := p_2/p_1;
+  z := max(0, (min(r, r_linear) - b)/(1 - b));
+  psi := sqrt(1 - z^2)*(if r <= r_linear then 1 else (1 - r)/(1 - r_linear));
+  m_flow := (if forward then 1 else -1)*C*Air.rho_0*p_1*psi;
 end iso6358;

@@ -10,4 +10,6 @@ model FlowSeal "Seal at a control edge: lets air through where it does not touch
 equation
   connect(port_a, gap.port_a);
   connect(gap.port_b, port_b);
+  assert(contact == Contact.CloseToOpen or contact == Contact.OpenToClose,
+    "FlowSeal: a seal that opens a flow path has a control edge: CloseToOpen or OpenToClose");
 end FlowSeal;

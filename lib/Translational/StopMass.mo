@@ -14,13 +14,17 @@ model StopMass "Rigid body between two stops without rebound, rubbed by seals"
   parameter Motion         mode_start = Motion.AtMin  "What it is doing before the start";
   parameter Units.Time     t_no_start = 0 "Time without operation before the start";
 
-  Units.Position     s(start = s_start, fixed = true, nominal = s_max - s_min, stateSelect = StateSelect.prefer) "Stroke";
-  Units.Velocity     v(start = v_start, fixed = true, nominal = 0.1, stateSelect = StateSelect.prefer) "Speed";
-  Units.Acceleration a "Acceleration";
-  Units.Time         t_no(start = t_no_start, fixed = true) "Time without operation: grows at rest, kept while sliding";
+  Units.Position     s(start = s_start, fixed = true, nominal = s_max - s_min, stateSelect = StateSelect.prefer)
+    "Stroke";
+  Units.Velocity     v(start = v_start, fixed = true, nominal = 0.1, stateSelect = StateSelect.prefer)
+    "Speed";
+  Units.Acceleration a
+    "Acceleration";
+  Units.Time         t_no(start = t_no_start, fixed = true)
+    "Time without operation: grows at rest, kept while sliding";
 
   Motion  mode(start = mode_start, fixed = true) "What the body is doing";
-  Boolean locked "True at rest, stops included";
+  Boolean locked(start = true) "True at rest, stops included";
 
   Units.Force f        "Driving force: all but friction, positive towards +s";
   Units.Force f_slide  "Friction while sliding, sum over the seals";
