@@ -1,0 +1,7 @@
+within Friction;
+model Frictionless "No friction at all"
+  extends Law;
+equation
+  f_slide = 0;
+  f_static = 0;
+end Frictionless;

@@ -1,0 +1,3 @@
+within;
+package Friction "Exchangeable friction laws of a seal"
+end Friction;

@@ -1,0 +1,4 @@
+within Pneumatics;
+model Ambient "The surroundings"
+  extends Source(p = Air.p_ambient);
+end Ambient;

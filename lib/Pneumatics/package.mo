@@ -1,0 +1,3 @@
+within;
+package Pneumatics "Air in volumes and restrictions, isothermal"
+end Pneumatics;

@@ -1,0 +1,28 @@
+within Signals;
+model PilotValve "Solenoid pilot: follows a switch late and gradually"
+  // Each edge of the switch takes effect t_delay later. Of each kind one edge can be on its way at a time:
+  // a period shorter than t_delay is not for this model.
+  parameter Units.Time t_delay "Delay of each edge";
+  parameter Units.Time tau     "Time constant of the opening";
+  input Boolean on "The switch";
+
+  Units.Fraction x(start = 0, fixed = true) "Opening, 0 closed to 1 open";
+  Boolean open(start = false, fixed = true) "Where the opening is heading";
+protected
+  constant Units.Time never = 1e30;
+  discrete Units.Time t_open(start = never, fixed = true)  "When the last switching-on takes effect";
+  discrete Units.Time t_close(start = never, fixed = true) "When the last switching-off takes effect";
+equation
+  when {initial(), on} then
+    t_open = if on then time + t_delay else never;
+  end when;
+  when not on then
+    t_close = time + t_delay;
+  end when;
+  when time >= t_open then
+    open = true;
+  elsewhen time >= t_close then
+    open = false;
+  end when;
+  tau*der(x) = (if open then 1 else 0) - x;
+end PilotValve;

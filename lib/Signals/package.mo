@@ -1,0 +1,3 @@
+within;
+package Signals "Switching signals and what follows them"
+end Signals;

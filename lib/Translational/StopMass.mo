@@ -1,0 +1,84 @@
+within Translational;
+model StopMass "Rigid body between two stops without rebound, rubbed by seals"
+  // The body slides or it rests; `mode` says which. It changes only when
+  //   - the driving force on the resting body exceeds what static friction can hold (breakaway),
+  //   - the body arrives at a stop,
+  //   - its speed passes through zero (it locks; it may break away again within the same event).
+  // The switching follows Otter, Elmqvist, Mattsson (1999), "Hybrid Modeling in Modelica based on the
+  // Synchronous Data Flow Principle": a resting body has no speed and no acceleration, exactly.
+  parameter Units.Mass     m              "Mass";
+  parameter Units.Position s_min      = 0 "Lower stop";
+  parameter Units.Position s_max          "Upper stop";
+  parameter Units.Position s_start    = s_min         "Position at the start";
+  parameter Units.Velocity v_start    = 0             "Speed at the start, 0 if it rests";
+  parameter Motion         mode_start = Motion.AtMin  "What it is doing before the start";
+  parameter Units.Time     t_no_start = 0 "Time without operation before the start";
+
+  Units.Position     s(start = s_start, fixed = true, nominal = s_max - s_min, stateSelect = StateSelect.prefer)
+    "Stroke";
+  Units.Velocity     v(start = v_start, fixed = true, nominal = 0.1, stateSelect = StateSelect.prefer)
+    "Speed";
+  Units.Acceleration a
+    "Acceleration";
+  Units.Time         t_no(start = t_no_start, fixed = true)
+    "Time without operation: grows at rest, kept while sliding";
+
+  Motion  mode(start = mode_start, fixed = true) "What the body is doing";
+  Boolean locked(start = true) "True at rest, stops included";
+
+  Units.Force f        "Driving force: all but friction, positive towards +s";
+  Units.Force f_slide  "Friction while sliding, sum over the seals";
+  Units.Force f_static "Friction available at rest, sum over the seals";
+
+  Flange      flange "Forces that drive the body";
+  SpoolFlange seals  "Seals that rub on it";
+protected
+  // Each of the four is the argument of one relation. Where a relation has no meaning its argument is kept
+  // clear of the threshold, so that a relation changes when, and only when, the physics does.
+  Units.Force    f_ahead  "Driving force towards +s on a body that rests and may go there";
+  Units.Force    f_behind "Driving force towards -s on a body that rests and may go there";
+  Units.Velocity v_along  "Speed in the direction of sliding";
+  Units.Length   s_left   "Way left to the stop in the direction of sliding";
+equation
+  // Motion
+  der(s) = v;
+  der(v) = a;
+  m*a = if mode == Motion.Forward then f - f_slide
+    elseif mode == Motion.Backward then f + f_slide
+    else 0;
+  der(t_no) = if locked then 1 else 0;
+
+  // Connections
+  f = flange.f + seals.f_push;
+  f_slide = seals.f_slide;
+  f_static = seals.f_static;
+  flange.s = s;
+  seals.s = s;
+  seals.v = v;
+  seals.t_no = t_no;
+
+  // Switching
+  f_ahead  = if pre(mode) == Motion.AtMin or pre(mode) == Motion.Locked then f else 0;
+  f_behind = if pre(mode) == Motion.AtMax or pre(mode) == Motion.Locked then -f else 0;
+  v_along  = if pre(mode) == Motion.Forward then v elseif pre(mode) == Motion.Backward then -v else 0;
+  s_left   = if pre(mode) == Motion.Forward then s_max - s elseif pre(mode) == Motion.Backward then s - s_min
+    else s_max - s_min;
+
+  mode = if s_left <= 0 then (if pre(mode) == Motion.Forward then Motion.AtMax else Motion.AtMin)
+    elseif v_along < 0 then Motion.Locked
+    elseif f_ahead > f_static then Motion.Forward
+    elseif f_behind > f_static then Motion.Backward
+    else pre(mode);
+  locked = mode <> Motion.Forward and mode <> Motion.Backward;
+
+  when locked then
+    reinit(v, 0);
+    reinit(t_no, 0);
+  end when;
+  when mode == Motion.AtMax then
+    reinit(s, s_max);
+  elsewhen mode == Motion.AtMin then
+    reinit(s, s_min);
+  end when;
+  assert(s_max > s_min, "StopMass: the upper stop s_max must lie above the lower stop s_min");
+end StopMass;

@@ -1,0 +1,34 @@
+within;
+package Units "Types of physical quantities in SI units"
+  // Every quantity of the library is declared with one of these types; values are SI throughout.
+
+  type Time                = Real(quantity = "Time", unit = "s");
+  type Length              = Real(quantity = "Length", unit = "m");
+  type Position            = Real(quantity = "Length", unit = "m");
+  type Velocity            = Real(quantity = "Velocity", unit = "m/s");
+  type Acceleration        = Real(quantity = "Acceleration", unit = "m/s2");
+  type Mass                = Real(quantity = "Mass", unit = "kg", min = 0);
+  type Force               = Real(quantity = "Force", unit = "N");
+  type SpringStiffness     = Real(quantity = "TranslationalSpringConstant", unit = "N/m", min = 0);
+  type DampingCoefficient  = Real(quantity = "TranslationalDampingConstant", unit = "N.s/m", min = 0);
+  type Area                = Real(quantity = "Area", unit = "m2", min = 0);
+  type Volume              = Real(quantity = "Volume", unit = "m3", min = 0);
+  type AbsolutePressure    = Real(quantity = "Pressure", unit = "Pa", min = 0, nominal = 1e5, displayUnit = "bar")
+    "Pressure above vacuum";
+  type PressureDifference  = Real(quantity = "Pressure", unit = "Pa", nominal = 1e5, displayUnit = "bar")
+    "Difference of two pressures, also a gauge pressure";
+  type MassFlowRate        = Real(quantity = "MassFlowRate", unit = "kg/s", nominal = 1e-3);
+  type Density             = Real(quantity = "Density", unit = "kg/m3", min = 0);
+  type Temperature         = Real(quantity = "ThermodynamicTemperature", unit = "K", min = 0, nominal = 300);
+  type SpecificGasConstant = Real(quantity = "SpecificHeatCapacity", unit = "J/(kg.K)", min = 0)
+    "Gas constant R of one gas";
+  type SonicConductance    = Real(quantity = "SonicConductance", unit = "m3/(s.Pa)", min = 0, nominal = 1e-8)
+    "Sonic conductance C of ISO 6358";
+  type PerPressure         = Real(quantity = "PerPressure", unit = "1/Pa")
+    "Relative increase per pressure";
+  type PerVelocity         = Real(quantity = "PerVelocity", unit = "s/m")
+    "Relative decay per speed";
+  type Fraction            = Real(quantity = "Fraction", unit = "1")
+    "Part of a whole, 0 to 1";
+  type Exponent            = Real(quantity = "Exponent", unit = "1");
+end Units;
