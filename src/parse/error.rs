@@ -16,6 +16,8 @@ pub enum Context {
     Equation,
     /// An algorithm section.
     Statement,
+    /// What stands between `if` and `then`, `for` and `loop`...
+    Head,
 }
 
 impl Context {
@@ -26,6 +28,7 @@ impl Context {
             Context::Element => "the declaration",
             Context::Equation => "the equation",
             Context::Statement => "the statement",
+            Context::Head => "the condition",
         }
     }
 }
@@ -47,8 +50,8 @@ pub enum Bound {
 pub enum SyntaxError {
     Unexpected { span: Span, expected: String, found: String, help: Option<String> },
     UnexpectedEnd { span: Span, expected: String },
-    MissingSemicolon { at: Span, after: Context, found: String, help: Option<String> },
-    UnclosedBracket { span: Span, open: Span, bracket: Kind, help: Option<String> },
+    MissingSemicolon { at: Span, after: Context, found: String },
+    UnclosedBracket { at: Span, open: Span, bracket: Kind },
     StrayBracket { span: Span, bracket: Kind },
     WrongEndName { class: Ident, found: Ident },
     UnclosedClass { class: Ident, found: Option<Ident> },
@@ -95,17 +98,16 @@ impl From<SyntaxError> for Diagnostic {
             UnexpectedEnd { span, expected } => {
                 err("MO0002", span, format!("expected {expected}, found the end of the file"))
             }
-            MissingSemicolon { at, after, found, help } => {
+            MissingSemicolon { at, after, found } => {
                 let after = after.phrase();
-                let d = err("MO0003", at, format!("expected `;` after {after}, found {found}"));
-                with_help(d.label("`;` is missing here"), help)
+                err("MO0003", at, format!("expected `;` after {after}, found {found}"))
+                    .label("`;` is missing here")
             }
-            UnclosedBracket { span, open, bracket, help } => {
+            UnclosedBracket { at, open, bracket } => {
                 let close = bracket.partner().unwrap_or(bracket).text();
-                let d = err("MO0004", span, format!("`{}` is not closed", bracket.text()))
-                    .label(format!("`{close}` expected before this"))
-                    .also(open, "opened here");
-                with_help(d, help)
+                err("MO0004", at, format!("`{}` is not closed", bracket.text()))
+                    .label(format!("`{close}` is missing here"))
+                    .also(open, "opened here")
             }
             StrayBracket { span, bracket } => {
                 err("MO0004", span, format!("`{}` closes nothing", bracket.text()))

@@ -1,5 +1,4 @@
-//! The door to the parser that LALRPOP generates from `grammar/modelica.lalrpop`, and the way from
-//! its errors to diagnostics.
+//! The door to the parser that LALRPOP generates from `grammar/modelica.lalrpop`.
 
 use super::build::Builder;
 use super::error::{Bound, Context, SyntaxError};
@@ -34,6 +33,7 @@ pub fn parse(file: FileId, text: &str, problems: &mut Problems) -> ast::File {
         return tree;
     }
     let mut builder = Builder::new(file, text, &lexed.tokens, problems);
+    builder.unclosed_reported = lexed.swallowed_end;
     let tokens = lexed.tokens.iter().map(|t| Ok((t.start, t.kind, t.end)));
     if let Err(failure) = generated::StoredParser::new().parse(&mut builder, tokens) {
         builder.syntax_error(failure, Context::Class);
@@ -41,43 +41,4 @@ pub fn parse(file: FileId, text: &str, problems: &mut Problems) -> ast::File {
     tree.within = builder.within;
     tree.classes = builder.classes;
     tree
-}
-
-impl Builder<'_> {
-    /// Reports an error of the parser, unless it follows from one already reported.
-    pub(super) fn syntax_error(&mut self, failure: Failure, context: Context) {
-        match failure {
-            Failure::UnrecognizedToken { token: (l, kind, r), expected } => {
-                let _ = context;
-                let span = self.span(l, r);
-                self.problems.push(
-                    SyntaxError::Unexpected {
-                        span,
-                        expected: expected.join(" "),
-                        found: kind.text().into(),
-                        help: None,
-                    }
-                    .into(),
-                );
-            }
-            Failure::UnrecognizedEof { location, expected } => {
-                let span = self.span(location, location);
-                self.problems
-                    .push(SyntaxError::UnexpectedEnd { span, expected: expected.join(" ") }.into());
-            }
-            Failure::User { error: (at, bound) } => {
-                let span = self.span(at, at);
-                self.problems.push(SyntaxError::TooDeep { span, bound }.into());
-            }
-            Failure::InvalidToken { .. } | Failure::ExtraToken { .. } => {}
-        }
-    }
-    /// Where reading resumes after an error at `offset`.
-    pub(super) fn resume_after(&self, offset: u32) -> u32 {
-        let from = self.tokens.partition_point(|t| t.start < offset);
-        self.tokens[from..]
-            .iter()
-            .find(|t| t.kind == Kind::Semicolon || t.kind.starts_section())
-            .map_or(u32::MAX, |t| t.start)
-    }
 }

@@ -28,6 +28,8 @@ pub struct Lexed {
     pub comments: Vec<Comment>,
     /// True if the tokens end early.
     pub cut_off: bool,
+    /// True if an unterminated comment or string took the rest of the text with it.
+    pub swallowed_end: bool,
 }
 
 /// Cuts `text` into tokens; what is no token is reported and left out or repaired.
@@ -50,6 +52,7 @@ pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
             Ok(Lexeme::BlockComment(closed)) => {
                 lexed.comments.push(Comment { span, block: true });
                 if !closed {
+                    lexed.swallowed_end = true;
                     problems.push(SyntaxError::UnterminatedComment { span }.into());
                 }
                 continue;
@@ -59,6 +62,7 @@ pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
                 Kind::Ident
             }
             Ok(Lexeme::OpenString) => {
+                lexed.swallowed_end = true;
                 problems.push(SyntaxError::UnterminatedString { span }.into());
                 Kind::String
             }

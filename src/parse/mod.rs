@@ -6,6 +6,7 @@
 
 pub mod build;
 pub mod error;
+mod explain;
 pub mod grammar;
 pub mod lexer;
 pub mod token;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Builder, MAX_BLOCKS, OpenClass};
+use super::{Builder, MAX_BLOCKS, OpenClass, too_deep};
 use crate::base::source::Span;
 use crate::ir::ast::*;
 use crate::parse::error::SyntaxError;
@@ -206,7 +206,7 @@ impl Builder<'_> {
     ) -> Result<Box<Head>, Failure> {
         self.blocks = 0;
         if self.open.len() >= MAX_BLOCKS {
-            return Err(self.too_deep(name.span.start));
+            return Err(too_deep(name.span.start));
         }
         self.open.push(OpenClass { start: prefixes.start, name });
         Ok(Box::new(Head { prefixes, kind, name }))
@@ -326,10 +326,6 @@ impl Builder<'_> {
     /// The innermost class that is open.
     pub(in crate::parse) fn innermost_class(&self) -> Option<Ident> {
         self.open.last().map(|open| open.name)
-    }
-    /// True once; afterwards an unclosed class has been reported.
-    pub(in crate::parse) fn report_unclosed_once(&mut self) -> bool {
-        !std::mem::replace(&mut self.unclosed_reported, true)
     }
 
     // ---- Sections ----

@@ -5,6 +5,7 @@ use super::class::Description;
 use crate::base::source::Span;
 use crate::ir::ast::*;
 use crate::parse::error::SyntaxError;
+use crate::parse::token::Kind;
 
 /// Conditions with what they guard.
 type Branches<T> = Vec<(Expr, Vec<T>)>;
@@ -195,10 +196,17 @@ impl Builder<'_> {
             .filter(|t| t.end <= right.span.start)
             .map_or(left.span, |t| self.span(t.start, t.end))
     }
+    /// Reports an expression that should have been more, unless the parser is about to report
+    /// what follows it.
     fn incomplete(&mut self, expr: &Expr, wanted: &'static str) {
-        if expr.span.start >= self.quiet_until && !matches!(expr.kind, ExprKind::Broken) {
+        let next = self.tokens.partition_point(|t| t.start < expr.span.end);
+        let ends = self.tokens.get(next).is_none_or(|t| {
+            matches!(t.kind, Kind::Semicolon | Kind::String | Kind::Annotation)
+                || t.kind.starts_section()
+        });
+        let follows_error = expr.span.start < self.quiet_until;
+        if ends && !follows_error && !matches!(expr.kind, ExprKind::Broken) {
             self.report(SyntaxError::LoneExpression { span: expr.span, wanted });
-            self.quiet_until = self.resume_after(expr.span.end);
         }
     }
 }

@@ -37,7 +37,7 @@ pub struct Builder<'t> {
     /// Consequences of an error, up to this byte, are not reported.
     pub(super) quiet_until: u32,
     /// An unclosed class was reported already; the end of the file is its consequence.
-    unclosed_reported: bool,
+    pub(super) unclosed_reported: bool,
 }
 
 /// The head of a class whose `end` has not been read.
@@ -100,13 +100,10 @@ impl<'t> Builder<'t> {
     /// Counts a block of equations or statements; passes its head on.
     pub fn enter<T>(&mut self, start: u32, head: T) -> Result<T, Failure> {
         self.blocks += 1;
-        if self.blocks > MAX_BLOCKS { Err(self.too_deep(start)) } else { Ok(head) }
+        if self.blocks > MAX_BLOCKS { Err(too_deep(start)) } else { Ok(head) }
     }
     fn leave(&mut self) {
         self.blocks = self.blocks.saturating_sub(1);
-    }
-    fn too_deep(&self, location: u32) -> Failure {
-        Failure::User { error: (location, Bound::Blocks) }
     }
 
     /// Reports a recovered error, unless it follows from one already reported.
@@ -127,4 +124,8 @@ impl<'t> Builder<'t> {
             .find(|t| t.kind == kind)
             .map_or(self.span(start, start), |t| self.span(t.start, t.end))
     }
+}
+
+fn too_deep(start: u32) -> Failure {
+    Failure::User { error: (start, Bound::Blocks) }
 }
