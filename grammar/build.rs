@@ -1,4 +1,11 @@
 //! Generates the parser from the grammar beside this file.
 fn main() {
     println!("cargo::rerun-if-changed=grammar/build.rs");
+    println!("cargo::rerun-if-changed=grammar/modelica.lalrpop");
+    let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
+    lalrpop::Configuration::new()
+        .set_in_dir("grammar")
+        .set_out_dir(out)
+        .process()
+        .expect("the grammar is LALR(1); LALRPOP prints the conflict above");
 }

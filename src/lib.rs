@@ -7,3 +7,9 @@ pub mod base;
 pub mod ir;
 pub mod math;
 pub mod symbolic;
+
+// The pipeline, front to back.
+pub mod flatten;
+pub mod instantiate;
+pub mod parse;
+pub mod resolve;

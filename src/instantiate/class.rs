@@ -155,10 +155,9 @@ impl Context<'_> {
                 merge_prefix(&mut table.prefix, short.prefix);
             }
             ClassBody::Long(composition) => self.fill_long(class, composition, table),
-            ClassBody::PartialDerivative { .. } => self.unsupported(
-                text.span,
-                "functions defined as partial derivatives",
-            ),
+            ClassBody::PartialDerivative { .. } => {
+                self.unsupported(text.span, "functions defined as partial derivatives")
+            }
         }
     }
 
@@ -296,13 +295,7 @@ impl Context<'_> {
         }
     }
 
-    fn add_entry(
-        &mut self,
-        table: &mut ClassTable,
-        entry: Entry,
-        redeclare: bool,
-        class: ClassId,
-    ) {
+    fn add_entry(&mut self, table: &mut ClassTable, entry: Entry, redeclare: bool, class: ClassId) {
         let Some(&at) = table.index.get(&entry.name.name) else {
             insert(table, entry);
             return;

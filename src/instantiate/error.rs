@@ -18,8 +18,9 @@ impl Context<'_> {
     /// A part of the language that mocc does not have yet.
     pub fn unsupported(&mut self, span: Span, what: &str) {
         self.problems.push(
-            Diagnostic::error("MO0200", span, format!("not supported yet: {what}"))
-                .help("write it another way for now; the list of what is supported is in README.md"),
+            Diagnostic::error("MO0200", span, format!("not supported yet: {what}")).help(
+                "write it another way for now; the list of what is supported is in README.md",
+            ),
         );
     }
 
@@ -188,9 +189,13 @@ impl Context<'_> {
         let span = self.declared_at(id);
         let path = self.path(id);
         self.problems.push(
-            Diagnostic::error("MO0205", span, format!("the structure of `{path}` depends on itself"))
-                .label("needed for its own size, condition or class")
-                .help("break the circle: give one of the sizes or conditions a value of its own"),
+            Diagnostic::error(
+                "MO0205",
+                span,
+                format!("the structure of `{path}` depends on itself"),
+            )
+            .label("needed for its own size, condition or class")
+            .help("break the circle: give one of the sizes or conditions a value of its own"),
         );
         self.instances[id].kind = InstanceKind::Absent;
     }
@@ -211,7 +216,10 @@ impl Context<'_> {
             Diagnostic::error(
                 "MO0207",
                 component.span,
-                format!("the size of `{}` is left open and has no value to take it from", component.name),
+                format!(
+                    "the size of `{}` is left open and has no value to take it from",
+                    component.name
+                ),
             )
             .also(span, "open size")
             .help("give it a size or a binding"),
@@ -228,7 +236,11 @@ impl Context<'_> {
             let d = Diagnostic::error(
                 "MO0208",
                 span,
-                format!("`{}` is partial: `{}` cannot be of this class", text.name.name, self.path(id)),
+                format!(
+                    "`{}` is partial: `{}` cannot be of this class",
+                    text.name.name,
+                    self.path(id)
+                ),
             )
             .also(text.name.span, "declared `partial` here");
             self.problems.push(if replaceable {
@@ -241,7 +253,10 @@ impl Context<'_> {
             self.error(
                 "MO0208",
                 span,
-                format!("`{}` is a package or a function, not the class of a component", text.name.name),
+                format!(
+                    "`{}` is a package or a function, not the class of a component",
+                    text.name.name
+                ),
             );
         }
         // A component whose class is around it would hold itself without end.

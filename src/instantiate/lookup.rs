@@ -62,8 +62,7 @@ impl Context<'_> {
             }
             own = false;
             let here = &self.classes[class];
-            let encapsulated =
-                matches!(&here.body, ClassText::Written(c) if c.encapsulated);
+            let encapsulated = matches!(&here.body, ClassText::Written(c) if c.encapsulated);
             match here.enclosing {
                 Some(_) if encapsulated => {
                     instance = ROOT.instance;

@@ -113,13 +113,7 @@ impl<'a> Context<'a> {
 
     fn add_predefined_class(&mut self, text: &str, ty: Type) -> ClassId {
         let root = Some(ROOT.class);
-        self.add_class(
-            ClassText::Predefined(ty),
-            name(text),
-            root,
-            ROOT.instance,
-            Rc::from([]),
-        )
+        self.add_class(ClassText::Predefined(ty), name(text), root, ROOT.instance, Rc::from([]))
     }
 
     /// Instantiates the model `class` with settings from outside, and everything in it.

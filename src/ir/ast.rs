@@ -350,6 +350,17 @@ pub enum ArgumentKind {
     },
     /// `redeclare T a(...)`, `replaceable T a(...)`, `redeclare model M = N(...)`.
     Redeclare(Arc<Element>),
+    /// `break ...` in the modification of an extends clause.
+    Removal(Removal),
+}
+
+/// What `break` leaves out of a base class (selective model extension, section 7.4).
+#[derive(Clone, Debug)]
+pub enum Removal {
+    /// `break a`
+    Element(Ident),
+    /// `break connect(a, b)`
+    Connection(ComponentRef, ComponentRef),
 }
 
 /// `equation` or `initial equation`.
@@ -579,6 +590,8 @@ pub enum ExprKind {
     },
     /// `end` in a subscript
     End,
+    /// `break` as the binding of a modification, `a = break`: the binding is removed (section 7.2.7)
+    Break,
     /// Did not parse; already reported
     Broken,
 }

@@ -1,8 +1,8 @@
 //! The representations between the stages, in pipeline order.
 pub mod ast;
-pub mod modification;
-pub mod instance;
+pub mod blocks;
+pub mod dae;
 pub mod expr;
 pub mod flat;
-pub mod dae;
-pub mod blocks;
+pub mod instance;
+pub mod modification;

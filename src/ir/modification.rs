@@ -157,7 +157,7 @@ impl Layer {
     pub fn redeclarations(&self) -> impl Iterator<Item = (&Arc<Element>, Span)> {
         self.inner().into_iter().flat_map(|m| &m.args).filter_map(|arg| match &arg.kind {
             ArgumentKind::Redeclare(element) => Some((element, arg.span)),
-            ArgumentKind::Element { .. } => None,
+            ArgumentKind::Element { .. } | ArgumentKind::Removal(_) => None,
         })
     }
 
@@ -177,7 +177,7 @@ impl Layer {
         let args = self.inner().into_iter().flat_map(|m| &m.args);
         args.filter_map(|arg| match &arg.kind {
             ArgumentKind::Element { path, .. } => path.parts.first().map(|p| (p.name, p.span)),
-            ArgumentKind::Redeclare(_) => None,
+            ArgumentKind::Redeclare(_) | ArgumentKind::Removal(_) => None,
         })
         .collect()
     }

@@ -108,7 +108,8 @@ impl Library {
                 .filter_map(|e| e.strip_suffix('/').map(str::to_string))
                 .find(|e| e.split(' ').next() == Some(&plain));
             let folder = versioned.unwrap_or(plain.clone());
-            if let Some(c) = self.open(k, Path::new(""), &folder, &plain, wanted, sources, problems) {
+            if let Some(c) = self.open(k, Path::new(""), &folder, &plain, wanted, sources, problems)
+            {
                 found = Some(c);
                 break;
             }
@@ -145,8 +146,7 @@ impl Library {
                 .filter(|e| e != "package" && !e.contains('.'))
         };
         if full_name.is_empty() {
-            let mut all: Vec<String> =
-                self.files.iter().map(|c| c.name.name.to_string()).collect();
+            let mut all: Vec<String> = self.files.iter().map(|c| c.name.name.to_string()).collect();
             for f in &self.folders {
                 all.extend(clean(f.entries(Path::new(""))));
             }
@@ -195,7 +195,7 @@ impl Library {
             }
         };
         let id = sources.add(shown, text.as_str());
-        let file = crate::parse::parse(id, &text, problems);
+        let file = crate::parse::grammar::parse(id, &text, problems);
         let class = file.classes.iter().find(|c| c.name.name.as_str() == class_name).cloned();
         if class.is_none() {
             problems.push(

@@ -1,0 +1,400 @@
+//! Statements run on values. Where a condition is known, its branch is taken; where only a run knows
+//! it, both branches are run and every variable they touch becomes an `if` expression. Loops run
+//! as often as is known here. (Chapter 11 of the specification.)
+
+use super::Context;
+use super::value::{Record, Value};
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastMap;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::instantiate::evaluate::reference::Selection;
+use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind, Subscript};
+use crate::ir::expr::{Const, ExprId, VarId};
+use crate::ir::instance::{InstanceKind, Scope};
+
+/// No loop in a function that is evaluated here runs longer.
+const MAX_TURNS: usize = 1_000_000;
+
+/// How a list of statements ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Flow {
+    Next,
+    Break,
+    Return,
+}
+
+impl Context<'_> {
+    /// Runs statements; `None` after an error.
+    pub(crate) fn run_statements(&mut self, list: &[Statement], scope: Scope) -> Option<Flow> {
+        for s in list {
+            let flow = self.run_statement(s, scope)?;
+            if flow != Flow::Next {
+                return Some(flow);
+            }
+        }
+        Some(Flow::Next)
+    }
+
+    fn run_statement(&mut self, s: &Statement, scope: Scope) -> Option<Flow> {
+        match &s.kind {
+            StatementKind::Assign(target, value) => {
+                let value = self.evaluate(value, scope)?;
+                self.assign(target, value, scope)?;
+            }
+            StatementKind::AssignTuple(targets, call) => {
+                let value = self.evaluate(call, scope)?;
+                let values: Vec<Value> = match &value {
+                    Value::Tuple(t) => t.to_vec(),
+                    other => vec![other.clone()],
+                };
+                if targets.len() > values.len() {
+                    let message = format!(
+                        "{} values are wanted, and the function gives {}",
+                        targets.len(),
+                        values.len()
+                    );
+                    self.error("MO0219", s.span, message);
+                    return None;
+                }
+                for (target, value) in targets.iter().zip(values) {
+                    if let Some(target) = target {
+                        self.assign(target, value, scope)?;
+                    }
+                }
+            }
+            StatementKind::Call(call) => self.run_call(call, scope)?,
+            StatementKind::If { branches, otherwise } => {
+                return self.run_if(branches, otherwise, scope, s.span);
+            }
+            StatementKind::For { iterators, body } => {
+                return self.run_for(iterators, body, scope);
+            }
+            StatementKind::While { condition, body } => {
+                return self.run_while(condition, body, scope);
+            }
+            StatementKind::When { .. } => {
+                self.unsupported(s.span, "`when` inside other statements");
+                return None;
+            }
+            StatementKind::Break => return Some(Flow::Break),
+            StatementKind::Return => return Some(Flow::Return),
+            StatementKind::Broken => return None,
+        }
+        Some(Flow::Next)
+    }
+
+    fn run_call(&mut self, call: &Expr, scope: Scope) -> Option<()> {
+        if let ExprKind::Call { function, args, .. } = &call.kind
+            && function.simple().is_some_and(|n| n == "assert")
+        {
+            let condition = self.evaluate_scalar(args.first()?, scope)?;
+            if self.graph.as_const(condition) == Some(Const::Boolean(false)) {
+                let text = args
+                    .get(1)
+                    .and_then(|m| self.evaluate_scalar(m, scope))
+                    .and_then(|m| self.graph.as_const(m));
+                let text = match text {
+                    Some(Const::String(t)) => t.to_string(),
+                    _ => "assertion failed".to_string(),
+                };
+                self.error("MO0223", call.span, text);
+                return None;
+            }
+            return Some(());
+        }
+        self.evaluate(call, scope).map(|_| ())
+    }
+
+    fn run_if(
+        &mut self,
+        branches: &[(Expr, Vec<Statement>)],
+        otherwise: &[Statement],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Flow> {
+        let Some(((condition, body), rest)) = branches.split_first() else {
+            return self.run_statements(otherwise, scope);
+        };
+        let c = self.evaluate(condition, scope)?;
+        let c = self.truth(&c, condition.span)?;
+        match self.structural_value(c) {
+            Some(Const::Boolean(true)) => return self.run_statements(body, scope),
+            Some(Const::Boolean(false)) => return self.run_if(rest, otherwise, scope, span),
+            _ => {}
+        }
+        let before = self.snapshot();
+        let first = self.run_statements(body, scope)?;
+        let after_first = self.snapshot();
+        self.restore(&before);
+        let second = self.run_if(rest, otherwise, scope, span)?;
+        if first != second {
+            self.problems.push(
+                Diagnostic::error(
+                    "MO0200",
+                    span,
+                    "not supported yet: leaving a loop or a function under a condition that only a run knows",
+                )
+                .help("assign in both branches instead"),
+            );
+            return None;
+        }
+        self.merge(c, &after_first, span)?;
+        Some(first)
+    }
+
+    fn snapshot(&self) -> (Vec<(Name, Value)>, FastMap<VarId, ExprId>) {
+        let frame = self.evaluation.frame;
+        (self.evaluation.locals[frame..].to_vec(), self.evaluation.assigned.clone())
+    }
+
+    fn restore(&mut self, saved: &(Vec<(Name, Value)>, FastMap<VarId, ExprId>)) {
+        let frame = self.evaluation.frame;
+        self.evaluation.locals.truncate(frame);
+        self.evaluation.locals.extend(saved.0.iter().cloned());
+        self.evaluation.assigned.clone_from(&saved.1);
+    }
+
+    /// Every variable becomes `if c then (its value in first) else (its value now)`.
+    fn merge(
+        &mut self,
+        c: ExprId,
+        first: &(Vec<(Name, Value)>, FastMap<VarId, ExprId>),
+        span: Span,
+    ) -> Option<()> {
+        let frame = self.evaluation.frame;
+        for (k, (_, value)) in first.0.iter().enumerate() {
+            let now = self.evaluation.locals[frame + k].1.clone();
+            if *value != now {
+                let merged = self.if_values(c, value.clone(), now, span)?;
+                self.evaluation.locals[frame + k].1 = merged;
+            }
+        }
+        let mut keys: Vec<VarId> = first.1.keys().copied().collect();
+        keys.extend(self.evaluation.assigned.keys().copied());
+        keys.sort();
+        keys.dedup();
+        for v in keys {
+            let ty = match self.evaluation.instance_of.get(v.0 as usize) {
+                Some((id, _)) => match self.instances[*id].kind {
+                    InstanceKind::Variable { ty, .. } => ty,
+                    _ => return None,
+                },
+                None => return None,
+            };
+            let itself = self.graph.var(v, ty);
+            let a = first.1.get(&v).copied().unwrap_or(itself);
+            let b = self.evaluation.assigned.get(&v).copied().unwrap_or(itself);
+            let merged = self.graph.if_then_else(c, a, b);
+            self.evaluation.assigned.insert(v, merged);
+        }
+        Some(())
+    }
+
+    fn run_for(
+        &mut self,
+        iterators: &[crate::ir::ast::Iterator],
+        body: &[Statement],
+        scope: Scope,
+    ) -> Option<Flow> {
+        let Some((first, rest)) = iterators.split_first() else {
+            return self.run_statements(body, scope);
+        };
+        for value in self.fold_range(first, scope)? {
+            self.evaluation.locals.push((first.name.name, value));
+            let flow = self.run_for(rest, body, scope);
+            self.evaluation.locals.pop();
+            match flow? {
+                Flow::Next => {}
+                Flow::Break => break,
+                Flow::Return => return Some(Flow::Return),
+            }
+        }
+        Some(Flow::Next)
+    }
+
+    fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {
+        for _ in 0..MAX_TURNS {
+            let c = self.evaluate(condition, scope)?;
+            let c = self.truth(&c, condition.span)?;
+            match self.structural_value(c) {
+                Some(Const::Boolean(false)) => return Some(Flow::Next),
+                Some(Const::Boolean(true)) => {}
+                _ => {
+                    self.unsupported(condition.span, "loops whose length only a run knows");
+                    return None;
+                }
+            }
+            match self.run_statements(body, scope)? {
+                Flow::Next => {}
+                Flow::Break => return Some(Flow::Next),
+                Flow::Return => return Some(Flow::Return),
+            }
+        }
+        let message = format!("this loop runs more than {MAX_TURNS} times");
+        self.error("MO0221", condition.span, message);
+        None
+    }
+
+    /// `target := value`, for a local of a function or a variable of the model.
+    pub(crate) fn assign(
+        &mut self,
+        target: &ComponentRef,
+        value: Value,
+        scope: Scope,
+    ) -> Option<()> {
+        let first = target.parts[0].name.name;
+        let frame = self.evaluation.frame;
+        let at = self.evaluation.locals[frame..].iter().rposition(|(n, _)| *n == first);
+        if let Some(at) = at {
+            let old = self.evaluation.locals[frame + at].1.clone();
+            let new = self.updated(&old, &target.parts, value, scope, target.span)?;
+            self.evaluation.locals[frame + at].1 = new;
+            return Some(());
+        }
+        if self.evaluation.in_function {
+            self.report_unknown_name(first, target.span, scope);
+            return None;
+        }
+        let selection = self.select(target, scope)?;
+        let variables = self.selected_variables(&selection, target.span)?;
+        if value.elements().len() != variables.len() {
+            let message =
+                format!("{} values are assigned to {}", value.elements().len(), variables.len());
+            self.error("MO0215", target.span, message);
+            return None;
+        }
+        for (v, e) in variables.into_iter().zip(value.elements()) {
+            let e = e.scalar()?;
+            self.evaluation.assigned.insert(v, e);
+        }
+        Some(())
+    }
+
+    /// The scalar variables of a selection, row-major.
+    pub(crate) fn selected_variables(
+        &mut self,
+        selection: &Selection,
+        span: Span,
+    ) -> Option<Vec<VarId>> {
+        let mut out = Vec::new();
+        match selection {
+            Selection::Whole(id) => match &self.instances[*id].kind {
+                InstanceKind::Variable { dims, first: Some(first), .. } => {
+                    let n: usize = dims.iter().product();
+                    out.extend((0..n as u32).map(|k| VarId(first.0 + k)));
+                }
+                InstanceKind::Object(children) => {
+                    for child in children.clone() {
+                        out.extend(self.selected_variables(&Selection::Whole(child), span)?);
+                    }
+                }
+                InstanceKind::Array { elements, .. } => {
+                    for element in elements.clone() {
+                        out.extend(self.selected_variables(&Selection::Whole(element), span)?);
+                    }
+                }
+                _ => {
+                    self.error("MO0212", span, "a variable is needed here");
+                    return None;
+                }
+            },
+            Selection::Element(id, k) => match self.instances[*id].kind {
+                InstanceKind::Variable { first: Some(first), .. } => {
+                    out.push(VarId(first.0 + *k as u32));
+                }
+                _ => return None,
+            },
+            Selection::Many(_, all) => {
+                for s in all {
+                    out.extend(self.selected_variables(s, span)?);
+                }
+            }
+            Selection::Absent => {
+                self.error("MO0217", span, "this component is switched off by its condition");
+                return None;
+            }
+        }
+        Some(out)
+    }
+
+    /// `old` with the part that `parts` name replaced; the first part names `old` itself.
+    fn updated(
+        &mut self,
+        old: &Value,
+        parts: &[RefPart],
+        value: Value,
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        let (part, rest) = parts.split_first()?;
+        if part.subscripts.is_empty() {
+            let Some(next) = rest.first() else {
+                return Some(value);
+            };
+            let Value::Record(record) = old else {
+                self.error("MO0202", span, "this is no record");
+                return None;
+            };
+            let mut fields = record.fields.clone();
+            let Some(at) = fields.iter().position(|(n, _)| *n == next.name.name) else {
+                let message = format!("there is no field `{}`", next.name.name);
+                self.error("MO0202", next.name.span, message);
+                return None;
+            };
+            fields[at].1 = self.updated(&fields[at].1, rest, value, scope, span)?;
+            return Some(Value::Record(std::rc::Rc::new(Record { class: record.class, fields })));
+        }
+        let Value::Array(array) = old else {
+            self.error("MO0216", span, "this is no array");
+            return None;
+        };
+        let positions = self.positions(&array.dims, &part.subscripts, scope, span)?;
+        let mut elements = array.elements.clone();
+        let single = positions.len() == 1;
+        if !single && value.elements().len() != positions.len() {
+            let message =
+                format!("{} values are assigned to {}", value.elements().len(), positions.len());
+            self.error("MO0215", span, message);
+            return None;
+        }
+        for (k, p) in positions.iter().enumerate() {
+            let new = value.elements().get(k)?.clone();
+            elements[*p] = if rest.is_empty() {
+                new
+            } else {
+                let bare = RefPart { name: part.name, subscripts: Vec::new() };
+                let parts: Vec<RefPart> =
+                    std::iter::once(bare).chain(rest.iter().cloned()).collect();
+                let whole = if single { value.clone() } else { new };
+                self.updated(&elements[*p], &parts, whole, scope, span)?
+            };
+        }
+        Some(Value::array(array.dims.clone(), elements))
+    }
+
+    fn positions(
+        &mut self,
+        dims: &[usize],
+        subscripts: &[Subscript],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Vec<usize>> {
+        let numbered: Vec<Value> = (0..dims.iter().product::<usize>())
+            .map(|k| Value::Scalar(self.graph.integer(k as i64)))
+            .collect();
+        let numbers = Value::array(dims.to_vec(), numbered);
+        let chosen = self.subscripted(numbers, subscripts, scope, span)?;
+        let mut out = Vec::new();
+        for e in chosen.elements() {
+            match e.scalar().and_then(|e| self.graph.as_const(e)) {
+                Some(Const::Integer(k)) => out.push(k as usize),
+                _ => {
+                    self.unsupported(span, "assignment to an element that only a run knows");
+                    return None;
+                }
+            }
+        }
+        Some(out)
+    }
+}

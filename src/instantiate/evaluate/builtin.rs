@@ -1,0 +1,584 @@
+//! Built-in operators and functions with function syntax (sections 3.7 and 10.3 of the
+//! specification).
+
+use super::Context;
+use super::value::Value;
+use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{ComponentRef, Expr, Ident};
+use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::instance::Scope;
+use crate::symbolic::gradient::{Leaf, time_derivative};
+
+/// Names of the functions of one number.
+const UNARY: [(&str, Unary); 20] = [
+    ("sin", Unary::Sin),
+    ("cos", Unary::Cos),
+    ("tan", Unary::Tan),
+    ("asin", Unary::Asin),
+    ("acos", Unary::Acos),
+    ("atan", Unary::Atan),
+    ("sinh", Unary::Sinh),
+    ("cosh", Unary::Cosh),
+    ("tanh", Unary::Tanh),
+    ("exp", Unary::Exp),
+    ("log", Unary::Log),
+    ("log10", Unary::Log10),
+    ("sqrt", Unary::Sqrt),
+    ("abs", Unary::Abs),
+    ("sign", Unary::Sign),
+    ("floor", Unary::Floor),
+    ("ceil", Unary::Ceil),
+    ("integer", Unary::ToInteger),
+    ("Integer", Unary::Ordinal),
+    ("Real", Unary::Ordinal),
+];
+
+/// Names of the functions of two numbers.
+const BINARY: [(&str, Binary); 4] = [
+    ("atan2", Binary::Atan2),
+    ("div", Binary::Quotient),
+    ("mod", Binary::Mod),
+    ("rem", Binary::Rem),
+];
+
+/// Everything else that is called by a simple name, for "did you mean".
+const OTHERS: [&str; 40] = [
+    "der",
+    "pre",
+    "edge",
+    "change",
+    "initial",
+    "terminal",
+    "sample",
+    "noEvent",
+    "smooth",
+    "homotopy",
+    "delay",
+    "cardinality",
+    "semiLinear",
+    "String",
+    "min",
+    "max",
+    "sum",
+    "product",
+    "size",
+    "ndims",
+    "zeros",
+    "ones",
+    "fill",
+    "identity",
+    "diagonal",
+    "linspace",
+    "transpose",
+    "cross",
+    "skew",
+    "outerProduct",
+    "symmetric",
+    "vector",
+    "scalar",
+    "matrix",
+    "cat",
+    "assert",
+    "terminate",
+    "reinit",
+    "connect",
+    "time",
+];
+
+impl Context<'_> {
+    /// A call in an expression.
+    pub(crate) fn call(
+        &mut self,
+        function: &ComponentRef,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let simple = function.simple();
+        if let Some(name) = simple
+            && let Some(result) = self.builtin(name, args, named, span, scope)
+        {
+            return result;
+        }
+        let path = crate::ir::ast::Path {
+            global: function.global,
+            parts: function.parts.iter().map(|p| p.name).collect(),
+            span: function.span,
+        };
+        let Some(class) = self.find_class(&path, scope) else {
+            self.report_unknown_function(&path);
+            return None;
+        };
+        let mut positional = Vec::with_capacity(args.len());
+        for a in args {
+            positional.push(self.evaluate(a, scope)?);
+        }
+        let mut by_name = Vec::with_capacity(named.len());
+        for (n, e) in named {
+            by_name.push((*n, self.evaluate(e, scope)?));
+        }
+        self.call_class(class, positional, by_name, span)
+    }
+
+    fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
+        let known = UNARY.iter().map(|u| u.0).chain(BINARY.iter().map(|b| b.0)).chain(OTHERS);
+        let mut d =
+            Diagnostic::error("MO0202", path.span, format!("there is no function `{path}`"))
+                .label("not found");
+        d = match did_you_mean(&path.to_string(), known) {
+            Some(near) => d.help(format!("did you mean `{near}`?")),
+            None => d.help("define it, or name the folder of its library with `--lib DIR`"),
+        };
+        self.problems.push(d);
+    }
+
+    /// `None` if the name is no built-in.
+    fn builtin(
+        &mut self,
+        name: Name,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Option<Value>> {
+        if let Some((_, op)) = UNARY.iter().find(|(n, _)| name == *n) {
+            return Some(self.unary_call(*op, args, span, scope));
+        }
+        if let Some((_, op)) = BINARY.iter().find(|(n, _)| name == *n) {
+            return Some(self.binary_call(*op, args, span, scope));
+        }
+        let result = match name.as_str() {
+            "der" => self.der(args, span, scope),
+            "pre" => self.of_variable(args, span, scope, |cx, v, ty| cx.graph.pre(v, ty)),
+            "edge" => self.of_variable(args, span, scope, |cx, v, ty| {
+                let (now, before) = (cx.graph.var(v, ty), cx.graph.pre(v, ty));
+                let not_before = cx.graph.not(before);
+                cx.graph.and(now, not_before)
+            }),
+            "change" => self.of_variable(args, span, scope, |cx, v, ty| {
+                let (now, before) = (cx.graph.var(v, ty), cx.graph.pre(v, ty));
+                cx.graph.binary(Binary::NotEqual, now, before)
+            }),
+            "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
+            "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
+            "sample" => self
+                .two(args, span, scope)
+                .map(|(a, b)| Value::Scalar(self.graph.intern(Node::Sample(a, b), Type::Boolean))),
+            "noEvent" => self
+                .one(args, span, scope)
+                .and_then(|v| v.map(|e| e.scalar().map(|e| Value::Scalar(self.graph.no_event(e))))),
+            "smooth" => self.smooth_call(args, span, scope),
+            "homotopy" => self.homotopy_call(args, named, span, scope),
+            "semiLinear" => self.semi_linear(args, span, scope),
+            "delay" => {
+                self.unsupported(span, "`delay`");
+                None
+            }
+            "cardinality" => {
+                self.unsupported(span, "`cardinality`");
+                None
+            }
+            "String" => self.string_call(args, named, span, scope),
+            "min" | "max" => self.min_max(name.as_str(), args, span, scope),
+            "sum" | "product" => {
+                self.one(args, span, scope).and_then(|v| self.reduce(name.as_str(), &v, span))
+            }
+            "size" | "ndims" | "zeros" | "ones" | "fill" | "identity" | "diagonal" | "linspace"
+            | "transpose" | "cross" | "skew" | "outerProduct" | "symmetric" | "vector"
+            | "scalar" | "matrix" | "cat" | "array" => {
+                self.array_call(name.as_str(), args, span, scope)
+            }
+            "assert" | "terminate" | "reinit" => {
+                self.error(
+                    "MO0219",
+                    span,
+                    format!("`{name}` is an equation or statement, and has no value"),
+                );
+                None
+            }
+            _ => return None,
+        };
+        Some(result)
+    }
+
+    fn wrong_arguments(&mut self, span: Span, wanted: &str) {
+        self.error("MO0219", span, format!("wrong number of arguments: {wanted} needed"));
+    }
+
+    fn one(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        match args {
+            [a] => self.evaluate(a, scope),
+            _ => {
+                self.wrong_arguments(span, "one is");
+                None
+            }
+        }
+    }
+
+    fn two(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<(ExprId, ExprId)> {
+        match args {
+            [a, b] => {
+                let (a, b) = (self.evaluate_scalar(a, scope), self.evaluate_scalar(b, scope));
+                Some((a?, b?))
+            }
+            _ => {
+                self.wrong_arguments(span, "two are");
+                None
+            }
+        }
+    }
+
+    fn unary_call(&mut self, op: Unary, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let value = self.one(args, span, scope)?;
+        if op == Unary::Ordinal {
+            return value.map(|v| Some(Value::Scalar(self.graph.unary(op, v.scalar()?))));
+        }
+        self.each_number(op, &value, span)
+    }
+
+    fn binary_call(
+        &mut self,
+        op: Binary,
+        args: &[Expr],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let [a, b] = args else {
+            self.wrong_arguments(span, "two are");
+            return None;
+        };
+        let (a, b) = (self.evaluate(a, scope)?, self.evaluate(b, scope)?);
+        self.each_pair(op, &a, &b, span)
+    }
+
+    /// `der(e)`: of a variable its derivative, of anything else the total derivative by time.
+    fn der(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let value = self.one(args, span, scope)?;
+        value.map(|v| {
+            let e = v.scalar()?;
+            if let Node::Var(x) = self.graph.node(e)
+                && self.variability(e) == crate::ir::ast::Variability::Continuous
+            {
+                return Some(Value::Scalar(self.graph.der(x)));
+            }
+            let continuous: Vec<VarId> = self
+                .graph
+                .variables(e)
+                .into_iter()
+                .filter(|x| {
+                    let read = self.graph.var(*x, Type::Real);
+                    self.variability(read) == crate::ir::ast::Variability::Continuous
+                })
+                .collect();
+            let d = time_derivative(&mut self.graph, e, |g, leaf| match leaf {
+                Leaf::Var(x) if continuous.contains(&x) => Some(g.der(x)),
+                _ => None,
+            });
+            Some(Value::Scalar(d))
+        })
+    }
+
+    fn of_variable(
+        &mut self,
+        args: &[Expr],
+        span: Span,
+        scope: Scope,
+        act: impl Fn(&mut Self, VarId, Type) -> ExprId,
+    ) -> Option<Value> {
+        let value = self.one(args, span, scope)?;
+        value.map(|v| {
+            let e = v.scalar()?;
+            match self.graph.node(e) {
+                Node::Var(x) => {
+                    let ty = self.graph.ty(e);
+                    Some(Value::Scalar(act(self, x, ty)))
+                }
+                // What never changes is its own past.
+                Node::Const(_) => Some(Value::Scalar(e)),
+                _ => {
+                    self.error("MO0219", span, "the argument must be a variable");
+                    None
+                }
+            }
+        })
+    }
+
+    fn smooth_call(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let [order, e] = args else {
+            self.wrong_arguments(span, "two are");
+            return None;
+        };
+        let order = self.fold_size(order, scope)? as u32;
+        let value = self.evaluate(e, scope)?;
+        value.map(|v| v.scalar().map(|e| Value::Scalar(self.graph.smooth(order, e))))
+    }
+
+    fn homotopy_call(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let find = |k: usize, n: &str| {
+            args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
+        };
+        let (Some(actual), Some(simplified)) = (find(0, "actual"), find(1, "simplified")) else {
+            self.wrong_arguments(span, "two are");
+            return None;
+        };
+        let a = self.evaluate_scalar(actual, scope)?;
+        let b = self.evaluate_scalar(simplified, scope)?;
+        Some(Value::Scalar(self.graph.intern(Node::Homotopy(a, b), Type::Real)))
+    }
+
+    /// `semiLinear(x, p, n) = if x >= 0 then p*x else n*x` (section 3.7.4).
+    fn semi_linear(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let [x, p, n] = args else {
+            self.wrong_arguments(span, "three are");
+            return None;
+        };
+        let x = self.evaluate_scalar(x, scope)?;
+        let p = self.evaluate_scalar(p, scope)?;
+        let n = self.evaluate_scalar(n, scope)?;
+        let zero = self.graph.real(0.0);
+        let c = self.graph.binary(Binary::GreaterEqual, x, zero);
+        let (a, b) = (self.graph.mul(p, x), self.graph.mul(n, x));
+        let e = self.graph.if_then_else(c, a, b);
+        Some(Value::Scalar(self.graph.smooth(0, e)))
+    }
+
+    /// Texts of what is known; what only a run knows is written as its expression.
+    fn string_call(
+        &mut self,
+        args: &[Expr],
+        _named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let Some(first) = args.first() else {
+            self.wrong_arguments(span, "one is");
+            return None;
+        };
+        let e = self.evaluate_scalar(first, scope)?;
+        let text = match self.graph.as_const(e) {
+            Some(Const::Real(bits)) => format!("{}", f64::from_bits(bits)),
+            Some(Const::Integer(i)) => i.to_string(),
+            Some(Const::Boolean(b)) => b.to_string(),
+            Some(Const::String(s)) => s.to_string(),
+            Some(Const::Enumeration(t, k)) => {
+                self.graph.enumerations[t].literals[k as usize - 1].to_string()
+            }
+            None => self.sources.text(first.span).unwrap_or("?").to_string(),
+        };
+        Some(Value::Scalar(self.graph.string(&text)))
+    }
+
+    fn min_max(&mut self, name: &str, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        match args {
+            [a] => {
+                let value = self.evaluate(a, scope)?;
+                self.reduce(name, &value, span)
+            }
+            [a, b] => {
+                let (a, b) = (self.evaluate(a, scope)?, self.evaluate(b, scope)?);
+                let op = if name == "min" { Binary::Min } else { Binary::Max };
+                self.each_pair(op, &a, &b, span)
+            }
+            _ => {
+                self.wrong_arguments(span, "one array or two numbers are");
+                None
+            }
+        }
+    }
+
+    fn array_call(&mut self, name: &str, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        match (name, args) {
+            ("size", [a, k]) => {
+                let dims = self.evaluate(a, scope)?.dims().to_vec();
+                let k = self.fold_size(k, scope)?;
+                match k.checked_sub(1).and_then(|k| dims.get(k)) {
+                    Some(n) => Some(Value::Scalar(self.graph.integer(*n as i64))),
+                    None => {
+                        self.error(
+                            "MO0216",
+                            span,
+                            format!("there are only {} dimensions", dims.len()),
+                        );
+                        None
+                    }
+                }
+            }
+            ("size", [a]) => {
+                let dims = self.evaluate(a, scope)?.dims().to_vec();
+                Some(Value::vector(
+                    dims.into_iter().map(|n| self.graph.integer(n as i64)).collect(),
+                ))
+            }
+            ("ndims", [a]) => {
+                let n = self.evaluate(a, scope)?.dims().len();
+                Some(Value::Scalar(self.graph.integer(n as i64)))
+            }
+            ("zeros" | "ones", sizes) if !sizes.is_empty() => {
+                let value = self.graph.integer(i64::from(name == "ones"));
+                self.filled(Value::Scalar(value), sizes, scope)
+            }
+            ("fill", [value, sizes @ ..]) => {
+                let value = self.evaluate(value, scope)?;
+                self.filled(value, sizes, scope)
+            }
+            ("identity", [n]) => {
+                let n = self.fold_size(n, scope)?;
+                Some(self.identity(n))
+            }
+            ("linspace", [a, b, n]) => self.linspace(a, b, n, scope, span),
+            ("cat", [k, parts @ ..]) => {
+                let k = self.fold_size(k, scope)?;
+                let parts: Option<Vec<Value>> =
+                    parts.iter().map(|p| self.evaluate(p, scope)).collect();
+                self.cat(k, &parts?, span)
+            }
+            ("array", parts) => {
+                let parts: Option<Vec<Value>> =
+                    parts.iter().map(|p| self.evaluate(p, scope)).collect();
+                self.stack(parts?, span)
+            }
+            ("cross" | "outerProduct", [a, b]) => {
+                let (a, b) = (self.evaluate(a, scope)?, self.evaluate(b, scope)?);
+                if name == "cross" {
+                    self.cross(&a, &b, span)
+                } else {
+                    self.outer_product(&a, &b, span)
+                }
+            }
+            (
+                "diagonal" | "transpose" | "skew" | "symmetric" | "vector" | "scalar" | "matrix",
+                [a],
+            ) => {
+                let value = self.evaluate(a, scope)?;
+                self.reshaped(name, &value, span)
+            }
+            _ => {
+                self.error("MO0219", span, format!("wrong number of arguments for `{name}`"));
+                None
+            }
+        }
+    }
+
+    fn filled(&mut self, value: Value, sizes: &[Expr], scope: Scope) -> Option<Value> {
+        let mut dims = Vec::with_capacity(sizes.len());
+        for s in sizes {
+            dims.push(self.fold_size(s, scope)?);
+        }
+        let n: usize = dims.iter().product();
+        let mut elements = Vec::with_capacity(n * value.elements().len());
+        for _ in 0..n {
+            elements.extend_from_slice(value.elements());
+        }
+        dims.extend(value.dims());
+        Some(Value::array(dims, elements))
+    }
+
+    fn linspace(
+        &mut self,
+        a: &Expr,
+        b: &Expr,
+        n: &Expr,
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        let (a, b) = (self.evaluate_scalar(a, scope)?, self.evaluate_scalar(b, scope)?);
+        let n = self.fold_size(n, scope)?;
+        if n < 2 {
+            self.error("MO0219", span, "`linspace` needs at least two points");
+            return None;
+        }
+        let width = self.graph.sub(b, a);
+        let elements = (0..n)
+            .map(|i| {
+                let share = self.graph.real(i as f64 / (n - 1) as f64);
+                let part = self.graph.mul(width, share);
+                self.graph.add(a, part)
+            })
+            .collect();
+        Some(Value::vector(elements))
+    }
+
+    fn scalars(&mut self, v: &Value, span: Span) -> Option<Vec<ExprId>> {
+        let all: Option<Vec<ExprId>> = v.elements().iter().map(Value::scalar).collect();
+        if all.is_none() {
+            self.error("MO0212", span, "numbers are needed here");
+        }
+        all
+    }
+
+    fn cross(&mut self, a: &Value, b: &Value, span: Span) -> Option<Value> {
+        if a.dims() != [3] || b.dims() != [3] {
+            self.error("MO0215", span, "`cross` takes two vectors of three");
+            return None;
+        }
+        let (x, y) = (self.scalars(a, span)?, self.scalars(b, span)?);
+        let mut minor = |i: usize, j: usize| {
+            let p = self.graph.mul(x[i], y[j]);
+            let q = self.graph.mul(x[j], y[i]);
+            self.graph.sub(p, q)
+        };
+        Some(Value::vector(vec![minor(1, 2), minor(2, 0), minor(0, 1)]))
+    }
+
+    fn outer_product(&mut self, a: &Value, b: &Value, span: Span) -> Option<Value> {
+        let (x, y) = (self.scalars(a, span)?, self.scalars(b, span)?);
+        let mut out = Vec::with_capacity(x.len() * y.len());
+        for p in &x {
+            for q in &y {
+                out.push(Value::Scalar(self.graph.mul(*p, *q)));
+            }
+        }
+        Some(Value::array(vec![x.len(), y.len()], out))
+    }
+
+    fn reshaped(&mut self, name: &str, a: &Value, span: Span) -> Option<Value> {
+        let dims = a.dims().to_vec();
+        let e = a.elements();
+        let wrong = |cx: &mut Self| {
+            cx.error("MO0215", span, format!("`{name}` cannot take an array of size {dims:?}"));
+            None
+        };
+        match (name, dims.as_slice()) {
+            ("transpose", [r, c]) => {
+                let out = (0..r * c).map(|k| e[(k % r) * c + k / r].clone()).collect();
+                Some(Value::array(vec![*c, *r], out))
+            }
+            ("symmetric", [r, c]) if r == c => {
+                let at = |i: usize, j: usize| e[i.min(j) * c + i.max(j)].clone();
+                Some(Value::array(dims.clone(), (0..r * c).map(|k| at(k / c, k % c)).collect()))
+            }
+            ("diagonal", [n]) => {
+                let zero = Value::Scalar(self.graph.integer(0));
+                let at = |k: usize| if k / n == k % n { e[k / n].clone() } else { zero.clone() };
+                Some(Value::array(vec![*n, *n], (0..n * n).map(at).collect()))
+            }
+            ("skew", [3]) => {
+                let x = self.scalars(a, span)?;
+                let zero = self.graph.real(0.0);
+                let n: Vec<ExprId> = x.iter().map(|e| self.graph.neg(*e)).collect();
+                let m = [zero, n[2], x[1], x[2], zero, n[0], n[1], x[0], zero];
+                Some(Value::array(vec![3, 3], m.map(Value::Scalar).to_vec()))
+            }
+            ("vector", _) if dims.iter().filter(|n| **n != 1).count() <= 1 => {
+                Some(Value::array(vec![e.len()], e.to_vec()))
+            }
+            ("scalar", _) if e.len() == 1 => Some(e[0].clone()),
+            ("matrix", d) => match d {
+                [] => Some(Value::array(vec![1, 1], e.to_vec())),
+                [n] => Some(Value::array(vec![*n, 1], e.to_vec())),
+                [_, _] => Some(a.clone()),
+                _ => wrong(self),
+            },
+            _ => wrong(self),
+        }
+    }
+}

@@ -1,0 +1,505 @@
+//! Expressions of the language to values over the expression graph.
+//!
+//! There is one evaluator. By default a variable stands for itself; while *folding*, parameters and
+//! constants stand for their values, and anything else is an error: so a size, a condition of a
+//! component or a range is computed by the same code that builds the equations. Functions are
+//! evaluated by running their algorithm on values that may be symbolic ([`algorithm`]).
+
+pub mod algorithm;
+pub mod builtin;
+pub mod function;
+pub mod operator;
+pub mod reference;
+pub mod value;
+
+use std::rc::Rc;
+
+use super::Context;
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastMap;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{self, Expr, ExprKind, Variability};
+use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
+use crate::ir::instance::{InstanceId, InstanceKind, Scope};
+use value::Value;
+
+/// How many calls of functions may be open at once.
+const MAX_DEPTH: usize = 200;
+
+/// What the evaluator remembers.
+#[derive(Default)]
+pub struct State {
+    /// Iterators and variables of the function being run, innermost last.
+    pub(crate) locals: Vec<(Name, Value)>,
+    /// Locals below this belong to callers and are hidden.
+    pub(crate) frame: usize,
+    /// Inside a function: names of components are not visible.
+    pub(crate) in_function: bool,
+    /// Parameters stand for their values.
+    pub(crate) folding: bool,
+    /// Sizes that `end` stands for, innermost last.
+    pub(crate) ends: Vec<usize>,
+    /// Values of parameters that were asked for.
+    pub(crate) folded: FastMap<InstanceId, Option<Value>>,
+    /// Parameters whose values have fixed the structure.
+    pub(crate) structural: Vec<InstanceId>,
+    /// Values of bindings that are taken apart by arrays of components.
+    pub(crate) bindings: FastMap<(usize, Scope, bool), Option<Value>>,
+    /// Assigned variables of the algorithm section being read.
+    pub(crate) assigned: FastMap<VarId, ExprId>,
+    /// Open calls.
+    pub(crate) depth: usize,
+    /// What each numbered flat variable is: for folding what stands in an expression.
+    pub(crate) instance_of: Vec<(InstanceId, usize)>,
+}
+
+impl Context<'_> {
+    /// The value of an expression; `None` after an error.
+    pub fn evaluate(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
+        match &e.kind {
+            ExprKind::Real(x) => Some(Value::Scalar(self.graph.real(*x))),
+            ExprKind::Integer(i) => Some(Value::Scalar(self.graph.integer(*i))),
+            ExprKind::String(s) => Some(Value::Scalar(self.graph.string(s))),
+            ExprKind::Boolean(b) => Some(Value::Scalar(self.graph.boolean(*b))),
+            ExprKind::Ref(r) => self.reference(r, scope),
+            ExprKind::Parenthesised(inner) => self.evaluate(inner, scope),
+            ExprKind::Unary(op, a) => {
+                let a = self.evaluate(a, scope)?;
+                self.unary_operator(*op, a, e.span)
+            }
+            ExprKind::Binary(op, a, b) => {
+                let a_value = self.evaluate(a, scope);
+                let b_value = self.evaluate(b, scope);
+                self.binary_operator(*op, a_value?, b_value?, e.span)
+            }
+            ExprKind::If { branches, otherwise } => self.if_expression(branches, otherwise, scope),
+            ExprKind::Call { function, args, named } => {
+                self.call(function, args, named, e.span, scope)
+            }
+            ExprKind::Reduction { function, body, iterators } => {
+                self.reduction(function, body, iterators, scope, e.span)
+            }
+            ExprKind::Array(items) => {
+                let values = self.evaluate_all(items, scope)?;
+                self.stack(values, e.span)
+            }
+            ExprKind::Comprehension { body, iterators } => {
+                self.comprehension(body, iterators, scope)
+            }
+            ExprKind::Matrix(rows) => {
+                let mut parts = Vec::new();
+                for row in rows {
+                    let values = self.evaluate_all(row, scope)?;
+                    parts.push(self.concatenate(2, values, e.span)?);
+                }
+                self.concatenate(1, parts, e.span)
+            }
+            ExprKind::Range { start, step, stop } => {
+                self.range(start, step.as_deref(), stop, scope, e.span)
+            }
+            ExprKind::Tuple(items) => {
+                let mut values = Vec::new();
+                for item in items {
+                    match item {
+                        Some(item) => values.push(self.evaluate(item, scope)?),
+                        None => {
+                            self.error("MO0211", e.span, "a value is missing in this list");
+                            return None;
+                        }
+                    }
+                }
+                Some(Value::Tuple(values.into()))
+            }
+            ExprKind::Indexed(inner, subscripts) => {
+                let value = self.evaluate(inner, scope)?;
+                self.subscripted(value, subscripts, scope, e.span)
+            }
+            ExprKind::End => match self.evaluation.ends.last() {
+                Some(n) => Some(Value::Scalar(self.graph.integer(*n as i64))),
+                None => {
+                    self.error("MO0211", e.span, "`end` stands only in subscripts");
+                    None
+                }
+            },
+            ExprKind::PartialFunction { .. } => {
+                self.unsupported(e.span, "functions as arguments");
+                None
+            }
+            ExprKind::Break => {
+                self.unsupported(e.span, "`break` in modifications");
+                None
+            }
+            ExprKind::Broken => None,
+        }
+    }
+
+    fn evaluate_all(&mut self, items: &[Expr], scope: Scope) -> Option<Vec<Value>> {
+        let values: Vec<_> = items.iter().map(|i| self.evaluate(i, scope)).collect();
+        values.into_iter().collect()
+    }
+
+    /// A scalar value; anything else is reported.
+    pub fn evaluate_scalar(&mut self, e: &Expr, scope: Scope) -> Option<ExprId> {
+        match self.evaluate(e, scope)? {
+            Value::Scalar(s) => Some(s),
+            other => {
+                let what = match other {
+                    Value::Record(_) => "a record".to_string(),
+                    other => format!("an array of size {:?}", other.dims()),
+                };
+                let message = format!("a scalar is needed here, and this is {what}");
+                self.error("MO0212", e.span, message);
+                None
+            }
+        }
+    }
+
+    /// The value of an expression that must be known before the model runs; reported if it is not.
+    pub fn fold(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
+        let before = std::mem::replace(&mut self.evaluation.folding, true);
+        let value = self.evaluate(e, scope);
+        self.evaluation.folding = before;
+        let value = value?;
+        let mut known = true;
+        value.for_each_scalar(&mut |s| known &= self.graph.as_const(s).is_some());
+        if !known {
+            self.problems.push(
+                Diagnostic::error(
+                    "MO0213",
+                    e.span,
+                    "this must be known before the model runs, and depends on what only a run knows",
+                )
+                .label("needed to fix the structure of the model")
+                .help("use parameters and constants with values only"),
+            );
+            return None;
+        }
+        Some(value)
+    }
+
+    /// A truth value that must be known before the model runs.
+    pub fn fold_boolean(&mut self, e: &Expr, scope: Scope) -> Option<bool> {
+        let value = self.fold(e, scope)?;
+        match value.scalar().and_then(|s| self.graph.as_const(s)) {
+            Some(Const::Boolean(b)) => Some(b),
+            _ => {
+                self.error("MO0212", e.span, "a Boolean is needed here");
+                None
+            }
+        }
+    }
+
+    /// A size: a whole number, or the number of values of an enumeration or of `Boolean`.
+    pub fn fold_size(&mut self, e: &Expr, scope: Scope) -> Option<usize> {
+        if let ExprKind::Ref(r) = &e.kind
+            && let Some(n) = self.type_size(r, scope)
+        {
+            return Some(n);
+        }
+        let value = self.fold(e, scope)?;
+        match value.scalar().and_then(|s| self.graph.as_const(s)) {
+            Some(Const::Integer(n)) if n >= 0 => Some(n as usize),
+            Some(Const::Integer(n)) => {
+                self.error("MO0207", e.span, format!("a size cannot be negative, and this is {n}"));
+                None
+            }
+            _ => {
+                self.error("MO0212", e.span, "a whole number is needed here");
+                None
+            }
+        }
+    }
+
+    /// Whole numbers that must be known before the model runs, such as the values of an iterator.
+    pub(crate) fn fold_range(
+        &mut self,
+        iterator: &ast::Iterator,
+        scope: Scope,
+    ) -> Option<Vec<Value>> {
+        let Some(range) = &iterator.range else {
+            self.unsupported(iterator.name.span, "iterators without a range");
+            return None;
+        };
+        if let ExprKind::Ref(r) = &range.kind
+            && let Some(values) = self.type_values(r, scope)
+        {
+            return Some(values);
+        }
+        let value = self.fold(range, scope)?;
+        match &value {
+            Value::Array(a) if a.dims.len() == 1 => Some(a.elements.clone()),
+            _ => {
+                self.error("MO0212", range.span, "a vector is needed here to run over");
+                None
+            }
+        }
+    }
+
+    /// The value of a parameter or constant; reported if it has none.
+    pub(crate) fn parameter_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
+        if let Some(known) = self.evaluation.folded.get(&id) {
+            return known.clone();
+        }
+        // Met again before it has a value, it depends on itself.
+        self.evaluation.folded.insert(id, None);
+        let before = std::mem::replace(&mut self.evaluation.folding, true);
+        let saved = self.enter_frame(false);
+        let mut value = self.binding_value(id);
+        if value.is_none() && self.binding(id).is_none() {
+            value = self.start_or_children(id, span);
+        }
+        self.leave_frame(saved);
+        self.evaluation.folding = before;
+        self.evaluation.folded.insert(id, value.clone());
+        self.evaluation.structural.push(id);
+        value
+    }
+
+    /// A parameter without a binding: its start value, or the values of its components.
+    fn start_or_children(&mut self, id: InstanceId, span: Span) -> Option<Value> {
+        self.complete(id);
+        match self.instances[id].kind.clone() {
+            InstanceKind::Variable { ty, dims, .. } => {
+                if let Some(start) = self.attribute(id, crate::base::name::name("start")) {
+                    let value = self.evaluate(&start.value, start.scope)?;
+                    return self.spread(value, &dims, &start.subscripts, start.value.span);
+                }
+                let path = self.path(id);
+                let declared = self.declared_at(id);
+                let constant = self.instances[id].prefix.variability == Some(Variability::Constant);
+                let what = if constant { "constant" } else { "parameter" };
+                self.problems.push(
+                    Diagnostic::error("MO0214", span, format!("{what} `{path}` has no value"))
+                        .label("needed here before the model runs")
+                        .also(declared, "declared here")
+                        .help(format!("give it one: `{path} = ...`")),
+                );
+                let _ = ty;
+                None
+            }
+            InstanceKind::Object(_) | InstanceKind::Array { .. } => self.instance_value(id, span),
+            InstanceKind::Outer(inner) => self.parameter_value(inner, span),
+            _ => None,
+        }
+    }
+
+    /// The value that the declaration or a modification binds to an instance: its own, or the field of
+    /// the record around it that is bound as a whole.
+    pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
+        if let Some(binding) = self.binding(id) {
+            let value =
+                self.cached(&binding.value, binding.scope, !binding.subscripts.is_empty(), id)?;
+            let dims = binding.subscripts.clone();
+            return self.taken_apart(value, &dims, binding.setting, binding.value.span);
+        }
+        let parent = self.instances[id].parent?;
+        if !matches!(self.instances[parent].kind, InstanceKind::Object(_)) || !self.bound(parent) {
+            return None;
+        }
+        let name = self.instances[id].name;
+        self.binding_value(parent)?.field(name)
+    }
+
+    /// True if the instance or a record around it has a binding.
+    pub fn bound(&self, id: InstanceId) -> bool {
+        if self.binding(id).is_some() {
+            return true;
+        }
+        match self.instances[id].parent {
+            Some(p) if matches!(self.instances[p].kind, InstanceKind::Object(_)) => self.bound(p),
+            _ => false,
+        }
+    }
+
+    fn cached(
+        &mut self,
+        e: &std::sync::Arc<Expr>,
+        scope: Scope,
+        keep: bool,
+        target: InstanceId,
+    ) -> Option<Value> {
+        let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.evaluation.folding);
+        if keep && let Some(known) = self.evaluation.bindings.get(&key) {
+            return known.clone();
+        }
+        let saved = self.enter_frame(false);
+        let value = match self.bare_literal(e, target) {
+            Some(literal) => Some(literal),
+            None => self.evaluate(e, scope),
+        };
+        self.leave_frame(saved);
+        if keep {
+            self.evaluation.bindings.insert(key, value.clone());
+        }
+        value
+    }
+
+    /// A setting from outside may name an enumeration literal without its type.
+    fn bare_literal(&mut self, e: &Expr, target: InstanceId) -> Option<Value> {
+        let ExprKind::Ref(r) = &e.kind else { return None };
+        if e.span.file.0 == u32::MAX || !self.binding(target)?.setting {
+            return None;
+        }
+        let InstanceKind::Variable { ty: Type::Enumeration(id), .. } = self.instances[target].kind
+        else {
+            return None;
+        };
+        let wanted = r.simple()?;
+        let at = self.graph.enumerations[id].literals.iter().position(|l| *l == wanted)?;
+        let literal = Const::Enumeration(id, at as u32 + 1);
+        Some(Value::Scalar(self.graph.constant(literal)))
+    }
+
+    /// The part of a value for one element of an array of components.
+    fn taken_apart(
+        &mut self,
+        value: Value,
+        subscripts: &[usize],
+        setting: bool,
+        span: Span,
+    ) -> Option<Value> {
+        if subscripts.is_empty() || (setting && value.dims().is_empty()) {
+            return Some(value);
+        }
+        if let Some(part) = value.select(subscripts) {
+            return Some(part);
+        }
+        self.problems.push(
+            Diagnostic::error(
+                "MO0215",
+                span,
+                format!(
+                    "this has size {:?} and is needed for element {:?} of an array of components",
+                    value.dims(),
+                    subscripts
+                ),
+            )
+            .help("write `each` before the modification if all elements get the same value"),
+        );
+        None
+    }
+
+    /// A value of the sizes `dims`: a scalar is spread over all elements where `each` allows it.
+    pub(crate) fn spread(
+        &mut self,
+        value: Value,
+        dims: &[usize],
+        subscripts: &Rc<[usize]>,
+        span: Span,
+    ) -> Option<Value> {
+        let value = self.taken_apart_softly(value, subscripts);
+        if value.dims() == dims {
+            return Some(value);
+        }
+        if value.dims().is_empty() {
+            let n: usize = dims.iter().product();
+            return Some(Value::array(dims.to_vec(), vec![value; n]));
+        }
+        let message = format!("sizes differ: {:?} is needed and this is {:?}", dims, value.dims());
+        self.error("MO0215", span, message);
+        None
+    }
+
+    fn taken_apart_softly(&self, value: Value, subscripts: &[usize]) -> Value {
+        if value.dims().is_empty() {
+            return value;
+        }
+        value.select(subscripts).unwrap_or(value)
+    }
+
+    /// Opens a scope of locals that hides those of callers.
+    pub(crate) fn enter_frame(&mut self, in_function: bool) -> (usize, bool) {
+        let saved = (self.evaluation.frame, self.evaluation.in_function);
+        self.evaluation.frame = self.evaluation.locals.len();
+        self.evaluation.in_function = in_function;
+        saved
+    }
+
+    /// Closes it.
+    pub(crate) fn leave_frame(&mut self, saved: (usize, bool)) {
+        self.evaluation.locals.truncate(self.evaluation.frame);
+        (self.evaluation.frame, self.evaluation.in_function) = saved;
+    }
+
+    /// The slowest class of change of what an expression reads.
+    pub fn variability(&self, e: ExprId) -> Variability {
+        let mut most = Variability::Constant;
+        for n in self.graph.postorder([e]) {
+            let v = match self.graph.node(n) {
+                Node::Var(v) => self.variable_variability(v),
+                Node::Time | Node::Der(_) => Variability::Continuous,
+                Node::Pre(_) | Node::Initial | Node::Terminal | Node::Sample(..) => {
+                    Variability::Discrete
+                }
+                _ => Variability::Constant,
+            };
+            most = most.max(v);
+        }
+        most
+    }
+
+    fn variable_variability(&self, v: VarId) -> Variability {
+        let Some((id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
+            return Variability::Continuous;
+        };
+        let instance = &self.instances[*id];
+        let discrete_type =
+            matches!(&instance.kind, InstanceKind::Variable { ty, .. } if *ty != Type::Real);
+        match instance.prefix.variability {
+            Some(v) => v,
+            None if discrete_type => Variability::Discrete,
+            None => Variability::Continuous,
+        }
+    }
+
+    /// The value of an expression that reads parameters of discrete type only (truth values, whole
+    /// numbers, choices): such parameters fix the structure, as conditions of components do.
+    pub(crate) fn structural_value(&mut self, e: ExprId) -> Option<Const> {
+        if let Some(c) = self.graph.as_const(e) {
+            return Some(c);
+        }
+        let order = self.graph.postorder([e]);
+        for &n in &order {
+            match self.graph.node(n) {
+                Node::Var(v) => {
+                    let (id, _) = *self.evaluation.instance_of.get(v.0 as usize)?;
+                    let real = matches!(
+                        self.instances[id].kind,
+                        InstanceKind::Variable { ty: Type::Real, .. }
+                    );
+                    if real || self.variable_variability(v) > Variability::Parameter {
+                        return None;
+                    }
+                }
+                Node::Time
+                | Node::Der(_)
+                | Node::Pre(_)
+                | Node::Initial
+                | Node::Terminal
+                | Node::Sample(..)
+                | Node::Call { .. }
+                | Node::Relation(_) => return None,
+                _ => {}
+            }
+        }
+        let mut values: FastMap<VarId, ExprId> = FastMap::default();
+        for &n in &order {
+            if let Node::Var(v) = self.graph.node(n) {
+                let (id, k) = self.evaluation.instance_of[v.0 as usize];
+                if !self.bound(id) {
+                    return None;
+                }
+                let span = self.declared_at(id);
+                let value = self.parameter_value(id, span)?;
+                values.insert(v, value.elements().get(k)?.scalar()?);
+            }
+        }
+        let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
+        let folded = rewriter.apply(&mut self.graph, e, &mut |g, n| match g.node(n) {
+            Node::Var(v) => values.get(&v).copied(),
+            _ => None,
+        });
+        self.graph.as_const(folded)
+    }
+}

@@ -1,0 +1,525 @@
+//! Operators on values: element by element, matrix products, arrays made of parts (chapter 10 of the
+//! specification).
+
+use std::rc::Rc;
+
+use super::Context;
+use super::value::{Record, Value};
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::ir::ast::{self, BinaryOp, ComponentRef, Expr, UnaryOp};
+use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
+use crate::ir::instance::Scope;
+
+impl Context<'_> {
+    /// `op a`
+    pub(crate) fn unary_operator(&mut self, op: UnaryOp, a: Value, span: Span) -> Option<Value> {
+        match op {
+            UnaryOp::Plus | UnaryOp::ElementPlus => Some(a),
+            UnaryOp::Minus | UnaryOp::ElementMinus => {
+                a.map(|v| Some(Value::Scalar(self.number(v, span).map(|e| self.graph.neg(e))?)))
+            }
+            UnaryOp::Not => {
+                a.map(|v| Some(Value::Scalar(self.truth(v, span).map(|e| self.graph.not(e))?)))
+            }
+        }
+    }
+
+    /// `a op b`
+    pub(crate) fn binary_operator(
+        &mut self,
+        op: BinaryOp,
+        a: Value,
+        b: Value,
+        span: Span,
+    ) -> Option<Value> {
+        match op {
+            BinaryOp::Add | BinaryOp::ElementAdd => {
+                self.elementwise(Binary::Add, &a, &b, op == BinaryOp::ElementAdd, span)
+            }
+            BinaryOp::Sub | BinaryOp::ElementSub => {
+                self.elementwise(Binary::Sub, &a, &b, op == BinaryOp::ElementSub, span)
+            }
+            BinaryOp::Mul => self.product(&a, &b, span),
+            BinaryOp::ElementMul => self.elementwise(Binary::Mul, &a, &b, true, span),
+            BinaryOp::Div | BinaryOp::ElementDiv => {
+                if op == BinaryOp::Div && !b.dims().is_empty() {
+                    self.error(
+                        "MO0215",
+                        span,
+                        "the divisor is an array; write `./` to divide element by element",
+                    );
+                    return None;
+                }
+                self.elementwise(Binary::Div, &a, &b, true, span)
+            }
+            BinaryOp::Pow if !a.dims().is_empty() => self.matrix_power(&a, &b, span),
+            BinaryOp::Pow | BinaryOp::ElementPow => {
+                self.elementwise(Binary::Pow, &a, &b, true, span)
+            }
+            BinaryOp::And | BinaryOp::Or => {
+                let op = if op == BinaryOp::And { Binary::And } else { Binary::Or };
+                self.zip(&a, &b, span, &mut |cx, x, y| {
+                    let (x, y) = (cx.truth(x, span)?, cx.truth(y, span)?);
+                    Some(Value::Scalar(cx.graph.binary(op, x, y)))
+                })
+            }
+            BinaryOp::Less => self.relation(Binary::Less, &a, &b, span),
+            BinaryOp::LessEqual => self.relation(Binary::LessEqual, &a, &b, span),
+            BinaryOp::Greater => self.relation(Binary::Greater, &a, &b, span),
+            BinaryOp::GreaterEqual => self.relation(Binary::GreaterEqual, &a, &b, span),
+            BinaryOp::Equal => self.relation(Binary::Equal, &a, &b, span),
+            BinaryOp::NotEqual => self.relation(Binary::NotEqual, &a, &b, span),
+        }
+    }
+
+    fn relation(&mut self, op: Binary, a: &Value, b: &Value, span: Span) -> Option<Value> {
+        let (Some(x), Some(y)) = (a.scalar(), b.scalar()) else {
+            self.error("MO0212", span, "only scalars can be compared");
+            return None;
+        };
+        let kind = |t: Type| match t {
+            Type::Integer => Type::Real,
+            other => other,
+        };
+        let (s, t) = (kind(self.graph.ty(x)), kind(self.graph.ty(y)));
+        if s != t {
+            self.report_types(span, "compared", self.graph.ty(x), self.graph.ty(y));
+            return None;
+        }
+        Some(Value::Scalar(self.graph.binary(op, x, y)))
+    }
+
+    pub(crate) fn report_types(&mut self, span: Span, what: &str, s: Type, t: Type) {
+        let name = |t| crate::symbolic::print::type_name(&self.graph, t);
+        let message = format!("{} and {} cannot be {what}", name(s), name(t));
+        self.error("MO0212", span, message);
+    }
+
+    /// The number of a scalar; texts are let through for `+`.
+    fn number(&mut self, v: &Value, span: Span) -> Option<ExprId> {
+        let Some(e) = v.scalar() else {
+            self.error("MO0212", span, "a number is needed here, and this is a record");
+            return None;
+        };
+        match self.graph.ty(e) {
+            Type::Real | Type::Integer => Some(e),
+            other => {
+                let name = crate::symbolic::print::type_name(&self.graph, other);
+                self.error(
+                    "MO0212",
+                    span,
+                    format!("a number is needed here, and this is of type {name}"),
+                );
+                None
+            }
+        }
+    }
+
+    pub(crate) fn truth(&mut self, v: &Value, span: Span) -> Option<ExprId> {
+        match v.scalar() {
+            Some(e) if self.graph.ty(e) == Type::Boolean => Some(e),
+            _ => {
+                self.error("MO0212", span, "a Boolean is needed here");
+                None
+            }
+        }
+    }
+
+    fn elementwise(
+        &mut self,
+        op: Binary,
+        a: &Value,
+        b: &Value,
+        spread: bool,
+        span: Span,
+    ) -> Option<Value> {
+        let mut act = |cx: &mut Self, x: &Value, y: &Value| {
+            if let (Some(s), Some(t)) = (x.scalar(), y.scalar())
+                && op == Binary::Add
+                && cx.graph.ty(s) == Type::String
+                && cx.graph.ty(t) == Type::String
+            {
+                return Some(Value::Scalar(cx.graph.binary(op, s, t)));
+            }
+            if let (Value::Record(r), Value::Record(_)) = (x, y)
+                && matches!(op, Binary::Add | Binary::Sub)
+            {
+                let _ = r;
+                cx.unsupported(span, "operators on records");
+                return None;
+            }
+            let (s, t) = (cx.number(x, span)?, cx.number(y, span)?);
+            Some(Value::Scalar(cx.graph.binary(op, s, t)))
+        };
+        match (a.dims().is_empty(), b.dims().is_empty()) {
+            (true, true) => act(self, a, b),
+            (false, true) if spread => a.map(|x| act(self, x, b)),
+            (true, false) if spread => b.map(|y| act(self, a, y)),
+            _ => self.zip(a, b, span, &mut act),
+        }
+    }
+
+    fn zip(
+        &mut self,
+        a: &Value,
+        b: &Value,
+        span: Span,
+        act: &mut impl FnMut(&mut Self, &Value, &Value) -> Option<Value>,
+    ) -> Option<Value> {
+        if a.dims() != b.dims() {
+            let message = format!("sizes differ: {:?} and {:?}", a.dims(), b.dims());
+            self.error("MO0215", span, message);
+            return None;
+        }
+        let elements: Option<Vec<Value>> =
+            a.elements().iter().zip(b.elements()).map(|(x, y)| act(self, x, y)).collect();
+        Some(Value::array(a.dims().to_vec(), elements?))
+    }
+
+    /// `a * b`: scalars, scaled arrays, and products of vectors and matrices.
+    fn product(&mut self, a: &Value, b: &Value, span: Span) -> Option<Value> {
+        let (m, n) = (a.dims().to_vec(), b.dims().to_vec());
+        let (rows, inner, columns) = match (m.as_slice(), n.as_slice()) {
+            ([], _) | (_, []) => return self.elementwise(Binary::Mul, a, b, true, span),
+            ([k], [l]) if k == l => (1, *k, 1),
+            ([r, k], [l]) if k == l => (*r, *k, 1),
+            ([k], [l, c]) if k == l => (1, *k, *c),
+            ([r, k], [l, c]) if k == l => (*r, *k, *c),
+            _ => {
+                let message = format!("arrays of sizes {m:?} and {n:?} cannot be multiplied");
+                self.error("MO0215", span, message);
+                return None;
+            }
+        };
+        let mut out = Vec::with_capacity(rows * columns);
+        for r in 0..rows {
+            for c in 0..columns {
+                let mut terms = Vec::with_capacity(inner);
+                for k in 0..inner {
+                    let x = self.number(&a.elements()[r * inner + k], span)?;
+                    let y = self.number(&b.elements()[k * columns + c], span)?;
+                    terms.push(self.graph.mul(x, y));
+                }
+                out.push(Value::Scalar(self.graph.sum(terms)));
+            }
+        }
+        let mut dims = Vec::new();
+        if m.len() == 2 {
+            dims.push(rows);
+        }
+        if n.len() == 2 {
+            dims.push(columns);
+        }
+        Some(Value::array(dims, out))
+    }
+
+    fn matrix_power(&mut self, a: &Value, b: &Value, span: Span) -> Option<Value> {
+        let exponent = b.scalar().and_then(|e| self.graph.as_const(e));
+        let (Some(Const::Integer(k @ 0..)), [r, c]) = (exponent, a.dims()) else {
+            self.error("MO0215", span, "only square matrices have powers, with whole exponents; write `.^` for the power of each element");
+            return None;
+        };
+        if r != c {
+            self.error("MO0215", span, "only square matrices have powers");
+            return None;
+        }
+        let n = *r;
+        let mut result = self.identity(n);
+        for _ in 0..k {
+            result = self.product(&result, a, span)?;
+        }
+        Some(result)
+    }
+
+    /// The unit matrix, of integers.
+    pub(crate) fn identity(&mut self, n: usize) -> Value {
+        let elements = (0..n * n)
+            .map(|i| Value::Scalar(self.graph.integer(i64::from(i / n == i % n))))
+            .collect();
+        Value::array(vec![n, n], elements)
+    }
+
+    /// `if c then a elseif ... else b`
+    pub(crate) fn if_expression(
+        &mut self,
+        branches: &[(Expr, Expr)],
+        otherwise: &Expr,
+        scope: Scope,
+    ) -> Option<Value> {
+        let Some(((condition, value), rest)) = branches.split_first() else {
+            return self.evaluate(otherwise, scope);
+        };
+        let c = self.evaluate(condition, scope)?;
+        let c = self.truth(&c, condition.span)?;
+        // Conditions on choices and truth values of parameters are decided here: the branch not taken
+        // need not even fit.
+        match self.structural_value(c) {
+            Some(Const::Boolean(true)) => self.evaluate(value, scope),
+            Some(Const::Boolean(false)) => self.if_expression(rest, otherwise, scope),
+            _ => {
+                let a = self.evaluate(value, scope);
+                let b = self.if_expression(rest, otherwise, scope);
+                self.if_values(c, a?, b?, value.span)
+            }
+        }
+    }
+
+    /// `if c then a else b` of values of the same shape.
+    pub(crate) fn if_values(&mut self, c: ExprId, a: Value, b: Value, span: Span) -> Option<Value> {
+        match (&a, &b) {
+            (Value::Scalar(x), Value::Scalar(y)) => {
+                let kind = |t| if t == Type::Integer { Type::Real } else { t };
+                let (s, t) = (self.graph.ty(*x), self.graph.ty(*y));
+                if kind(s) != kind(t) {
+                    self.report_types(span, "alternatives of one expression", s, t);
+                    return None;
+                }
+                Some(Value::Scalar(self.graph.if_then_else(c, *x, *y)))
+            }
+            (Value::Array(_), Value::Array(_)) => {
+                self.zip(&a, &b, span, &mut |cx, x, y| cx.if_values(c, x.clone(), y.clone(), span))
+            }
+            (Value::Record(r), Value::Record(s)) => {
+                let mut fields = Vec::new();
+                for (name, x) in &r.fields {
+                    let y = s.fields.iter().find(|(n, _)| n == name)?.1.clone();
+                    fields.push((*name, self.if_values(c, x.clone(), y, span)?));
+                }
+                Some(Value::Record(Rc::new(Record { class: r.class, fields })))
+            }
+            (Value::Tuple(s), Value::Tuple(t)) if s.len() == t.len() => {
+                let all: Option<Vec<Value>> = s
+                    .iter()
+                    .zip(t.iter())
+                    .map(|(x, y)| self.if_values(c, x.clone(), y.clone(), span))
+                    .collect();
+                Some(Value::Tuple(all?.into()))
+            }
+            _ => {
+                let message =
+                    format!("the alternatives have sizes {:?} and {:?}", a.dims(), b.dims());
+                self.error("MO0215", span, message);
+                None
+            }
+        }
+    }
+
+    /// `{a, b}`: parts of one shape under a new first dimension.
+    pub(crate) fn stack(&mut self, parts: Vec<Value>, span: Span) -> Option<Value> {
+        let Some(first) = parts.first() else {
+            return Some(Value::array(vec![0], Vec::new()));
+        };
+        let inner = first.dims().to_vec();
+        if let Some(other) = parts.iter().find(|p| p.dims() != inner) {
+            let message = format!("entries have sizes {inner:?} and {:?}", other.dims());
+            self.error("MO0215", span, message);
+            return None;
+        }
+        let mut dims = vec![parts.len()];
+        dims.extend(inner);
+        let elements = self.same_type(parts.iter().flat_map(|p| p.elements().to_vec()).collect());
+        Some(Value::array(dims, elements))
+    }
+
+    /// Integer literals among reals become real.
+    fn same_type(&mut self, elements: Vec<Value>) -> Vec<Value> {
+        let real =
+            elements.iter().any(|v| v.scalar().is_some_and(|e| self.graph.ty(e) == Type::Real));
+        if !real {
+            return elements;
+        }
+        elements
+            .into_iter()
+            .map(|v| match v.scalar().and_then(|e| self.graph.as_const(e)) {
+                Some(Const::Integer(i)) => Value::Scalar(self.graph.real(i as f64)),
+                _ => v,
+            })
+            .collect()
+    }
+
+    /// `cat(k, ...)`, `[a, b; c]`; vectors and scalars are raised to matrices first.
+    pub(crate) fn concatenate(&mut self, k: usize, parts: Vec<Value>, span: Span) -> Option<Value> {
+        let rank = parts.iter().map(|p| p.dims().len()).max().unwrap_or(0).max(2);
+        let raised: Vec<Value> = parts
+            .into_iter()
+            .map(|p| {
+                let mut dims = p.dims().to_vec();
+                let elements = p.elements().to_vec();
+                dims.resize(rank, 1);
+                Value::array(dims, elements)
+            })
+            .collect();
+        self.cat(k, &raised, span)
+    }
+
+    /// `cat(k, ...)` of arrays of equal rank.
+    pub(crate) fn cat(&mut self, k: usize, parts: &[Value], span: Span) -> Option<Value> {
+        let first = parts.first()?.dims().to_vec();
+        let fits = |d: &[usize]| {
+            d.len() == first.len() && (0..d.len()).all(|i| i + 1 == k || d[i] == first[i])
+        };
+        if k == 0 || k > first.len() || !parts.iter().all(|p| fits(p.dims())) {
+            self.error("MO0215", span, "these arrays do not fit together");
+            return None;
+        }
+        let outer: usize = first[..k - 1].iter().product();
+        let mut elements = Vec::new();
+        for o in 0..outer {
+            for p in parts {
+                let chunk: usize = p.dims()[k - 1..].iter().product();
+                elements.extend_from_slice(&p.elements()[o * chunk..(o + 1) * chunk]);
+            }
+        }
+        let mut dims = first;
+        dims[k - 1] = parts.iter().map(|p| p.dims()[k - 1]).sum();
+        let elements = self.same_type(elements);
+        Some(Value::array(dims, elements))
+    }
+
+    /// `a : step : b`
+    pub(crate) fn range(
+        &mut self,
+        start: &Expr,
+        step: Option<&Expr>,
+        stop: &Expr,
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        let mut bound = |e: &Expr| {
+            let s = self.evaluate_scalar(e, scope)?;
+            if let Some(c) = self.graph.as_const(s) {
+                return Some(c);
+            }
+            let value = self.fold(e, scope)?;
+            value.scalar().and_then(|s| self.graph.as_const(s))
+        };
+        let (a, b) = (bound(start)?, bound(stop)?);
+        let step = match step {
+            Some(e) => bound(e)?,
+            None => Const::Integer(1),
+        };
+        let elements = match (a, step, b) {
+            (Const::Integer(a), Const::Integer(s), Const::Integer(b)) if s != 0 => {
+                let n = ((b - a) / s + 1).max(0);
+                let n = if (b - a).signum() * s.signum() < 0 { 0 } else { n };
+                (0..n).map(|i| Value::Scalar(self.graph.integer(a + i * s))).collect()
+            }
+            (Const::Enumeration(t, a), _, Const::Enumeration(u, b)) if t == u => (a..=b)
+                .map(|k| Value::Scalar(self.graph.constant(Const::Enumeration(t, k))))
+                .collect(),
+            (Const::Boolean(a), _, Const::Boolean(b)) => [false, true]
+                .into_iter()
+                .filter(|x| *x >= a && *x <= b)
+                .map(|x| Value::Scalar(self.graph.boolean(x)))
+                .collect(),
+            _ => match (a.number(), step.number(), b.number()) {
+                (Some(a), Some(s), Some(b)) if s != 0.0 => {
+                    let n = ((b - a) / s + 1e-10).floor();
+                    let n = if n < 0.0 { 0 } else { n as usize + 1 };
+                    (0..n).map(|i| Value::Scalar(self.graph.real(a + i as f64 * s))).collect()
+                }
+                _ => {
+                    self.error(
+                        "MO0212",
+                        span,
+                        "a range runs between numbers with a step other than zero",
+                    );
+                    return None;
+                }
+            },
+        };
+        let elements: Vec<Value> = elements;
+        Some(Value::array(vec![elements.len()], elements))
+    }
+
+    /// `{e for i in r, j in s}`: the last iterator is the outermost dimension.
+    pub(crate) fn comprehension(
+        &mut self,
+        body: &Expr,
+        iterators: &[ast::Iterator],
+        scope: Scope,
+    ) -> Option<Value> {
+        let Some((last, inner)) = iterators.split_last() else {
+            return self.evaluate(body, scope);
+        };
+        let values = self.fold_range(last, scope)?;
+        let mut parts = Vec::with_capacity(values.len());
+        for value in values {
+            self.evaluation.locals.push((last.name.name, value));
+            let part = self.comprehension(body, inner, scope);
+            self.evaluation.locals.pop();
+            parts.push(part?);
+        }
+        self.stack(parts, body.span)
+    }
+
+    /// `sum(e for i in r)` and the like.
+    pub(crate) fn reduction(
+        &mut self,
+        function: &ComponentRef,
+        body: &Expr,
+        iterators: &[ast::Iterator],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        let all = self.comprehension(body, iterators, scope)?;
+        match function.simple().as_ref().map(|n| n.as_str()) {
+            Some("array") => Some(all),
+            Some(name @ ("sum" | "product" | "min" | "max")) => self.reduce(name, &all, span),
+            _ => {
+                self.problems.push(
+                    Diagnostic::error(
+                        "MO0219",
+                        function.span,
+                        "this function cannot run over iterators",
+                    )
+                    .help("`sum`, `product`, `min`, `max` and `array` can"),
+                );
+                None
+            }
+        }
+    }
+
+    /// `sum`, `product`, `min`, `max` over all elements.
+    pub(crate) fn reduce(&mut self, name: &str, all: &Value, span: Span) -> Option<Value> {
+        let mut elements = Vec::with_capacity(all.elements().len());
+        for v in all.elements() {
+            elements.push(match v.scalar() {
+                Some(e) => e,
+                None => return self.number(v, span).map(Value::Scalar),
+            });
+        }
+        let (op, empty) = match name {
+            "sum" => (Binary::Add, 0.0),
+            "product" => (Binary::Mul, 1.0),
+            "min" => (Binary::Min, f64::MAX),
+            _ => (Binary::Max, f64::MIN),
+        };
+        let result = elements.iter().copied().reduce(|a, b| self.graph.binary(op, a, b));
+        Some(Value::Scalar(result.unwrap_or_else(|| match op {
+            Binary::Add => self.graph.integer(0),
+            Binary::Mul => self.graph.integer(1),
+            _ => self.graph.real(empty),
+        })))
+    }
+
+    /// A function of one number on every element.
+    pub(crate) fn each_number(&mut self, op: Unary, a: &Value, span: Span) -> Option<Value> {
+        a.map(|v| {
+            let e = self.number(v, span)?;
+            Some(Value::Scalar(self.graph.unary(op, e)))
+        })
+    }
+
+    /// A function of two numbers on every pair of elements.
+    pub(crate) fn each_pair(
+        &mut self,
+        op: Binary,
+        a: &Value,
+        b: &Value,
+        span: Span,
+    ) -> Option<Value> {
+        self.elementwise(op, a, b, true, span)
+    }
+}

@@ -1,0 +1,592 @@
+//! Component references: what a dotted name with subscripts stands for.
+
+use std::rc::Rc;
+
+use super::Context;
+use super::value::{Record, Value, offset};
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::instantiate::lookup::Found;
+use crate::ir::ast::{ComponentRef, Ident, RefPart, Subscript, Variability};
+use crate::ir::expr::{Binary, Const, ExprId, Type};
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
+
+/// One subscript, evaluated.
+#[derive(Clone, Debug)]
+enum Selector {
+    One(usize),
+    Many(Vec<usize>),
+    /// Known only when the model runs.
+    Dynamic(ExprId),
+}
+
+/// The instances that a reference names.
+#[derive(Clone, Debug)]
+pub enum Selection {
+    /// A component as a whole.
+    Whole(InstanceId),
+    /// One scalar of an array variable, by its position.
+    Element(InstanceId, usize),
+    /// Several, row-major.
+    Many(Vec<usize>, Vec<Selection>),
+    /// A component whose condition is false.
+    Absent,
+}
+
+/// What the first identifiers of a reference stand for.
+enum Start {
+    Instance(InstanceId, usize),
+    Literal(ExprId),
+}
+
+impl Context<'_> {
+    /// The value of a reference.
+    pub(crate) fn reference(&mut self, r: &ComponentRef, scope: Scope) -> Option<Value> {
+        let first = &r.parts[0];
+        if !r.global {
+            if let Some(value) = self.local(first.name.name) {
+                let mut value = self.subscripted(value, &first.subscripts, scope, r.span)?;
+                for part in &r.parts[1..] {
+                    let Some(field) = value.field(part.name.name) else {
+                        self.error(
+                            "MO0202",
+                            part.name.span,
+                            format!("`{}` is no field of `{}`", part.name.name, first.name.name),
+                        );
+                        return None;
+                    };
+                    value = self.subscripted(field, &part.subscripts, scope, r.span)?;
+                }
+                return Some(value);
+            }
+            if r.simple().is_some_and(|n| n == "time") {
+                return Some(Value::Scalar(self.graph.time()));
+            }
+        }
+        match self.start_of(r, scope)? {
+            Start::Literal(e) => Some(Value::Scalar(e)),
+            Start::Instance(id, used) => {
+                self.value_of_parts(id, &r.parts[used - 1..], scope, r.span)
+            }
+        }
+    }
+
+    /// The components that a reference names, for `connect`, `der`, and left sides.
+    pub(crate) fn select(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
+        match self.start_of(r, scope)? {
+            Start::Literal(_) => {
+                self.error("MO0212", r.span, "a component is needed here");
+                None
+            }
+            Start::Instance(id, used) => self.walk(id, &r.parts[used - 1..], scope, r.span),
+        }
+    }
+
+    fn local(&self, wanted: crate::base::name::Name) -> Option<Value> {
+        let visible = &self.evaluation.locals[self.evaluation.frame..];
+        visible.iter().rev().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
+    }
+
+    /// The instance that the name starts with, and how many of its parts lead to it.
+    fn start_of(&mut self, r: &ComponentRef, scope: Scope) -> Option<Start> {
+        let first = &r.parts[0];
+        if !r.global
+            && !self.evaluation.in_function
+            && let Some(id) = self.child(scope.instance, first.name.name)
+        {
+            return Some(Start::Instance(id, 1));
+        }
+        let found = if r.global {
+            let root = crate::instantiate::ROOT;
+            self.member_class(root.class, first.name.name, root.instance).map(Found::Class)
+        } else {
+            self.find_first(first.name.name, scope)
+        };
+        let mut class = match found {
+            Some(Found::Component(id)) => return Some(Start::Instance(id, 1)),
+            Some(Found::Class(c)) => c,
+            None => {
+                self.report_unknown_name(first.name.name, first.name.span, scope);
+                return None;
+            }
+        };
+        for (k, part) in r.parts.iter().enumerate().skip(1) {
+            let holder = self.classes[class].holder;
+            if let Some(c) = self.member_class(class, part.name.name, holder) {
+                class = c;
+            } else if let Some(id) = self.package_component(class, part.name.name) {
+                return Some(Start::Instance(id, k + 1));
+            } else {
+                return self.literal(class, &part.name).map(Start::Literal);
+            }
+        }
+        let full_name = self.classes[class].full_name;
+        self.error(
+            "MO0212",
+            r.span,
+            format!("`{full_name}` is a class, and a value is needed here"),
+        );
+        None
+    }
+
+    fn literal(&mut self, class: ClassId, part: &Ident) -> Option<ExprId> {
+        let table = self.table(class);
+        let full_name = self.classes[class].full_name;
+        let Some(Type::Enumeration(id)) = table.scalar else {
+            let names: Vec<String> =
+                table.entries.iter().map(|e| e.name.name.to_string()).collect();
+            let near =
+                crate::base::diag::did_you_mean(&part.name, names.iter().map(String::as_str));
+            let mut d = Diagnostic::error(
+                "MO0202",
+                part.span,
+                format!("there is no `{}` in `{full_name}`", part.name),
+            )
+            .label("not found");
+            if let Some(near) = near {
+                d = d.help(format!("did you mean `{near}`?"));
+            }
+            self.problems.push(d);
+            return None;
+        };
+        let literals = self.graph.enumerations[id].literals.clone();
+        if let Some(at) = literals.iter().position(|l| *l == part.name) {
+            return Some(self.graph.constant(Const::Enumeration(id, at as u32 + 1)));
+        }
+        let names: Vec<&str> = literals.iter().map(|l| l.as_str()).collect();
+        let mut d = Diagnostic::error(
+            "MO0202",
+            part.span,
+            format!("`{full_name}` has no literal `{}`", part.name),
+        )
+        .label("not found");
+        d = match crate::base::diag::did_you_mean(&part.name, names.iter().copied()) {
+            Some(near) => d.help(format!("did you mean `{near}`?")),
+            None => d.help(format!("it has {}", crate::instantiate::error::listed(&names))),
+        };
+        self.problems.push(d);
+        None
+    }
+
+    /// The number of values of an enumeration or of `Boolean` named as a size.
+    pub(crate) fn type_size(&mut self, r: &ComponentRef, scope: Scope) -> Option<usize> {
+        match self.named_type(r, scope)? {
+            Type::Boolean => Some(2),
+            Type::Enumeration(id) => Some(self.graph.enumerations[id].literals.len()),
+            _ => None,
+        }
+    }
+
+    /// The values of an enumeration or of `Boolean` named as a range.
+    pub(crate) fn type_values(&mut self, r: &ComponentRef, scope: Scope) -> Option<Vec<Value>> {
+        match self.named_type(r, scope)? {
+            Type::Boolean => {
+                Some([false, true].map(|b| Value::Scalar(self.graph.boolean(b))).to_vec())
+            }
+            Type::Enumeration(id) => {
+                let n = self.graph.enumerations[id].literals.len() as u32;
+                let literal = |k| Const::Enumeration(id, k);
+                Some((1..=n).map(|k| Value::Scalar(self.graph.constant(literal(k)))).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn named_type(&mut self, r: &ComponentRef, scope: Scope) -> Option<Type> {
+        if r.parts.iter().any(|p| !p.subscripts.is_empty()) {
+            return None;
+        }
+        if !r.global
+            && (self.local(r.parts[0].name.name).is_some()
+                || (!self.evaluation.in_function
+                    && self.child(scope.instance, r.parts[0].name.name).is_some()))
+        {
+            return None;
+        }
+        let path = crate::ir::ast::Path {
+            global: r.global,
+            parts: r.parts.iter().map(|p| p.name).collect(),
+            span: r.span,
+        };
+        let class = self.find_class(&path, scope)?;
+        self.table(class).scalar
+    }
+
+    /// Follows the parts of a reference; the first part belongs to `id` itself.
+    fn walk(
+        &mut self,
+        id: InstanceId,
+        parts: &[RefPart],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Selection> {
+        self.complete(id);
+        let (part, rest) = parts.split_first()?;
+        match self.instances[id].kind.clone() {
+            InstanceKind::Outer(inner) => self.walk(inner, parts, scope, span),
+            InstanceKind::Absent => Some(Selection::Absent),
+            InstanceKind::Object(_) => {
+                self.no_subscripts(part)?;
+                let Some(next) = rest.first() else { return Some(Selection::Whole(id)) };
+                match self.child(id, next.name.name) {
+                    Some(child) => self.walk(child, rest, scope, span),
+                    None => {
+                        self.report_unknown_member(id, &next.name);
+                        None
+                    }
+                }
+            }
+            InstanceKind::Array { dims, elements } => {
+                if part.subscripts.is_empty() && rest.is_empty() {
+                    return Some(Selection::Whole(id));
+                }
+                let (dims, chosen) = self.chosen(&dims, &part.subscripts, scope, span)?;
+                let mut all = Vec::with_capacity(chosen.len());
+                for k in chosen {
+                    // The subscripts are dealt with: the element follows the rest of the name.
+                    let bare = RefPart { name: part.name, subscripts: Vec::new() };
+                    let parts: Vec<RefPart> =
+                        std::iter::once(bare).chain(rest.iter().cloned()).collect();
+                    all.push(self.walk(elements[k], &parts, scope, span)?);
+                }
+                Some(many(dims, all))
+            }
+            InstanceKind::Variable { dims, .. } => {
+                if let Some(next) = rest.first() {
+                    self.report_unknown_member(id, &next.name);
+                    return None;
+                }
+                if part.subscripts.is_empty() {
+                    return Some(Selection::Whole(id));
+                }
+                let (dims, chosen) = self.chosen(&dims, &part.subscripts, scope, span)?;
+                let all = chosen.into_iter().map(|k| Selection::Element(id, k)).collect();
+                Some(many(dims, all))
+            }
+            InstanceKind::Pending | InstanceKind::InProgress => None,
+        }
+    }
+
+    fn no_subscripts(&mut self, part: &RefPart) -> Option<()> {
+        if part.subscripts.is_empty() {
+            return Some(());
+        }
+        let message = format!("`{}` is no array", part.name.name);
+        self.error("MO0216", part.name.span, message);
+        None
+    }
+
+    fn value_of_parts(
+        &mut self,
+        id: InstanceId,
+        parts: &[RefPart],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        // A variable subscripted by what only a run knows is chosen among by conditions.
+        if let [part] = parts
+            && !part.subscripts.is_empty()
+        {
+            self.complete(id);
+            if let InstanceKind::Variable { dims, .. } = self.instances[id].kind.clone() {
+                let selectors = self.selectors(&dims, &part.subscripts, scope, span)?;
+                if selectors.iter().any(|s| matches!(s, Selector::Dynamic(_))) {
+                    let whole = self.instance_value(id, span)?;
+                    return self.apply(&whole, &selectors, span);
+                }
+            }
+        }
+        let selection = self.walk(id, parts, scope, span)?;
+        self.selection_value(&selection, span)
+    }
+
+    fn selection_value(&mut self, selection: &Selection, span: Span) -> Option<Value> {
+        match selection {
+            Selection::Whole(id) => self.instance_value(*id, span),
+            Selection::Element(id, k) => self.variable_element(*id, *k, span).map(Value::Scalar),
+            Selection::Many(dims, all) => {
+                let values: Vec<Value> =
+                    all.iter().map(|s| self.selection_value(s, span)).collect::<Option<_>>()?;
+                let mut dims = dims.clone();
+                if let Some(Value::Array(inner)) = values.first() {
+                    dims.extend(&inner.dims);
+                    let flat = values.iter().flat_map(|v| v.elements().to_vec()).collect();
+                    return Some(Value::array(dims, flat));
+                }
+                Some(Value::array(dims, values))
+            }
+            Selection::Absent => {
+                self.problems.push(
+                    Diagnostic::error(
+                        "MO0217",
+                        span,
+                        "this component is switched off by its condition",
+                    )
+                    .note("a conditional component may stand in `connect` only (section 4.4.5)"),
+                );
+                None
+            }
+        }
+    }
+
+    /// The value of a component as a whole.
+    pub(crate) fn instance_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
+        self.complete(id);
+        match self.instances[id].kind.clone() {
+            InstanceKind::Outer(inner) => self.instance_value(inner, span),
+            InstanceKind::Variable { dims, .. } => {
+                if let Some(value) = self.known_value(id, span)? {
+                    return self.spread(value, &dims, &Rc::from([]), span);
+                }
+                let n: usize = dims.iter().product();
+                let elements = (0..n)
+                    .map(|k| self.variable_element(id, k, span).map(Value::Scalar))
+                    .collect::<Option<Vec<_>>>()?;
+                Some(Value::array(dims.to_vec(), elements))
+            }
+            InstanceKind::Object(children) => {
+                let mut fields = Vec::with_capacity(children.len());
+                for child in children {
+                    let name = self.instances[child].name;
+                    self.complete(child);
+                    if !matches!(self.instances[child].kind, InstanceKind::Absent) {
+                        fields.push((name, self.instance_value(child, span)?));
+                    }
+                }
+                let class = self.instances[id].class;
+                Some(Value::Record(Rc::new(Record { class, fields })))
+            }
+            InstanceKind::Array { dims, elements } => {
+                let values = elements
+                    .iter()
+                    .map(|e| self.instance_value(*e, span))
+                    .collect::<Option<Vec<_>>>()?;
+                Some(Value::array(dims.to_vec(), values))
+            }
+            InstanceKind::Absent | InstanceKind::Pending | InstanceKind::InProgress => None,
+        }
+    }
+
+    /// The value of a constant, and while folding of a parameter; `Some(None)` where the variable stands
+    /// for itself.
+    fn known_value(&mut self, id: InstanceId, span: Span) -> Option<Option<Value>> {
+        let variability = self.instances[id].prefix.variability;
+        let folds = match variability {
+            Some(Variability::Constant) => true,
+            Some(Variability::Parameter) => self.evaluation.folding,
+            _ => false,
+        };
+        if folds {
+            return match self.parameter_value(id, span) {
+                Some(value) => Some(Some(value)),
+                None => {
+                    self.report_no_value(id, span);
+                    None
+                }
+            };
+        }
+        let InstanceKind::Variable { first, .. } = self.instances[id].kind else {
+            return None;
+        };
+        if self.evaluation.folding || first.is_none() {
+            let path = self.path(id);
+            let declared = self.declared_at(id);
+            self.problems.push(
+                Diagnostic::error(
+                    "MO0213",
+                    span,
+                    format!("`{path}` is needed before the model runs, and is no parameter"),
+                )
+                .label("needed to fix the structure of the model")
+                .also(declared, "declared here")
+                .help("make it a parameter or a constant"),
+            );
+            return None;
+        }
+        Some(None)
+    }
+
+    /// A parameter that depends on itself has no value; what else is missing was reported before.
+    fn report_no_value(&mut self, id: InstanceId, span: Span) {
+        if self.problems.has_errors() {
+            return;
+        }
+        let path = self.path(id);
+        self.problems.push(
+            Diagnostic::error("MO0218", span, format!("the value of `{path}` depends on itself"))
+                .also(self.declared_at(id), "declared here")
+                .help("break the circle of bindings"),
+        );
+    }
+
+    fn variable_element(&mut self, id: InstanceId, k: usize, span: Span) -> Option<ExprId> {
+        if let Some(value) = self.known_value(id, span)? {
+            let InstanceKind::Variable { dims, .. } = self.instances[id].kind.clone() else {
+                return None;
+            };
+            let value = self.spread(value, &dims, &Rc::from([]), span)?;
+            return value.elements().get(k)?.scalar();
+        }
+        let InstanceKind::Variable { ty, first: Some(first), .. } = self.instances[id].kind else {
+            return None;
+        };
+        let v = crate::ir::expr::VarId(first.0 + k as u32);
+        if let Some(assigned) = self.evaluation.assigned.get(&v) {
+            return Some(*assigned);
+        }
+        Some(self.graph.var(v, ty))
+    }
+
+    /// Applies subscripts to a value.
+    pub(crate) fn subscripted(
+        &mut self,
+        value: Value,
+        subscripts: &[Subscript],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        if subscripts.is_empty() {
+            return Some(value);
+        }
+        let selectors = self.selectors(value.dims(), subscripts, scope, span)?;
+        self.apply(&value, &selectors, span)
+    }
+
+    /// Positions that subscripts select in an array of the given sizes, with the sizes that result.
+    fn chosen(
+        &mut self,
+        dims: &[usize],
+        subscripts: &[Subscript],
+        scope: Scope,
+        span: Span,
+    ) -> Option<(Vec<usize>, Vec<usize>)> {
+        let mut selectors = self.selectors(dims, subscripts, scope, span)?;
+        for n in &dims[selectors.len()..] {
+            selectors.push(Selector::Many((1..=*n).collect()));
+        }
+        let mut sizes = Vec::new();
+        let mut positions = vec![0];
+        for (k, s) in selectors.iter().enumerate() {
+            let list = match s {
+                Selector::One(i) => std::slice::from_ref(i),
+                Selector::Many(list) => {
+                    sizes.push(list.len());
+                    list.as_slice()
+                }
+                Selector::Dynamic(_) => {
+                    self.unsupported(span, "components chosen while the model runs");
+                    return None;
+                }
+            };
+            let wider =
+                |at: &usize| list.iter().map(|i| at * dims[k] + (i - 1)).collect::<Vec<_>>();
+            positions = positions.iter().flat_map(wider).collect();
+        }
+        Some((sizes, positions))
+    }
+
+    fn selectors(
+        &mut self,
+        dims: &[usize],
+        subscripts: &[Subscript],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Vec<Selector>> {
+        if subscripts.len() > dims.len() {
+            let message = format!(
+                "there are {} subscripts, and only {} dimensions",
+                subscripts.len(),
+                dims.len()
+            );
+            self.error("MO0216", span, message);
+            return None;
+        }
+        let mut out = Vec::with_capacity(subscripts.len());
+        for (k, s) in subscripts.iter().enumerate() {
+            out.push(match s {
+                Subscript::Colon(_) => Selector::Many((1..=dims[k]).collect()),
+                Subscript::Expr(e) => {
+                    self.evaluation.ends.push(dims[k]);
+                    let value = self.evaluate(e, scope);
+                    self.evaluation.ends.pop();
+                    let value = value?;
+                    self.selector(&value, dims[k], e.span)?
+                }
+            });
+        }
+        Some(out)
+    }
+
+    fn selector(&mut self, value: &Value, size: usize, span: Span) -> Option<Selector> {
+        let mut list = Vec::with_capacity(value.elements().len());
+        for element in value.elements() {
+            let e = element.scalar()?;
+            let Some(c) = self.structural_value(e) else {
+                if value.dims().is_empty() {
+                    return Some(Selector::Dynamic(e));
+                }
+                self.unsupported(span, "subscript vectors that only a run knows");
+                return None;
+            };
+            let i = match c {
+                Const::Integer(i) => i,
+                Const::Enumeration(_, k) => i64::from(k),
+                Const::Boolean(b) => i64::from(b) + 1,
+                _ => {
+                    self.error("MO0212", span, "a subscript is a whole number");
+                    return None;
+                }
+            };
+            if i < 1 || i as usize > size {
+                let message = format!("subscript {i} is outside 1 to {size}");
+                self.error("MO0216", span, message);
+                return None;
+            }
+            list.push(i as usize);
+        }
+        Some(if value.dims().is_empty() { Selector::One(list[0]) } else { Selector::Many(list) })
+    }
+
+    fn apply(&mut self, value: &Value, selectors: &[Selector], span: Span) -> Option<Value> {
+        let Some((first, rest)) = selectors.split_first() else { return Some(value.clone()) };
+        let dims = value.dims().to_vec();
+        let part = |i: usize| value.select(&[i]);
+        match first {
+            Selector::One(i) => self.apply(&part(*i)?, rest, span),
+            Selector::Many(list) => {
+                let parts = list
+                    .iter()
+                    .map(|i| self.apply(&part(*i)?, rest, span))
+                    .collect::<Option<Vec<_>>>()?;
+                if parts.is_empty() {
+                    let mut sizes = vec![0];
+                    sizes.extend(&offset(&dims, &[])?.1[1..]);
+                    return Some(Value::array(sizes, Vec::new()));
+                }
+                self.stack(parts, span)
+            }
+            Selector::Dynamic(e) => {
+                let parts = (1..=dims[0])
+                    .map(|i| self.apply(&part(i)?, rest, span))
+                    .collect::<Option<Vec<_>>>()?;
+                self.choose(*e, &parts, span)
+            }
+        }
+    }
+
+    /// `if e == 1 then parts[0] elseif ... else the last`.
+    fn choose(&mut self, e: ExprId, parts: &[Value], span: Span) -> Option<Value> {
+        let (last, firsts) = parts.split_last()?;
+        let mut result = last.clone();
+        for (k, part) in firsts.iter().enumerate().rev() {
+            let number = self.graph.integer(k as i64 + 1);
+            let condition = self.graph.binary(Binary::Equal, e, number);
+            result = self.if_values(condition, part.clone(), result, span)?;
+        }
+        Some(result)
+    }
+}
+
+fn many(dims: Vec<usize>, mut all: Vec<Selection>) -> Selection {
+    if dims.is_empty() && all.len() == 1 { all.remove(0) } else { Selection::Many(dims, all) }
+}

@@ -1,0 +1,223 @@
+//! Equations and statements.
+
+use super::Builder;
+use super::class::Description;
+use crate::base::source::Span;
+use crate::ir::ast::*;
+use crate::parse::error::SyntaxError;
+use crate::parse::token::Kind;
+
+/// Conditions with what they guard.
+type Branches<T> = Vec<(Expr, Vec<T>)>;
+
+impl Builder<'_> {
+    // ---- Equations ----
+
+    /// Gives an equation its description and its place.
+    pub fn describe(
+        &mut self,
+        mut equation: Box<Equation>,
+        description: Description,
+        start: u32,
+        end: u32,
+    ) -> Box<Equation> {
+        equation.description = description.0;
+        equation.span = self.span(start, end);
+        equation
+    }
+    fn equation(&mut self, kind: EquationKind) -> Box<Equation> {
+        Box::new(Equation { kind, span: Span::NONE, description: None })
+    }
+    /// An expression without `=`: a call, or a mistake.
+    pub fn lone_equation(&mut self, expr: Box<Expr>) -> Box<Equation> {
+        if matches!(expr.kind, ExprKind::Call { .. }) {
+            return self.equation(EquationKind::Call(*expr));
+        }
+        if let ExprKind::Binary(BinaryOp::Equal, x, y) = &expr.kind {
+            let operator = self.between(x, y);
+            self.report(SyntaxError::ComparisonAsEquation { operator });
+        } else {
+            self.incomplete(&expr, "an equation");
+        }
+        self.equation(EquationKind::Broken)
+    }
+    /// `a = b`
+    pub fn equal(&mut self, left: Box<Expr>, right: Box<Expr>) -> Box<Equation> {
+        self.equation(EquationKind::Equal(*left, *right))
+    }
+    /// `a := b` among equations: reported, and taken for `a = b`.
+    pub fn assigned_equation(
+        &mut self,
+        left: Box<Expr>,
+        right: Box<Expr>,
+        start: u32,
+        end: u32,
+    ) -> Box<Equation> {
+        let operator = self.span(start, end);
+        self.report(SyntaxError::AssignmentAsEquation { operator });
+        self.equal(left, right)
+    }
+    /// `if`
+    pub fn if_equation(
+        &mut self,
+        condition: Box<Expr>,
+        body: Vec<Equation>,
+        more: Branches<Equation>,
+        otherwise: Vec<Equation>,
+    ) -> Box<Equation> {
+        self.leave();
+        let branches = branches(condition, body, more);
+        self.equation(EquationKind::If { branches, otherwise })
+    }
+    /// `for`
+    pub fn for_equation(&mut self, iterators: Vec<Iterator>, body: Vec<Equation>) -> Box<Equation> {
+        self.leave();
+        self.equation(EquationKind::For { iterators, body })
+    }
+    /// `when`
+    pub fn when_equation(
+        &mut self,
+        condition: Box<Expr>,
+        body: Vec<Equation>,
+        more: Branches<Equation>,
+    ) -> Box<Equation> {
+        self.leave();
+        self.equation(EquationKind::When { branches: branches(condition, body, more) })
+    }
+    /// `connect`
+    pub fn connect(&mut self, left: ComponentRef, right: ComponentRef) -> Box<Equation> {
+        self.equation(EquationKind::Connect(left, right))
+    }
+
+    // ---- Statements ----
+
+    /// Gives a statement its place.
+    pub fn place(&mut self, mut statement: Box<Statement>, start: u32, end: u32) -> Box<Statement> {
+        statement.span = self.span(start, end);
+        statement
+    }
+    /// A statement, as yet without place.
+    pub fn statement(&mut self, kind: StatementKind) -> Box<Statement> {
+        Box::new(Statement { kind, span: Span::NONE })
+    }
+    /// An expression without `:=`: a call, or a mistake.
+    pub fn lone_statement(&mut self, expr: Box<Expr>) -> Box<Statement> {
+        if matches!(expr.kind, ExprKind::Call { .. }) {
+            return self.statement(StatementKind::Call(*expr));
+        }
+        if let ExprKind::Binary(BinaryOp::Equal, x, y) = &expr.kind {
+            let operator = self.between(x, y);
+            self.report(SyntaxError::EqualsAsAssignment { operator });
+        } else {
+            self.incomplete(&expr, "a statement");
+        }
+        self.statement(StatementKind::Broken)
+    }
+    /// `a := b`, `(a, b) := f(x)`
+    pub fn assign(&mut self, left: Box<Expr>, right: Box<Expr>) -> Box<Statement> {
+        let span = left.span;
+        let kind = match left.kind {
+            ExprKind::Ref(target) => Some(StatementKind::Assign(target, *right)),
+            ExprKind::Parenthesised(target) => {
+                target_of(*target).map(|t| StatementKind::AssignTuple(vec![Some(t)], *right))
+            }
+            ExprKind::Tuple(slots) => slots
+                .into_iter()
+                .map(|slot| slot.map_or(Some(None), |e| target_of(e).map(Some)))
+                .collect::<Option<Vec<_>>>()
+                .map(|targets| StatementKind::AssignTuple(targets, *right)),
+            ExprKind::Broken => Some(StatementKind::Broken),
+            _ => None,
+        };
+        let kind = kind.unwrap_or_else(|| {
+            self.report(SyntaxError::NotAssignable { span });
+            StatementKind::Broken
+        });
+        self.statement(kind)
+    }
+    /// `a = b` among statements: reported, and taken for `a := b`.
+    pub fn equal_statement(
+        &mut self,
+        left: Box<Expr>,
+        right: Box<Expr>,
+        start: u32,
+        end: u32,
+    ) -> Box<Statement> {
+        let operator = self.span(start, end);
+        self.report(SyntaxError::EqualsAsAssignment { operator });
+        self.assign(left, right)
+    }
+    /// `if`
+    pub fn if_statement(
+        &mut self,
+        condition: Box<Expr>,
+        body: Vec<Statement>,
+        more: Branches<Statement>,
+        otherwise: Vec<Statement>,
+    ) -> Box<Statement> {
+        self.leave();
+        let branches = branches(condition, body, more);
+        self.statement(StatementKind::If { branches, otherwise })
+    }
+    /// `for`
+    pub fn for_statement(
+        &mut self,
+        iterators: Vec<Iterator>,
+        body: Vec<Statement>,
+    ) -> Box<Statement> {
+        self.leave();
+        self.statement(StatementKind::For { iterators, body })
+    }
+    /// `while`
+    pub fn while_statement(
+        &mut self,
+        condition: Box<Expr>,
+        body: Vec<Statement>,
+    ) -> Box<Statement> {
+        self.leave();
+        self.statement(StatementKind::While { condition: *condition, body })
+    }
+    /// `when`
+    pub fn when_statement(
+        &mut self,
+        condition: Box<Expr>,
+        body: Vec<Statement>,
+        more: Branches<Statement>,
+    ) -> Box<Statement> {
+        self.leave();
+        self.statement(StatementKind::When { branches: branches(condition, body, more) })
+    }
+
+    /// The operator between two operands.
+    fn between(&self, left: &Expr, right: &Expr) -> Span {
+        let from = self.tokens.partition_point(|t| t.start < left.span.end);
+        self.tokens
+            .get(from)
+            .filter(|t| t.end <= right.span.start)
+            .map_or(left.span, |t| self.span(t.start, t.end))
+    }
+    /// Reports an expression that should have been more, unless the parser is about to report
+    /// what follows it.
+    fn incomplete(&mut self, expr: &Expr, wanted: &'static str) {
+        let next = self.tokens.partition_point(|t| t.start < expr.span.end);
+        let ends = self.tokens.get(next).is_none_or(|t| {
+            matches!(t.kind, Kind::Semicolon | Kind::String | Kind::Annotation)
+                || t.kind.starts_section()
+        });
+        let follows_error = expr.span.start < self.quiet_until;
+        if ends && !follows_error && !matches!(expr.kind, ExprKind::Broken) {
+            self.report(SyntaxError::LoneExpression { span: expr.span, wanted });
+        }
+    }
+}
+
+fn branches<T>(condition: Box<Expr>, body: Vec<T>, more: Branches<T>) -> Branches<T> {
+    std::iter::once((*condition, body)).chain(more).collect()
+}
+
+fn target_of(expr: Expr) -> Option<ComponentRef> {
+    match expr.kind {
+        ExprKind::Ref(target) => Some(target),
+        _ => None,
+    }
+}

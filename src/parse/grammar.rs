@@ -1,0 +1,44 @@
+//! The door to the parser that LALRPOP generates from `grammar/modelica.lalrpop`.
+
+use super::build::Builder;
+use super::error::{Bound, Context, SyntaxError};
+use super::lexer;
+use super::token::Kind;
+use crate::base::diag::Problems;
+use crate::base::source::{FileId, Span};
+use crate::ir::ast;
+
+#[allow(missing_docs, unused_qualifications, clippy::all)]
+#[rustfmt::skip]
+mod generated {
+    include!(concat!(env!("OUT_DIR"), "/modelica.rs"));
+}
+
+/// An error as LALRPOP reports it.
+pub type Failure = lalrpop_util::ParseError<u32, Kind, (u32, Bound)>;
+/// An error after which LALRPOP found a place to go on.
+pub type Recovery = lalrpop_util::ErrorRecovery<u32, Kind, (u32, Bound)>;
+
+/// Parses the text of a file. Never fails: what does not parse is reported and left out, or stands
+/// in the tree as `Broken`.
+pub fn parse(file: FileId, text: &str, problems: &mut Problems) -> ast::File {
+    let mut tree = ast::File { id: file, within: None, classes: Vec::new(), comments: Vec::new() };
+    if u32::try_from(text.len()).is_err() {
+        problems.push(SyntaxError::FileTooLarge { span: Span::new(file, 0, 0) }.into());
+        return tree;
+    }
+    let lexed = lexer::lex(file, text, problems);
+    tree.comments = lexed.comments;
+    if lexed.cut_off {
+        return tree;
+    }
+    let mut builder = Builder::new(file, text, &lexed.tokens, problems);
+    builder.unclosed_reported = lexed.swallowed_end;
+    let tokens = lexed.tokens.iter().map(|t| Ok((t.start, t.kind, t.end)));
+    if let Err(failure) = generated::StoredParser::new().parse(&mut builder, tokens) {
+        builder.syntax_error(failure, Context::Class);
+    }
+    tree.within = builder.within;
+    tree.classes = builder.classes;
+    tree
+}
