@@ -4,3 +4,4 @@
 pub mod base;
 pub mod ir;
 pub mod math;
+pub mod report;

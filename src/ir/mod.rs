@@ -1,1 +1,2 @@
 //! The representations between the stages, in pipeline order.
+pub mod trajectory;
