@@ -1,23 +1,32 @@
 //! Fewer points with the same picture: of all points in one pixel column only the first, the
-//! lowest, the highest and the last are kept, so peaks and jumps stay.
+//! lowest, the highest, the last and both sides of the highest jump are kept.
+
+/// The most points that stay of one pixel column.
+pub const PER_COLUMN: usize = 6;
 
 /// Positions to draw of the curve `x`, `y` (equally long, `x` not decreasing), ascending.
-/// `columns` is the number of pixel columns; a curve of up to four points per column stays whole.
+/// `columns` is the number of pixel columns; a curve of up to [`PER_COLUMN`] points each stays whole.
 pub fn decimate(x: &[f64], y: &[f64], columns: usize) -> Vec<usize> {
     let rows = x.len().min(y.len());
     let columns = columns.max(1);
     let extent = if rows > 0 { x[rows - 1] - x[0] } else { 0.0 };
-    if rows <= 4 * columns || extent <= 0.0 {
+    if rows <= PER_COLUMN * columns || extent <= 0.0 {
         return (0..rows).collect();
     }
     let column = |i: usize| (((x[i] - x[0]) / extent * columns as f64) as usize).min(columns - 1);
-    let mut kept = Vec::with_capacity(4 * columns);
+    let mut kept = Vec::with_capacity(PER_COLUMN * columns);
     let mut first = 0;
     while first < rows {
         let here = column(first);
         let (mut low, mut high, mut last) = (first, first, first);
+        // The row before the jump, and its height.
+        let (mut jump, mut step) = (first, 0.0);
         while last + 1 < rows && column(last + 1) == here {
             last += 1;
+            let height = (y[last] - y[last - 1]).abs();
+            if x[last] == x[last - 1] && height > step {
+                (jump, step) = (last - 1, height);
+            }
             if y[last] < y[low] {
                 low = last;
             }
@@ -25,9 +34,9 @@ pub fn decimate(x: &[f64], y: &[f64], columns: usize) -> Vec<usize> {
                 high = last;
             }
         }
-        let mut four = [first, low, high, last];
-        four.sort_unstable();
-        kept.extend_from_slice(&four);
+        let mut chosen = [first, low, high, jump, (jump + 1).min(last), last];
+        chosen.sort_unstable();
+        kept.extend_from_slice(&chosen);
         first = last + 1;
     }
     kept.dedup();
@@ -65,14 +74,13 @@ mod tests {
         y[31_234] = 9.0;
         y[77_777] = -9.0;
         let kept = decimate(&x, &y, 500);
-        assert!(kept.len() <= 2000 && kept.is_sorted());
+        assert!(kept.len() <= 500 * PER_COLUMN && kept.is_sorted());
         assert_eq!((kept[0], kept[kept.len() - 1]), (0, 99_999));
         assert!(kept.contains(&31_234) && kept.contains(&77_777));
     }
 
     #[test]
     fn both_limits_of_a_jump_survive() {
-        // The jump is the only movement: lowest and highest of its column, wherever it falls.
         let x: Vec<f64> = (0..5000).map(|i| f64::from(if i > 2500 { i - 1 } else { i })).collect();
         let y: Vec<f64> = (0..5000).map(|i| if i > 2500 { 1.0 } else { 0.0 }).collect();
         assert_eq!(x[2500], x[2501]);

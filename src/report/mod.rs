@@ -5,6 +5,7 @@
 //! whole or not at all ([`write`](mod@write)).
 
 pub mod decimate;
+pub mod figure;
 pub mod layout;
 pub mod plot;
 pub mod raster;

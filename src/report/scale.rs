@@ -157,9 +157,10 @@ fn declared(unit: &str, display_unit: &str) -> Option<Scale> {
     }
     let (base, rest) = in_grams(unit);
     let power = power_of_first(rest);
-    PREFIXES.iter().find(|(_, prefix)| display_unit.strip_prefix(prefix) == Some(rest)).map(
-        |(exponent, _)| Scale::of(10_f64.powi(exponent * power) / base, display_unit),
-    )
+    PREFIXES
+        .iter()
+        .find(|(_, prefix)| display_unit.strip_prefix(prefix) == Some(rest))
+        .map(|(exponent, _)| Scale::of(10_f64.powi(exponent * power) / base, display_unit))
 }
 
 /// A prefix where the unit takes one, otherwise a power of ten before the unit.
@@ -208,7 +209,7 @@ fn power_of_first(unit: &str) -> i32 {
 fn engineering_exponent(largest: f64) -> Option<i32> {
     // A hair of tolerance, so that 0.001 counts as 1e-3.
     let power = (largest.abs().log10() + 1e-9).floor();
-    power.is_finite().then_some(3 * (power / 3.0).floor() as i32)
+    power.is_finite().then(|| 3 * (power / 3.0).floor() as i32)
 }
 
 /// One character of a unit in print.

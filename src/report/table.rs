@@ -281,23 +281,32 @@ pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
     let mut run = Trajectory::new(names[1..].iter().map(|n| Column::new(n.as_str(), "")).collect());
     let mut values = vec![0.0; names.len()];
     while next(&mut record)? {
-        let line = record.position().map_or(0, csv::Position::line);
+        // Only an error needs the line, so it is counted then.
+        let line = || line_of(&record, bytes);
         if record.len() != names.len() {
             let (found, expected) = (record.len(), names.len());
-            return Err(ReadError::FieldCount { path: at(), line, found, expected });
+            return Err(ReadError::FieldCount { path: at(), line: line(), found, expected });
         }
         for (i, field) in record.iter().enumerate() {
             values[i] = field.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
                 let (name, text) = (names[i].clone(), field.to_owned());
-                ReadError::NotANumber { path: at(), line, column: i + 1, name, text }
+                ReadError::NotANumber { path: at(), line: line(), column: i + 1, name, text }
             })?;
         }
         if let Some(&before) = run.time.last().filter(|&&before| values[0] < before) {
-            return Err(ReadError::TimeDecreases { path: at(), line, before, after: values[0] });
+            let (line, after) = (line(), values[0]);
+            return Err(ReadError::TimeDecreases { path: at(), line, before, after });
         }
         run.push(values[0], &values[1..]);
     }
     Ok(run)
+}
+
+/// The line of a record. `csv` takes empty lines before a record for its beginning.
+fn line_of(record: &csv::StringRecord, bytes: &[u8]) -> u64 {
+    let start = record.position().map_or(0, |p| p.byte() as usize).min(bytes.len());
+    let empty = bytes[start..].iter().take_while(|b| matches!(b, b'\r' | b'\n')).count();
+    1 + bytes[..start + empty].iter().filter(|b| **b == b'\n').count() as u64
 }
 
 /// Every column has a name of its own.
@@ -434,7 +443,7 @@ mod tests {
             let place = path.display().to_string();
             read_csv(&path).map_err(|e| e.to_string().replace(&place, "m.csv"))
         };
-        let run = read(b"\xef\xbb\xbft_s, \"q, m\"\r\n0, 1\r\n1e-3 ,-2.5\r\n").unwrap();
+        let run = read(b"\xef\xbb\xbft_s,\"q, m\"\r\n0, 1\r\n1e-3 ,-2.5\r\n").unwrap();
         assert_eq!(run.columns[0].name, "q, m");
         assert_eq!((run.time, run.data), (vec![0.0, 1e-3], vec![vec![1.0, -2.5]]));
         let wrong = |content: &str| read(content.as_bytes()).unwrap_err();
@@ -442,24 +451,16 @@ mod tests {
             wrong("t,x\n0,1\n\n1,one\n"),
             "m.csv:4: column 2 (`x`): `one` is not a finite number"
         );
-        assert_eq!(
-            wrong("t,x\n0,nan\n"),
-            "m.csv:2: column 2 (`x`): `nan` is not a finite number"
-        );
+        assert_eq!(wrong("t,x\n0,nan\n"), "m.csv:2: column 2 (`x`): `nan` is not a finite number");
+        assert_eq!(wrong("t,x\r\n0,1\r\n0,1,2\r\n"), "m.csv:3: 3 fields, but the header names 2");
         assert_eq!(wrong("t,x\n0,1,2\n"), "m.csv:2: 3 fields, but the header names 2");
-        assert_eq!(
-            wrong("t,x\n0,1\n2,1\n1,1\n"),
-            "m.csv:4: the time goes back from 2 s to 1 s"
-        );
+        assert_eq!(wrong("t,x\n0,1\n2,1\n1,1\n"), "m.csv:4: the time goes back from 2 s to 1 s");
         assert_eq!(wrong("t,x,x\n"), "m.csv:1: column 3: `x` is also the name of column 2");
         assert_eq!(
             wrong("0,1\n"),
             "m.csv:1: column 1: `0` is a number; a header line with names is needed"
         );
-        assert_eq!(
-            wrong(""),
-            "m.csv is empty: a header line with names is needed, the time first"
-        );
+        assert_eq!(wrong(""), "m.csv is empty: a header line with names is needed, the time first");
         assert_eq!(
             read(b"t,x\n0,\xff\n").unwrap_err(),
             "m.csv:2: not a table: the text is not UTF-8"

@@ -28,11 +28,17 @@ pub fn ticks(low: f64, high: f64, wanted: usize) -> Ticks {
     Ticks { values, labels }
 }
 
-/// The smallest of 1, 2, 5, 10 times a power of ten that is at least `rough`.
+/// Of 1, 2, 5 times a power of ten the one with the ratio to `rough` nearest to one.
 fn round_step(rough: f64) -> f64 {
     let power = 10_f64.powf(rough.log10().floor());
-    let digit = [1.0, 2.0, 5.0].into_iter().find(|d| d * power >= rough * (1.0 - 1e-9));
-    digit.unwrap_or(10.0) * power
+    // The digits change at the geometric means of their neighbours.
+    let digit = match rough / power {
+        r if r < 2_f64.sqrt() => 1.0,
+        r if r < 10_f64.sqrt() => 2.0,
+        r if r < 50_f64.sqrt() => 5.0,
+        _ => 10.0,
+    };
+    digit * power
 }
 
 /// With a true minus sign, and none before zero.
@@ -53,9 +59,10 @@ mod tests {
     #[test]
     fn steps_are_one_two_or_five() {
         assert_eq!(labels(0.0, 120.0, 6), ["0", "20", "40", "60", "80", "100", "120"]);
-        assert_eq!(labels(0.0, 1.0, 4), ["0.0", "0.5", "1.0"]);
+        assert_eq!(labels(0.0, 1.0, 4), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(-0.2, 0.2, 4), ["\u{2212}0.2", "\u{2212}0.1", "0.0", "0.1", "0.2"]);
         assert_eq!(labels(0.9, 7.1, 4), ["2", "4", "6"]);
+        assert_eq!(labels(-560.0, 640.0, 3), ["\u{2212}500", "0", "500"]);
         assert_eq!(labels(700_000.0, 700_000.3, 3).last().unwrap(), "700000.3");
     }
 
