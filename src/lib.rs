@@ -12,4 +12,5 @@ pub mod symbolic;
 pub mod flatten;
 pub mod instantiate;
 pub mod parse;
+pub mod report;
 pub mod resolve;

@@ -1,1 +1,96 @@
-//! x
+//! Instance tree to flat model: scalar variables with their values, equations written out,
+//! connections turned into equations (section 5.6 of the specification).
+pub mod connect;
+pub mod equation;
+pub mod print;
+pub mod setting;
+pub mod variable;
+pub mod when;
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use crate::base::index::FastSet;
+use crate::instantiate::Context;
+use crate::ir::ast::{ArgumentKind, Modification};
+use crate::ir::expr::Const;
+use crate::ir::flat::{Experiment, FlatModel};
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
+use crate::ir::modification::Setting;
+
+/// Flattens the model `class` with settings from outside. Problems are left in the context; the value
+/// is then of no use for running.
+pub fn flatten(cx: &mut Context<'_>, class: ClassId, settings: &[Rc<Setting>]) -> FlatModel {
+    let text = cx.text(class).cloned();
+    let full_name = cx.classes[class].full_name.to_string();
+    let span = text.as_ref().map_or(crate::base::source::Span::NONE, |t| t.name.span);
+    let mut flat = FlatModel::new(full_name, span);
+    flat.description = text.as_ref().and_then(|t| t.description.clone());
+
+    let root = cx.instantiate_model(class, settings);
+    setting::report_unused(cx, root, settings);
+    variable::number(cx, root, &mut flat);
+    variable::fill(cx, &mut flat);
+
+    let mut connections = connect::Connections::default();
+    for object in objects(cx, root) {
+        equation::of_object(cx, object, &mut flat, &mut connections);
+    }
+    connections.equations(cx, &mut flat);
+    if let Some(annotation) = text.as_ref().and_then(|t| t.annotation.clone()) {
+        flat.experiment = experiment(cx, &annotation, Scope { instance: root, class });
+    }
+    let structural: FastSet<InstanceId> = cx.evaluation.structural.iter().copied().collect();
+    for (v, (instance, _)) in cx.evaluation.instance_of.iter().enumerate() {
+        let v = crate::ir::expr::VarId(v as u32);
+        flat.variables[v].structural |= structural.contains(instance);
+    }
+    flat.graph = std::mem::take(&mut cx.graph);
+    flat
+}
+
+/// Components with components, depth first in order of declaration.
+fn objects(cx: &Context<'_>, root: InstanceId) -> Vec<InstanceId> {
+    let mut found = Vec::new();
+    let mut stack = vec![root];
+    while let Some(id) = stack.pop() {
+        match &cx.instances[id].kind {
+            InstanceKind::Object(children) => {
+                found.push(id);
+                stack.extend(children.iter().rev());
+            }
+            InstanceKind::Array { elements, .. } => stack.extend(elements.iter().rev()),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// `annotation(experiment(...))`
+fn experiment(cx: &mut Context<'_>, annotation: &Arc<Modification>, scope: Scope) -> Experiment {
+    let mut experiment = Experiment::default();
+    for arg in &annotation.args {
+        let ArgumentKind::Element { path, modification: Some(inner), .. } = &arg.kind else {
+            continue;
+        };
+        if path.to_string() != "experiment" {
+            continue;
+        }
+        for entry in &inner.args {
+            let ArgumentKind::Element { path, modification: Some(m), .. } = &entry.kind else {
+                continue;
+            };
+            let Some(binding) = &m.binding else { continue };
+            let slot = match path.to_string().as_str() {
+                "StartTime" => &mut experiment.start,
+                "StopTime" => &mut experiment.stop,
+                "Interval" => &mut experiment.interval,
+                "Tolerance" => &mut experiment.tolerance,
+                _ => continue,
+            };
+            let value = cx.fold(binding, scope).and_then(|v| v.scalar());
+            *slot = value.and_then(|e| cx.graph.as_const(e)).and_then(Const::number);
+        }
+    }
+    experiment
+}

@@ -6,3 +6,4 @@ pub mod expr;
 pub mod flat;
 pub mod instance;
 pub mod modification;
+pub mod trajectory;

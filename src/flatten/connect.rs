@@ -1,0 +1,343 @@
+//! Connections: sets of connected variables, equal potentials, flows that sum to zero (chapter 9 of
+//! the specification).
+
+use std::sync::Arc;
+
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastMap;
+use crate::base::source::Span;
+use crate::instantiate::Context;
+use crate::instantiate::evaluate::reference::Selection;
+use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
+use crate::ir::expr::VarId;
+use crate::ir::flat::{Equation, EquationKind, FlatModel, Origin};
+use crate::ir::instance::{InstanceId, InstanceKind, Scope};
+
+/// A variable of a connector, seen from inside or outside the component that has it.
+type Member = (VarId, bool);
+
+/// The connections of a model.
+#[derive(Default)]
+pub struct Connections {
+    potentials: Sets,
+    flows: Sets,
+}
+
+/// Sets of members that grow together (union-find with path halving), in order of first mention.
+#[derive(Default)]
+struct Sets {
+    number: FastMap<Member, usize>,
+    members: Vec<Member>,
+    parent: Vec<usize>,
+    origins: Vec<Origin>,
+}
+
+impl Sets {
+    fn add(&mut self, member: Member, origin: &Origin) -> usize {
+        if let Some(k) = self.number.get(&member) {
+            return *k;
+        }
+        let k = self.members.len();
+        self.number.insert(member, k);
+        self.members.push(member);
+        self.parent.push(k);
+        self.origins.push(origin.clone());
+        k
+    }
+
+    fn root(&mut self, mut k: usize) -> usize {
+        while self.parent[k] != k {
+            self.parent[k] = self.parent[self.parent[k]];
+            k = self.parent[k];
+        }
+        k
+    }
+
+    fn join(&mut self, a: Member, b: Member, origin: &Origin) {
+        let (a, b) = (self.add(a, origin), self.add(b, origin));
+        let (a, b) = (self.root(a), self.root(b));
+        // The older set keeps its name, so that the order of the text is kept.
+        self.parent[a.max(b)] = a.min(b);
+    }
+
+    /// Each set with the place of the connection that began it.
+    fn sets(&mut self) -> Vec<(Vec<Member>, Origin)> {
+        let mut at: Vec<Option<usize>> = vec![None; self.members.len()];
+        let mut out: Vec<(Vec<Member>, Origin)> = Vec::new();
+        for k in 0..self.members.len() {
+            let root = self.root(k);
+            let slot = *at[root].get_or_insert_with(|| {
+                out.push((Vec::new(), self.origins[k].clone()));
+                out.len() - 1
+            });
+            out[slot].0.push(self.members[k]);
+        }
+        out
+    }
+}
+
+impl Connections {
+    /// `connect(a, b)` in the class of `scope.instance`.
+    pub(super) fn connect(
+        &mut self,
+        cx: &mut Context<'_>,
+        a: &ComponentRef,
+        b: &ComponentRef,
+        span: Span,
+        scope: Scope,
+        component: &Arc<str>,
+    ) -> Option<()> {
+        let (left, right) = (cx.select(a, scope), cx.select(b, scope));
+        let (left, right) = (left?, right?);
+        let outside = (is_outside(cx, a, scope), is_outside(cx, b, scope));
+        let origin = Origin { span, component: component.clone() };
+        let pair = Pair { outside, origin, ends: (a.span, b.span) };
+        self.pair(cx, &left, &right, &pair)
+    }
+
+    fn pair(
+        &mut self,
+        cx: &mut Context<'_>,
+        a: &Selection,
+        b: &Selection,
+        pair: &Pair,
+    ) -> Option<()> {
+        match (a, b) {
+            (Selection::Absent, _) | (_, Selection::Absent) => Some(()),
+            (Selection::Whole(x), Selection::Whole(y)) => self.instances(cx, *x, *y, pair),
+            _ => {
+                let (left, right) = (parts(cx, a), parts(cx, b));
+                if left.len() != right.len() {
+                    return mismatch(cx, pair, "have different sizes");
+                }
+                for (x, y) in left.iter().zip(&right) {
+                    match (x, y) {
+                        (Selection::Element(i, j), Selection::Element(k, l)) => {
+                            self.scalars(cx, (*i, *j), (*k, *l), pair)?;
+                        }
+                        (Selection::Element(..), _) | (_, Selection::Element(..)) => {
+                            return mismatch(cx, pair, "are not of one kind");
+                        }
+                        _ => self.pair(cx, x, y, pair)?,
+                    }
+                }
+                Some(())
+            }
+        }
+    }
+
+    fn instances(
+        &mut self,
+        cx: &mut Context<'_>,
+        x: InstanceId,
+        y: InstanceId,
+        pair: &Pair,
+    ) -> Option<()> {
+        cx.complete(x);
+        cx.complete(y);
+        let (kind_x, kind_y) = (cx.instances[x].kind.clone(), cx.instances[y].kind.clone());
+        match (kind_x, kind_y) {
+            (InstanceKind::Outer(inner), _) => self.instances(cx, inner, y, pair),
+            (_, InstanceKind::Outer(inner)) => self.instances(cx, x, inner, pair),
+            (InstanceKind::Absent, _) | (_, InstanceKind::Absent) => Some(()),
+            (InstanceKind::Variable { dims: d, .. }, InstanceKind::Variable { dims: e, .. }) => {
+                if d != e {
+                    return mismatch(cx, pair, "have different sizes");
+                }
+                for k in 0..d.iter().product() {
+                    self.scalars(cx, (x, k), (y, k), pair)?;
+                }
+                Some(())
+            }
+            (InstanceKind::Object(children), InstanceKind::Object(others)) => {
+                if !is_connector(cx, x) || !is_connector(cx, y) {
+                    let (which, end) =
+                        if is_connector(cx, x) { (y, pair.ends.1) } else { (x, pair.ends.0) };
+                    let path = cx.path(which);
+                    let records = [x, y].into_iter().all(|i| is_record(cx, i));
+                    if !records {
+                        cx.problems.push(
+                            Diagnostic::error("MO0230", end, format!("`{path}` is no connector"))
+                                .help("connect its connectors: `component.connector`"),
+                        );
+                        return None;
+                    }
+                }
+                for child in &children {
+                    let name = cx.instances[*child].name;
+                    match others.iter().find(|o| cx.instances[**o].name == name) {
+                        Some(other) => self.instances(cx, *child, *other, pair)?,
+                        None => {
+                            let message = format!("do not match: only one of them has `{name}`");
+                            return mismatch(cx, pair, &message);
+                        }
+                    }
+                }
+                if children.len() != others.len() {
+                    return mismatch(cx, pair, "do not match: they have different variables");
+                }
+                Some(())
+            }
+            (
+                InstanceKind::Array { dims: d, elements },
+                InstanceKind::Array { dims: e, elements: others },
+            ) => {
+                if d != e {
+                    return mismatch(cx, pair, "have different sizes");
+                }
+                for (x, y) in elements.iter().zip(others.iter()) {
+                    self.instances(cx, *x, *y, pair)?;
+                }
+                Some(())
+            }
+            _ => mismatch(cx, pair, "are not of one kind"),
+        }
+    }
+
+    fn scalars(
+        &mut self,
+        cx: &mut Context<'_>,
+        x: (InstanceId, usize),
+        y: (InstanceId, usize),
+        pair: &Pair,
+    ) -> Option<()> {
+        let flow =
+            |i: InstanceId| cx.instances[i].prefix.connection == Some(ConnectionPrefix::Flow);
+        let (s, t) = (flow(x.0), flow(y.0));
+        if s != t {
+            return mismatch(cx, pair, "do not match: a flow variable meets a potential");
+        }
+        if [x.0, y.0]
+            .iter()
+            .any(|i| cx.instances[*i].prefix.connection == Some(ConnectionPrefix::Stream))
+        {
+            cx.unsupported(pair.origin.span, "`stream` connectors");
+            return None;
+        }
+        let ty = |i: InstanceId| match cx.instances[i].kind {
+            InstanceKind::Variable { ty, .. } => Some(ty),
+            _ => None,
+        };
+        if ty(x.0) != ty(y.0) {
+            return mismatch(cx, pair, "do not match: their variables have different types");
+        }
+        let fixed = |i: InstanceId| {
+            matches!(
+                cx.instances[i].prefix.variability,
+                Some(Variability::Parameter | Variability::Constant)
+            )
+        };
+        if fixed(x.0) && fixed(y.0) {
+            return Some(());
+        }
+        let number = |(i, k): (InstanceId, usize)| match cx.instances[i].kind {
+            InstanceKind::Variable { first: Some(first), .. } => Some(VarId(first.0 + k as u32)),
+            _ => None,
+        };
+        let (a, b) = ((number(x)?, pair.outside.0), (number(y)?, pair.outside.1));
+        let sets = if s { &mut self.flows } else { &mut self.potentials };
+        sets.join(a, b, &pair.origin);
+        Some(())
+    }
+
+    /// Writes the sets out: equal potentials, sums of flows, and zero for flows of connectors that
+    /// nothing is connected to.
+    pub(super) fn equations(&mut self, cx: &mut Context<'_>, flat: &mut FlatModel) {
+        for (members, origin) in self.potentials.sets() {
+            let mut variables: Vec<VarId> = members.iter().map(|m| m.0).collect();
+            let mut seen = crate::base::index::FastSet::default();
+            variables.retain(|v| seen.insert(*v));
+            let Some((first, rest)) = variables.split_first() else { continue };
+            let a = read(cx, flat, *first);
+            for v in rest {
+                let b = read(cx, flat, *v);
+                let kind = EquationKind::Equal(a, b);
+                flat.equations.push(Equation { kind, origin: origin.clone() });
+            }
+        }
+        for (members, origin) in self.flows.sets() {
+            let mut terms = Vec::with_capacity(members.len());
+            for (v, outside) in members {
+                let e = read(cx, flat, v);
+                terms.push(if outside { cx.graph.neg(e) } else { e });
+            }
+            let sum = cx.graph.sum(terms);
+            let zero = cx.graph.real(0.0);
+            flat.equations.push(Equation { kind: EquationKind::Equal(sum, zero), origin });
+        }
+        for v in flat.variables.ids() {
+            let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
+            let flow = cx.instances[instance].prefix.connection == Some(ConnectionPrefix::Flow);
+            if !flow || self.flows.number.contains_key(&(v, false)) {
+                continue;
+            }
+            let e = read(cx, flat, v);
+            let zero = cx.graph.real(0.0);
+            let component = match cx.instances[instance].parent {
+                Some(p) => cx.path(p).into(),
+                None => Arc::from(""),
+            };
+            let origin = Origin { span: flat.variables[v].span, component };
+            flat.equations.push(Equation { kind: EquationKind::Equal(e, zero), origin });
+        }
+    }
+}
+
+struct Pair {
+    outside: (bool, bool),
+    origin: Origin,
+    ends: (Span, Span),
+}
+
+fn read(cx: &mut Context<'_>, flat: &FlatModel, v: VarId) -> crate::ir::expr::ExprId {
+    cx.graph.var(v, flat.variables[v].ty)
+}
+
+fn mismatch(cx: &mut Context<'_>, pair: &Pair, why: &str) -> Option<()> {
+    cx.problems.push(
+        Diagnostic::error("MO0230", pair.origin.span, format!("the two connectors {why}"))
+            .also(pair.ends.0, "one")
+            .also(pair.ends.1, "the other")
+            .help("connect connectors of the same class (section 9.3)"),
+    );
+    None
+}
+
+/// Scalars of array variables, or the parts of a slice.
+fn parts(cx: &Context<'_>, s: &Selection) -> Vec<Selection> {
+    match s {
+        Selection::Many(_, all) => all.clone(),
+        Selection::Whole(id) => match &cx.instances[*id].kind {
+            InstanceKind::Array { elements, .. } => {
+                elements.iter().map(|e| Selection::Whole(*e)).collect()
+            }
+            InstanceKind::Variable { dims, .. } => {
+                (0..dims.iter().product()).map(|k| Selection::Element(*id, k)).collect()
+            }
+            _ => vec![s.clone()],
+        },
+        other => vec![other.clone()],
+    }
+}
+
+/// A connector of the class itself is seen from inside the component: an *outside* connector.
+fn is_outside(cx: &mut Context<'_>, r: &ComponentRef, scope: Scope) -> bool {
+    match cx.child(scope.instance, r.parts[0].name.name) {
+        Some(first) => is_connector(cx, first),
+        None => false,
+    }
+}
+
+fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
+    cx.complete(id);
+    if let InstanceKind::Outer(inner) = cx.instances[id].kind {
+        return is_connector(cx, inner);
+    }
+    let Some(class) = cx.instances[id].class else { return false };
+    matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
+}
+
+fn is_record(cx: &mut Context<'_>, id: InstanceId) -> bool {
+    let Some(class) = cx.instances[id].class else { return false };
+    matches!(cx.kind(class), ClassKind::Record | ClassKind::OperatorRecord)
+}

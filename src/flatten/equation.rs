@@ -1,0 +1,512 @@
+//! Equations of components: loops written out, `if` on parameters decided, arrays and records taken
+//! apart (chapter 8 of the specification).
+
+use std::sync::Arc;
+
+use super::connect::Connections;
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::instantiate::Context;
+use crate::instantiate::evaluate::value::Value;
+use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
+use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
+use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Origin};
+use crate::ir::instance::{InstanceId, Scope, SectionKind};
+
+/// Where equations go, and where they come from.
+pub(super) struct Target<'f> {
+    pub(super) flat: &'f mut FlatModel,
+    pub(super) connections: &'f mut Connections,
+    pub(super) component: Arc<str>,
+    pub(super) initial: bool,
+}
+
+impl Target<'_> {
+    pub(super) fn origin(&self, span: Span) -> Origin {
+        Origin { span, component: self.component.clone() }
+    }
+
+    fn push(&mut self, kind: EquationKind, span: Span) {
+        let equation = Equation { kind, origin: self.origin(span) };
+        if self.initial {
+            self.flat.initial_equations.push(equation);
+        } else {
+            self.flat.equations.push(equation);
+        }
+    }
+}
+
+/// Adds the equations of one component.
+pub fn of_object(
+    cx: &mut Context<'_>,
+    object: InstanceId,
+    flat: &mut FlatModel,
+    connections: &mut Connections,
+) {
+    let table = cx.table_of(object);
+    if table.sections.is_empty() {
+        return;
+    }
+    let component: Arc<str> = cx.path(object).into();
+    for section in &table.sections {
+        let scope = Scope { instance: object, class: section.class };
+        let mut target =
+            Target { flat, connections, component: component.clone(), initial: section.initial };
+        match &section.kind {
+            SectionKind::Equations(list) => expand_all(cx, list, scope, &mut target),
+            SectionKind::Algorithm(list, span) => algorithm(cx, list, *span, scope, &mut target),
+        }
+    }
+}
+
+fn expand_all(cx: &mut Context<'_>, list: &[ast::Equation], scope: Scope, target: &mut Target<'_>) {
+    for e in list {
+        expand(cx, e, scope, target);
+    }
+}
+
+/// Expands one equation; `None` after an error, so that others go on.
+fn expand(
+    cx: &mut Context<'_>,
+    e: &ast::Equation,
+    scope: Scope,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    match &e.kind {
+        ast::EquationKind::Equal(lhs, rhs) => equal(cx, lhs, rhs, e.span, scope, target),
+        ast::EquationKind::If { branches, otherwise } => {
+            if_equation(cx, branches, otherwise, e.span, scope, target)
+        }
+        ast::EquationKind::For { iterators, body } => for_each(cx, iterators, scope, &mut |cx| {
+            expand_all(cx, body, scope, target);
+        }),
+        ast::EquationKind::When { branches } => {
+            if target.initial {
+                cx.error("MO0231", e.span, "`when` cannot stand in an initial section");
+                return None;
+            }
+            let branches = super::when::branches(cx, branches, scope)?;
+            target.push(EquationKind::When(branches), e.span);
+            Some(())
+        }
+        ast::EquationKind::Connect(a, b) => {
+            target.connections.connect(cx, a, b, e.span, scope, &target.component)
+        }
+        ast::EquationKind::Call(call) => call_equation(cx, call, scope, target),
+        ast::EquationKind::Broken => None,
+    }
+}
+
+/// Runs `body` for every combination of iterators, which are visible as names.
+pub(super) fn for_each(
+    cx: &mut Context<'_>,
+    iterators: &[ast::Iterator],
+    scope: Scope,
+    body: &mut dyn FnMut(&mut Context<'_>),
+) -> Option<()> {
+    let Some((first, rest)) = iterators.split_first() else {
+        body(cx);
+        return Some(());
+    };
+    for value in cx.fold_range(first, scope)? {
+        cx.evaluation.locals.push((first.name.name, value));
+        let done = for_each(cx, rest, scope, body);
+        cx.evaluation.locals.pop();
+        done?;
+    }
+    Some(())
+}
+
+fn equal(
+    cx: &mut Context<'_>,
+    lhs: &Expr,
+    rhs: &Expr,
+    span: Span,
+    scope: Scope,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    if let ExprKind::Tuple(items) = &lhs.kind {
+        let Value::Tuple(values) = cx.evaluate(rhs, scope)? else {
+            cx.error("MO0219", rhs.span, "a function with several outputs is needed here");
+            return None;
+        };
+        if items.len() > values.len() {
+            let message = format!(
+                "{} values are wanted, and the function gives {}",
+                items.len(),
+                values.len()
+            );
+            cx.error("MO0219", span, message);
+            return None;
+        }
+        for (item, value) in items.iter().zip(values.iter()) {
+            if let Some(item) = item {
+                let left = cx.evaluate(item, scope)?;
+                equate(cx, &left, value, span, target)?;
+            }
+        }
+        return Some(());
+    }
+    let (left, right) = (cx.evaluate(lhs, scope), cx.evaluate(rhs, scope));
+    equate(cx, &left?, &first_output(right?), span, target)
+}
+
+/// A function with several outputs stands for its first where one value is needed.
+pub(super) fn first_output(value: Value) -> Value {
+    match &value {
+        Value::Tuple(all) if !all.is_empty() => all[0].clone(),
+        _ => value,
+    }
+}
+
+fn equate(
+    cx: &mut Context<'_>,
+    left: &Value,
+    right: &Value,
+    span: Span,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    match (left, right) {
+        (Value::Scalar(a), Value::Scalar(b)) => {
+            let (s, t) = (cx.graph.ty(*a), cx.graph.ty(*b));
+            let kind = |t| if t == Type::Integer { Type::Real } else { t };
+            if kind(s) != kind(t) {
+                cx.report_types(span, "equal", s, t);
+                return None;
+            }
+            let (a, b) = (real_literal(cx, *a, t), real_literal(cx, *b, s));
+            target.push(EquationKind::Equal(a, b), span);
+            Some(())
+        }
+        (Value::Array(_), Value::Array(_)) => {
+            if left.dims() != right.dims() {
+                let message =
+                    format!("the two sides have sizes {:?} and {:?}", left.dims(), right.dims());
+                cx.error("MO0215", span, message);
+                return None;
+            }
+            for (a, b) in left.elements().iter().zip(right.elements()) {
+                equate(cx, a, b, span, target)?;
+            }
+            Some(())
+        }
+        (Value::Record(r), Value::Record(s)) => {
+            for (name, a) in &r.fields {
+                match s.fields.iter().find(|(n, _)| n == name) {
+                    Some((_, b)) => equate(cx, a, b, span, target)?,
+                    None => {
+                        let message = format!("the right side has no field `{name}`");
+                        cx.error("MO0212", span, message);
+                        return None;
+                    }
+                }
+            }
+            Some(())
+        }
+        _ => {
+            let message =
+                format!("the two sides have sizes {:?} and {:?}", left.dims(), right.dims());
+            cx.error("MO0215", span, message);
+            None
+        }
+    }
+}
+
+fn real_literal(cx: &mut Context<'_>, e: ExprId, other: Type) -> ExprId {
+    match cx.graph.as_const(e) {
+        Some(Const::Integer(i)) if other == Type::Real => cx.graph.real(i as f64),
+        _ => e,
+    }
+}
+
+fn if_equation(
+    cx: &mut Context<'_>,
+    branches: &[(Expr, Vec<ast::Equation>)],
+    otherwise: &[ast::Equation],
+    span: Span,
+    scope: Scope,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    let Some(((condition, body), rest)) = branches.split_first() else {
+        expand_all(cx, otherwise, scope, target);
+        return Some(());
+    };
+    let c = cx.evaluate(condition, scope)?;
+    let c = cx.truth(&c, condition.span)?;
+    match cx.structural_value(c) {
+        Some(Const::Boolean(true)) => {
+            expand_all(cx, body, scope, target);
+            return Some(());
+        }
+        Some(Const::Boolean(false)) => {
+            return if_equation(cx, rest, otherwise, span, scope, target);
+        }
+        _ => {}
+    }
+    let first = collected(target, |t| expand_all(cx, body, scope, t));
+    let mut done = None;
+    let second = collected(target, |t| {
+        done = if_equation(cx, rest, otherwise, span, scope, t);
+    });
+    done?;
+    merge(cx, c, first, second, span, target)
+}
+
+/// The equations that `act` adds, taken out again.
+fn collected(target: &mut Target<'_>, act: impl FnOnce(&mut Target<'_>)) -> Vec<Equation> {
+    let list = |t: &mut Target<'_>| {
+        if t.initial { t.flat.initial_equations.len() } else { t.flat.equations.len() }
+    };
+    let before = list(target);
+    act(target);
+    if target.initial {
+        target.flat.initial_equations.split_off(before)
+    } else {
+        target.flat.equations.split_off(before)
+    }
+}
+
+/// `if c then first else second`, equation by equation (section 8.3.4).
+fn merge(
+    cx: &mut Context<'_>,
+    c: ExprId,
+    first: Vec<Equation>,
+    second: Vec<Equation>,
+    span: Span,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    let not_c = cx.graph.not(c);
+    let mut sides = [Vec::new(), Vec::new()];
+    for (k, (list, applies)) in [(first, c), (second, not_c)].into_iter().enumerate() {
+        for e in list {
+            match e.kind {
+                EquationKind::Equal(a, b) => sides[k].push((a, b, e.origin)),
+                EquationKind::Assert(a) => {
+                    let off = cx.graph.not(applies);
+                    let condition = cx.graph.or(off, a.condition);
+                    let kind = EquationKind::Assert(Assert { condition, ..a });
+                    target.push(kind, e.origin.span);
+                }
+                EquationKind::When(_) | EquationKind::Algorithm { .. } => {
+                    cx.error(
+                        "MO0231",
+                        e.origin.span,
+                        "`when` under a condition that only a run knows; put the condition inside",
+                    );
+                    return None;
+                }
+            }
+        }
+    }
+    let [first, second] = sides;
+    if first.len() != second.len() {
+        cx.problems.push(
+            Diagnostic::error(
+                "MO0232",
+                span,
+                format!(
+                    "the branches have {} and {} equations, and their condition changes while the model runs",
+                    first.len(),
+                    second.len()
+                ),
+            )
+            .help("give each branch, `else` included, the same number of equations (section 8.3.4)"),
+        );
+        return None;
+    }
+    for ((a, b, origin), (a2, b2, _)) in first.into_iter().zip(second) {
+        let kind = if a == a2 {
+            EquationKind::Equal(a, cx.graph.if_then_else(c, b, b2))
+        } else if cx.graph.ty(a) == Type::Real || cx.graph.ty(b) == Type::Real {
+            let (r, r2) = (cx.graph.sub(a, b), cx.graph.sub(a2, b2));
+            let zero = cx.graph.real(0.0);
+            EquationKind::Equal(zero, cx.graph.if_then_else(c, r, r2))
+        } else {
+            cx.error(
+                "MO0231",
+                origin.span,
+                "branches must define the same discrete variable in the same order",
+            );
+            return None;
+        };
+        target.push(kind, origin.span);
+    }
+    Some(())
+}
+
+fn call_equation(
+    cx: &mut Context<'_>,
+    call: &Expr,
+    scope: Scope,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    let ExprKind::Call { function, args, named } = &call.kind else {
+        cx.error("MO0231", call.span, "this is no equation");
+        return None;
+    };
+    let simple = function.simple();
+    match simple.as_ref().map(|n| n.as_str()) {
+        Some("assert") => {
+            let assert = assertion(cx, args, named, call.span, scope)?;
+            if cx.graph.as_const(assert.condition) == Some(Const::Boolean(true)) {
+                return Some(());
+            }
+            if let Some(Const::Boolean(false)) = cx.structural_value(assert.condition)
+                && !assert.warning
+            {
+                let text = match cx.graph.as_const(assert.message) {
+                    Some(Const::String(s)) => s.to_string(),
+                    _ => "assertion failed".into(),
+                };
+                cx.problems.push(
+                    Diagnostic::error("MO0233", call.span, format!("assertion failed: {text}"))
+                        .label("false for these parameters"),
+                );
+                return None;
+            }
+            target.push(EquationKind::Assert(assert), call.span);
+            Some(())
+        }
+        Some("reinit" | "terminate") => {
+            let name = function.parts[0].name.name;
+            cx.problems.push(
+                Diagnostic::error("MO0231", call.span, format!("`{name}` stands outside `when`"))
+                    .help("put it into a when-clause that says when it acts"),
+            );
+            None
+        }
+        _ if function.parts[0].name.name == "Connections" => {
+            cx.unsupported(call.span, "over-constrained connection graphs");
+            None
+        }
+        _ => cx.evaluate(call, scope).map(|_| ()),
+    }
+}
+
+/// `assert(condition, message, level)`
+pub(super) fn assertion(
+    cx: &mut Context<'_>,
+    args: &[Expr],
+    named: &[(ast::Ident, Expr)],
+    span: Span,
+    scope: Scope,
+) -> Option<Assert> {
+    let find = |k: usize, n: &str| {
+        args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
+    };
+    let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
+        cx.error("MO0219", span, "`assert` takes a condition and a message");
+        return None;
+    };
+    let c = cx.evaluate(condition, scope)?;
+    let c = cx.truth(&c, condition.span)?;
+    let text = cx.evaluate_scalar(message, scope)?;
+    if cx.graph.ty(text) != Type::String {
+        cx.error("MO0212", message.span, "the message must be a String");
+        return None;
+    }
+    let warning = match find(2, "level") {
+        Some(level) => {
+            let value = cx.fold(level, scope)?.scalar()?;
+            matches!(cx.graph.as_const(value), Some(Const::Enumeration(_, 1)))
+        }
+        None => false,
+    };
+    Some(Assert { condition: c, message: text, warning })
+}
+
+/// An algorithm section of a model: statements are run on symbols; when-statements become
+/// when-clauses of their own.
+fn algorithm(
+    cx: &mut Context<'_>,
+    list: &[ast::Statement],
+    span: Span,
+    scope: Scope,
+    target: &mut Target<'_>,
+) {
+    cx.evaluation.assigned.clear();
+    let plain: Vec<ast::Statement> =
+        list.iter().filter(|s| !matches!(s.kind, StatementKind::When { .. })).cloned().collect();
+    let mut outputs = Vec::new();
+    if start_values(cx, &plain, scope, target, &mut outputs).is_some()
+        && cx.run_statements(&plain, scope).is_some()
+        && !outputs.is_empty()
+    {
+        let values = outputs.iter().map(|v| cx.evaluation.assigned[v]).collect();
+        target.push(EquationKind::Algorithm { outputs, values }, span);
+    }
+    cx.evaluation.assigned.clear();
+    for s in list {
+        if let StatementKind::When { branches } = &s.kind
+            && let Some(branches) = super::when::statement_branches(cx, branches, scope)
+        {
+            target.push(EquationKind::When(branches), s.span);
+        }
+    }
+}
+
+/// What assigned variables hold before the section: discrete ones their `pre` value, others their
+/// start value (section 11.1.2).
+fn start_values(
+    cx: &mut Context<'_>,
+    list: &[ast::Statement],
+    scope: Scope,
+    target: &Target<'_>,
+    outputs: &mut Vec<VarId>,
+) -> Option<()> {
+    for s in list {
+        match &s.kind {
+            StatementKind::Assign(to, _) => start_value(cx, to, scope, target, outputs)?,
+            StatementKind::AssignTuple(all, _) => {
+                for to in all.iter().flatten() {
+                    start_value(cx, to, scope, target, outputs)?;
+                }
+            }
+            StatementKind::If { branches, otherwise } => {
+                for (_, body) in branches {
+                    start_values(cx, body, scope, target, outputs)?;
+                }
+                start_values(cx, otherwise, scope, target, outputs)?;
+            }
+            StatementKind::For { iterators, body } => {
+                let mut done = Some(());
+                for_each(cx, iterators, scope, &mut |cx| {
+                    if done.is_some() {
+                        done = start_values(cx, body, scope, target, outputs);
+                    }
+                })?;
+                done?;
+            }
+            StatementKind::While { body, .. } => start_values(cx, body, scope, target, outputs)?,
+            _ => {}
+        }
+    }
+    Some(())
+}
+
+fn start_value(
+    cx: &mut Context<'_>,
+    to: &ast::ComponentRef,
+    scope: Scope,
+    target: &Target<'_>,
+    outputs: &mut Vec<VarId>,
+) -> Option<()> {
+    let selection = cx.select(to, scope)?;
+    for v in cx.selected_variables(&selection, to.span)? {
+        if cx.evaluation.assigned.contains_key(&v) {
+            continue;
+        }
+        let variable = &target.flat.variables[v];
+        let value = if variable.variability == ast::Variability::Continuous {
+            match variable.start {
+                Some(start) => start,
+                None => cx.graph.real(0.0),
+            }
+        } else {
+            cx.graph.intern(Node::Pre(v), variable.ty)
+        };
+        cx.evaluation.assigned.insert(v, value);
+        outputs.push(v);
+    }
+    Some(())
+}

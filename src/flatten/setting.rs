@@ -1,0 +1,154 @@
+//! Settings from outside: `NAME=VALUE` of the command line as modifications of the model.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use crate::base::diag::{Diagnostic, Problems, did_you_mean};
+use crate::base::name::name;
+use crate::base::source::{FileId, SourceMap, Span};
+use crate::instantiate::Context;
+use crate::ir::ast::{ClassBody, ElementKind, Expr, Variability};
+use crate::ir::instance::{InstanceId, InstanceKind};
+use crate::ir::modification::Setting;
+
+/// Reads `NAME=VALUE`; the value is an expression of the language.
+pub fn read(text: &str, sources: &mut SourceMap, problems: &mut Problems) -> Option<Rc<Setting>> {
+    let usage = |problems: &mut Problems, why: &str| {
+        problems.push(
+            Diagnostic::error("MO0240", Span::NONE, format!("the setting `{text}` {why}"))
+                .help("write NAME=VALUE, such as `seal_a.s_ce=1.2e-3`"),
+        );
+    };
+    let Some((left, right)) = text.split_once('=') else {
+        usage(problems, "has no `=`");
+        return None;
+    };
+    let Some(parts) = left.trim().split('.').map(part).collect::<Option<Vec<_>>>() else {
+        usage(problems, "does not start with a name");
+        return None;
+    };
+    let value = expression(right, text, sources, problems)?;
+    Some(Rc::new(Setting {
+        parts,
+        value: Arc::new(value),
+        text: left.trim().to_string(),
+        used: std::cell::Cell::new(false),
+    }))
+}
+
+/// `name` or `name[1,2]`
+fn part(text: &str) -> Option<(crate::base::name::Name, Vec<usize>)> {
+    let (word, rest) = text.split_once('[').unwrap_or((text, "]"));
+    let list = rest.strip_suffix(']')?;
+    let subscripts = if list.is_empty() {
+        Vec::new()
+    } else {
+        list.split(',').map(|k| k.trim().parse().ok()).collect::<Option<Vec<usize>>>()?
+    };
+    let word = word.trim();
+    let plain = word.chars().all(|c| c.is_alphanumeric() || c == '_') && !word.is_empty();
+    let quoted = word.len() > 2 && word.starts_with('\'') && word.ends_with('\'');
+    (plain || quoted).then(|| (name(word), subscripts))
+}
+
+/// Parses the value as the binding of a declaration.
+fn expression(
+    value: &str,
+    whole: &str,
+    sources: &mut SourceMap,
+    problems: &mut Problems,
+) -> Option<Expr> {
+    let before = "model S Real x =";
+    let file = format!("{before}{value}; end S;");
+    let mut own = Problems::new();
+    let parsed = crate::parse::grammar::parse(FileId(u32::MAX), &file, &mut own);
+    let class = parsed.classes.first();
+    let found = class.and_then(|c| match &c.body {
+        ClassBody::Long(composition) => composition.elements.iter().find_map(|e| match &e.kind {
+            ElementKind::Components(clause) => clause
+                .components
+                .first()
+                .and_then(|c| c.modification.as_ref())
+                .and_then(|m| m.binding.clone()),
+            _ => None,
+        }),
+        _ => None,
+    });
+    match found {
+        Some(e) if !own.has_errors() => {
+            // Messages about the value show the setting itself.
+            let id = sources.add("--set", whole.to_string());
+            let shift = before.len() as i64 - (whole.len() - value.len()) as i64;
+            let mut e = (*e).clone();
+            e.span = Span {
+                file: id,
+                start: (i64::from(e.span.start) - shift) as u32,
+                end: (i64::from(e.span.end) - shift) as u32,
+            };
+            Some(e)
+        }
+        _ => {
+            problems.push(
+                Diagnostic::error(
+                    "MO0240",
+                    Span::NONE,
+                    format!("the value in the setting `{whole}` is no expression"),
+                )
+                .help("write a number, true, false, a literal such as Contact.Free, or {1, 2}"),
+            );
+            None
+        }
+    }
+}
+
+/// Reports settings that no component took, and settings of what is no parameter.
+pub(super) fn report_unused(cx: &mut Context<'_>, root: InstanceId, settings: &[Rc<Setting>]) {
+    let mut parameters: Option<Vec<(String, bool)>> = None;
+    for s in settings {
+        let all = parameters.get_or_insert_with(|| scalar_names(cx, root));
+        let plain = s.text.replace(' ', "");
+        let known = all.iter().find(|(n, _)| *n == plain);
+        if s.used.get() && known.is_none_or(|(_, settable)| *settable) {
+            continue;
+        }
+        let mut d = if known.is_some() {
+            Diagnostic::error(
+                "MO0241",
+                Span::NONE,
+                format!("`{plain}` is a variable, not a parameter"),
+            )
+            .help(format!("set its start value instead: `{plain}.start=...`"))
+        } else {
+            Diagnostic::error("MO0241", Span::NONE, format!("the model has no parameter `{plain}`"))
+        };
+        if known.is_none() {
+            let names = all.iter().filter(|(_, p)| *p).map(|(n, _)| n.as_str());
+            let last = plain.rsplit('.').next().unwrap_or_default();
+            let same_end = all.iter().find(|(n, p)| *p && n.rsplit('.').next() == Some(last));
+            d = match (did_you_mean(&plain, names), same_end) {
+                (Some(near), _) => d.help(format!("did you mean `{near}`?")),
+                (None, Some((near, _))) => d.help(format!("did you mean `{near}`?")),
+                _ => d.help("`mocc flatten FILE` lists all parameters"),
+            };
+        }
+        cx.problems.push(d);
+    }
+}
+
+/// Names of variables and whether they are parameters.
+fn scalar_names(cx: &Context<'_>, root: InstanceId) -> Vec<(String, bool)> {
+    let mut out = Vec::new();
+    let mut stack = vec![root];
+    while let Some(id) = stack.pop() {
+        match &cx.instances[id].kind {
+            InstanceKind::Object(children) => stack.extend(children.iter().rev()),
+            InstanceKind::Array { elements, .. } => stack.extend(elements.iter().rev()),
+            InstanceKind::Variable { .. } => {
+                let variability = cx.instances[id].prefix.variability;
+                out.push((cx.path(id), variability == Some(Variability::Parameter)));
+            }
+            _ => {}
+        }
+    }
+    out
+}

@@ -1,0 +1,237 @@
+//! Flat variables: numbers in order of declaration, attributes, bindings.
+
+use std::rc::Rc;
+
+use crate::base::diag::Diagnostic;
+use crate::base::name::{Name, name};
+use crate::base::source::Span;
+use crate::instantiate::component::advance;
+use crate::instantiate::evaluate::value::Value;
+use crate::instantiate::{Context, subscript_text};
+use crate::ir::ast::Variability;
+use crate::ir::expr::{Const, ExprId, Type, VarId};
+use crate::ir::flat::{FlatModel, StateSelect, Variable};
+use crate::ir::instance::{InstanceId, InstanceKind};
+
+/// Numbers all scalar variables, depth first.
+pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
+    let mut stack = vec![(root, String::new())];
+    while let Some((id, path)) = stack.pop() {
+        let own = own_path(cx, id, &path);
+        match cx.instances[id].kind.clone() {
+            InstanceKind::Object(children) => {
+                stack.extend(children.iter().rev().map(|c| (*c, own.clone())));
+            }
+            InstanceKind::Array { elements, .. } => {
+                stack.extend(elements.iter().rev().map(|e| (*e, own.clone())));
+            }
+            InstanceKind::Variable { ty, dims, .. } => {
+                let first = flat.variables.next_id();
+                let mut subscripts = vec![1; dims.len()];
+                for k in 0..dims.iter().product() {
+                    let text = if dims.is_empty() {
+                        own.clone()
+                    } else {
+                        format!("{own}{}", subscript_text(&subscripts))
+                    };
+                    flat.variables.push(bare(cx, id, ty, text, root));
+                    cx.evaluation.instance_of.push((id, k));
+                    advance(&mut subscripts, &dims);
+                }
+                if let InstanceKind::Variable { first: slot, .. } = &mut cx.instances[id].kind {
+                    *slot = Some(first);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+fn own_path(cx: &Context<'_>, id: InstanceId, around: &str) -> String {
+    let instance = &cx.instances[id];
+    if !instance.subscripts.is_empty() {
+        return format!("{around}{}", subscript_text(&instance.subscripts));
+    }
+    match (around.is_empty(), instance.name.is_empty()) {
+        (_, true) => around.to_string(),
+        (true, false) => instance.name.to_string(),
+        (false, false) => format!("{around}.{}", instance.name),
+    }
+}
+
+fn bare(cx: &Context<'_>, id: InstanceId, ty: Type, text: String, root: InstanceId) -> Variable {
+    let instance = &cx.instances[id];
+    let component = instance.declaration.as_ref().map(|d| d.component());
+    let slowest = if ty == Type::Real { Variability::Continuous } else { Variability::Discrete };
+    let at_top = instance.parent == Some(root);
+    Variable {
+        name: text,
+        ty,
+        variability: instance.prefix.variability.unwrap_or(slowest).min(slowest),
+        causality: if at_top { instance.prefix.causality } else { None },
+        binding: None,
+        start: None,
+        fixed: None,
+        min: None,
+        max: None,
+        nominal: None,
+        unit: name(""),
+        display_unit: name(""),
+        state_select: StateSelect::Default,
+        description: component.and_then(|c| c.description.clone()),
+        protected: instance.protected,
+        structural: instance.declaration.as_ref().is_some_and(|d| d.element.is_final),
+        span: component.map_or(Span::NONE, |c| c.name.span),
+    }
+}
+
+/// Evaluates attributes and bindings of all variables.
+pub fn fill(cx: &mut Context<'_>, flat: &mut FlatModel) {
+    let mut at = 0;
+    while at < cx.evaluation.instance_of.len() {
+        let (id, _) = cx.evaluation.instance_of[at];
+        let InstanceKind::Variable { ty, dims, .. } = cx.instances[id].kind.clone() else {
+            unreachable!("only variables are numbered");
+        };
+        let count: usize = dims.iter().product();
+        let first = VarId(at as u32);
+        attributes(cx, flat, id, first, ty, &dims);
+        binding(cx, flat, id, first, ty, &dims);
+        at += count;
+    }
+}
+
+fn attributes(
+    cx: &mut Context<'_>,
+    flat: &mut FlatModel,
+    id: InstanceId,
+    first: VarId,
+    ty: Type,
+    dims: &Rc<[usize]>,
+) {
+    let value = |cx: &mut Context<'_>, text: &str, fold: bool| -> Option<(Value, Span)> {
+        let binding = cx.attribute(id, name(text))?;
+        let span = binding.value.span;
+        let value = if fold {
+            cx.fold(&binding.value, binding.scope)?
+        } else {
+            cx.evaluate(&binding.value, binding.scope)?
+        };
+        Some((cx.spread(value, dims, &binding.subscripts, span)?, span))
+    };
+    let numeric: [(&str, fn(&mut Variable) -> &mut Option<ExprId>); 4] = [
+        ("start", |v| &mut v.start),
+        ("min", |v| &mut v.min),
+        ("max", |v| &mut v.max),
+        ("nominal", |v| &mut v.nominal),
+    ];
+    for (text, slot) in numeric {
+        let Some((all, span)) = value(cx, text, false) else { continue };
+        for (k, e) in all.elements().iter().enumerate() {
+            let v = VarId(first.0 + k as u32);
+            let Some(e) = e.scalar() else { continue };
+            let e = fitted(cx, e, ty, span, text);
+            *slot(&mut flat.variables[v]) = e;
+        }
+    }
+    if let Some((all, _)) = value(cx, "fixed", true) {
+        for (k, e) in all.elements().iter().enumerate() {
+            let constant = e.scalar().and_then(|e| cx.graph.as_const(e));
+            let fixed = match constant {
+                Some(Const::Boolean(b)) => Some(b),
+                _ => None,
+            };
+            flat.variables[VarId(first.0 + k as u32)].fixed = fixed;
+        }
+    }
+    let texts: [(&str, fn(&mut Variable) -> &mut Name); 2] =
+        [("unit", |v| &mut v.unit), ("displayUnit", |v| &mut v.display_unit)];
+    for (text, slot) in texts {
+        let Some((all, _)) = value(cx, text, true) else { continue };
+        for (k, e) in all.elements().iter().enumerate() {
+            if let Some(Const::String(s)) = e.scalar().and_then(|e| cx.graph.as_const(e)) {
+                *slot(&mut flat.variables[VarId(first.0 + k as u32)]) = s;
+            }
+        }
+    }
+    if let Some((all, _)) = value(cx, "stateSelect", true) {
+        for (k, e) in all.elements().iter().enumerate() {
+            if let Some(Const::Enumeration(_, n)) = e.scalar().and_then(|e| cx.graph.as_const(e)) {
+                flat.variables[VarId(first.0 + k as u32)].state_select = match n {
+                    1 => StateSelect::Never,
+                    2 => StateSelect::Avoid,
+                    4 => StateSelect::Prefer,
+                    5 => StateSelect::Always,
+                    _ => StateSelect::Default,
+                };
+            }
+        }
+    }
+}
+
+fn binding(
+    cx: &mut Context<'_>,
+    flat: &mut FlatModel,
+    id: InstanceId,
+    first: VarId,
+    ty: Type,
+    dims: &Rc<[usize]>,
+) {
+    if !cx.bound(id) {
+        return;
+    }
+    let span = cx.binding(id).map_or_else(|| cx.declared_at(id), |b| b.value.span);
+    // A constant is known, and so are parameters that have fixed the structure: one value serves all.
+    let constant = cx.instances[id].prefix.variability == Some(Variability::Constant);
+    let value = if constant { cx.parameter_value(id, span) } else { cx.binding_value(id) };
+    let Some(value) = value else { return };
+    let setting = cx.binding(id).is_some_and(|b| b.setting);
+    if value.dims() != &**dims && !(setting && value.dims().is_empty()) {
+        cx.problems.push(
+            Diagnostic::error(
+                "MO0215",
+                span,
+                format!(
+                    "`{}` has size {:?}, and this has size {:?}",
+                    flat.variables[first].name.split('[').next().unwrap_or_default(),
+                    dims,
+                    value.dims()
+                ),
+            )
+            .help("give it a value of the same size, or `fill` one"),
+        );
+        return;
+    }
+    let Some(value) = cx.spread(value, dims, &Rc::from([]), span) else { return };
+    for (k, e) in value.elements().iter().enumerate() {
+        let v = VarId(first.0 + k as u32);
+        let Some(e) = e.scalar() else { continue };
+        flat.variables[v].binding = fitted(cx, e, ty, span, "value");
+    }
+}
+
+/// The expression as a value of the type: integer literals become real ones; what does not fit is
+/// reported.
+fn fitted(cx: &mut Context<'_>, e: ExprId, ty: Type, span: Span, what: &str) -> Option<ExprId> {
+    let given = cx.graph.ty(e);
+    match (ty, given) {
+        (Type::Real, Type::Integer) => match cx.graph.as_const(e) {
+            Some(Const::Integer(i)) => Some(cx.graph.real(i as f64)),
+            _ => Some(e),
+        },
+        (s, t) if s == t => Some(e),
+        _ => {
+            let wanted = crate::symbolic::print::type_name(&cx.graph, ty);
+            let given = crate::symbolic::print::type_name(&cx.graph, given);
+            cx.problems.push(
+                Diagnostic::error(
+                    "MO0212",
+                    span,
+                    format!("the {what} must be of type {wanted}, and this is of type {given}"),
+                )
+                .label(format!("{given}")),
+            );
+            None
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! When-clauses: conditions, and what happens at the instants (section 8.3.5 of the specification).
+
+use crate::base::source::Span;
+use crate::instantiate::Context;
+use crate::instantiate::evaluate::value::Value;
+use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
+use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
+use crate::ir::flat::{Action, WhenBranch};
+use crate::ir::instance::Scope;
+
+/// The branches of a when-equation.
+pub(super) fn branches(
+    cx: &mut Context<'_>,
+    list: &[(Expr, Vec<ast::Equation>)],
+    scope: Scope,
+) -> Option<Vec<WhenBranch>> {
+    let mut out = Vec::with_capacity(list.len());
+    for (condition, body) in list {
+        let conditions = conditions(cx, condition, scope)?;
+        let mut actions = Vec::new();
+        for e in body {
+            action(cx, e, scope, &mut actions)?;
+        }
+        out.push(WhenBranch { conditions, actions });
+    }
+    Some(out)
+}
+
+/// A scalar condition, or each of a vector of them.
+fn conditions(cx: &mut Context<'_>, e: &Expr, scope: Scope) -> Option<Vec<ExprId>> {
+    let value = cx.evaluate(e, scope)?;
+    value.elements().iter().map(|v| cx.truth(v, e.span)).collect()
+}
+
+fn action(
+    cx: &mut Context<'_>,
+    e: &ast::Equation,
+    scope: Scope,
+    out: &mut Vec<Action>,
+) -> Option<()> {
+    match &e.kind {
+        ast::EquationKind::Equal(lhs, rhs) => equal(cx, lhs, rhs, e.span, scope, out),
+        ast::EquationKind::If { branches, otherwise } => {
+            if_actions(cx, branches, otherwise, scope, out)
+        }
+        ast::EquationKind::For { iterators, body } => {
+            let mut done = Some(());
+            super::equation::for_each(cx, iterators, scope, &mut |cx| {
+                for e in body {
+                    if done.is_some() {
+                        done = action(cx, e, scope, out);
+                    }
+                }
+            })?;
+            done
+        }
+        ast::EquationKind::Call(call) => call_action(cx, call, scope, out),
+        ast::EquationKind::When { .. } => {
+            cx.error(
+                "MO0231",
+                e.span,
+                "when-clauses cannot be nested; write `elsewhen` or join the conditions",
+            );
+            None
+        }
+        ast::EquationKind::Connect(..) => {
+            cx.error("MO0231", e.span, "`connect` cannot stand in a when-clause");
+            None
+        }
+        ast::EquationKind::Broken => None,
+    }
+}
+
+fn equal(
+    cx: &mut Context<'_>,
+    lhs: &Expr,
+    rhs: &Expr,
+    span: Span,
+    scope: Scope,
+    out: &mut Vec<Action>,
+) -> Option<()> {
+    let right = cx.evaluate(rhs, scope)?;
+    if let ExprKind::Tuple(items) = &lhs.kind {
+        let Value::Tuple(values) = right else {
+            cx.error("MO0219", rhs.span, "a function with several outputs is needed here");
+            return None;
+        };
+        for (item, value) in items.iter().zip(values.iter()) {
+            if let Some(item) = item {
+                let left = cx.evaluate(item, scope)?;
+                assign(cx, &left, value, span, out)?;
+            }
+        }
+        return Some(());
+    }
+    let left = cx.evaluate(lhs, scope)?;
+    assign(cx, &left, &super::equation::first_output(right), span, out)
+}
+
+fn assign(
+    cx: &mut Context<'_>,
+    left: &Value,
+    right: &Value,
+    span: Span,
+    out: &mut Vec<Action>,
+) -> Option<()> {
+    if left.elements().len() != right.elements().len() {
+        let message = format!("the two sides have sizes {:?} and {:?}", left.dims(), right.dims());
+        cx.error("MO0215", span, message);
+        return None;
+    }
+    for (a, b) in left.elements().iter().zip(right.elements()) {
+        match (a, b) {
+            (Value::Record(r), Value::Record(s)) => {
+                for ((_, x), (_, y)) in r.fields.iter().zip(&s.fields) {
+                    assign(cx, x, y, span, out)?;
+                }
+            }
+            _ => {
+                let (Some(a), Some(b)) = (a.scalar(), b.scalar()) else {
+                    cx.error("MO0212", span, "the two sides do not fit together");
+                    return None;
+                };
+                let Node::Var(v) = cx.graph.node(a) else {
+                    cx.error(
+                        "MO0231",
+                        span,
+                        "an equation in a when-clause has a variable alone on its left side",
+                    );
+                    return None;
+                };
+                out.push(Action::Assign(v, b));
+            }
+        }
+    }
+    Some(())
+}
+
+fn call_action(
+    cx: &mut Context<'_>,
+    call: &Expr,
+    scope: Scope,
+    out: &mut Vec<Action>,
+) -> Option<()> {
+    let ExprKind::Call { function, args, named } = &call.kind else {
+        cx.error("MO0231", call.span, "this is no equation");
+        return None;
+    };
+    match function.simple().as_ref().map(|n| n.as_str()) {
+        Some("reinit") => {
+            let [state, value] = args.as_slice() else {
+                cx.error("MO0219", call.span, "`reinit` takes a state and its new value");
+                return None;
+            };
+            let (x, e) = (cx.evaluate(state, scope)?, cx.evaluate(value, scope)?);
+            if x.elements().len() != e.elements().len() {
+                cx.error("MO0215", call.span, "the state and its new value differ in size");
+                return None;
+            }
+            for (a, b) in x.elements().iter().zip(e.elements()) {
+                let (a, b) = (a.scalar()?, b.scalar()?);
+                let Node::Var(v) = cx.graph.node(a) else {
+                    cx.error(
+                        "MO0231",
+                        state.span,
+                        "`reinit` needs a variable that is differentiated",
+                    );
+                    return None;
+                };
+                out.push(Action::Reinit { state: v, value: b, guard: None });
+            }
+            Some(())
+        }
+        Some("assert") => {
+            let assert = super::equation::assertion(cx, args, named, call.span, scope)?;
+            out.push(Action::Assert(assert));
+            Some(())
+        }
+        Some("terminate") => {
+            let message = cx.evaluate_scalar(args.first()?, scope)?;
+            out.push(Action::Terminate(message));
+            Some(())
+        }
+        _ => cx.evaluate(call, scope).map(|_| ()),
+    }
+}
+
+/// `if` inside a when-clause: assignments are joined variable by variable, a variable that a branch
+/// does not assign keeps its `pre` value there.
+fn if_actions(
+    cx: &mut Context<'_>,
+    branches: &[(Expr, Vec<ast::Equation>)],
+    otherwise: &[ast::Equation],
+    scope: Scope,
+    out: &mut Vec<Action>,
+) -> Option<()> {
+    let Some(((condition, body), rest)) = branches.split_first() else {
+        for e in otherwise {
+            action(cx, e, scope, out)?;
+        }
+        return Some(());
+    };
+    let c = cx.evaluate(condition, scope)?;
+    let c = cx.truth(&c, condition.span)?;
+    let mut first = Vec::new();
+    let mut second = Vec::new();
+    match cx.structural_value(c) {
+        Some(Const::Boolean(false)) => return if_actions(cx, rest, otherwise, scope, out),
+        known => {
+            for e in body {
+                action(cx, e, scope, &mut first)?;
+            }
+            if known == Some(Const::Boolean(true)) {
+                out.extend(first);
+                return Some(());
+            }
+        }
+    }
+    if_actions(cx, rest, otherwise, scope, &mut second)?;
+    join(cx, c, first, second, out);
+    Some(())
+}
+
+/// `if c then first else second`
+pub(super) fn join(
+    cx: &mut Context<'_>,
+    c: ExprId,
+    first: Vec<Action>,
+    second: Vec<Action>,
+    out: &mut Vec<Action>,
+) {
+    let not_c = cx.graph.not(c);
+    let mut assigned: Vec<(VarId, Option<ExprId>, Option<ExprId>)> = Vec::new();
+    for (k, (list, applies)) in [(first, c), (second, not_c)].into_iter().enumerate() {
+        for a in list {
+            match a {
+                Action::Assign(v, e) => {
+                    let at = match assigned.iter().position(|(w, ..)| *w == v) {
+                        Some(at) => at,
+                        None => {
+                            assigned.push((v, None, None));
+                            assigned.len() - 1
+                        }
+                    };
+                    let slot = &mut assigned[at];
+                    *(if k == 0 { &mut slot.1 } else { &mut slot.2 }) = Some(e);
+                }
+                Action::Reinit { state, value, guard } => {
+                    let guard = match guard {
+                        Some(g) => cx.graph.and(applies, g),
+                        None => applies,
+                    };
+                    out.push(Action::Reinit { state, value, guard: Some(guard) });
+                }
+                Action::Assert(mut a) => {
+                    let off = cx.graph.not(applies);
+                    a.condition = cx.graph.or(off, a.condition);
+                    out.push(Action::Assert(a));
+                }
+                Action::Terminate(message) => out.push(Action::Terminate(message)),
+            }
+        }
+    }
+    for (v, a, b) in assigned {
+        let ty = a.or(b).map_or(Type::Real, |e| cx.graph.ty(e));
+        let before = cx.graph.pre(v, ty);
+        let e = cx.graph.if_then_else(c, a.unwrap_or(before), b.unwrap_or(before));
+        out.push(Action::Assign(v, e));
+    }
+}
+
+/// The branches of a when-statement of an algorithm.
+pub(super) fn statement_branches(
+    cx: &mut Context<'_>,
+    list: &[(Expr, Vec<ast::Statement>)],
+    scope: Scope,
+) -> Option<Vec<WhenBranch>> {
+    let mut out = Vec::with_capacity(list.len());
+    for (condition, body) in list {
+        let conditions = conditions(cx, condition, scope)?;
+        let mut actions = Vec::new();
+        cx.evaluation.assigned.clear();
+        let result = statement_actions(cx, body, scope, &mut actions);
+        let assigned = std::mem::take(&mut cx.evaluation.assigned);
+        result?;
+        let mut all: Vec<(VarId, ExprId)> = assigned.into_iter().collect();
+        all.sort_by_key(|(v, _)| *v);
+        actions.extend(all.into_iter().map(|(v, e)| Action::Assign(v, e)));
+        out.push(WhenBranch { conditions, actions });
+    }
+    Some(out)
+}
+
+/// Assignments are kept in the evaluator; `reinit` and the like become actions.
+fn statement_actions(
+    cx: &mut Context<'_>,
+    body: &[ast::Statement],
+    scope: Scope,
+    out: &mut Vec<Action>,
+) -> Option<()> {
+    for s in body {
+        match &s.kind {
+            StatementKind::Call(call) => call_action(cx, call, scope, out)?,
+            _ => {
+                cx.run_statements(std::slice::from_ref(s), scope)?;
+            }
+        }
+    }
+    Some(())
+}
