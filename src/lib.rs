@@ -2,5 +2,6 @@
 #![doc = "The map of the crate; ARCHITECTURE.md draws it."]
 
 pub mod base;
+pub mod integrate;
 pub mod ir;
 pub mod math;
