@@ -116,8 +116,7 @@ fn scatter(count: usize) -> Vec<f64> {
     let mut state = 1_u64;
     (0..count)
         .map(|_| {
-            state =
-                state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         })
         .collect()

@@ -26,11 +26,14 @@ pub fn render(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> Str
         Severity::Warning => Level::WARNING,
     };
     let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
-    let places: Vec<(Span, &str, AnnotationKind)> =
-        std::iter::once((diagnostic.primary.0, diagnostic.primary.1.as_str(), AnnotationKind::Primary))
-            .chain(diagnostic.secondary.iter().map(|(s, t)| (*s, t.as_str(), AnnotationKind::Context)))
-            .filter(|(s, ..)| sources.get(s.file).is_some())
-            .collect();
+    let places: Vec<(Span, &str, AnnotationKind)> = std::iter::once((
+        diagnostic.primary.0,
+        diagnostic.primary.1.as_str(),
+        AnnotationKind::Primary,
+    ))
+    .chain(diagnostic.secondary.iter().map(|(s, t)| (*s, t.as_str(), AnnotationKind::Context)))
+    .filter(|(s, ..)| sources.get(s.file).is_some())
+    .collect();
     let mut files: Vec<FileId> = Vec::new();
     for (span, ..) in &places {
         if !files.contains(&span.file) {

@@ -35,11 +35,7 @@ impl Span {
         if other == Span::NONE || other.file != self.file {
             return self;
         }
-        Span {
-            file: self.file,
-            start: self.start.min(other.start),
-            end: self.end.max(other.end),
-        }
+        Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
     /// True for [`Span::NONE`].
     pub fn is_none(self) -> bool {

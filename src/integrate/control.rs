@@ -1,9 +1,10 @@
 //! How long the next step should be.
 
 use crate::integrate::options::Options;
+use crate::integrate::outcome::Failure;
 use crate::integrate::stats::Stats;
 use crate::integrate::system::System;
-use crate::math::numeric::norm::weighted_square_sum;
+use crate::math::numeric::norm::{first_non_finite, weighted_square_sum};
 
 /// An accepted point of the trajectory.
 #[derive(Clone, Debug)]
@@ -20,6 +21,32 @@ impl Point {
     /// A point of `n` zeros at time zero.
     pub fn new(n: usize) -> Self {
         Point { t: 0.0, y: vec![0.0; n], f: vec![0.0; n] }
+    }
+
+    /// Moves to a start point, after checking it, and evaluates the right side there.
+    pub fn start(
+        &mut self,
+        system: &mut dyn System,
+        t: f64,
+        y: &[f64],
+        stats: &mut Stats,
+    ) -> Result<(), Failure> {
+        let n = self.y.len();
+        if y.len() != n || system.dim() != n || !t.is_finite() {
+            return Err(Failure::Start { component: y.len().min(n) });
+        }
+        if let Some(component) = first_non_finite(y) {
+            return Err(Failure::Start { component });
+        }
+        stats.restarts += 1;
+        stats.rhs += 1;
+        self.t = t;
+        self.y.copy_from_slice(y);
+        system.rhs(t, &self.y, &mut self.f).map_err(|error| Failure::Eval { t, error })?;
+        match first_non_finite(&self.f) {
+            Some(component) => Err(Failure::NonFinite { t, component }),
+            None => Ok(()),
+        }
     }
 }
 

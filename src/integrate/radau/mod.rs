@@ -83,10 +83,21 @@ struct History {
 /// Why an attempt to step failed.
 #[derive(Clone, Copy)]
 enum Trouble {
-    Error { component: usize, size: f64, iterations: u32 },
-    Newton { component: usize, reduction: f64 },
-    Singular { component: usize },
-    NonFinite { component: usize },
+    Error {
+        component: usize,
+        size: f64,
+        iterations: u32,
+    },
+    Newton {
+        component: usize,
+        reduction: f64,
+    },
+    Singular {
+        component: usize,
+    },
+    NonFinite {
+        component: usize,
+    },
     Eval(EvalError),
     /// The Jacobian at the accepted point can not be had: no step can help.
     Hopeless(Hopeless),
@@ -208,9 +219,7 @@ impl Radau {
             }
             self.stats.rhs += 1;
             if system.rhs(self.now.t, &self.trial, &mut self.next.f).is_ok() {
-                for ((trial, f), e) in
-                    self.trial.iter_mut().zip(&self.next.f).zip(&self.estimate)
-                {
+                for ((trial, f), e) in self.trial.iter_mut().zip(&self.next.f).zip(&self.estimate) {
                     *trial = f + e;
                 }
                 self.matrix.solve_real(&mut self.trial);
@@ -279,7 +288,8 @@ impl Radau {
     /// The next step by Gustafsson's predictive control, eq. (8.24) and (8.25).
     fn plan(&self, h: f64, success: &Success, repeated: bool) -> f64 {
         let error = success.error;
-        let mut divisor = (error.powf(0.25) / safety(success.iterations)).clamp(1.0 / GROWTH, 1.0 / SHRINK);
+        let mut divisor =
+            (error.powf(0.25) / safety(success.iterations)).clamp(1.0 / GROWTH, 1.0 / SHRINK);
         if let Some((h_last, error_last)) = self.history.last {
             let predicted = (h_last / h) * (error * error / error_last).powf(0.25) / SAFETY;
             divisor = divisor.max(predicted.clamp(1.0 / GROWTH, 1.0 / SHRINK));
@@ -391,16 +401,7 @@ impl Stepper for Radau {
         y: &[f64],
         jacobian: JacobianMemory,
     ) -> Result<(), Failure> {
-        let n = self.weights.len();
-        if y.len() != n || system.dim() != n || !t.is_finite() {
-            return Err(Failure::Start { component: y.len().min(n) });
-        }
-        if let Some(component) = first_non_finite(y) {
-            return Err(Failure::Start { component });
-        }
-        self.stats.restarts += 1;
-        self.now.t = t;
-        self.now.y.copy_from_slice(y);
+        self.now.start(system, t, y, &mut self.stats)?;
         self.t_previous = t;
         self.polynomial.set_constant(t, y);
         self.stages.forget();
@@ -411,13 +412,6 @@ impl Stepper for Radau {
             _ => JacobianAge::Outdated,
         };
         error_weights(&self.options, &self.now.y, &mut self.weights);
-        self.stats.rhs += 1;
-        system
-            .rhs(t, &self.now.y, &mut self.now.f)
-            .map_err(|error| Failure::Eval { t, error })?;
-        if let Some(component) = first_non_finite(&self.now.f) {
-            return Err(Failure::NonFinite { t, component });
-        }
         let h = match self.options.initial_step {
             Some(h) => h,
             None => initial_step(
@@ -430,8 +424,7 @@ impl Stepper for Radau {
                 &mut self.stats,
             ),
         };
-        self.history.h =
-            h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
+        self.history.h = h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
         Ok(())
     }
 

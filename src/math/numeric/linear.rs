@@ -184,7 +184,8 @@ struct BlockedLu {
 
 impl BlockedLu {
     fn new<T: ComplexField>(n: usize) -> Self {
-        let factor = dense_factor::lu_in_place_scratch::<usize, T>(n, n, Par::Seq, Default::default());
+        let factor =
+            dense_factor::lu_in_place_scratch::<usize, T>(n, n, Par::Seq, Default::default());
         let solve = dense_solve::solve_in_place_scratch::<usize, T>(n, 1, Par::Seq);
         BlockedLu {
             permutation: vec![0; n],
@@ -331,15 +332,8 @@ impl<T: SparseScalar> SparseLuOf<T> {
 
 fn view(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, usize> {
     let n = pattern.columns();
-    SymbolicSparseColMatRef::new_checked(
-        n,
-        n,
-        pattern.column_starts(),
-        None,
-        pattern.row_indices(),
-    )
+    SymbolicSparseColMatRef::new_checked(n, n, pattern.column_starts(), None, pattern.row_indices())
 }
-
 
 #[cfg(test)]
 mod tests {
@@ -353,9 +347,7 @@ mod tests {
         let mut state = seed;
         (0..count)
             .map(|_| {
-                state = state
-                    .wrapping_mul(6364136223846793005)
-                    .wrapping_add(1442695040888963407);
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
                 (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
             })
             .collect()

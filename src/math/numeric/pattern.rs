@@ -23,7 +23,10 @@ impl Pattern {
         let mut starts = vec![0; columns + 1];
         let mut row_indices = Vec::with_capacity(by_column.len());
         for (j, i) in by_column {
-            assert!(i < rows && j < columns, "entry ({i}, {j}) is outside a {rows} x {columns} matrix");
+            assert!(
+                i < rows && j < columns,
+                "entry ({i}, {j}) is outside a {rows} x {columns} matrix"
+            );
             starts[j + 1] += 1;
             row_indices.push(i);
         }
