@@ -70,6 +70,8 @@ pub struct DormandPrince {
     slopes: [Vec<f64>; 6],
     /// Coefficients of the dense output.
     dense: [Vec<f64>; 4],
+    /// Where the dense output ends.
+    dense_end: f64,
     trial: Vec<f64>,
     h: f64,
     error_last: f64,
@@ -96,6 +98,7 @@ impl DormandPrince {
             weights: zeros(),
             slopes: std::array::from_fn(|_| zeros()),
             dense: std::array::from_fn(|_| zeros()),
+            dense_end: 0.0,
             trial: zeros(),
             h: 0.0,
             error_last: 1e-4,
@@ -140,12 +143,7 @@ impl DormandPrince {
     fn complete(&mut self, span: Span, error: f64, repeated: bool) {
         self.stats.steps += 1;
         self.set_dense(span.h);
-        self.t_previous = self.now.t;
-        self.now.t = span.end;
-        std::mem::swap(&mut self.y_previous, &mut self.now.y);
-        std::mem::swap(&mut self.now.y, &mut self.next_y);
-        std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
-
+        self.advance_to(span.end);
         let exponent = 0.2 - 0.75 * BETA;
         let shrink = error.powf(exponent) / self.error_last.powf(BETA) / SAFETY;
         let divisor = shrink.clamp(1.0 / GROWTH, 1.0 / SHRINK);
@@ -157,6 +155,16 @@ impl DormandPrince {
         }
         self.h = wanted.min(self.options.max_step);
         self.error_last = error.max(1e-4);
+    }
+
+    /// Makes the result of an attempt the accepted point.
+    fn advance_to(&mut self, end: f64) {
+        self.t_previous = self.now.t;
+        self.now.t = end;
+        self.dense_end = end;
+        std::mem::swap(&mut self.y_previous, &mut self.now.y);
+        std::mem::swap(&mut self.now.y, &mut self.next_y);
+        std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
     }
 
     fn set_dense(&mut self, h: f64) {
@@ -230,6 +238,31 @@ impl Stepper for DormandPrince {
         }
     }
 
+    fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
+        if !(self.t_previous < t && t < self.now.t) {
+            return Ok(());
+        }
+        // The slope at the point before waits in the last stage since the step was completed.
+        std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
+        std::mem::swap(&mut self.now.y, &mut self.y_previous);
+        let end = self.now.t;
+        self.now.t = self.t_previous;
+        let span = Span { h: t - self.t_previous, end: t, last: true };
+        match self.attempt(system, span) {
+            Ok(_) | Err(Trouble::Error { .. }) => {
+                self.set_dense(span.h);
+                self.advance_to(t);
+                Ok(())
+            }
+            Err(trouble) => {
+                // The dense output of the whole step starts at its first point.
+                self.y_previous.copy_from_slice(&self.now.y);
+                self.dense_end = end;
+                Err(self.failure(span.h, &trouble))
+            }
+        }
+    }
+
     fn restart(
         &mut self,
         system: &mut dyn System,
@@ -242,6 +275,7 @@ impl Stepper for DormandPrince {
         }
         self.now.start(system, t, y, &mut self.stats)?;
         self.t_previous = t;
+        self.dense_end = t;
         self.y_previous.copy_from_slice(y);
         for d in &mut self.dense {
             d.fill(0.0);
@@ -280,7 +314,7 @@ impl Stepper for DormandPrince {
         if t == self.now.t {
             return out.copy_from_slice(&self.now.y);
         }
-        let h = self.now.t - self.t_previous;
+        let h = self.dense_end - self.t_previous;
         let s = if h > 0.0 { (t - self.t_previous) / h } else { 0.0 };
         let [d1, d2, d3, d4] = &self.dense;
         for (i, out) in out.iter_mut().enumerate() {
@@ -360,6 +394,13 @@ mod tests {
         let dense = order(errors[0].1, errors[1].1);
         assert!((end - 5.0).abs() < 0.3, "{end}");
         assert!(dense > 4.5, "{dense}");
+    }
+
+    #[test]
+    fn a_shortened_step_is_as_accurate_as_a_whole_one() {
+        let options = Options::with_nominals(1e-8, &[1.0; 2]);
+        let mut stepper = DormandPrince::new(2, options).unwrap();
+        check_shortening(&mut stepper, 1e-8);
     }
 
     #[test]

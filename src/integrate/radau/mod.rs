@@ -2,7 +2,8 @@
 //!
 //! E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II* (2nd ed. 1996), sec. IV.8;
 //! the constants are those of the authors' RADAU5, except that tolerances are taken as they are
-//! (RADAU5 loosens them so that only the end points meet them): here the dense output meets them too.
+//! (RADAU5 loosens `rtol` to `0.1 rtol^(2/3)`, by which just the ends of steps meet them): the dense
+//! output, whose error is of the order of the estimate, is used to find events and should meet them.
 pub mod matrix;
 pub mod polynomial;
 pub mod stages;
@@ -31,12 +32,15 @@ const SAFETY: f64 = 0.9;
 const GROWTH: f64 = 8.0;
 /// See [`GROWTH`].
 const SHRINK: f64 = 0.2;
+/// Reduction of a rejected first step at most, whose length was a guess.
+const SHRINK_FIRST: f64 = 0.01;
+/// Error of the cubic between its nodes, in units of the tolerance, above which the next step is
+/// planned shorter; the quartic that is used for dense output is better than that.
+const BETWEEN_NODES: f64 = 10.0;
 /// A growth below this factor is not worth a new decomposition.
 const WORTHWHILE: f64 = 1.2;
 /// The Jacobian is kept while the iteration converges faster than this.
 const FAST: f64 = 1e-3;
-/// Reduction after a rejected first step, whose size was a guess.
-const FIRST_REJECTED: f64 = 0.1;
 /// Reduction where the system could not be evaluated.
 const OUT_OF_DOMAIN: f64 = 0.25;
 
@@ -267,12 +271,21 @@ impl Radau {
         Ok(Success { error, iterations })
     }
 
+    /// An attempt within the span of the last polynomial, which needs no error test.
+    fn attempt_inside(&mut self, system: &mut dyn System, span: Span) -> Result<(), Trouble> {
+        self.prepare(system, span.h)?;
+        self.stages.start_inside(&self.polynomial, &self.now, span.h);
+        self.solve(system, span)?;
+        self.evaluate_next(system)
+    }
+
     /// Moves to the accepted candidate and plans the next step.
     fn complete(&mut self, span: Span, success: &Success, repeated: bool) {
         self.stats.steps += 1;
         self.t_previous = self.now.t;
         std::mem::swap(&mut self.now, &mut self.next);
-        self.polynomial.set(span.h, span.end, &self.now.y, &self.stages.z);
+        let continued = self.history.last.is_some();
+        self.polynomial.set(span.h, span.end, &self.now.y, &self.stages.z, continued);
         error_weights(&self.options, &self.now.y, &mut self.weights);
         let wanted = self.plan(span.h, success, repeated);
         self.history.last = Some((span.h, success.error.max(1e-2)));
@@ -301,6 +314,10 @@ impl Radau {
             // The growth limit says nothing against a step that was cut short only by a stop.
             wanted = wanted.max(self.history.h);
         }
+        let between = self.polynomial.error_between_nodes(&self.weights);
+        if between > BETWEEN_NODES {
+            wanted = wanted.min(h * (BETWEEN_NODES / between).powf(0.25).max(SHRINK));
+        }
         wanted.min(self.options.max_step)
     }
 
@@ -312,11 +329,8 @@ impl Radau {
             }
             Trouble::Error { size, iterations, .. } => {
                 self.stats.rejected += 1;
-                if self.history.last.is_none() {
-                    FIRST_REJECTED
-                } else {
-                    (safety(iterations) / size.powf(0.25)).clamp(SHRINK, 1.0)
-                }
+                let limit = if self.history.last.is_none() { SHRINK_FIRST } else { SHRINK };
+                (safety(iterations) / size.powf(0.25)).clamp(limit, 1.0)
             }
             Trouble::Newton { reduction, .. } => {
                 self.stats.convergence_failures += 1;
@@ -390,6 +404,30 @@ impl Stepper for Radau {
                     cuts += 1;
                     self.recover(span, trouble, cuts)?;
                 }
+            }
+        }
+    }
+
+    fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
+        if !(self.t_previous < t && t < self.now.t) {
+            return Ok(());
+        }
+        // The point before waits in `next` since the step was completed.
+        std::mem::swap(&mut self.now, &mut self.next);
+        error_weights(&self.options, &self.now.y, &mut self.weights);
+        let span = Span { h: t - self.now.t, end: t, last: true };
+        match self.attempt_inside(system, span) {
+            Ok(()) => {
+                std::mem::swap(&mut self.now, &mut self.next);
+                error_weights(&self.options, &self.now.y, &mut self.weights);
+                self.polynomial.set(span.h, t, &self.now.y, &self.stages.z, false);
+                self.jacobian = JacobianAge::Old;
+                Ok(())
+            }
+            Err(trouble) => {
+                self.history = History { h: span.h, last: None, continued: false };
+                self.stages.forget();
+                Err(self.failure(span.h, trouble))
             }
         }
     }

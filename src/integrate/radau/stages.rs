@@ -85,6 +85,22 @@ impl Stages {
     /// Starts from the continuation of the last step.
     pub fn start_from(&mut self, polynomial: &Polynomial, h: f64) {
         polynomial.extrapolate(h, &mut self.z);
+        self.transform();
+    }
+
+    /// Starts from the polynomial of the step that began at `from` and is to be shortened to `h`.
+    pub fn start_inside(&mut self, polynomial: &Polynomial, from: &Point, h: f64) {
+        for (z, c) in self.z.iter_mut().zip([C1, C2, 1.0]) {
+            polynomial.evaluate(from.t + c * h, z);
+            for (z, y) in z.iter_mut().zip(&from.y) {
+                *z -= y;
+            }
+        }
+        self.transform();
+    }
+
+    /// `W = T^-1 Z`.
+    fn transform(&mut self) {
         let [z1, z2, z3] = &self.z;
         for (w, t) in self.w.iter_mut().zip(&T_INVERSE) {
             for (i, w) in w.iter_mut().enumerate() {
