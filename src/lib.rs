@@ -7,3 +7,6 @@ pub mod base;
 pub mod ir;
 pub mod math;
 pub mod symbolic;
+
+// Stages.
+pub mod lower;
