@@ -10,3 +10,4 @@ pub mod symbolic;
 
 // Stages.
 pub mod lower;
+pub mod structure;

@@ -3,15 +3,14 @@
 
 use super::alias::Signed;
 use super::error;
-use super::representative::{self, Replacement};
+use super::representative::Replacement;
 use super::variability::Variabilities;
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, IndexVec};
-use crate::base::name;
 use crate::base::source::Span;
 use crate::ir::dae::{Kind, Relation, Sample, Trigger, Variable};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
-use crate::ir::flat::{Origin, StateSelect, Variability};
+use crate::ir::flat::{Origin, Variability};
 use crate::symbolic::gradient::Leaf;
 use crate::symbolic::linear;
 
@@ -99,32 +98,8 @@ impl<'a> Rewriting<'a> {
 
     /// Adds a discrete Boolean that the user does not see.
     pub fn add_flag(&mut self, name: String, span: Span) -> VarId {
-        let mut flag = representative::derivative_variable(
-            VarId(0),
-            &Variable {
-                name: String::new(),
-                ty: Type::Boolean,
-                kind: Kind::Discrete,
-                derivative_of: None,
-                start: None,
-                fixed: None,
-                min: None,
-                max: None,
-                nominal: None,
-                state_select: StateSelect::Default,
-                unit: name::name(""),
-                display_unit: name::name(""),
-                description: None,
-                hidden: true,
-                protected: false,
-                span,
-            },
-            Kind::Discrete,
-        );
-        flag.name = name;
-        flag.derivative_of = None;
-        flag.hidden = true;
-        self.variables.push(flag)
+        let flag = Variable::new(name, Type::Boolean, Kind::Discrete, span);
+        self.variables.push(Variable { hidden: true, ..flag })
     }
 
     /// Rewrites the attributes of all variables.

@@ -4,7 +4,6 @@ use super::alias::{Classes, Signed};
 use super::error;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
-use crate::base::name;
 use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, VarId};
 use crate::ir::flat::StateSelect;
@@ -164,7 +163,7 @@ impl Choice<'_> {
         if integral.kind == Kind::Input {
             return of;
         }
-        let derivative = derivative_variable(of, integral, kind);
+        let derivative = Variable::derivative(of, integral, kind);
         let id = self.variables.push(derivative);
         self.replacement.push(Replacement::Kept);
         self.variables[of].kind = Kind::Differentiated { derivative: id };
@@ -244,27 +243,5 @@ impl Choice<'_> {
             (Some(a), Some(b)) if a != b => Some(self.graph.binary(op, a, b)),
             (a, b) => a.or(b),
         }
-    }
-}
-
-/// The variable `der(v)`.
-pub fn derivative_variable(of: VarId, integral: &Variable, kind: Kind) -> Variable {
-    Variable {
-        name: format!("der({})", integral.name),
-        ty: integral.ty,
-        kind,
-        derivative_of: Some(of),
-        start: None,
-        fixed: None,
-        min: None,
-        max: None,
-        nominal: None,
-        state_select: StateSelect::Default,
-        unit: name::name(""),
-        display_unit: name::name(""),
-        description: None,
-        hidden: false,
-        protected: integral.protected,
-        span: integral.span,
     }
 }
