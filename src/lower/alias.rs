@@ -113,6 +113,7 @@ impl Search<'_> {
             return false;
         }
         let value = if negative { self.graph.neg(value) } else { value };
+        let value = self.graph.as_real(value);
         self.classes.value.insert(root, value);
         true
     }

@@ -15,6 +15,8 @@ pub mod variability;
 pub mod when;
 
 #[cfg(test)]
+pub mod sample;
+#[cfg(test)]
 mod tests;
 
 use crate::base::diag::Problems;

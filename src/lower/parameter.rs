@@ -5,7 +5,7 @@ use super::error;
 use super::event::{Mode, Rewriting};
 use crate::base::index::{FastMap, IndexVec};
 use crate::ir::dae::{self, Kind};
-use crate::ir::expr::{ExprId, Node, VarId};
+use crate::ir::expr::{ExprId, Type, VarId};
 use crate::ir::flat::{Variability, Variable};
 use crate::math::graph::scc;
 
@@ -82,7 +82,7 @@ fn values(flat: &IndexVec<VarId, Variable>, r: &mut Rewriting<'_>) -> Vec<(VarId
             r.problems.push(error::varying_parameter(v, culprit.as_deref().unwrap_or("time")));
             continue;
         }
-        debug_assert!(!matches!(r.graph.node(value), Node::Der(_)));
+        let value = if v.ty == Type::Real { r.graph.as_real(value) } else { value };
         values.push((id, value));
     }
     values
