@@ -1,17 +1,48 @@
 //! `mocc`: a compiler and simulator for an equation-based modelling language (a Modelica subset).
 //!
-//! The map of the crate, in the order of the pipeline; ARCHITECTURE.md draws it.
+//! ```text
+//!             text        ast          library       instance        flat          dae         blocks       program
+//!  lib/*.mo ──► parse ───► resolve ───► instantiate ───► flatten ───► lower ───► structure ───► codegen ──┐
+//!  model.mol                                                                                              ▼
+//!    cli ──► driver  (calls the row above, then)                        report ◄── trajectory ◄──── simulate ◄── integrate
+//! ```
+//!
+//! The modules stand in reading order; ARCHITECTURE.md says what each may import.
 
 // Ground floor.
+/// Spans, diagnostics, interned names, typed indices.
 pub mod base;
-pub mod integrate;
+/// The representations between the stages.
 pub mod ir;
-pub mod math;
+/// Algebra on expressions.
 pub mod symbolic;
+/// Graphs of integers and arrays of floats.
+pub mod math;
 
 // The pipeline, front to back.
-pub mod flatten;
-pub mod instantiate;
+/// Text to syntax tree.
 pub mod parse;
-pub mod report;
+/// Names of classes to their texts.
 pub mod resolve;
+/// Classes and modifications to component instances.
+pub mod instantiate;
+/// Instances to scalar variables and equations.
+pub mod flatten;
+/// Flat model to hybrid differential-algebraic system.
+pub mod lower;
+/// Index reduction, sorting, tearing.
+pub mod structure;
+/// Sorted blocks to code.
+pub mod codegen;
+/// Integration of semi-explicit systems in time.
+pub mod integrate;
+/// Initialisation, events, trajectories.
+pub mod simulate;
+/// Tables and figures.
+pub mod report;
+
+// The program.
+/// The recipe: from files to a compiled model.
+pub mod driver;
+/// The command line.
+pub mod cli;

@@ -1,9 +1,10 @@
 //! The representations between the stages, in pipeline order.
 pub mod ast;
-pub mod blocks;
-pub mod dae;
+pub mod modification;
+pub mod instance;
 pub mod expr;
 pub mod flat;
-pub mod instance;
-pub mod modification;
+pub mod dae;
+pub mod blocks;
+pub mod program;
 pub mod trajectory;
