@@ -4,3 +4,4 @@ pub mod blocks;
 pub mod dae;
 pub mod expr;
 pub mod flat;
+pub mod program;
