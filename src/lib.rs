@@ -4,6 +4,7 @@
 
 // Ground floor.
 pub mod base;
+pub mod integrate;
 pub mod ir;
 pub mod math;
 pub mod symbolic;

@@ -1,1 +1,11 @@
-//! Numerical building blocks over floats.
+//! Numerical building blocks over floats: linear and nonlinear systems, norms, roots of one function.
+//!
+//! Nothing here knows an equation, a variable name or a unit. A failure names a position (a column,
+//! a residual), which the caller turns into the name of a variable.
+pub mod coloring;
+pub mod linear;
+pub mod newton;
+pub mod norm;
+pub mod pattern;
+pub mod root;
+pub mod small_lu;

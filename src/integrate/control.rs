@@ -1,0 +1,153 @@
+//! How long the next step should be.
+
+use crate::integrate::options::Options;
+use crate::integrate::outcome::Failure;
+use crate::integrate::stats::Stats;
+use crate::integrate::system::System;
+use crate::math::numeric::norm::{first_non_finite, weighted_square_sum};
+
+/// An accepted point of the trajectory.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Time.
+    pub t: f64,
+    /// Solution.
+    pub y: Vec<f64>,
+    /// Right side at `(t, y)`.
+    pub f: Vec<f64>,
+}
+
+impl Point {
+    /// A point of `n` zeros at time zero.
+    pub fn new(n: usize) -> Self {
+        Point { t: 0.0, y: vec![0.0; n], f: vec![0.0; n] }
+    }
+
+    /// Moves to a start point, after checking it, and evaluates the right side there.
+    pub fn start(
+        &mut self,
+        system: &mut dyn System,
+        t: f64,
+        y: &[f64],
+        stats: &mut Stats,
+    ) -> Result<(), Failure> {
+        let n = self.y.len();
+        if y.len() != n || system.dim() != n || !t.is_finite() {
+            return Err(Failure::Start { component: y.len().min(n) });
+        }
+        if let Some(component) = first_non_finite(y) {
+            return Err(Failure::Start { component });
+        }
+        stats.restarts += 1;
+        stats.rhs += 1;
+        self.t = t;
+        self.y.copy_from_slice(y);
+        system.rhs(t, &self.y, &mut self.f).map_err(|error| Failure::Eval { t, error })?;
+        match first_non_finite(&self.f) {
+            Some(component) => Err(Failure::NonFinite { t, component }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Writes the weights `1 / (atol_i + rtol |y_i|)` of the error norm at `y`.
+pub fn error_weights(options: &Options, y: &[f64], weights: &mut [f64]) {
+    for ((w, a), y) in weights.iter_mut().zip(&options.atol).zip(y) {
+        *w = 1.0 / (a + options.rtol * y.abs());
+    }
+}
+
+/// The shortest step that moves the clock at `t`: a few spacings of doubles.
+pub fn resolution(t: f64) -> f64 {
+    16.0 * f64::EPSILON * t.abs()
+}
+
+/// Where a step of the wanted length ends if it must not pass `t_stop`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Span {
+    /// Length of the step.
+    pub h: f64,
+    /// Its end; has the bits of `t_stop` if the step reaches it.
+    pub end: f64,
+    /// True if `end` is the stop.
+    pub last: bool,
+}
+
+/// Fits a step into the rest of the way: a little longer if it would just miss the stop, half the
+/// rest if it would leave a crumb.
+pub fn fit_to_stop(t: f64, wanted: f64, t_stop: f64) -> Span {
+    let rest = t_stop - t;
+    if wanted * STRETCH >= rest {
+        Span { h: rest, end: t_stop, last: true }
+    } else if wanted * 2.0 > rest {
+        let h = 0.5 * rest;
+        Span { h, end: t + h, last: false }
+    } else {
+        Span { h: wanted, end: t + wanted, last: false }
+    }
+}
+
+/// A step this much longer than wanted is taken to reach the stop; RADAU5 has the same number.
+const STRETCH: f64 = 1.0001;
+
+/// The starting step size of Hairer, Nørsett & Wanner I, sec. II.4, p. 169, for a method whose error
+/// estimate has order `order`; needs one evaluation of the right side.
+///
+/// Algebraic rows have no slope and are left out. Where the trial point of the recipe can not be
+/// evaluated the first guess of the recipe, reduced, is returned.
+pub fn initial_step(
+    system: &mut dyn System,
+    point: &Point,
+    weights: &[f64],
+    order: u32,
+    trial: &mut [f64],
+    slope: &mut [f64],
+    stats: &mut Stats,
+) -> f64 {
+    let n = point.y.len().max(1) as f64;
+    for ((s, f), d) in slope.iter_mut().zip(&point.f).zip(system.differential()) {
+        *s = if *d { *f } else { 0.0 };
+    }
+    let d0 = (weighted_square_sum(&point.y, weights) / n).sqrt();
+    let d1 = (weighted_square_sum(slope, weights) / n).sqrt();
+    let h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
+    for ((trial, y), s) in trial.iter_mut().zip(&point.y).zip(slope.iter()) {
+        *trial = y + h0 * s;
+    }
+    stats.rhs += 1;
+    if system.rhs(point.t + h0, trial, slope).is_err() {
+        return 0.01 * h0;
+    }
+    for ((s, f), d) in slope.iter_mut().zip(&point.f).zip(system.differential()) {
+        *s = if *d { *s - f } else { 0.0 };
+    }
+    let d2 = (weighted_square_sum(slope, weights) / n).sqrt() / h0;
+    if !d2.is_finite() {
+        return 0.01 * h0;
+    }
+    let steepest = d1.max(d2);
+    let h1 = if steepest <= 1e-15 {
+        (h0 * 1e-3).max(1e-6)
+    } else {
+        (0.01 / steepest).powf(1.0 / (f64::from(order) + 1.0))
+    };
+    h1.min(100.0 * h0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stop_is_hit_with_its_own_bits() {
+        let (t, stop) = (0.1, 0.7);
+        let span = fit_to_stop(t, 1.0, stop);
+        assert_eq!((span.end, span.last), (stop, true));
+        // Just missing the stop: stretched.
+        assert!(fit_to_stop(t, 0.59999, stop).last);
+        // A crumb would remain: two equal steps.
+        let half = fit_to_stop(t, 0.5, stop);
+        assert!((half.h - 0.3).abs() < 1e-15 && !half.last);
+        assert_eq!(fit_to_stop(t, 0.2, stop).h, 0.2);
+    }
+}

@@ -1,0 +1,374 @@
+//! Dormand & Prince's explicit Runge-Kutta pair of order 5(4), for systems that are not stiff.
+//!
+//! Hairer, Nørsett & Wanner I, sec. II.5, table 5.2 (the pair) and sec. II.6, eq. (6.12) (the dense
+//! output of order 4); J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980), 19-26. Step
+//! size control of DOPRI5 with its stabilisation (sec. IV.2 of vol. II). The last stage of a step is
+//! the first of the next.
+
+use crate::integrate::control::{
+    Point, Span, error_weights, fit_to_stop, initial_step, resolution,
+};
+use crate::integrate::options::{OptionError, Options};
+use crate::integrate::outcome::{Failure, Step};
+use crate::integrate::stats::Stats;
+use crate::integrate::stepper::{JacobianMemory, Stepper};
+use crate::integrate::system::{EvalError, System};
+use crate::math::numeric::norm::{first_non_finite, weighted_rms, worst_component};
+
+/// Abscissae of stages 2 to 6.
+const C: [f64; 5] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
+/// Weights of the earlier slopes in stages 2 to 6, and in the result (stage 7).
+const A: [[f64; 6]; 6] = [
+    [0.2, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// Difference of the weights of order 5 and 4.
+const ERROR: [f64; 7] = [
+    71.0 / 57600.0,
+    0.0,
+    -71.0 / 16695.0,
+    71.0 / 1920.0,
+    -17253.0 / 339200.0,
+    22.0 / 525.0,
+    -1.0 / 40.0,
+];
+/// Weights of the highest term of the dense output.
+const DENSE: [f64; 7] = [
+    -12715105075.0 / 11282082432.0,
+    0.0,
+    87487479700.0 / 32700410799.0,
+    -10690763975.0 / 1880347072.0,
+    701980252875.0 / 199316789632.0,
+    -1453857185.0 / 822651844.0,
+    69997945.0 / 29380423.0,
+];
+
+/// Safety factor of the step size prediction.
+const SAFETY: f64 = 0.9;
+/// Exponent of the last error, which damps oscillations of the step size.
+const BETA: f64 = 0.04;
+/// Growth of the step at most.
+const GROWTH: f64 = 10.0;
+/// Reduction of the step at most.
+const SHRINK: f64 = 0.2;
+/// Reduction where the system could not be evaluated.
+const OUT_OF_DOMAIN: f64 = 0.25;
+
+/// The stepper. Only for systems whose components are all differential.
+pub struct DormandPrince {
+    options: Options,
+    now: Point,
+    t_previous: f64,
+    y_previous: Vec<f64>,
+    next_y: Vec<f64>,
+    weights: Vec<f64>,
+    /// Slopes of stages 2 to 7; the first is `now.f`.
+    slopes: [Vec<f64>; 6],
+    /// Coefficients of the dense output.
+    dense: [Vec<f64>; 4],
+    trial: Vec<f64>,
+    h: f64,
+    error_last: f64,
+    stats: Stats,
+}
+
+enum Trouble {
+    Error { component: usize, size: f64 },
+    NonFinite { component: usize },
+    Eval(EvalError),
+}
+
+impl DormandPrince {
+    /// A stepper for systems of `n` components. All memory is allocated here.
+    pub fn new(n: usize, options: Options) -> Result<Self, OptionError> {
+        options.validate(n)?;
+        let zeros = || vec![0.0; n];
+        Ok(DormandPrince {
+            options,
+            now: Point::new(n),
+            t_previous: 0.0,
+            y_previous: zeros(),
+            next_y: zeros(),
+            weights: zeros(),
+            slopes: std::array::from_fn(|_| zeros()),
+            dense: std::array::from_fn(|_| zeros()),
+            trial: zeros(),
+            h: 0.0,
+            error_last: 1e-4,
+            stats: Stats::default(),
+        })
+    }
+
+    /// All stages of a step; the last is evaluated at the result, which is left in `next_y`.
+    fn attempt(&mut self, system: &mut dyn System, span: Span) -> Result<f64, Trouble> {
+        for (stage, row) in A.iter().enumerate() {
+            let (done, open) = self.slopes.split_at_mut(stage);
+            let y = &mut self.next_y;
+            for (i, y) in y.iter_mut().enumerate() {
+                let sum: f64 = done.iter().zip(&row[1..]).map(|(k, a)| a * k[i]).sum();
+                *y = self.now.y[i] + span.h * (row[0] * self.now.f[i] + sum);
+            }
+            let t = C.get(stage).map_or(span.end, |c| (self.now.t + c * span.h).min(span.end));
+            self.stats.rhs += 1;
+            system.rhs(t, y, &mut open[0]).map_err(Trouble::Eval)?;
+        }
+        if let Some(component) = first_non_finite(&self.slopes[5]) {
+            return Err(Trouble::NonFinite { component });
+        }
+        self.estimate(span.h)
+    }
+
+    fn estimate(&mut self, h: f64) -> Result<f64, Trouble> {
+        for (i, trial) in self.trial.iter_mut().enumerate() {
+            let sum: f64 = self.slopes.iter().zip(&ERROR[1..]).map(|(k, e)| e * k[i]).sum();
+            *trial = h * (ERROR[0] * self.now.f[i] + sum);
+            let scale = self.now.y[i].abs().max(self.next_y[i].abs());
+            self.weights[i] = 1.0 / (self.options.atol[i] + self.options.rtol * scale);
+        }
+        let size = weighted_rms(&self.trial, &self.weights);
+        let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
+        if !size.is_finite() {
+            return Err(Trouble::NonFinite { component });
+        }
+        if size <= 1.0 { Ok(size) } else { Err(Trouble::Error { component, size }) }
+    }
+
+    fn complete(&mut self, span: Span, error: f64, repeated: bool) {
+        self.stats.steps += 1;
+        self.set_dense(span.h);
+        self.t_previous = self.now.t;
+        self.now.t = span.end;
+        std::mem::swap(&mut self.y_previous, &mut self.now.y);
+        std::mem::swap(&mut self.now.y, &mut self.next_y);
+        std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
+
+        let exponent = 0.2 - 0.75 * BETA;
+        let shrink = error.powf(exponent) / self.error_last.powf(BETA) / SAFETY;
+        let divisor = shrink.clamp(1.0 / GROWTH, 1.0 / SHRINK);
+        let mut wanted = span.h / divisor;
+        if repeated {
+            wanted = wanted.min(span.h);
+        } else if divisor <= 1.0 / GROWTH {
+            wanted = wanted.max(self.h);
+        }
+        self.h = wanted.min(self.options.max_step);
+        self.error_last = error.max(1e-4);
+    }
+
+    fn set_dense(&mut self, h: f64) {
+        let [d1, d2, d3, d4] = &mut self.dense;
+        for i in 0..d1.len() {
+            let (f0, f1) = (self.now.f[i], self.slopes[5][i]);
+            let difference = self.next_y[i] - self.now.y[i];
+            let chord = h * f0 - difference;
+            let sum: f64 = self.slopes.iter().zip(&DENSE[1..]).map(|(k, d)| d * k[i]).sum();
+            d1[i] = difference;
+            d2[i] = chord;
+            d3[i] = difference - h * f1 - chord;
+            d4[i] = h * (DENSE[0] * f0 + sum);
+        }
+    }
+
+    fn recover(&mut self, span: Span, trouble: Trouble, cuts: u32) -> Result<(), Failure> {
+        let factor = match trouble {
+            Trouble::Error { size, .. } => {
+                self.stats.rejected += 1;
+                (SAFETY / size.powf(0.2)).clamp(SHRINK, 1.0)
+            }
+            Trouble::NonFinite { .. } | Trouble::Eval(EvalError::Recoverable(_)) => {
+                self.stats.evaluation_failures += 1;
+                OUT_OF_DOMAIN
+            }
+            Trouble::Eval(EvalError::Fatal(_)) => return Err(self.failure(span.h, &trouble)),
+        };
+        let h = span.h * factor;
+        let shortest = self.options.min_step.max(resolution(self.now.t));
+        if cuts >= self.options.max_cuts || !(h > shortest) {
+            return Err(self.failure(h, &trouble));
+        }
+        self.h = h;
+        Ok(())
+    }
+
+    fn failure(&self, h: f64, trouble: &Trouble) -> Failure {
+        let t = self.now.t;
+        match *trouble {
+            Trouble::Error { component, .. } => Failure::StepTooSmall { t, h, component },
+            Trouble::NonFinite { component } => Failure::NonFinite { t, component },
+            Trouble::Eval(error) => Failure::Eval { t, error },
+        }
+    }
+}
+
+impl Stepper for DormandPrince {
+    fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure> {
+        if !(t_stop > self.now.t) {
+            return Ok(Step::Reached { t: self.now.t });
+        }
+        let mut cuts = 0;
+        loop {
+            let limit = self.options.max_steps;
+            if self.stats.steps + self.stats.rejected >= limit {
+                return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
+            }
+            let span = fit_to_stop(self.now.t, self.h, t_stop);
+            match self.attempt(system, span) {
+                Ok(error) => {
+                    self.complete(span, error, cuts > 0);
+                    let t = self.now.t;
+                    return Ok(if span.last { Step::Reached { t } } else { Step::Advanced { t } });
+                }
+                Err(trouble) => {
+                    cuts += 1;
+                    self.recover(span, trouble, cuts)?;
+                }
+            }
+        }
+    }
+
+    fn restart(
+        &mut self,
+        system: &mut dyn System,
+        t: f64,
+        y: &[f64],
+        _: JacobianMemory,
+    ) -> Result<(), Failure> {
+        if let Some(component) = system.differential().iter().position(|d| !d) {
+            return Err(Failure::Singular { t, component });
+        }
+        self.now.start(system, t, y, &mut self.stats)?;
+        self.t_previous = t;
+        self.y_previous.copy_from_slice(y);
+        for d in &mut self.dense {
+            d.fill(0.0);
+        }
+        self.error_last = 1e-4;
+        error_weights(&self.options, &self.now.y, &mut self.weights);
+        let h = match self.options.initial_step {
+            Some(h) => h,
+            None => initial_step(
+                system,
+                &self.now,
+                &self.weights,
+                5,
+                &mut self.trial,
+                &mut self.next_y,
+                &mut self.stats,
+            ),
+        };
+        self.h = h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
+        Ok(())
+    }
+
+    fn t(&self) -> f64 {
+        self.now.t
+    }
+
+    fn y(&self) -> &[f64] {
+        &self.now.y
+    }
+
+    fn t_previous(&self) -> f64 {
+        self.t_previous
+    }
+
+    fn interpolate(&self, t: f64, out: &mut [f64]) {
+        if t == self.now.t {
+            return out.copy_from_slice(&self.now.y);
+        }
+        let h = self.now.t - self.t_previous;
+        let s = if h > 0.0 { (t - self.t_previous) / h } else { 0.0 };
+        let [d1, d2, d3, d4] = &self.dense;
+        for (i, out) in out.iter_mut().enumerate() {
+            let inner = d2[i] + s * (d3[i] + (1.0 - s) * d4[i]);
+            *out = self.y_previous[i] + s * (d1[i] + (1.0 - s) * inner);
+        }
+    }
+
+    fn next_step(&self) -> f64 {
+        self.h
+    }
+
+    fn stats(&self) -> &Stats {
+        &self.stats
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::problems::*;
+
+    /// The dense output must agree with the step at its ends; its weights then sum to zero.
+    #[test]
+    fn coefficients_are_consistent() {
+        for (row, c) in A.iter().zip(C.iter().chain(&[1.0])) {
+            assert!((row.iter().sum::<f64>() - c).abs() < 2e-15);
+        }
+        assert!(ERROR.iter().sum::<f64>().abs() < 1e-16);
+        assert!(DENSE.iter().sum::<f64>().abs() < 1e-14);
+    }
+
+    #[test]
+    fn arenstorf_orbit_closes() {
+        for rtol in [1e-7, 1e-9, 1e-11] {
+            let options = Options::with_nominals(rtol, &[1.0; 4]);
+            let mut stepper = DormandPrince::new(4, options).unwrap();
+            let start = (0.0, &ARENSTORF_START[..]);
+            let y = run(&mut stepper, &mut arenstorf(), start, ARENSTORF_PERIOD).unwrap();
+            let error = relative_error(&y, &ARENSTORF_START, 1.0);
+            // The orbit amplifies errors near the moon by several powers of ten.
+            assert!(error < 3e4 * rtol, "rtol {rtol}: {error}");
+        }
+    }
+
+    /// y' = -y: order 5 at the ends and order 4 between them.
+    #[test]
+    fn order_of_steps_and_of_dense_output() {
+        let mut errors = Vec::new();
+        for steps in [8, 16] {
+            let mut options = Options::with_nominals(0.99, &[1e6]);
+            let h = 1.0 / f64::from(steps);
+            (options.initial_step, options.max_step) = (Some(h), h);
+            let mut stepper = DormandPrince::new(1, options).unwrap();
+            let mut system = ode(
+                1,
+                |_, y: &[f64], f: &mut [f64]| {
+                    f[0] = -y[0];
+                    Ok(())
+                },
+                |_, _: &[f64], _: &mut [f64]| {},
+            );
+            stepper.restart(&mut system, 0.0, &[1.0], JacobianMemory::Forget).unwrap();
+            let (mut dense, mut out) = (0.0_f64, [0.0]);
+            while stepper.t() < 1.0 {
+                stepper.step(&mut system, 1.0).unwrap();
+                for part in 1..8 {
+                    let t = stepper.t() - h * f64::from(part) / 8.0;
+                    stepper.interpolate(t, &mut out);
+                    dense = dense.max((out[0] - (-t).exp()).abs());
+                }
+            }
+            errors.push(((stepper.y()[0] - (-1.0_f64).exp()).abs(), dense));
+        }
+        let order = |a: f64, b: f64| (a / b).log2();
+        let end = order(errors[0].0, errors[1].0);
+        let dense = order(errors[0].1, errors[1].1);
+        assert!((end - 5.0).abs() < 0.3, "{end}");
+        assert!(dense > 4.5, "{dense}");
+    }
+
+    #[test]
+    fn algebraic_rows_are_refused() {
+        let mut stepper = DormandPrince::new(1, Options::new(1)).unwrap();
+        let mut system =
+            ode(1, |_, _: &[f64], _: &mut [f64]| Ok(()), |_, _: &[f64], _: &mut [f64]| {});
+        system.differential[0] = false;
+        let result = stepper.restart(&mut system, 0.0, &[1.0], JacobianMemory::Forget);
+        assert_eq!(result, Err(Failure::Singular { t: 0.0, component: 0 }));
+    }
+}

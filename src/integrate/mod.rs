@@ -1,0 +1,30 @@
+//! From `M y' = f(t, y)` and a start to the trajectory, step by step.
+//!
+//! What comes in: a [`system::System`] (right side, Jacobian, which components have a derivative), a
+//! start point and [`options::Options`]. What goes out: accepted steps with a polynomial between
+//! their ends, or an [`outcome::Failure`] that names the worst component. Events, output and
+//! variable names are the business of the caller.
+//!
+//! Sources: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*
+//! (2nd ed. 1993); E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II* (2nd ed. 1996).
+//!
+//! The one door: [`stepper::Stepper`], implemented by [`radau::Radau`] (stiff systems and index-1
+//! differential-algebraic systems) and [`explicit::DormandPrince`] (non-stiff systems).
+pub mod system;
+
+pub mod options;
+
+pub mod outcome;
+
+pub mod stats;
+
+pub mod stepper;
+
+pub mod control;
+
+pub mod radau;
+
+pub mod explicit;
+
+#[cfg(test)]
+mod problems;

@@ -1,0 +1,460 @@
+//! Radau IIA of order 5: for stiff systems and differential-algebraic systems of index 1.
+//!
+//! E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II* (2nd ed. 1996), sec. IV.8;
+//! the constants are those of the authors' RADAU5, except that tolerances are taken as they are
+//! (RADAU5 loosens them so that only the end points meet them): here the dense output meets them too.
+pub mod matrix;
+pub mod polynomial;
+pub mod stages;
+pub mod tableau;
+
+#[cfg(test)]
+mod tests;
+
+use crate::integrate::control::{
+    Point, Span, error_weights, fit_to_stop, initial_step, resolution,
+};
+use crate::integrate::options::{OptionError, Options};
+use crate::integrate::outcome::{Failure, Step};
+use crate::integrate::radau::matrix::{IterationMatrix, Shift};
+use crate::integrate::radau::polynomial::Polynomial;
+use crate::integrate::radau::stages::{MAX_ITERATIONS, StageTrouble, Stages, shift};
+use crate::integrate::radau::tableau::ERROR;
+use crate::integrate::stats::Stats;
+use crate::integrate::stepper::{JacobianMemory, Stepper};
+use crate::integrate::system::{EvalError, System};
+use crate::math::numeric::norm::{first_non_finite, weighted_rms, worst_component};
+
+/// Safety factor of the step size prediction.
+const SAFETY: f64 = 0.9;
+/// The step grows at most by this factor, and shrinks at most by [`SHRINK`].
+const GROWTH: f64 = 8.0;
+/// See [`GROWTH`].
+const SHRINK: f64 = 0.2;
+/// A growth below this factor is not worth a new decomposition.
+const WORTHWHILE: f64 = 1.2;
+/// The Jacobian is kept while the iteration converges faster than this.
+const FAST: f64 = 1e-3;
+/// Reduction after a rejected first step, whose size was a guess.
+const FIRST_REJECTED: f64 = 0.1;
+/// Reduction where the system could not be evaluated.
+const OUT_OF_DOMAIN: f64 = 0.25;
+
+/// The stepper.
+pub struct Radau {
+    options: Options,
+    now: Point,
+    t_previous: f64,
+    next: Point,
+    weights: Vec<f64>,
+    polynomial: Polynomial,
+    stages: Stages,
+    matrix: IterationMatrix,
+    jacobian: JacobianAge,
+    decomposed: Option<Shift>,
+    history: History,
+    estimate: Vec<f64>,
+    trial: Vec<f64>,
+    stats: Stats,
+}
+
+/// How old the Jacobian is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum JacobianAge {
+    /// To be evaluated before use.
+    Outdated,
+    /// From an earlier point.
+    Old,
+    /// Evaluated at the accepted point.
+    Fresh,
+}
+
+/// What the step size control remembers of the accepted steps since the restart.
+struct History {
+    /// Wanted length of the next step.
+    h: f64,
+    /// Length and error of the last accepted step; `None` after a restart (Gustafsson's control
+    /// needs them, and the first step is treated with distrust).
+    last: Option<(f64, f64)>,
+    /// The polynomial continues into the next step.
+    continued: bool,
+}
+
+/// Why an attempt to step failed.
+#[derive(Clone, Copy)]
+enum Trouble {
+    Error {
+        component: usize,
+        size: f64,
+        iterations: u32,
+    },
+    Newton {
+        component: usize,
+        reduction: f64,
+    },
+    Singular {
+        component: usize,
+    },
+    NonFinite {
+        component: usize,
+    },
+    Eval(EvalError),
+    /// The Jacobian at the accepted point can not be had: no step can help.
+    Hopeless(Hopeless),
+}
+
+#[derive(Clone, Copy)]
+enum Hopeless {
+    Eval(EvalError),
+    NonFinite { component: usize },
+}
+
+/// An attempt that passed all tests.
+struct Success {
+    error: f64,
+    iterations: u32,
+}
+
+impl Radau {
+    /// A stepper for systems of `n` components. All memory is allocated here.
+    pub fn new(n: usize, options: Options) -> Result<Self, OptionError> {
+        options.validate(n)?;
+        Ok(Radau {
+            now: Point::new(n),
+            t_previous: 0.0,
+            next: Point::new(n),
+            weights: vec![1.0; n],
+            polynomial: Polynomial::new(n),
+            stages: Stages::new(n, &options),
+            matrix: IterationMatrix::new(n),
+            jacobian: JacobianAge::Outdated,
+            decomposed: None,
+            history: History { h: 0.0, last: None, continued: false },
+            estimate: vec![0.0; n],
+            trial: vec![0.0; n],
+            stats: Stats::default(),
+            options,
+        })
+    }
+
+    /// The choices in effect.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Decomposes the iteration matrices unless they still fit.
+    fn prepare(&mut self, system: &mut dyn System, h: f64) -> Result<(), Trouble> {
+        if self.jacobian == JacobianAge::Outdated {
+            self.stats.jacobians += 1;
+            system
+                .jacobian(self.now.t, &self.now.y, self.matrix.jacobian_mut())
+                .map_err(|error| Trouble::Hopeless(Hopeless::Eval(error)))?;
+            self.decomposed = None;
+            self.matrix
+                .analyze()
+                .map_err(|component| Trouble::Hopeless(Hopeless::NonFinite { component }))?;
+            self.jacobian = JacobianAge::Fresh;
+        }
+        let shift = shift(h);
+        if self.decomposed != Some(shift) {
+            self.stats.decompositions += 1;
+            self.decomposed = None;
+            self.matrix
+                .factor(shift)
+                .map_err(|singular| Trouble::Singular { component: singular.column })?;
+            self.decomposed = Some(shift);
+        }
+        Ok(())
+    }
+
+    /// Sets the starting values of the stages.
+    fn predict(&mut self, h: f64) {
+        if self.history.continued {
+            self.stages.start_from(&self.polynomial, h);
+        } else {
+            self.stages.start_from_zero();
+        }
+    }
+
+    /// Solves the stage equations; the third stage is the candidate for the next point.
+    fn solve(&mut self, system: &mut dyn System, span: Span) -> Result<u32, Trouble> {
+        let iterations = self
+            .stages
+            .solve(system, &self.now, span, &self.weights, &mut self.matrix, &mut self.stats)
+            .map_err(|trouble| match trouble {
+                StageTrouble::Eval(error) => Trouble::Eval(error),
+                StageTrouble::NonFinite { component } => Trouble::NonFinite { component },
+                StageTrouble::Slow { component, reduction } => {
+                    Trouble::Newton { component, reduction }
+                }
+            })?;
+        self.next.t = span.end;
+        for ((next, y), z) in self.next.y.iter_mut().zip(&self.now.y).zip(&self.stages.z[2]) {
+            *next = y + z;
+        }
+        Ok(iterations)
+    }
+
+    /// Estimates the local error by eq. (8.19), and for a doubtful step again by eq. (8.20), where
+    /// the estimate is filtered twice so that it does not exaggerate stiff components.
+    fn test(
+        &mut self,
+        system: &mut dyn System,
+        h: f64,
+        iterations: u32,
+        doubtful: bool,
+    ) -> Result<f64, Trouble> {
+        let [z1, z2, z3] = &self.stages.z;
+        let weights = ERROR.map(|e| e / h);
+        for (i, mass) in self.matrix.mass().iter().enumerate() {
+            let sum = weights[0] * z1[i] + weights[1] * z2[i] + weights[2] * z3[i];
+            self.estimate[i] = mass * sum;
+            self.trial[i] = self.now.f[i] + self.estimate[i];
+        }
+        self.matrix.solve_real(&mut self.trial);
+        let mut size = weighted_rms(&self.trial, &self.weights);
+        if !(size < 1.0) && doubtful {
+            for (trial, y) in self.trial.iter_mut().zip(&self.now.y) {
+                *trial += y;
+            }
+            self.stats.rhs += 1;
+            if system.rhs(self.now.t, &self.trial, &mut self.next.f).is_ok() {
+                for ((trial, f), e) in self.trial.iter_mut().zip(&self.next.f).zip(&self.estimate) {
+                    *trial = f + e;
+                }
+                self.matrix.solve_real(&mut self.trial);
+                size = weighted_rms(&self.trial, &self.weights);
+            } else {
+                for (trial, y) in self.trial.iter_mut().zip(&self.now.y) {
+                    *trial -= y;
+                }
+            }
+        }
+        if size < 1.0 {
+            return Ok(size.max(1e-10));
+        }
+        let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
+        if size.is_finite() {
+            Err(Trouble::Error { component, size, iterations })
+        } else {
+            Err(Trouble::NonFinite { component })
+        }
+    }
+
+    /// Evaluates the right side at the candidate, which is accepted if that succeeds.
+    fn evaluate_next(&mut self, system: &mut dyn System) -> Result<(), Trouble> {
+        self.stats.rhs += 1;
+        system.rhs(self.next.t, &self.next.y, &mut self.next.f).map_err(Trouble::Eval)?;
+        match first_non_finite(&self.next.f) {
+            Some(component) => Err(Trouble::NonFinite { component }),
+            None => Ok(()),
+        }
+    }
+
+    /// One attempt: every reason not to accept the step is an error.
+    fn attempt(
+        &mut self,
+        system: &mut dyn System,
+        span: Span,
+        repeated: bool,
+    ) -> Result<Success, Trouble> {
+        self.prepare(system, span.h)?;
+        self.predict(span.h);
+        let iterations = self.solve(system, span)?;
+        let doubtful = repeated || self.history.last.is_none();
+        let error = self.test(system, span.h, iterations, doubtful)?;
+        self.evaluate_next(system)?;
+        Ok(Success { error, iterations })
+    }
+
+    /// Moves to the accepted candidate and plans the next step.
+    fn complete(&mut self, span: Span, success: &Success, repeated: bool) {
+        self.stats.steps += 1;
+        self.t_previous = self.now.t;
+        std::mem::swap(&mut self.now, &mut self.next);
+        self.polynomial.set(span.h, span.end, &self.now.y, &self.stages.z);
+        error_weights(&self.options, &self.now.y, &mut self.weights);
+        let wanted = self.plan(span.h, success, repeated);
+        self.history.last = Some((span.h, success.error.max(1e-2)));
+        self.history.continued = true;
+
+        let fast = self.stages.rate <= FAST;
+        self.jacobian = if fast { JacobianAge::Old } else { JacobianAge::Outdated };
+        let growth = wanted / span.h;
+        let keep = fast && (1.0..=WORTHWHILE).contains(&growth);
+        self.history.h = if keep { span.h } else { wanted };
+    }
+
+    /// The next step by Gustafsson's predictive control, eq. (8.24) and (8.25).
+    fn plan(&self, h: f64, success: &Success, repeated: bool) -> f64 {
+        let error = success.error;
+        let mut divisor =
+            (error.powf(0.25) / safety(success.iterations)).clamp(1.0 / GROWTH, 1.0 / SHRINK);
+        if let Some((h_last, error_last)) = self.history.last {
+            let predicted = (h_last / h) * (error * error / error_last).powf(0.25) / SAFETY;
+            divisor = divisor.max(predicted.clamp(1.0 / GROWTH, 1.0 / SHRINK));
+        }
+        let mut wanted = h / divisor;
+        if repeated {
+            wanted = wanted.min(h);
+        } else if divisor <= 1.0 / GROWTH {
+            // The growth limit says nothing against a step that was cut short only by a stop.
+            wanted = wanted.max(self.history.h);
+        }
+        wanted.min(self.options.max_step)
+    }
+
+    /// Shortens the step after a failed attempt, or gives up with the failure that names the cause.
+    fn recover(&mut self, span: Span, trouble: Trouble, cuts: u32) -> Result<(), Failure> {
+        let factor = match trouble {
+            Trouble::Hopeless(_) | Trouble::Eval(EvalError::Fatal(_)) => {
+                return Err(self.failure(span.h, trouble));
+            }
+            Trouble::Error { size, iterations, .. } => {
+                self.stats.rejected += 1;
+                if self.history.last.is_none() {
+                    FIRST_REJECTED
+                } else {
+                    (safety(iterations) / size.powf(0.25)).clamp(SHRINK, 1.0)
+                }
+            }
+            Trouble::Newton { reduction, .. } => {
+                self.stats.convergence_failures += 1;
+                if self.jacobian == JacobianAge::Old { 1.0 } else { reduction }
+            }
+            Trouble::Singular { .. } => {
+                self.stats.convergence_failures += 1;
+                0.5
+            }
+            Trouble::NonFinite { .. } | Trouble::Eval(EvalError::Recoverable(_)) => {
+                self.stats.evaluation_failures += 1;
+                // A continuation that left the domain should not be tried again.
+                self.history.continued = false;
+                OUT_OF_DOMAIN
+            }
+        };
+        self.stages.forget();
+        if self.jacobian == JacobianAge::Old {
+            self.jacobian = JacobianAge::Outdated;
+        }
+        let h = span.h * factor;
+        let shortest = self.options.min_step.max(resolution(self.now.t));
+        if cuts >= self.options.max_cuts || (factor < 1.0 && !(h > shortest)) {
+            return Err(self.failure(h, trouble));
+        }
+        self.history.h = h;
+        Ok(())
+    }
+
+    fn failure(&self, h: f64, trouble: Trouble) -> Failure {
+        let t = self.now.t;
+        match trouble {
+            Trouble::Error { component, .. } => Failure::StepTooSmall { t, h, component },
+            Trouble::Newton { component, .. } => Failure::NewtonFailed { t, h, component },
+            Trouble::Singular { component } => Failure::Singular { t, component },
+            Trouble::NonFinite { component }
+            | Trouble::Hopeless(Hopeless::NonFinite { component }) => {
+                Failure::NonFinite { t, component }
+            }
+            Trouble::Eval(error) | Trouble::Hopeless(Hopeless::Eval(error)) => {
+                Failure::Eval { t, error }
+            }
+        }
+    }
+
+    fn check_budget(&self) -> Result<(), Failure> {
+        let limit = self.options.max_steps;
+        if self.stats.steps + self.stats.rejected >= limit {
+            return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
+        }
+        Ok(())
+    }
+}
+
+impl Stepper for Radau {
+    fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure> {
+        if !(t_stop > self.now.t) {
+            return Ok(Step::Reached { t: self.now.t });
+        }
+        let mut cuts = 0;
+        loop {
+            self.check_budget()?;
+            let span = fit_to_stop(self.now.t, self.history.h, t_stop);
+            match self.attempt(system, span, cuts > 0) {
+                Ok(success) => {
+                    self.complete(span, &success, cuts > 0);
+                    let t = self.now.t;
+                    return Ok(if span.last { Step::Reached { t } } else { Step::Advanced { t } });
+                }
+                Err(trouble) => {
+                    cuts += 1;
+                    self.recover(span, trouble, cuts)?;
+                }
+            }
+        }
+    }
+
+    fn restart(
+        &mut self,
+        system: &mut dyn System,
+        t: f64,
+        y: &[f64],
+        jacobian: JacobianMemory,
+    ) -> Result<(), Failure> {
+        self.now.start(system, t, y, &mut self.stats)?;
+        self.t_previous = t;
+        self.polynomial.set_constant(t, y);
+        self.stages.forget();
+        self.matrix.set_mass(system.differential());
+        self.history = History { h: 0.0, last: None, continued: false };
+        self.jacobian = match (jacobian, self.jacobian) {
+            (JacobianMemory::Keep, JacobianAge::Fresh | JacobianAge::Old) => JacobianAge::Old,
+            _ => JacobianAge::Outdated,
+        };
+        error_weights(&self.options, &self.now.y, &mut self.weights);
+        let h = match self.options.initial_step {
+            Some(h) => h,
+            None => initial_step(
+                system,
+                &self.now,
+                &self.weights,
+                3,
+                &mut self.trial,
+                &mut self.estimate,
+                &mut self.stats,
+            ),
+        };
+        self.history.h = h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
+        Ok(())
+    }
+
+    fn t(&self) -> f64 {
+        self.now.t
+    }
+
+    fn y(&self) -> &[f64] {
+        &self.now.y
+    }
+
+    fn t_previous(&self) -> f64 {
+        self.t_previous
+    }
+
+    fn interpolate(&self, t: f64, out: &mut [f64]) {
+        self.polynomial.evaluate(t, out);
+    }
+
+    fn next_step(&self) -> f64 {
+        self.history.h
+    }
+
+    fn stats(&self) -> &Stats {
+        &self.stats
+    }
+}
+
+/// The safety factor, smaller the harder the iteration was (Hairer & Wanner II, sec. IV.8, step size selection).
+fn safety(iterations: u32) -> f64 {
+    let (most, used) = (f64::from(MAX_ITERATIONS), f64::from(iterations));
+    SAFETY * (2.0 * most + 1.0) / (2.0 * most + used)
+}

@@ -1,0 +1,98 @@
+//! The collocation polynomial of the last step: dense output, and the guess for the next stages.
+
+use crate::integrate::radau::tableau::{C1, C2};
+
+/// The cubic through the start and the three stages of a step, in Newton's form on the nodes
+/// `1, c2, c1, 0` (Hairer & Wanner II, sec. IV.8, "Starting values for the Newton iteration"; the
+/// same form serves RADAU5's CONTR5).
+///
+/// Between the nodes its error is of order `h^4`, the order of the error estimate, so that results
+/// inside a step honour the tolerances too. Linear invariants hold everywhere on it, and a component
+/// whose stages all equal the start is constant to the bit.
+pub struct Polynomial {
+    h: f64,
+    end: f64,
+    /// Divided differences; `c[0]` is the solution at the end.
+    c: [Vec<f64>; 4],
+}
+
+impl Polynomial {
+    /// A constant polynomial for `n` components.
+    pub fn new(n: usize) -> Self {
+        Polynomial { h: 1.0, end: 0.0, c: std::array::from_fn(|_| vec![0.0; n]) }
+    }
+
+    /// The constant `y` around `t`: after a restart.
+    pub fn set_constant(&mut self, t: f64, y: &[f64]) {
+        self.end = t;
+        self.h = 1.0;
+        self.c[0].copy_from_slice(y);
+        for c in &mut self.c[1..] {
+            c.fill(0.0);
+        }
+    }
+
+    /// The polynomial of a step of length `h` to `(end, y)`, from the stage increments `z`.
+    pub fn set(&mut self, h: f64, end: f64, y: &[f64], z: &[Vec<f64>; 3]) {
+        self.end = end;
+        self.h = h;
+        let [c0, c1, c2, c3] = &mut self.c;
+        c0.copy_from_slice(y);
+        for i in 0..y.len() {
+            let (z1, z2, z3) = (z[0][i], z[1][i], z[2][i]);
+            let last = (z2 - z3) / (C2 - 1.0);
+            let middle = (z1 - z2) / (C1 - C2);
+            let first = (middle - z1 / C1) / C2;
+            c1[i] = last;
+            c2[i] = (middle - last) / (C1 - 1.0);
+            c3[i] = c2[i] - first;
+        }
+    }
+
+    /// Writes the value at `t` to `out`; at the end it is the solution to the bit.
+    pub fn evaluate(&self, t: f64, out: &mut [f64]) {
+        let s = (t - self.end) / self.h;
+        let [c0, c1, c2, c3] = &self.c;
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = c0[i] + s * (c1[i] + (s - (C2 - 1.0)) * (c2[i] + (s - (C1 - 1.0)) * c3[i]));
+        }
+    }
+
+    /// Writes the increments from the end to the stages of a next step of length `h` to `z`.
+    pub fn extrapolate(&self, h: f64, z: &mut [Vec<f64>; 3]) {
+        let ratio = h / self.h;
+        let [_, c1, c2, c3] = &self.c;
+        for (z, c) in z.iter_mut().zip([C1, C2, 1.0]) {
+            let s = c * ratio;
+            for (i, z) in z.iter_mut().enumerate() {
+                *z = s * (c1[i] + (s - (C2 - 1.0)) * (c2[i] + (s - (C1 - 1.0)) * c3[i]));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cubic is reproduced inside the step and beyond it.
+    #[test]
+    fn reproduces_a_cubic() {
+        let p = |t: f64| 1.0 - 2.0 * t + 3.0 * t * t - 0.5 * t * t * t;
+        let (start, h) = (0.5, 0.4);
+        let end = start + h;
+        let z = [C1, C2, 1.0].map(|c| vec![p(start + c * h) - p(start)]);
+        let mut polynomial = Polynomial::new(1);
+        polynomial.set(h, end, &[p(end)], &z);
+        let mut out = [0.0];
+        for t in [start, 0.6, 0.77, end] {
+            polynomial.evaluate(t, &mut out);
+            assert!((out[0] - p(t)).abs() < 1e-14, "t = {t}");
+        }
+        let mut next = std::array::from_fn(|_| vec![0.0]);
+        polynomial.extrapolate(0.3, &mut next);
+        for (z, c) in next.iter().zip([C1, C2, 1.0]) {
+            assert!((z[0] - (p(end + 0.3 * c) - p(end))).abs() < 1e-13);
+        }
+    }
+}

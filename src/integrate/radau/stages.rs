@@ -1,0 +1,238 @@
+//! The stage equations of one step and their simplified Newton iteration.
+//!
+//! Hairer & Wanner II, sec. IV.8: with stage increments `Z` and `W = T^-1 Z`, each iteration solves
+//! one real system for `dW_1` and one complex system for `dW_2 + i dW_3`, with matrices that stay
+//! the same over many iterations and steps.
+
+use crate::integrate::control::{Point, Span};
+use crate::integrate::options::Options;
+use crate::integrate::radau::matrix::{IterationMatrix, Shift};
+use crate::integrate::radau::polynomial::Polynomial;
+use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};
+use crate::integrate::stats::Stats;
+use crate::integrate::system::{EvalError, System};
+use crate::math::numeric::norm::{weighted_square_sum, worst_component};
+
+/// Iterations within which the stage equations must converge; RADAU5's NIT.
+pub const MAX_ITERATIONS: u32 = 7;
+
+/// Why there are no stages for this step.
+#[derive(Clone, Copy, Debug)]
+pub enum StageTrouble {
+    /// The right side could not be evaluated at a stage.
+    Eval(EvalError),
+    /// A correction is not finite.
+    NonFinite {
+        /// Its component.
+        component: usize,
+    },
+    /// The iteration diverges, or would converge too late; then `reduction` says which shorter step
+    /// would do.
+    Slow {
+        /// Component with the largest correction.
+        component: usize,
+        /// Factor for the step, in (0, 1).
+        reduction: f64,
+    },
+}
+
+/// Stage increments and the memory of the iteration's convergence.
+pub struct Stages {
+    /// Increments `Z` from the start of the step to its stages; the third leads to the end.
+    pub z: [Vec<f64>; 3],
+    /// The transformed increments `W`.
+    w: [Vec<f64>; 3],
+    /// Right sides at the stages, then corrections.
+    r: [Vec<f64>; 3],
+    stage: Vec<f64>,
+    /// Tolerance of the iteration, in units of the error tolerance.
+    kappa: f64,
+    /// `theta / (1 - theta)` of the last iteration: how much is still missing per correction.
+    eta: f64,
+    /// Convergence rate `theta` of the last iteration.
+    pub rate: f64,
+}
+
+impl Stages {
+    /// For `n` components. The iteration stops well below the error tolerance: `kappa` of eq. (8.10)
+    /// with RADAU5's choice.
+    pub fn new(n: usize, options: &Options) -> Self {
+        let zeros = || std::array::from_fn(|_| vec![0.0; n]);
+        Stages {
+            z: zeros(),
+            w: zeros(),
+            r: zeros(),
+            stage: vec![0.0; n],
+            kappa: (10.0 * f64::EPSILON / options.rtol).max(options.rtol.sqrt().min(0.03)),
+            eta: 1.0,
+            rate: 0.0,
+        }
+    }
+
+    /// Forgets how well the iteration converged.
+    pub fn forget(&mut self) {
+        self.eta = 1.0;
+        self.rate = 0.0;
+    }
+
+    /// Starts from zero increments.
+    pub fn start_from_zero(&mut self) {
+        for v in self.z.iter_mut().chain(&mut self.w) {
+            v.fill(0.0);
+        }
+    }
+
+    /// Starts from the continuation of the last step.
+    pub fn start_from(&mut self, polynomial: &Polynomial, h: f64) {
+        polynomial.extrapolate(h, &mut self.z);
+        let [z1, z2, z3] = &self.z;
+        for (w, t) in self.w.iter_mut().zip(&T_INVERSE) {
+            for (i, w) in w.iter_mut().enumerate() {
+                *w = t[0] * z1[i] + t[1] * z2[i] + t[2] * z3[i];
+            }
+        }
+    }
+
+    /// Iterates to the solution of the stage equations; returns the number of iterations.
+    pub fn solve(
+        &mut self,
+        system: &mut dyn System,
+        from: &Point,
+        span: Span,
+        weights: &[f64],
+        matrix: &mut IterationMatrix,
+        stats: &mut Stats,
+    ) -> Result<u32, StageTrouble> {
+        let shift = shift(span.h);
+        // An iteration that converged well last time need not prove it again (eq. 8.11).
+        self.eta = self.eta.max(f64::EPSILON).powf(0.8);
+        self.rate = 0.0;
+        let mut last_size = 0.0;
+        let mut last_ratio = 0.0;
+        for iteration in 1..=MAX_ITERATIONS {
+            stats.newton_iterations += 1;
+            self.evaluate(system, from, span, stats).map_err(StageTrouble::Eval)?;
+            self.correct(matrix, shift);
+            let size = self.correction_size(weights);
+            if !size.is_finite() {
+                return Err(StageTrouble::NonFinite { component: self.worst(weights) });
+            }
+            if iteration > 1 {
+                let ratio: f64 = size / last_size;
+                self.rate = if iteration == 2 { ratio } else { (ratio * last_ratio).sqrt() };
+                last_ratio = ratio;
+                self.check_convergence(iteration, size, weights)?;
+            }
+            last_size = size.max(f64::EPSILON);
+            self.advance();
+            if self.eta * size <= self.kappa {
+                return Ok(iteration);
+            }
+        }
+        Err(StageTrouble::Slow { component: self.worst(weights), reduction: 0.5 })
+    }
+
+    /// Right sides at the three stages, into `r`.
+    fn evaluate(
+        &mut self,
+        system: &mut dyn System,
+        from: &Point,
+        span: Span,
+        stats: &mut Stats,
+    ) -> Result<(), EvalError> {
+        let times = [from.t + C1 * span.h, from.t + C2 * span.h, span.end];
+        for ((z, r), t) in self.z.iter().zip(&mut self.r).zip(times) {
+            for ((stage, y), z) in self.stage.iter_mut().zip(&from.y).zip(z) {
+                *stage = y + z;
+            }
+            stats.rhs += 1;
+            system.rhs(t, &self.stage, r)?;
+        }
+        Ok(())
+    }
+
+    /// Turns the right sides into the corrections `dW`.
+    fn correct(&mut self, matrix: &mut IterationMatrix, shift: Shift) {
+        let [r1, r2, r3] = &mut self.r;
+        let [w1, w2, w3] = &self.w;
+        let t = &T_INVERSE;
+        for (i, mass) in matrix.mass().iter().enumerate() {
+            let (f1, f2, f3) = (r1[i], r2[i], r3[i]);
+            let (w1, w2, w3) = (mass * w1[i], mass * w2[i], mass * w3[i]);
+            r1[i] = t[0][0] * f1 + t[0][1] * f2 + t[0][2] * f3 - shift.real * w1;
+            r2[i] = t[1][0] * f1 + t[1][1] * f2 + t[1][2] * f3 - (shift.re * w2 - shift.im * w3);
+            r3[i] = t[2][0] * f1 + t[2][1] * f2 + t[2][2] * f3 - (shift.im * w2 + shift.re * w3);
+        }
+        matrix.solve_real(r1);
+        matrix.solve_complex(r2, r3);
+    }
+
+    fn correction_size(&self, weights: &[f64]) -> f64 {
+        let sum: f64 = self.r.iter().map(|r| weighted_square_sum(r, weights)).sum();
+        (sum / (3 * weights.len()).max(1) as f64).sqrt()
+    }
+
+    /// Gives up as soon as the remaining iterations can not reach the tolerance (eq. 8.12).
+    fn check_convergence(
+        &mut self,
+        iteration: u32,
+        size: f64,
+        weights: &[f64],
+    ) -> Result<(), StageTrouble> {
+        if !(self.rate < 0.99) {
+            let component = self.worst(weights);
+            return Err(StageTrouble::Slow { component, reduction: 0.5 });
+        }
+        self.eta = self.rate / (1.0 - self.rate);
+        if iteration < MAX_ITERATIONS {
+            let left = (MAX_ITERATIONS - 1 - iteration) as i32;
+            let missing = self.eta * size * self.rate.powi(left) / self.kappa;
+            if missing >= 1.0 {
+                let missing = missing.clamp(1e-4, 20.0);
+                let reduction = 0.8 * missing.powf(-1.0 / f64::from(4 + left));
+                return Err(StageTrouble::Slow { component: self.worst(weights), reduction });
+            }
+        }
+        Ok(())
+    }
+
+    /// Applies the corrections: `W += dW`, `Z = T W`.
+    fn advance(&mut self) {
+        for (w, r) in self.w.iter_mut().zip(&self.r) {
+            for (w, r) in w.iter_mut().zip(r) {
+                *w += r;
+            }
+        }
+        let [w1, w2, w3] = &self.w;
+        let [z1, z2, z3] = &mut self.z;
+        for i in 0..w1.len() {
+            let (a, b, c) = (w1[i], w2[i], w3[i]);
+            z1[i] = T[0][0] * a + T[0][1] * b + T[0][2] * c;
+            z2[i] = T[1][0] * a + T[1][1] * b + T[1][2] * c;
+            z3[i] = T[2][0] * a + b;
+        }
+    }
+
+    /// The component with the largest correction; zero for an empty system.
+    fn worst(&self, weights: &[f64]) -> usize {
+        let sizes = self.r.iter().filter_map(|r| {
+            let i = worst_component(r, weights)?;
+            Some((i, (r[i] * weights[i]).abs()))
+        });
+        let mut worst = (0, -1.0);
+        for (i, size) in sizes {
+            if !size.is_finite() {
+                return i;
+            }
+            if size > worst.1 {
+                worst = (i, size);
+            }
+        }
+        worst.0
+    }
+}
+
+/// The multiples of `M` in the iteration matrices for a step `h`.
+pub fn shift(h: f64) -> Shift {
+    Shift { real: GAMMA / h, re: ALPHA / h, im: BETA / h }
+}
