@@ -4,7 +4,14 @@
 
 // Ground floor.
 pub mod base;
-pub mod integrate;
 pub mod ir;
 pub mod math;
 pub mod symbolic;
+
+// From sorted equations to a trajectory.
+pub mod codegen;
+pub mod integrate;
+pub mod simulate;
+
+// From a trajectory to files.
+pub mod report;

@@ -5,3 +5,4 @@ pub mod dae;
 pub mod expr;
 pub mod flat;
 pub mod program;
+pub mod trajectory;

@@ -1,0 +1,257 @@
+//! The result of a run: named columns over time, and the events between them.
+//!
+//! *Holds:* one row per recorded instant, all values in SI units; at an event two rows with the
+//! same time, the left and the right limit in this order; the events in order of time.
+//! *Never holds:* NaN or an infinity; a time that decreases; a column longer or shorter than the
+//! time; two columns of one name.
+//! *Made by:* `simulate`, and `report::table` from a file of measurements.
+//! *Read by:* `report` and `identify`.
+
+use thiserror::Error;
+
+/// What the values of a column are; all are stored as `f64`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// A Real that moves between events.
+    Continuous,
+    /// A Real that moves only at events.
+    Discrete,
+    /// 0 for false, 1 for true.
+    Boolean,
+    /// An Integer.
+    Integer,
+}
+
+/// One recorded variable.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Column {
+    /// Full dotted name; elements of arrays as `a[1]` or `a[1,2]`.
+    pub name: String,
+    /// Unit of the values, SI, such as `m/s2`; empty where there is none.
+    pub unit: String,
+    /// Unit the model wants shown, such as `bar`; empty where it has no wish.
+    pub display_unit: String,
+    /// The comment at the declaration; may be empty.
+    pub description: String,
+    /// What the values are.
+    pub kind: Kind,
+}
+
+impl Column {
+    /// A continuous column without wishes: the name and the SI unit.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Column {
+            name: name.into(),
+            unit: unit.into(),
+            display_unit: String::new(),
+            description: String::new(),
+            kind: Kind::Continuous,
+        }
+    }
+}
+
+/// Something that happened at one instant.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Event {
+    /// When, s.
+    pub time: f64,
+    /// What, in the user's names, such as `piston.s >= s_max became true`.
+    pub what: String,
+    /// Where it is written, as `file:line:column`; empty if nowhere.
+    pub place: String,
+}
+
+/// A run, column by column.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Trajectory {
+    /// The variables.
+    pub columns: Vec<Column>,
+    /// Time of each row, s.
+    pub time: Vec<f64>,
+    /// One vector per column, each as long as `time`.
+    pub data: Vec<Vec<f64>>,
+    /// The events in order of time.
+    pub events: Vec<Event>,
+}
+
+/// A broken contract of [`Trajectory`]: a bug in the stage that made it.
+#[derive(Clone, PartialEq, Error, Debug)]
+pub enum Fault {
+    /// `data` and `columns` differ in number.
+    #[error("{columns} columns are named but {data} are filled")]
+    ColumnCount {
+        /// Number of names.
+        columns: usize,
+        /// Number of value vectors.
+        data: usize,
+    },
+    /// A column is not as long as the time.
+    #[error("`{name}` has {found} values for {expected} times")]
+    Length {
+        /// The column.
+        name: String,
+        /// Number of its values.
+        found: usize,
+        /// Number of times.
+        expected: usize,
+    },
+    /// Two columns have one name.
+    #[error("two columns are called `{name}`")]
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// A value, a time or the time of an event is NaN or infinite.
+    #[error("`{name}` is {value} at time {time} s")]
+    NotFinite {
+        /// The column, `time`, or `event`.
+        name: String,
+        /// NaN or an infinity.
+        value: f64,
+        /// Time of the row, s.
+        time: f64,
+    },
+    /// A row or an event is earlier than the one before it.
+    #[error("{what} goes back from {before} s to {after} s")]
+    TimeDecreases {
+        /// `time` or `event`.
+        what: &'static str,
+        /// The earlier entry's time, s.
+        before: f64,
+        /// The later entry's time, s.
+        after: f64,
+    },
+}
+
+impl Trajectory {
+    /// A run of these variables without rows yet.
+    pub fn new(columns: Vec<Column>) -> Self {
+        let data = vec![Vec::new(); columns.len()];
+        Trajectory { columns, time: Vec::new(), data, events: Vec::new() }
+    }
+    /// Appends a row; `values` in the order of `columns`. [`Trajectory::verify`] finds a wrong length.
+    pub fn push(&mut self, time: f64, values: &[f64]) {
+        self.time.push(time);
+        self.data.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
+    }
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.time.len()
+    }
+    /// Position of the column of this name; spaces do not count, so `a[1, 2]` finds `a[1,2]`.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        position(&self.columns, name)
+    }
+    /// The values of the column of this name; spaces do not count.
+    pub fn values(&self, name: &str) -> Option<&[f64]> {
+        self.data.get(self.position(name)?).map(Vec::as_slice)
+    }
+    /// Checks the contract at the head of this file.
+    pub fn verify(&self) -> Result<(), Fault> {
+        if self.columns.len() != self.data.len() {
+            return Err(Fault::ColumnCount { columns: self.columns.len(), data: self.data.len() });
+        }
+        let mut names: Vec<&str> = self.columns.iter().map(|c| c.name.as_str()).collect();
+        names.sort_unstable();
+        if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(Fault::DuplicateName { name: pair[0].to_owned() });
+        }
+        ascending("time", &self.time)?;
+        for (column, values) in self.columns.iter().zip(&self.data) {
+            let name = || column.name.clone();
+            let (found, expected) = (values.len(), self.rows());
+            if found != expected {
+                return Err(Fault::Length { name: name(), found, expected });
+            }
+            if let Some(row) = values.iter().position(|v| !v.is_finite()) {
+                let (value, time) = (values[row], self.time[row]);
+                return Err(Fault::NotFinite { name: name(), value, time });
+            }
+        }
+        let instants: Vec<f64> = self.events.iter().map(|e| e.time).collect();
+        ascending("event", &instants)
+    }
+}
+
+/// Position of the column called `name`; spaces do not count.
+pub fn position(columns: &[Column], name: &str) -> Option<usize> {
+    fn letters(text: &str) -> impl Iterator<Item = char> {
+        text.chars().filter(|c| !c.is_whitespace())
+    }
+    columns.iter().position(|c| letters(&c.name).eq(letters(name)))
+}
+
+/// All finite, none before its predecessor.
+fn ascending(what: &'static str, times: &[f64]) -> Result<(), Fault> {
+    if let Some(&time) = times.iter().find(|t| !t.is_finite()) {
+        return Err(Fault::NotFinite { name: what.to_owned(), value: time, time });
+    }
+    match times.windows(2).find(|pair| pair[1] < pair[0]) {
+        Some(pair) => Err(Fault::TimeDecreases { what, before: pair[0], after: pair[1] }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn switched() -> Trajectory {
+        let mut run = Trajectory::new(vec![Column::new("a[1,2]", "m"), Column::new("b.v", "m/s")]);
+        run.push(0.0, &[0.0, 1.0]);
+        run.push(0.5, &[0.5, 1.0]);
+        run.push(0.5, &[0.5, -1.0]);
+        run.push(1.0, &[0.0, -1.0]);
+        run.events.push(Event { time: 0.5, what: "bounce".into(), place: String::new() });
+        run
+    }
+
+    #[test]
+    fn names_are_found_without_regard_to_spaces() {
+        let run = switched();
+        assert_eq!(run.values("a[1, 2]"), Some(&[0.0, 0.5, 0.5, 0.0][..]));
+        assert_eq!(run.position(" b.v"), Some(1));
+        assert_eq!(run.position("b"), None);
+    }
+
+    #[test]
+    fn two_rows_at_an_event_are_its_limits() {
+        let run = switched();
+        assert_eq!(run.verify(), Ok(()));
+        assert_eq!((run.time[1], run.time[2]), (0.5, 0.5));
+        assert_eq!(run.values("b.v").map(|v| (v[1], v[2])), Some((1.0, -1.0)));
+    }
+
+    #[test]
+    fn verify_names_what_is_broken() {
+        let broken = |change: fn(&mut Trajectory)| {
+            let mut run = switched();
+            change(&mut run);
+            run.verify().map_err(|fault| fault.to_string())
+        };
+        assert_eq!(
+            broken(|r| r.data[1][2] = f64::NAN),
+            Err("`b.v` is NaN at time 0.5 s".to_owned())
+        );
+        assert_eq!(
+            broken(|r| r.time[3] = 0.25),
+            Err("time goes back from 0.5 s to 0.25 s".to_owned())
+        );
+        assert_eq!(
+            broken(|r| r.time[3] = f64::INFINITY),
+            Err("`time` is inf at time inf s".to_owned())
+        );
+        assert_eq!(
+            broken(|r| r.push(2.0, &[1.0])),
+            Err("`b.v` has 4 values for 5 times".to_owned())
+        );
+        assert_eq!(
+            broken(|r| r.columns[1].name = "a[1,2]".into()),
+            Err("two columns are called `a[1,2]`".to_owned())
+        );
+        assert_eq!(
+            broken(|r| r.events[0].time = f64::NAN),
+            Err("`event` is NaN at time NaN s".to_owned())
+        );
+    }
+}
