@@ -276,6 +276,7 @@ fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, firs
     }
     // Names of selections inside the block hold rows by its unknowns: they must not be used again.
     rows.lifted.clear();
+    rows.variables.retain(|_, row| row.iter().all(|(seed, _)| *seed < first_seed));
 }
 
 /// The derivatives of the unknowns; solved at run time unless there is a single one.

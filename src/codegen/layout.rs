@@ -3,7 +3,7 @@
 use crate::base::index::{FastSet, Id};
 use crate::ir::blocks::{Assignment, Block, Blocks, Source};
 use crate::ir::dae::Kind;
-use crate::ir::expr::{ExprId, Node, VarId};
+use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::program::Slot;
 
 use super::emit::Emitter;
@@ -19,7 +19,11 @@ pub fn allocate(e: &mut Emitter, blocks: &Blocks) {
     for (i, state) in blocks.states.iter().enumerate() {
         slots[state.variable.idx()] = Some(e.layout.states + i as Slot);
     }
-    e.layout.variables = slots.into_iter().map(|s| s.unwrap_or_else(|| e.cell(0.0))).collect();
+    e.layout.variables = slots
+        .into_iter()
+        .enumerate()
+        .map(|(v, s)| s.unwrap_or_else(|| e.cell(resting_value(e.dae.variables[VarId::from_usize(v)].ty))))
+        .collect();
     e.layout.derivatives = blocks.states.iter().map(|s| e.slot(s.derivative)).collect();
     let relations = e.dae.relations.len();
     e.layout.relations = e.cells(relations, 0.0);
@@ -108,6 +112,11 @@ pub fn block_unknowns(block: &Block, out: &mut Vec<VarId>) {
         }
         Block::Mixed(parts) => parts.iter().for_each(|p| block_unknowns(p, out)),
     }
+}
+
+/// The value of a variable without start value: zero, false, or the first literal.
+pub fn resting_value(ty: Type) -> f64 {
+    if matches!(ty, Type::Enumeration(_)) { 1.0 } else { 0.0 }
 }
 
 fn roots(e: &Emitter, blocks: &Blocks) -> Vec<ExprId> {

@@ -12,7 +12,7 @@ use crate::ir::program::{
 use crate::symbolic::gradient::{Leaf, gradient};
 
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
-use super::layout::{block_unknowns, block_values};
+use super::layout::{block_unknowns, block_values, resting_value};
 use super::{error, jacobian};
 
 /// The initial or the event sequence.
@@ -70,7 +70,7 @@ pub fn parameters(e: &mut Emitter, blocks: &Blocks) {
                 continue;
             }
             Some(value) => e.emit(value).0,
-            None => e.literal(default_start(e.dae.variables[v].ty)),
+            None => e.literal(resting_value(e.dae.variables[v].ty)),
         };
         e.push(PARAMETER, Op::Input, start, default, input);
         e.layout.starts.push((v, input, start));
@@ -215,11 +215,6 @@ fn parameter_value(e: &mut Emitter, value: ExprId) -> (Slot, usize) {
         e.problems.push(error::not_supported(e.span, "a parameter that depends on a variable"));
     }
     (slot, level)
-}
-
-/// The start value of a variable that has none.
-fn default_start(ty: Type) -> f64 {
-    if matches!(ty, Type::Enumeration(_)) { 1.0 } else { 0.0 }
 }
 
 /// The cell of the typical size of a variable; one where it has none.
