@@ -1,7 +1,7 @@
 //! Names to classes: local, inherited, imported, enclosing, library (section 5.3 of the
 //! specification).
 
-use super::{Context, Predefined, ROOT};
+use super::{Context, ROOT};
 use crate::base::name::Name;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind, ImportForm};
 use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, InstanceKind, Scope};
@@ -75,10 +75,7 @@ impl Context<'_> {
                 None => break,
             }
         }
-        match self.predefined.get(&wanted) {
-            Some(Predefined::Type(c) | Predefined::Enumeration(c, _)) => Some(Found::Class(*c)),
-            None => None,
-        }
+        self.predefined.get(&wanted).map(|c| Found::Class(*c))
     }
 
     /// The class `wanted` among the elements of `class`, own or inherited or in a file of its own.

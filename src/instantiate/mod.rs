@@ -45,15 +45,8 @@ pub struct Context<'a> {
     pub(crate) class_cache: FastMap<(usize, ClassId, InstanceId), ClassId>,
     pub(crate) package_instances: FastMap<ClassId, InstanceId>,
     pub(crate) enumerations: FastMap<usize, EnumId>,
-    pub(crate) predefined: FastMap<Name, Predefined>,
+    pub(crate) predefined: FastMap<Name, ClassId>,
     pub(crate) evaluation: evaluate::State,
-}
-
-/// A name that every model knows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Predefined {
-    Type(ClassId),
-    Enumeration(ClassId, EnumId),
 }
 
 impl<'a> Context<'a> {
@@ -97,7 +90,7 @@ impl<'a> Context<'a> {
         ];
         for (text, ty) in types {
             let id = self.add_predefined_class(text, ty);
-            self.predefined.insert(name(text), Predefined::Type(id));
+            self.predefined.insert(name(text), id);
         }
         let enumerations: [(&str, &[&str]); 2] = [
             ("StateSelect", &["never", "avoid", "default", "prefer", "always"]),
@@ -107,7 +100,7 @@ impl<'a> Context<'a> {
             let literals = literals.iter().map(|l| name(l)).collect();
             let id = self.graph.enumerations.push(Enumeration { name: text.into(), literals });
             let class = self.add_predefined_class(text, Type::Enumeration(id));
-            self.predefined.insert(name(text), Predefined::Enumeration(class, id));
+            self.predefined.insert(name(text), class);
         }
     }
 

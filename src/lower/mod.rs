@@ -33,13 +33,8 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
     let (classes, equal) = alias::search(&mut flat.graph, &variables, sections.equal);
-    let replacement = representative::choose(
-        &mut flat.graph,
-        &mut variables,
-        classes,
-        &sections.roots,
-        problems,
-    );
+    let replacement =
+        representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
 
     let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
     let by_when = when::assigned(&sections.whens, &rewriting);

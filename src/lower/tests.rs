@@ -32,7 +32,8 @@ fn shown(dae: &Dae, e: ExprId) -> String {
 }
 
 fn eliminated(dae: &Dae) -> Vec<String> {
-    let entry = |(v, e): &(VarId, ExprId)| format!("{} = {}", dae.variables[*v].name, shown(dae, *e));
+    let entry =
+        |(v, e): &(VarId, ExprId)| format!("{} = {}", dae.variables[*v].name, shown(dae, *e));
     dae.eliminated.iter().map(entry).collect()
 }
 
@@ -203,11 +204,7 @@ fn relations_are_shared_with_their_negation_and_classified() {
     assert_eq!(dae.relations[1].trigger, Trigger::State);
     assert_eq!(
         discrete(&dae),
-        [
-            "b := $relation[2]",
-            "c := not $relation[2]",
-            "d := $relation[2] and not $relation[1]"
-        ]
+        ["b := $relation[2]", "c := not $relation[2]", "d := $relation[2] and not $relation[1]"]
     );
     assert_eq!(equations(&dae)[1], "y = if x > 0.0 then x else 0.0");
 }
@@ -268,7 +265,10 @@ fn a_variable_has_one_when_clause() {
         end when;";
     assert_eq!(codes(text), ["MO0306"]);
     assert_eq!(codes("Boolean b;\nequation"), ["MO0307"]);
-    assert_eq!(codes("Boolean b;\nBoolean c;\nequation\n(b and c) = true;\nb = true;"), ["MO0307", "MO0308"]);
+    assert_eq!(
+        codes("Boolean b;\nBoolean c;\nequation\n(b and c) = true;\nb = true;"),
+        ["MO0307", "MO0308"]
+    );
 }
 
 #[test]

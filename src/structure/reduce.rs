@@ -23,18 +23,17 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<IndexVec<VarId, 
         .filter(|id| calls_a_function(dae, dae.equations[*id].residual))
         .map(|id| Row(id.0))
         .collect();
-    let reduction =
-        match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
-            Ok(reduction) => reduction,
-            Err(Singular::NotDifferentiable { row, rows }) => {
-                problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
-                return None;
-            }
-            Err(Singular::TooFewUnknowns { rows, .. }) => {
-                problems.push(error::dependent(dae, &equations(&rows)));
-                return None;
-            }
-        };
+    let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
+        Ok(reduction) => reduction,
+        Err(Singular::NotDifferentiable { row, rows }) => {
+            problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
+            return None;
+        }
+        Err(Singular::TooFewUnknowns { rows, .. }) => {
+            problems.push(error::dependent(dae, &equations(&rows)));
+            return None;
+        }
+    };
     let coefficients = coefficients(dae, &system, &reduction);
     let reinitialised: FastSet<VarId> = dae.reinits.iter().map(|r| r.state).collect();
     let wanted = |v: &VarId| {

@@ -1,0 +1,90 @@
+//! Arguments, help and usage errors. Sole user of `clap`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::driver::compile::Request;
+
+/// A compiler and simulator for models of machines written in Modelica.
+#[derive(Parser, Debug)]
+#[command(name = "mocc", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// The commands.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Compile a model, run it, write a table and a picture.
+    Simulate(Simulate),
+    /// Print the flat model: all variables and equations as one Modelica model.
+    Flatten(Model),
+    /// Print how the model is solved: states, blocks in order, what was differentiated.
+    Structure(Model),
+}
+
+/// Which model, with which settings.
+#[derive(Args, Debug)]
+pub struct Model {
+    /// File with the model.
+    #[arg(value_name = "FILE", required_unless_present = "model")]
+    pub file: Option<PathBuf>,
+    /// Full name of the model [default: the last model of FILE that is not partial].
+    #[arg(long, value_name = "NAME")]
+    pub model: Option<String>,
+    /// Set a parameter, by its dotted name, before the model is flattened.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub settings: Vec<String>,
+    /// Folder with libraries, besides those of MODELICAPATH and the shipped ones.
+    #[arg(long = "lib", value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+}
+
+/// A run.
+#[derive(Args, Debug)]
+pub struct Simulate {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// End of the run, s [default: from the experiment annotation, else 1].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub stop: Option<f64>,
+    /// Time between rows, s [default: from the annotation, else a 500th of the run].
+    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
+    pub interval: Option<f64>,
+    /// Relative tolerance [default: from the annotation, else 1e-6].
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Table of the results [default: MODEL.csv; nothing if only --plot is given].
+    #[arg(long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+    /// Picture, .svg or .png [default: MODEL.svg; nothing if only --output is given].
+    #[arg(long, value_name = "PATH")]
+    pub plot: Option<PathBuf>,
+    /// Variables to draw, separated by commas.
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
+    /// List the events.
+    #[arg(long)]
+    pub events: bool,
+}
+
+impl Model {
+    /// The request to the compiler.
+    pub fn request(&self) -> Request {
+        Request {
+            file: self.file.clone(),
+            model: self.model.clone(),
+            settings: self.settings.clone(),
+            folders: self.folders.clone(),
+            modelica_path: std::env::var_os("MODELICAPATH"),
+        }
+    }
+}
+
+/// Reads the arguments of the process; on a usage error says so and ends it with status 2.
+pub fn read() -> Command {
+    Arguments::parse().command
+}

@@ -1,0 +1,67 @@
+//! The command line: arguments in, exit status out.
+pub mod args;
+pub mod show;
+pub mod simulate;
+
+use std::process::ExitCode;
+
+use crate::base::render::{Style, render_all};
+use crate::driver::compile::{Session, Wrong};
+
+/// What a command ends with.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Status {
+    /// Done.
+    Done = 0,
+    /// The model is wrong.
+    Model = 1,
+    /// The command line is wrong, or a file can not be read or written.
+    Usage = 2,
+    /// The numerics failed.
+    Numerics = 3,
+    /// mocc is wrong.
+    Bug = 4,
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> Self {
+        ExitCode::from(status as u8)
+    }
+}
+
+impl From<Wrong> for Status {
+    fn from(wrong: Wrong) -> Self {
+        match wrong {
+            Wrong::Model => Status::Model,
+            Wrong::Request => Status::Usage,
+        }
+    }
+}
+
+/// Runs the command that the arguments name.
+pub fn run() -> Status {
+    match args::read() {
+        args::Command::Simulate(options) => simulate::run(&options),
+        args::Command::Flatten(options) => show::flatten(&options),
+        args::Command::Structure(options) => show::structure(&options),
+    }
+}
+
+/// Writes what there is to say about the model to the standard error, in colours on a terminal.
+fn say(session: &Session) {
+    let text = render_all(&session.problems, &session.sources, style());
+    eprint!("{text}");
+    let errors = session.problems.error_count();
+    if errors > 1 {
+        eprintln!("{errors} errors");
+    }
+}
+
+fn style() -> Style {
+    use std::io::IsTerminal;
+    if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
+        Style::Coloured
+    } else {
+        Style::Plain
+    }
+}

@@ -1,0 +1,33 @@
+//! `mocc flatten` and `mocc structure`: what the compiler made of a model, as text.
+
+use super::args::Model;
+use super::{Status, say};
+use crate::driver::compile::Session;
+
+/// Prints the flat model.
+pub fn flatten(options: &Model) -> Status {
+    let mut session = Session::default();
+    let flat = session.flatten(&options.request());
+    say(&session);
+    match flat {
+        Ok(flat) => {
+            print!("{}", crate::flatten::print::print(&flat));
+            Status::Done
+        }
+        Err(wrong) => wrong.into(),
+    }
+}
+
+/// Prints states, blocks, what was differentiated and what is torn.
+pub fn structure(options: &Model) -> Status {
+    let mut session = Session::default();
+    let blocks = session.flatten(&options.request()).and_then(|flat| session.sort(flat));
+    say(&session);
+    match blocks {
+        Ok(blocks) => {
+            print!("{}", crate::structure::print::print(&blocks, &session.sources));
+            Status::Done
+        }
+        Err(wrong) => wrong.into(),
+    }
+}

@@ -1,0 +1,222 @@
+//! `mocc simulate`: compile, run, write, summarise.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::args::Simulate;
+use super::{Status, say, style};
+use crate::base::render::render;
+use crate::driver::compile::Session;
+use crate::ir::program::Program;
+use crate::ir::trajectory::{Kind, Trajectory};
+use crate::report::figure::{PlotError, PlotSpec, panels_for};
+use crate::report::{plot, table};
+use crate::simulate::error::FailureKind;
+use crate::simulate::run::{Run, simulate};
+use crate::simulate::settings::Settings;
+
+/// At most so many curves are drawn unless the user names them.
+const MAX_CURVES: usize = 8;
+
+/// Runs the command.
+pub fn run(options: &Simulate) -> Status {
+    let begun = Instant::now();
+    let mut session = Session::default();
+    let program = session.compile(&options.model.request());
+    say(&session);
+    let program = match program {
+        Ok(program) => program,
+        Err(wrong) => return wrong.into(),
+    };
+    let compiled = begun.elapsed();
+
+    let mut settings = Settings::of(&program.blocks.dae.experiment);
+    if let Some(stop) = options.stop {
+        if options.interval.is_none() && program.blocks.dae.experiment.interval.is_none() {
+            settings.interval =
+                (stop - settings.start) / crate::simulate::settings::DEFAULT_INTERVALS;
+        }
+        settings.stop = stop;
+    }
+    settings.interval = options.interval.unwrap_or(settings.interval);
+    settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
+
+    let run = match simulate(&program, &settings, &session.sources) {
+        Ok(run) => run,
+        Err(failure) => {
+            eprintln!("{}", render(&failure.diagnostic, &session.sources, style()));
+            return match failure.kind {
+                FailureKind::Numerics | FailureKind::Assertion => Status::Numerics,
+                FailureKind::Settings => Status::Usage,
+                FailureKind::Bug => Status::Bug,
+            };
+        }
+    };
+    for warning in &run.statistics.warnings {
+        eprintln!("{}\n", render(warning, &session.sources, style()));
+    }
+    let begun = Instant::now();
+    let written = match write(options, &program, &run) {
+        Ok(written) => written,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
+    };
+    if options.events {
+        print!("{}", events(&run.trajectory));
+    }
+    print!("{}", summary(&program, &run, compiled, begun.elapsed(), &written));
+    Status::Done
+}
+
+/// Writes the table and the picture; the names of the files.
+fn write(options: &Simulate, program: &Program, run: &Run) -> Result<Vec<PathBuf>, String> {
+    let neither = options.output.is_none() && options.plot.is_none();
+    let stem = stem(options, program);
+    let default = |extension: &str| neither.then(|| PathBuf::from(format!("{stem}.{extension}")));
+    let mut written = Vec::new();
+    let picture = options.plot.clone().or_else(|| default("svg"));
+    // What cannot be drawn is said before anything is written.
+    let spec = match &picture {
+        Some(path) => figure(options, program, run, path).map_err(|e| e.to_string())?,
+        None => None,
+    };
+    if let Some(path) = options.output.clone().or_else(|| default("csv")) {
+        table::write_csv(&run.trajectory, &path).map_err(|e| e.to_string())?;
+        written.push(path);
+    }
+    if let (Some(path), Some(spec)) = (picture, spec) {
+        plot::plot(&run.trajectory, &spec, &path).map_err(|e| e.to_string())?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// `valve52` for `examples/valve52.mol`, the last part of the model's name without a file.
+fn stem(options: &Simulate, program: &Program) -> String {
+    let of_file = options.model.file.as_deref().and_then(Path::file_stem);
+    match of_file {
+        Some(stem) => stem.to_string_lossy().into_owned(),
+        None => {
+            let full = &program.blocks.dae.name;
+            full.rsplit('.').next().unwrap_or(full).to_string()
+        }
+    }
+}
+
+fn figure(
+    options: &Simulate,
+    program: &Program,
+    run: &Run,
+    path: &Path,
+) -> Result<Option<PlotSpec>, PlotError> {
+    let columns = &run.trajectory.columns;
+    let names: Vec<String> = match &options.show {
+        Some(list) => names_in(list),
+        None => interesting(&run.trajectory),
+    };
+    if names.is_empty() && options.show.is_none() {
+        return Ok(None);
+    }
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let panels = panels_for(&names, columns)?;
+    let dae = &program.blocks.dae;
+    let described = dae.name.clone();
+    let _ = path;
+    Ok(Some(PlotSpec::new(described, panels)))
+}
+
+/// Names between commas; commas in subscripts do not part.
+fn names_in(list: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut depth = 0;
+    for c in list.chars() {
+        match c {
+            '[' => depth += 1,
+            ']' => depth -= 1,
+            ',' if depth == 0 => {
+                out.push(String::new());
+                continue;
+            }
+            _ => {}
+        }
+        out.last_mut().expect("never empty").push(c);
+    }
+    out.into_iter().map(|n| n.trim().to_string()).filter(|n| !n.is_empty()).collect()
+}
+
+/// What to draw by itself: variables of the model itself, before those of its components; positions
+/// and pressures where there are both.
+fn interesting(trajectory: &Trajectory) -> Vec<String> {
+    let real = |k: &Kind| *k == Kind::Continuous;
+    let moving = |name: &str| trajectory.values(name).is_some_and(|v| v.iter().any(|x| *x != v[0]));
+    let candidates = |top: bool| {
+        trajectory
+            .columns
+            .iter()
+            .filter(|c| real(&c.kind) && (!top || !c.name.contains('.')))
+            .filter(|c| !c.name.starts_with("der(") && moving(&c.name))
+            .collect::<Vec<_>>()
+    };
+    let mut chosen = candidates(true);
+    if chosen.is_empty() {
+        chosen = candidates(false);
+    }
+    let has = |unit: &str| chosen.iter().any(|c| c.unit == unit);
+    if has("m") && has("Pa") {
+        chosen.retain(|c| c.unit == "m" || c.unit == "Pa");
+    }
+    chosen.into_iter().take(MAX_CURVES).map(|c| c.name.clone()).collect()
+}
+
+fn events(trajectory: &Trajectory) -> String {
+    let mut out = String::new();
+    for e in &trajectory.events {
+        let place = if e.place.is_empty() { String::new() } else { format!("  ({})", e.place) };
+        out.push_str(&format!("event at {:.9} s: {}{place}\n", e.time, e.what));
+    }
+    out
+}
+
+fn summary(
+    program: &Program,
+    run: &Run,
+    compiled: Duration,
+    writing: Duration,
+    written: &[PathBuf],
+) -> String {
+    let dae = &program.blocks.dae;
+    let s = &run.statistics;
+    let i = &s.integration;
+    let ms = |d: Duration| format!("{:.1} ms", 1e3 * d.as_secs_f64());
+    let equations = dae.equations.len() + dae.discrete.len() + dae.eliminated.len();
+    let mut out = format!(
+        "{}: {} states, {equations} equations ({} trivial), to {} s\n",
+        dae.name,
+        program.blocks.states.len(),
+        dae.eliminated.len(),
+        s.end
+    );
+    out.push_str(&format!(
+        "  {} events, {} steps ({} rejected), {} rows\n",
+        run.trajectory.events.len(),
+        i.steps,
+        i.rejected,
+        s.rows
+    ));
+    out.push_str(&format!(
+        "  compiled in {}, simulated in {}, written in {}\n",
+        ms(compiled),
+        ms(s.elapsed),
+        ms(writing)
+    ));
+    if let Some(message) = &s.terminated {
+        out.push_str(&format!("  terminated by the model: {message}\n"));
+    }
+    if !written.is_empty() {
+        let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
+        out.push_str(&format!("  wrote {}\n", names.join(", ")));
+    }
+    out
+}

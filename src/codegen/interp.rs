@@ -1,0 +1,315 @@
+//! The reference interpreter: one run of a program in its own memory.
+
+use crate::base::index::Id;
+use crate::ir::expr::VarId;
+use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Watched};
+use crate::symbolic::eval;
+
+use super::solve::{ImplicitWork, SolverWork};
+
+/// Repetitions of a mixed block before it is given up.
+pub const LOOP_LIMIT: u32 = 100;
+/// Jumps within one call of a function before it is given up.
+pub const JUMP_LIMIT: u32 = 100_000_000;
+
+/// Why a tape could not be run to its end.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fault {
+    /// The matrix of a torn block is singular.
+    Singular {
+        /// The block.
+        solver: usize,
+        /// Position of the unknown that is not determined.
+        unknown: usize,
+    },
+    /// The Newton iteration of a torn block does not converge.
+    Diverged {
+        /// The block.
+        solver: usize,
+        /// Position of the unknown that changes most.
+        unknown: usize,
+    },
+    /// A residual of a torn block is not finite.
+    NotFinite {
+        /// The block.
+        solver: usize,
+        /// Position of the residual.
+        residual: usize,
+    },
+    /// A mixed block does not come to rest.
+    Restless {
+        /// The block.
+        mixed: usize,
+        /// Position of what changes still.
+        watched: usize,
+    },
+    /// An assertion in a function failed.
+    Assertion {
+        /// The function.
+        function: usize,
+        /// Position of its message.
+        message: usize,
+    },
+    /// A function does not return.
+    Endless {
+        /// The function.
+        function: usize,
+    },
+    /// A derivative is not finite.
+    Derivative {
+        /// Position of the state.
+        state: usize,
+    },
+}
+
+/// One run of a program. Nothing is allocated after `new`.
+pub struct Instance<'p> {
+    /// What runs.
+    pub program: &'p Program,
+    /// All values, by cell.
+    pub memory: Vec<f64>,
+    /// The values when the last fault happened.
+    pub fault_memory: Vec<f64>,
+    /// The last fault.
+    pub fault: Option<Fault>,
+    solvers: Vec<Option<Box<SolverWork>>>,
+    implicits: Vec<Option<Box<ImplicitWork>>>,
+    resting: Vec<Vec<f64>>,
+}
+
+impl<'p> Instance<'p> {
+    /// A run that has not begun.
+    pub fn new(program: &'p Program) -> Self {
+        let largest = |n: usize| vec![0.0; n];
+        Instance {
+            program,
+            memory: program.image.clone(),
+            fault_memory: program.image.clone(),
+            fault: None,
+            solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
+            implicits: program
+                .implicits
+                .iter()
+                .map(|s| Some(Box::new(ImplicitWork::new(s))))
+                .collect(),
+            resting: program.loops.iter().map(|l| largest(l.watched.len())).collect(),
+        }
+    }
+
+    /// Gives a parameter another value than its own; false if it is not an input of the program.
+    pub fn set_parameter(&mut self, v: VarId, value: f64) -> bool {
+        let inputs = &self.program.layout.parameter_inputs;
+        let Some(&(_, cell)) = inputs.iter().find(|(p, _)| *p == v) else { return false };
+        self.memory[cell as usize] = value;
+        true
+    }
+
+    /// Gives a variable another start value than its own; false if it is not an input.
+    pub fn set_start(&mut self, v: VarId, value: f64) -> bool {
+        let starts = &self.program.layout.starts;
+        let Some(&(_, cell, _)) = starts.iter().find(|(s, ..)| *s == v) else { return false };
+        self.memory[cell as usize] = value;
+        true
+    }
+
+    /// The value in a cell.
+    #[inline]
+    pub fn get(&self, slot: Slot) -> f64 {
+        self.memory[slot as usize]
+    }
+
+    /// Sets a cell.
+    #[inline]
+    pub fn set(&mut self, slot: Slot, value: f64) {
+        self.memory[slot as usize] = value;
+    }
+
+    /// The value of a variable.
+    pub fn value(&self, v: VarId) -> f64 {
+        self.memory[self.program.layout.variables[v.idx()] as usize]
+    }
+
+    /// Sets time and states.
+    pub fn place(&mut self, t: f64, states: &[f64]) {
+        let layout = &self.program.layout;
+        self.memory[layout.time as usize] = t;
+        let first = layout.states as usize;
+        self.memory[first..first + states.len()].copy_from_slice(states);
+    }
+
+    /// The states.
+    pub fn states(&self) -> &[f64] {
+        let first = self.program.layout.states as usize;
+        &self.memory[first..first + self.program.order()]
+    }
+
+    /// Derivatives at `(t, states)`.
+    pub fn derivatives(&mut self, t: f64, states: &[f64], out: &mut [f64]) -> Result<(), Fault> {
+        self.place(t, states);
+        self.run(&self.program.rhs)?;
+        let slots = &self.program.layout.derivatives;
+        for (state, (d, slot)) in out.iter_mut().zip(slots).enumerate() {
+            *d = self.memory[*slot as usize];
+            if !d.is_finite() {
+                return Err(self.fail(Fault::Derivative { state }));
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps the memory as it is at a fault, for the message.
+    pub fn fail(&mut self, fault: Fault) -> Fault {
+        self.fault_memory.copy_from_slice(&self.memory);
+        self.fault = Some(fault);
+        fault
+    }
+
+    /// Runs a tape.
+    pub fn run(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
+        for i in tape {
+            match i.op {
+                Op::Solve => self.solve(i.a as usize)?,
+                Op::Implicit => self.differentiate(i.a as usize)?,
+                Op::Repeat => self.repeat(i.a as usize)?,
+                Op::Call => self.call(i.a as usize)?,
+                _ => step(&mut self.memory, i),
+            }
+        }
+        Ok(())
+    }
+
+    fn solve(&mut self, k: usize) -> Result<(), Fault> {
+        let Some(mut work) = self.solvers[k].take() else { return Ok(()) };
+        let outcome = work.solve(self, k);
+        self.solvers[k] = Some(work);
+        outcome.map_err(|fault| self.fail(fault))
+    }
+
+    fn differentiate(&mut self, k: usize) -> Result<(), Fault> {
+        let Some(mut work) = self.implicits[k].take() else { return Ok(()) };
+        let outcome = work.differentiate(&self.program.implicits[k], &mut self.memory);
+        self.implicits[k] = Some(work);
+        outcome.map_err(|fault| self.fail(fault))
+    }
+
+    fn repeat(&mut self, k: usize) -> Result<(), Fault> {
+        let mixed = &self.program.loops[k];
+        let mut changed = None;
+        for _ in 0..LOOP_LIMIT {
+            for (j, w) in mixed.watched.iter().enumerate() {
+                self.resting[k][j] = self.memory[watched_slot(*w) as usize];
+            }
+            self.run(&mixed.tape)?;
+            changed = mixed.watched.iter().enumerate().position(|(j, w)| {
+                self.memory[watched_slot(*w) as usize].to_bits() != self.resting[k][j].to_bits()
+            });
+            if changed.is_none() {
+                return Ok(());
+            }
+        }
+        let watched = changed.unwrap_or(0);
+        Err(self.fail(Fault::Restless { mixed: k, watched }))
+    }
+
+    fn call(&mut self, k: usize) -> Result<(), Fault> {
+        let program = self.program;
+        let site = &program.calls[k];
+        match site.partial {
+            None => {
+                self.enter(site, None)?;
+                let outputs = &program.functions[site.function].outputs;
+                for (to, from) in site.results.iter().zip(outputs) {
+                    self.memory[*to as usize] = self.memory[*from as usize];
+                }
+            }
+            Some((output, arg)) => {
+                let out = program.functions[site.function].outputs[output] as usize;
+                let x = self.memory[site.args[arg] as usize];
+                // Balances truncation (h^2) against rounding (eps / h).
+                let h = f64::EPSILON.cbrt() * if x == 0.0 { 1.0 } else { x.abs() };
+                self.enter(site, Some((arg, x + h)))?;
+                let above = self.memory[out];
+                self.enter(site, Some((arg, x - h)))?;
+                let below = self.memory[out];
+                self.memory[site.results[0] as usize] = (above - below) / ((x + h) - (x - h));
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs the body of a function, perhaps with another value for one argument.
+    fn enter(&mut self, site: &CallSite, moved: Option<(usize, f64)>) -> Result<(), Fault> {
+        let function = &self.program.functions[site.function];
+        for local in &function.locals {
+            self.memory[*local as usize] = 0.0;
+        }
+        for (i, (to, from)) in function.inputs.iter().zip(&site.args).enumerate() {
+            self.memory[*to as usize] = match moved {
+                Some((arg, value)) if arg == i => value,
+                _ => self.memory[*from as usize],
+            };
+        }
+        let (mut at, mut jumps) = (0, 0);
+        while let Some(i) = function.tape.get(at) {
+            at += 1;
+            match i.op {
+                Op::Jump => at = i.a as usize,
+                Op::JumpUnless if self.memory[i.a as usize] == 0.0 => at = i.b as usize,
+                Op::JumpUnless => {}
+                Op::Assert => {
+                    if self.memory[i.a as usize] == 0.0 {
+                        let (function, message) = (site.function, i.b as usize);
+                        return Err(self.fail(Fault::Assertion { function, message }));
+                    }
+                }
+                Op::Call => self.call(i.a as usize)?,
+                _ => step(&mut self.memory, i),
+            }
+            jumps += u32::from(i.op == Op::Jump);
+            if jumps > JUMP_LIMIT {
+                return Err(self.fail(Fault::Endless { function: site.function }));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The cell of something watched.
+pub fn watched_slot(w: Watched) -> Slot {
+    match w {
+        Watched::Variable(_, slot) | Watched::Relation(_, slot) => slot,
+    }
+}
+
+/// An instruction that only computes.
+#[inline]
+fn step(memory: &mut [f64], i: &Instr) {
+    let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
+    memory[i.dst as usize] = match i.op {
+        Op::Copy => a,
+        Op::CopyIf => {
+            if a != 0.0 {
+                b
+            } else {
+                return;
+            }
+        }
+        Op::Input => {
+            if b.is_nan() {
+                a
+            } else {
+                b
+            }
+        }
+        Op::Add => a + b,
+        Op::Sub => a - b,
+        Op::Mul => a * b,
+        Op::Div => a / b,
+        Op::Neg => -a,
+        Op::Unary(op) => eval::unary(op, a),
+        Op::Binary(op) => eval::binary(op, a, b),
+        // Handled by the callers.
+        Op::Solve | Op::Implicit | Op::Repeat | Op::Call => return,
+        Op::Jump | Op::JumpUnless | Op::Assert => return,
+    };
+}

@@ -1,0 +1,324 @@
+//! Exact Jacobians by forward accumulation over the blocks (Griewank & Walther, ch. 3), with the
+//! implicit function theorem at torn blocks.
+//!
+//! The derivative of a variable is a *row*: one expression for each seed (a state, or a tearing
+//! variable inside of its block) that it depends on. Rows of assignments come from the gradient of
+//! the right side and the chain rule. Selections are differentiated branch by branch, so that what
+//! is infinite in the branch not taken does not spoil the other.
+
+use std::collections::BTreeMap;
+
+use crate::base::index::{FastMap, FastSet, Id};
+use crate::ir::blocks::{Block, Blocks, Torn};
+use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, VarId};
+use crate::ir::program::{Entry, Implicit, Op};
+use crate::symbolic::gradient::{Leaf, gradient};
+use crate::symbolic::rewrite::Rewriter;
+
+use super::emit::Emitter;
+
+/// The derivatives of one value by the seeds, in order of seed.
+pub type Row = Vec<(u32, ExprId)>;
+
+/// The rows of what has been differentiated so far.
+#[derive(Default)]
+pub struct Rows {
+    variables: FastMap<VarId, Row>,
+    lifted: FastMap<ExprId, VarId>,
+}
+
+impl Rows {
+    /// Makes `v` the seed `seed`.
+    pub fn seed(&mut self, e: &mut Emitter, v: VarId, seed: u32) {
+        let one = e.dae.graph.real(1.0);
+        self.variables.insert(v, vec![(seed, one)]);
+    }
+
+    /// Sets the row of a variable.
+    pub fn set(&mut self, v: VarId, row: Row) {
+        self.variables.insert(v, row);
+    }
+
+    /// The row of an expression.
+    pub fn of(&mut self, e: &mut Emitter, value: ExprId) -> Row {
+        if !self.depends(e, value) {
+            return Row::new();
+        }
+        match e.dae.graph.node(value) {
+            Node::If(c, a, b) => return self.select(e, c, a, b),
+            Node::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
+                let relation =
+                    if op == Binary::Min { Binary::LessEqual } else { Binary::GreaterEqual };
+                let c = e.dae.graph.binary(relation, a, b);
+                return self.select(e, c, a, b);
+            }
+            Node::Call { function, output, args } => return self.call(e, function, output, args),
+            Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => return self.of(e, a),
+            _ => {}
+        }
+        let smooth = self.lift(e, value);
+        let variables = &self.variables;
+        let parts = gradient(&mut e.dae.graph, smooth, |leaf| match leaf {
+            Leaf::Var(v) => variables.get(&v).is_some_and(|row| !row.is_empty()),
+            _ => false,
+        });
+        let mut sum: BTreeMap<u32, ExprId> = BTreeMap::new();
+        for (leaf, partial) in parts {
+            let Leaf::Var(v) = leaf else { continue };
+            for &(seed, inner) in &self.variables[&v] {
+                let term = e.dae.graph.mul(partial, inner);
+                accumulate(e, &mut sum, seed, term);
+            }
+        }
+        sum.into_iter().collect()
+    }
+
+    /// True if a seed stands below `value`; gives eliminated variables their rows on the way.
+    fn depends(&mut self, e: &mut Emitter, value: ExprId) -> bool {
+        let mut any = false;
+        for v in e.dae.graph.variables(value) {
+            if let (Some(&r), None) = (e.replaced.get(&v), self.variables.get(&v)) {
+                let row = self.of(e, r);
+                self.variables.insert(v, row);
+            }
+            any |= self.variables.get(&v).is_some_and(|row| !row.is_empty());
+        }
+        any
+    }
+
+    /// Puts names for the outermost selections and calls of `value`, each with its row.
+    fn lift(&mut self, e: &mut Emitter, value: ExprId) -> ExprId {
+        let special: FastSet<ExprId> =
+            e.dae.graph.postorder([value]).into_iter().filter(|n| is_special(e, *n)).collect();
+        if special.is_empty() {
+            return value;
+        }
+        let mut outermost = Vec::new();
+        let mut rewriter = Rewriter::new();
+        rewriter.apply(&mut e.dae.graph, value, &mut |_, n| {
+            special.contains(&n).then(|| {
+                outermost.push(n);
+                n
+            })
+        });
+        for n in outermost {
+            if !self.lifted.contains_key(&n) {
+                let row = self.of(e, n);
+                let name = e.auxiliary(None);
+                e.replaced.insert(name, n);
+                self.variables.insert(name, row);
+                self.lifted.insert(n, name);
+            }
+        }
+        let lifted = &self.lifted;
+        Rewriter::new().apply(&mut e.dae.graph, value, &mut |graph, n| {
+            let name = special.contains(&n).then(|| lifted.get(&n)).flatten()?;
+            let ty = graph.ty(n);
+            Some(graph.var(*name, ty))
+        })
+    }
+
+    fn select(&mut self, e: &mut Emitter, c: ExprId, a: ExprId, b: ExprId) -> Row {
+        let (when_true, when_false) = (self.of(e, a), self.of(e, b));
+        let zero = e.dae.graph.real(0.0);
+        let mut both: BTreeMap<u32, (ExprId, ExprId)> = BTreeMap::new();
+        for (seed, d) in when_true {
+            both.insert(seed, (d, zero));
+        }
+        for (seed, d) in when_false {
+            both.entry(seed).or_insert((zero, zero)).1 = d;
+        }
+        let graph = &mut e.dae.graph;
+        both.into_iter().map(|(seed, (a, b))| (seed, graph.if_then_else(c, a, b))).collect()
+    }
+
+    fn call(&mut self, e: &mut Emitter, f: FunctionId, output: u32, args: ListId) -> Row {
+        let mut sum: BTreeMap<u32, ExprId> = BTreeMap::new();
+        for (i, arg) in e.dae.graph.list(args).to_vec().into_iter().enumerate() {
+            let inner = self.of(e, arg);
+            if inner.is_empty() {
+                continue;
+            }
+            let key = (f, output, i as u32);
+            let known = e.partials.iter().position(|p| *p == key);
+            let k = known.unwrap_or_else(|| {
+                e.partials.push(key);
+                e.partials.len() - 1
+            });
+            let function = FunctionId::from_usize(e.dae.functions.len() + k);
+            let partial = Node::Call { function, output: 0, args };
+            let partial = e.dae.graph.intern(partial, Type::Real);
+            for (seed, d) in inner {
+                let term = e.dae.graph.mul(partial, d);
+                accumulate(e, &mut sum, seed, term);
+            }
+        }
+        sum.into_iter().collect()
+    }
+}
+
+fn is_special(e: &Emitter, n: ExprId) -> bool {
+    matches!(
+        e.dae.graph.node(n),
+        Node::If(..) | Node::Call { .. } | Node::Binary(Binary::Min | Binary::Max, ..)
+    )
+}
+
+fn accumulate(e: &mut Emitter, sum: &mut BTreeMap<u32, ExprId>, seed: u32, term: ExprId) {
+    let total = match sum.get(&seed) {
+        Some(&so_far) => e.dae.graph.add(so_far, term),
+        None => term,
+    };
+    sum.insert(seed, total);
+}
+
+/// The Jacobian of the residuals of a torn block by its unknowns, through the explicit part: row,
+/// column, value.
+pub fn of_torn(e: &mut Emitter, torn: &Torn) -> Vec<(u32, u32, ExprId)> {
+    let mut rows = Rows::default();
+    for (j, &z) in torn.unknowns.iter().enumerate() {
+        rows.seed(e, z, j as u32);
+    }
+    for a in &torn.explicit {
+        let row = rows.of(e, a.value);
+        rows.set(a.variable, row);
+    }
+    let mut entries = Vec::new();
+    for (i, r) in torn.residuals.iter().enumerate() {
+        for (j, value) in rows.of(e, r.value) {
+            if e.dae.graph.as_number(value) != Some(0.0) {
+                entries.push((i as u32, j, value));
+            }
+        }
+    }
+    entries
+}
+
+/// Emits the Jacobian of the derivatives by the states to the top layer. `needed` are the
+/// continuous blocks that derivatives depend on, in order; `solvers` the number of each torn one.
+pub fn of_system(
+    e: &mut Emitter,
+    blocks: &Blocks,
+    needed: &[usize],
+    solvers: &FastMap<usize, u32>,
+) -> Vec<Entry> {
+    let mut rows = Rows::default();
+    for (j, state) in blocks.states.iter().enumerate() {
+        rows.seed(e, state.variable, j as u32);
+    }
+    for &i in needed {
+        match &blocks.continuous[i] {
+            Block::Assign(a) => {
+                let row = rows.of(e, a.value);
+                rows.set(a.variable, row);
+            }
+            Block::Torn(t) => {
+                let solver = solvers.get(&i).copied().unwrap_or(0);
+                through_torn(e, &mut rows, t, solver, blocks.states.len() as u32);
+            }
+            // Nothing discrete is determined between events.
+            Block::Mixed(_) => {}
+        }
+    }
+    let mut entries = Vec::new();
+    for (i, state) in blocks.states.iter().enumerate() {
+        let derivative = e.read(state.derivative);
+        for (j, value) in rows.of(e, derivative) {
+            if e.dae.graph.as_number(value) != Some(0.0) {
+                let (slot, _) = e.emit(value);
+                entries.push(Entry { row: i as u32, column: j, slot });
+            }
+        }
+    }
+    entries
+}
+
+/// Rows of the variables of a torn block: `J dz = -B`, where `B` is the derivative of the residuals
+/// at constant `z`.
+fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, first_seed: u32) {
+    for (k, &z) in torn.unknowns.iter().enumerate() {
+        rows.seed(e, z, first_seed + k as u32);
+    }
+    let mut explicit = Vec::new();
+    for a in &torn.explicit {
+        let row = rows.of(e, a.value);
+        rows.set(a.variable, row.clone());
+        explicit.push((a.variable, row));
+    }
+    let (mut jacobian, mut outer) = (Vec::new(), Vec::new());
+    for (i, r) in torn.residuals.iter().enumerate() {
+        for (seed, value) in rows.of(e, r.value) {
+            match seed.checked_sub(first_seed) {
+                Some(k) => jacobian.push((i as u32, k, value)),
+                None => outer.push((i as u32, seed, value)),
+            }
+        }
+    }
+    let unknowns = implicit_rows(e, torn, solver, &jacobian, &outer);
+    // The rows of the explicit part still hold the unknowns as seeds.
+    for (v, row) in explicit {
+        let mut sum: BTreeMap<u32, ExprId> = BTreeMap::new();
+        for (seed, value) in row {
+            match seed.checked_sub(first_seed) {
+                None => accumulate(e, &mut sum, seed, value),
+                Some(k) => {
+                    for &(outer_seed, dz) in &unknowns[k as usize] {
+                        let term = e.dae.graph.mul(value, dz);
+                        accumulate(e, &mut sum, outer_seed, term);
+                    }
+                }
+            }
+        }
+        rows.set(v, sum.into_iter().collect());
+    }
+    for (&z, row) in torn.unknowns.iter().zip(unknowns) {
+        rows.set(z, row);
+    }
+    // Names of selections inside the block hold rows by its unknowns: they must not be used again.
+    rows.lifted.clear();
+    rows.variables.retain(|_, row| row.iter().all(|(seed, _)| *seed < first_seed));
+}
+
+/// The derivatives of the unknowns; solved at run time unless there is a single one.
+fn implicit_rows(
+    e: &mut Emitter,
+    torn: &Torn,
+    solver: u32,
+    jacobian: &[(u32, u32, ExprId)],
+    outer: &[(u32, u32, ExprId)],
+) -> Vec<Row> {
+    let order = torn.unknowns.len();
+    if order == 1 {
+        let Some(&(_, _, pivot)) = jacobian.first() else { return vec![Row::new()] };
+        let mut row = Row::new();
+        for &(_, seed, value) in outer {
+            let quotient = e.dae.graph.div(value, pivot);
+            row.push((seed, e.dae.graph.neg(quotient)));
+        }
+        row.sort_by_key(|(seed, _)| *seed);
+        return vec![row];
+    }
+    let mut columns: Vec<u32> = outer.iter().map(|o| o.1).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    let mut rows = vec![Row::new(); order];
+    if columns.is_empty() {
+        return rows;
+    }
+    let mut entry = |row: u32, column: u32, value| Entry { row, column, slot: e.emit(value).0 };
+    let jacobian = jacobian.iter().map(|&(i, j, v)| entry(i, j, v)).collect();
+    let position = |seed| columns.binary_search(&seed).unwrap_or(0) as u32;
+    let seeds = outer.iter().map(|&(i, seed, v)| entry(i, position(seed), v)).collect();
+    let top = e.layers.len() - 1;
+    let mut results = Vec::new();
+    for &seed in &columns {
+        for row in rows.iter_mut() {
+            let name = e.auxiliary(Some(top));
+            results.push(e.slot(name));
+            row.push((seed, e.dae.graph.var(name, Type::Real)));
+        }
+    }
+    e.implicits.push(Implicit { solver, order, jacobian, seeds, results });
+    e.push(top, Op::Implicit, 0, (e.implicits.len() - 1) as u32, 0);
+    rows
+}

@@ -1,0 +1,209 @@
+//! Torn blocks at run time.
+//!
+//! Linear blocks are solved from zero, so that the result depends on nothing but the inputs;
+//! nonlinear ones start from their last solution and iterate down to rounding errors.
+
+use crate::ir::program::{Implicit, Solver};
+use crate::math::numeric::linear::DenseLu;
+use crate::math::numeric::newton::{Ending, Equations, Newton, Region, Settings};
+
+use super::interp::{Fault, Instance};
+
+/// The memory of a torn block.
+pub struct SolverWork {
+    method: Method,
+    z: Vec<f64>,
+    nominal: Vec<f64>,
+}
+
+enum Method {
+    Linear(Linear),
+    Newton(Newton),
+}
+
+/// The last matrix of a linear block with its factors: most matrices change at events only.
+struct Linear {
+    lu: DenseLu,
+    matrix: Vec<f64>,
+    factored: Vec<f64>,
+    valid: bool,
+}
+
+impl SolverWork {
+    /// Memory for this block.
+    pub fn new(solver: &Solver) -> Self {
+        let n = solver.unknowns.len();
+        let method = if solver.linear {
+            let zeros = || vec![0.0; n * n];
+            let lu = DenseLu::new(n);
+            Method::Linear(Linear { lu, matrix: zeros(), factored: zeros(), valid: false })
+        } else {
+            Method::Newton(Newton::new(n))
+        };
+        SolverWork { method, z: vec![0.0; n], nominal: vec![1.0; n] }
+    }
+
+    /// Solves block `k` and leaves all its variables in the memory.
+    pub fn solve(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
+        let solver = &instance.program.solvers[k];
+        match &mut self.method {
+            Method::Linear(linear) => linear.solve(instance, k, &mut self.z)?,
+            Method::Newton(newton) => {
+                for (j, slot) in solver.slots.iter().enumerate() {
+                    self.z[j] = instance.get(*slot);
+                    let size = instance.get(solver.nominals[j]).abs();
+                    self.nominal[j] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+                }
+                let region = Region { nominal: &self.nominal, bounds: None };
+                let mut equations = BlockEquations { instance, solver: k, fault: None };
+                let ending =
+                    newton.solve(&mut equations, &mut self.z, region, &Settings::default());
+                let fault = equations.fault;
+                judge(ending, k, fault)?;
+            }
+        }
+        // The explicit part at the solution.
+        for (slot, z) in solver.slots.iter().zip(&self.z) {
+            instance.set(*slot, *z);
+        }
+        instance.run(&solver.residual_tape)
+    }
+}
+
+fn judge(ending: Ending, solver: usize, inner: Option<Fault>) -> Result<(), Fault> {
+    match ending {
+        Ending::Converged { .. } => Ok(()),
+        Ending::Singular { column } => Err(Fault::Singular { solver, unknown: column }),
+        Ending::Diverged { component } => Err(Fault::Diverged { solver, unknown: component }),
+        Ending::NonFinite { residual } => {
+            Err(inner.unwrap_or(Fault::NotFinite { solver, residual }))
+        }
+    }
+}
+
+impl Linear {
+    /// `J z = -r(0)`
+    fn solve(&mut self, instance: &mut Instance<'_>, k: usize, z: &mut [f64]) -> Result<(), Fault> {
+        let solver = &instance.program.solvers[k];
+        let n = solver.unknowns.len();
+        for slot in &solver.slots {
+            instance.set(*slot, 0.0);
+        }
+        instance.run(&solver.residual_tape)?;
+        instance.run(&solver.jacobian_tape)?;
+        for (i, slot) in solver.residuals.iter().enumerate() {
+            z[i] = -instance.get(*slot);
+            if !z[i].is_finite() {
+                return Err(Fault::NotFinite { solver: k, residual: i });
+            }
+        }
+        if n == 1 {
+            let pivot = solver.jacobian.first().map_or(0.0, |e| instance.get(e.slot));
+            if pivot == 0.0 || !pivot.is_finite() {
+                return Err(Fault::Singular { solver: k, unknown: 0 });
+            }
+            z[0] /= pivot;
+            return Ok(());
+        }
+        self.matrix.fill(0.0);
+        for e in &solver.jacobian {
+            self.matrix[e.row as usize + n * e.column as usize] = instance.get(e.slot);
+        }
+        let same = self.valid
+            && self.matrix.iter().zip(&self.factored).all(|(a, b)| a.to_bits() == b.to_bits());
+        if !same {
+            self.valid = false;
+            let factored = self.lu.factor(&self.matrix);
+            factored.map_err(|s| Fault::Singular { solver: k, unknown: s.column })?;
+            self.factored.copy_from_slice(&self.matrix);
+            self.valid = true;
+        }
+        self.lu.solve_in_place(z);
+        Ok(())
+    }
+}
+
+/// A nonlinear block as Newton's method sees it.
+struct BlockEquations<'a, 'p> {
+    instance: &'a mut Instance<'p>,
+    solver: usize,
+    fault: Option<Fault>,
+}
+
+impl BlockEquations<'_, '_> {
+    fn put(&mut self, z: &[f64]) -> bool {
+        let solver = &self.instance.program.solvers[self.solver];
+        for (slot, z) in solver.slots.iter().zip(z) {
+            self.instance.set(*slot, *z);
+        }
+        self.fault = self.instance.run(&solver.residual_tape).err();
+        self.fault.is_none()
+    }
+}
+
+impl Equations for BlockEquations<'_, '_> {
+    fn residual(&mut self, z: &[f64], g: &mut [f64]) -> bool {
+        if !self.put(z) {
+            return false;
+        }
+        let solver = &self.instance.program.solvers[self.solver];
+        for (g, slot) in g.iter_mut().zip(&solver.residuals) {
+            *g = self.instance.get(*slot);
+        }
+        true
+    }
+
+    fn jacobian(&mut self, z: &[f64], j: &mut [f64]) -> bool {
+        if !self.put(z) {
+            return false;
+        }
+        let solver = &self.instance.program.solvers[self.solver];
+        self.fault = self.instance.run(&solver.jacobian_tape).err();
+        for e in &solver.jacobian {
+            j[e.row as usize + z.len() * e.column as usize] = self.instance.get(e.slot);
+        }
+        self.fault.is_none()
+    }
+}
+
+/// The memory of the derivative of a torn block.
+pub struct ImplicitWork {
+    lu: DenseLu,
+    matrix: Vec<f64>,
+    columns: Vec<f64>,
+}
+
+impl ImplicitWork {
+    /// Memory for this block.
+    pub fn new(implicit: &Implicit) -> Self {
+        let n = implicit.order;
+        ImplicitWork {
+            lu: DenseLu::new(n),
+            matrix: vec![0.0; n * n],
+            columns: vec![0.0; implicit.results.len()],
+        }
+    }
+
+    /// `J dz = -B`
+    pub fn differentiate(&mut self, implicit: &Implicit, memory: &mut [f64]) -> Result<(), Fault> {
+        let n = implicit.order;
+        self.matrix.fill(0.0);
+        self.columns.fill(0.0);
+        for e in &implicit.jacobian {
+            self.matrix[e.row as usize + n * e.column as usize] = memory[e.slot as usize];
+        }
+        for e in &implicit.seeds {
+            self.columns[e.row as usize + n * e.column as usize] = -memory[e.slot as usize];
+        }
+        self.lu
+            .factor(&self.matrix)
+            .map_err(|s| Fault::Singular { solver: implicit.solver as usize, unknown: s.column })?;
+        for column in self.columns.chunks_exact_mut(n) {
+            self.lu.solve_in_place(column);
+        }
+        for (slot, value) in implicit.results.iter().zip(&self.columns) {
+            memory[*slot as usize] = *value;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,273 @@
+//! The recipe: which stage follows which.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::base::diag::{Diagnostic, Problems, did_you_mean};
+use crate::base::name::name;
+use crate::base::source::{SourceMap, Span};
+use crate::instantiate::{Context, ROOT};
+use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
+use crate::ir::blocks::Blocks;
+use crate::ir::flat::FlatModel;
+use crate::ir::instance::ClassId;
+use crate::ir::program::Program;
+use crate::resolve::library::Library;
+
+/// What to compile.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// The user's file.
+    pub file: Option<PathBuf>,
+    /// Full name of the model; without it the last model of the file that is not partial.
+    pub model: Option<String>,
+    /// `NAME=VALUE`.
+    pub settings: Vec<String>,
+    /// Folders of libraries.
+    pub folders: Vec<PathBuf>,
+    /// The value of `MODELICAPATH`.
+    pub modelica_path: Option<std::ffi::OsString>,
+}
+
+/// What went wrong before there was a program.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Wrong {
+    /// The model: exit status 1.
+    Model,
+    /// The request, such as a file that is not there: exit status 2.
+    Request,
+}
+
+/// Texts, and what there is to say about them.
+#[derive(Default)]
+pub struct Session {
+    /// Everything read.
+    pub sources: SourceMap,
+    /// Errors and warnings so far.
+    pub problems: Problems,
+    /// How long each stage took, in order.
+    pub times: Vec<(&'static str, Duration)>,
+}
+
+impl Session {
+    /// The flat model of a request.
+    pub fn flatten(&mut self, request: &Request) -> Result<FlatModel, Wrong> {
+        let begun = Instant::now();
+        let path = request.modelica_path.as_deref();
+        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let file = self.read(request, &mut library)?;
+        self.checked(Wrong::Model)?;
+        let mut settings = Vec::with_capacity(request.settings.len());
+        for text in &request.settings {
+            let read = crate::flatten::setting::read(text, &mut self.sources, &mut self.problems);
+            settings.push(read.ok_or(Wrong::Request)?);
+        }
+        self.times.push(("parse", begun.elapsed()));
+
+        let begun = Instant::now();
+        let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
+        let class = model(&mut cx, request, file.as_deref())?;
+        let flat = crate::flatten::flatten(&mut cx, class, &settings);
+        self.times.push(("flatten", begun.elapsed()));
+        let only_settings = self.problems.iter().all(|d| matches!(d.code, "MO0240" | "MO0241"));
+        self.checked(if only_settings { Wrong::Request } else { Wrong::Model })?;
+        Ok(flat)
+    }
+
+    /// The sorted system of a flat model.
+    pub fn sort(&mut self, flat: FlatModel) -> Result<Blocks, Wrong> {
+        let begun = Instant::now();
+        let dae = crate::lower::lower(flat, &mut self.problems);
+        self.times.push(("lower", begun.elapsed()));
+        self.checked(Wrong::Model)?;
+        let begun = Instant::now();
+        let blocks = dae.and_then(|dae| crate::structure::structure(dae, &mut self.problems));
+        self.times.push(("structure", begun.elapsed()));
+        self.checked(Wrong::Model)?;
+        blocks.ok_or(Wrong::Model)
+    }
+
+    /// The program of a sorted system.
+    pub fn generate(&mut self, blocks: Blocks) -> Result<Program, Wrong> {
+        let begun = Instant::now();
+        let program = crate::codegen::compile(blocks);
+        self.times.push(("codegen", begun.elapsed()));
+        program.map_err(|problems| {
+            self.problems.extend(problems);
+            Wrong::Model
+        })
+    }
+
+    /// The program of a request.
+    pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
+        let flat = self.flatten(request)?;
+        let blocks = self.sort(flat)?;
+        self.generate(blocks)
+    }
+
+    fn checked(&self, wrong: Wrong) -> Result<(), Wrong> {
+        if self.problems.has_errors() { Err(wrong) } else { Ok(()) }
+    }
+
+    fn read(
+        &mut self,
+        request: &Request,
+        library: &mut Library,
+    ) -> Result<Option<Arc<ast::File>>, Wrong> {
+        let Some(path) = &request.file else { return Ok(None) };
+        let text = match super::files::read(path) {
+            Ok(text) => text,
+            Err(why) => {
+                self.problems.push(unreadable(path, &why));
+                return Err(Wrong::Request);
+            }
+        };
+        let id = self.sources.add(path, text.as_str());
+        let file = crate::parse::grammar::parse(id, &text, &mut self.problems);
+        library.add_file(&file, &self.sources, &mut self.problems);
+        Ok(Some(Arc::new(file)))
+    }
+}
+
+fn unreadable(path: &Path, why: &str) -> Diagnostic {
+    let shown = path.display();
+    let d = Diagnostic::error("MO0100", Span::NONE, format!("cannot read `{shown}`: {why}"));
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let wanted = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let names: Vec<String> = std::fs::read_dir(folder)
+        .map(|l| l.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect())
+        .unwrap_or_default();
+    let mut sorted = names;
+    sorted.sort();
+    match did_you_mean(&wanted, sorted.iter().map(String::as_str)) {
+        Some(near) => d.help(format!("did you mean `{}`?", folder.join(near).display())),
+        None => d.help("check the path; it is read from the folder where mocc runs"),
+    }
+}
+
+/// The class that the request means.
+fn model(
+    cx: &mut Context<'_>,
+    request: &Request,
+    file: Option<&ast::File>,
+) -> Result<ClassId, Wrong> {
+    let wanted = match (&request.model, file) {
+        (Some(text), _) => text.clone(),
+        (None, Some(file)) => match last_model(file) {
+            Some(full_name) => full_name,
+            None => {
+                cx.problems.push(
+                    Diagnostic::error(
+                        "MO0104",
+                        Span::new(file.id, 0, 0),
+                        "this file has no model that can be instantiated",
+                    )
+                    .help("write a model that is not partial, or name one with `--model`"),
+                );
+                return Err(Wrong::Model);
+            }
+        },
+        (None, None) => {
+            cx.problems.push(
+                Diagnostic::error("MO0104", Span::NONE, "neither a file nor a model is named")
+                    .help("name a file, or a model of a library with `--model`"),
+            );
+            return Err(Wrong::Request);
+        }
+    };
+    let found = find(cx, &wanted);
+    if let Some(class) = found {
+        let text = cx.text(class).cloned();
+        let kind = cx.kind(class);
+        if let Some(text) = text {
+            let why = if text.partial {
+                Some("is partial: it leaves something to be declared by a model that extends it")
+            } else if matches!(kind, ClassKind::Package | ClassKind::Function { .. }) {
+                Some("is a package or a function, not a model")
+            } else {
+                None
+            };
+            if let Some(why) = why {
+                cx.problems.push(
+                    Diagnostic::error("MO0104", text.name.span, format!("`{wanted}` {why}"))
+                        .help("name a model with `--model`"),
+                );
+                return Err(Wrong::Model);
+            }
+        }
+        return Ok(class);
+    }
+    if !cx.problems.has_errors() {
+        let mut names: Vec<String> = file.map(models).unwrap_or_default();
+        names.extend(cx.library.child_names(""));
+        let d = Diagnostic::error("MO0104", Span::NONE, format!("there is no model `{wanted}`"));
+        cx.problems.push(match did_you_mean(&wanted, names.iter().map(String::as_str)) {
+            Some(near) => d.help(format!("did you mean `{near}`?")),
+            None => d.help("check the name, or name the folder of its library with `--lib DIR`"),
+        });
+    }
+    Err(Wrong::Model)
+}
+
+fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {
+    let mut class = ROOT.class;
+    for part in split(full_name) {
+        let holder = cx.classes[class].holder;
+        class = cx.member_class(class, name(part), holder)?;
+    }
+    (class != ROOT.class).then_some(class)
+}
+
+/// The parts of a dotted name; dots in quoted identifiers do not part.
+fn split(full_name: &str) -> Vec<&str> {
+    let mut parts = Vec::new();
+    let mut start = 0;
+    let mut quoted = false;
+    for (i, c) in full_name.char_indices() {
+        match c {
+            '\'' => quoted = !quoted,
+            '.' if !quoted => {
+                parts.push(&full_name[start..i]);
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&full_name[start..]);
+    parts
+}
+
+fn last_model(file: &ast::File) -> Option<String> {
+    models(file).pop()
+}
+
+/// Full names of the models of a file that are not partial, in order of the text.
+fn models(file: &ast::File) -> Vec<String> {
+    let mut out = Vec::new();
+    for class in &file.classes {
+        collect(class, "", &mut out);
+    }
+    out
+}
+
+fn collect(class: &ast::Class, around: &str, out: &mut Vec<String>) {
+    let full = if around.is_empty() {
+        class.name.name.to_string()
+    } else {
+        format!("{around}.{}", class.name.name)
+    };
+    let runs = matches!(class.kind, ClassKind::Model | ClassKind::Block | ClassKind::Class);
+    if class.kind == ClassKind::Package
+        && let ClassBody::Long(composition) = &class.body
+    {
+        for e in &composition.elements {
+            if let ElementKind::Class(c) = &e.kind {
+                collect(c, &full, out);
+            }
+        }
+    }
+    if runs && !class.partial {
+        out.push(full);
+    }
+}

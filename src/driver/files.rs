@@ -1,0 +1,89 @@
+//! Where texts come from: folders on disk and the library in the binary. Nothing else reads files of
+//! models.
+
+use std::path::{Path, PathBuf};
+
+use include_dir::{Dir, include_dir};
+
+use crate::resolve::library::Folder;
+
+/// The shipped library.
+static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
+
+/// The library in the binary.
+pub struct Shipped;
+
+impl Folder for Shipped {
+    fn entries(&self, path: &Path) -> Vec<String> {
+        let dir = if path.as_os_str().is_empty() { Some(&SHIPPED) } else { SHIPPED.get_dir(path) };
+        let Some(dir) = dir else { return Vec::new() };
+        let name = |p: &Path| p.file_name().map(|n| n.to_string_lossy().into_owned());
+        let mut all: Vec<String> =
+            dir.dirs().filter_map(|d| name(d.path()).map(|n| n + "/")).collect();
+        all.extend(dir.files().filter_map(|f| name(f.path())));
+        all.sort();
+        all
+    }
+
+    fn read(&self, path: &Path) -> Option<Result<String, String>> {
+        let file = SHIPPED.get_file(path)?;
+        Some(file.contents_utf8().map(str::to_string).ok_or_else(|| "not UTF-8".to_string()))
+    }
+
+    fn display(&self, path: &Path) -> PathBuf {
+        Path::new("lib").join(path)
+    }
+}
+
+/// A folder on disk.
+pub struct OnDisk(pub PathBuf);
+
+impl Folder for OnDisk {
+    fn entries(&self, path: &Path) -> Vec<String> {
+        let Ok(list) = std::fs::read_dir(self.0.join(path)) else { return Vec::new() };
+        let mut all: Vec<String> = list
+            .flatten()
+            .map(|e| {
+                let name = e.file_name().to_string_lossy().into_owned();
+                if e.path().is_dir() { name + "/" } else { name }
+            })
+            .collect();
+        all.sort();
+        all
+    }
+
+    fn read(&self, path: &Path) -> Option<Result<String, String>> {
+        let full = self.0.join(path);
+        if !full.is_file() {
+            return None;
+        }
+        Some(read(&full))
+    }
+
+    fn display(&self, path: &Path) -> PathBuf {
+        self.0.join(path)
+    }
+}
+
+/// The text of a file, or why there is none.
+pub fn read(path: &Path) -> Result<String, String> {
+    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
+    String::from_utf8(bytes).map_err(|e| {
+        format!("byte {} is not UTF-8; save the file as UTF-8", e.utf8_error().valid_up_to())
+    })
+}
+
+/// Folders to search: those named, then those of `MODELICAPATH`, then the shipped library.
+pub fn folders(named: &[PathBuf], modelica_path: Option<&std::ffi::OsStr>) -> Vec<Box<dyn Folder>> {
+    let mut all: Vec<Box<dyn Folder>> = Vec::new();
+    for path in named {
+        all.push(Box::new(OnDisk(path.clone())));
+    }
+    for path in modelica_path.into_iter().flat_map(std::env::split_paths) {
+        if !path.as_os_str().is_empty() {
+            all.push(Box::new(OnDisk(path)));
+        }
+    }
+    all.push(Box::new(Shipped));
+    all
+}

@@ -1,0 +1,3 @@
+//! From a request to a flat model, to sorted blocks, to a program: the recipe, and the files it reads.
+pub mod compile;
+pub mod files;

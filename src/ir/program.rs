@@ -1,0 +1,392 @@
+//! The compiled model: flat tapes over one array of doubles.
+//!
+//! *Holds:* the memory map, tapes of three-address instructions by variability, torn blocks and
+//! loops that tapes refer to, and what the run must watch (relations, clocks, reinits, asserts).
+//! Parameters and start values are cells of the memory, so one program serves many runs and threads.
+//! *Never holds:* anything that a run changes; trees to be walked while running; texts outside of
+//! [`Program::blocks`], which is kept for messages only.
+//! *Made by:* `codegen`. *Read by:* `codegen::interp`, `simulate`.
+//!
+//! Truth values are 0 and 1, enumeration literals their number. Every temporary has a cell of its
+//! own: what a tape computed stays readable until the same tape runs again.
+//!
+//! Order of running, from rare to frequent: `parameters` once; `initial` once; `event` in each event
+//! iteration; `held` after each event; `rhs` at each evaluation of derivatives; at the same point
+//! then `jacobian`, or `roots` and after it `rest`.
+
+use super::blocks::Blocks;
+use super::expr::{Binary, Unary, VarId};
+
+/// A cell of the memory.
+pub type Slot = u32;
+
+/// What an instruction does with the cells `dst`, `a` and `b`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Op {
+    /// `dst := a`
+    Copy,
+    /// `if a then dst := b`; after a `Copy` the two make a selection.
+    CopyIf,
+    /// `dst := b`, or `a` where `b` is NaN: an input that was not given has its default.
+    Input,
+    /// `dst := a + b`
+    Add,
+    /// `dst := a - b`
+    Sub,
+    /// `dst := a * b`
+    Mul,
+    /// `dst := a / b`
+    Div,
+    /// `dst := -a`
+    Neg,
+    /// `dst := op(a)`
+    Unary(Unary),
+    /// `dst := op(a, b)`
+    Binary(Binary),
+    /// Solves torn block `a`.
+    Solve,
+    /// Differentiates torn block `a` by the implicit function theorem.
+    Implicit,
+    /// Repeats loop `a` until its watched cells rest.
+    Repeat,
+    /// Calls call site `a`.
+    Call,
+    /// Goes to instruction `a` of the same tape. In functions only.
+    Jump,
+    /// Goes to instruction `b` if cell `a` is zero. In functions only.
+    JumpUnless,
+    /// Fails with message `b` of the function if cell `a` is zero. In functions only.
+    Assert,
+}
+
+/// One instruction.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Instr {
+    /// What it does.
+    pub op: Op,
+    /// The cell that it writes.
+    pub dst: Slot,
+    /// First operand.
+    pub a: Slot,
+    /// Second operand.
+    pub b: Slot,
+}
+
+/// A straight sequence of instructions.
+pub type Tape = Vec<Instr>;
+
+/// An entry of a matrix.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Entry {
+    /// Row.
+    pub row: u32,
+    /// Column.
+    pub column: u32,
+    /// Cell of the value.
+    pub slot: Slot,
+}
+
+/// A torn block: find the unknowns for which the residuals vanish.
+#[derive(Clone, Debug)]
+pub struct Solver {
+    /// Tearing variables.
+    pub unknowns: Vec<VarId>,
+    /// Their cells.
+    pub slots: Vec<Slot>,
+    /// Computes the explicit variables and the residuals from the unknowns.
+    pub residual_tape: Tape,
+    /// Cells of the residuals.
+    pub residuals: Vec<Slot>,
+    /// Computes the entries of the Jacobian; runs after `residual_tape`.
+    pub jacobian_tape: Tape,
+    /// The entries that can differ from zero.
+    pub jacobian: Vec<Entry>,
+    /// Cells of the typical sizes of the unknowns.
+    pub nominals: Vec<Slot>,
+    /// Solved by one linear solution instead of Newton iterations.
+    pub linear: bool,
+    /// The block this was made from.
+    pub place: BlockPlace,
+}
+
+/// The derivatives of the unknowns `z` of a torn block by outer seeds: `J dz = -B`.
+#[derive(Clone, Debug)]
+pub struct Implicit {
+    /// Which block, for messages.
+    pub solver: u32,
+    /// Order of `J`.
+    pub order: usize,
+    /// `J`
+    pub jacobian: Vec<Entry>,
+    /// `B`, row by equation, column by seed.
+    pub seeds: Vec<Entry>,
+    /// Cells of the results, column by column.
+    pub results: Vec<Slot>,
+}
+
+/// A mixed block: the tape is repeated until the watched cells do not change.
+#[derive(Clone, Debug)]
+pub struct Loop {
+    /// One repetition.
+    pub tape: Tape,
+    /// Discrete variables and relations inside, with what they are.
+    pub watched: Vec<Watched>,
+    /// The block this was made from.
+    pub place: BlockPlace,
+}
+
+/// Something discrete that must come to rest.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Watched {
+    /// A discrete variable.
+    Variable(VarId, Slot),
+    /// A relation.
+    Relation(u32, Slot),
+}
+
+/// One of the three sequences of [`Blocks`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Sequence {
+    /// `blocks.initial`
+    Initial,
+    /// `blocks.event`
+    Event,
+    /// `blocks.continuous`
+    Continuous,
+}
+
+/// Position of a block, for messages.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BlockPlace {
+    /// The sequence.
+    pub sequence: Sequence,
+    /// Index of the outermost block in it.
+    pub index: usize,
+}
+
+/// A call of a run-time function.
+#[derive(Clone, Debug)]
+pub struct CallSite {
+    /// Position in [`Program::functions`].
+    pub function: usize,
+    /// Cells of the arguments.
+    pub args: Vec<Slot>,
+    /// Cells of all outputs; of the one partial derivative if `partial` is given.
+    pub results: Vec<Slot>,
+    /// Output and argument of a partial derivative, taken by central differences.
+    pub partial: Option<(usize, usize)>,
+}
+
+/// A compiled function. Its locals have fixed cells: functions do not recur.
+#[derive(Clone, Debug, Default)]
+pub struct FunctionCode {
+    /// The body.
+    pub tape: Tape,
+    /// Cells of the inputs.
+    pub inputs: Vec<Slot>,
+    /// Cells of the outputs.
+    pub outputs: Vec<Slot>,
+    /// Cells of all locals, set to zero on entry.
+    pub locals: Vec<Slot>,
+    /// Texts of assertions.
+    pub messages: Vec<String>,
+}
+
+/// What makes a relation switch.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Watch {
+    /// Searched on the trajectory.
+    State,
+    /// Switches at the time in this cell.
+    Time(Slot),
+    /// Switches only with discrete variables.
+    Discrete,
+}
+
+/// A clock `sample(start, interval)`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Clock {
+    /// Cell of the first instant.
+    pub start: Slot,
+    /// Cell of the period.
+    pub interval: Slot,
+    /// Cell of the flag.
+    pub flag: Slot,
+}
+
+/// A `reinit`, evaluated by the event tape.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ReinitCells {
+    /// Acts if not zero.
+    pub active: Slot,
+    /// The state.
+    pub state: Slot,
+    /// Its new value.
+    pub value: Slot,
+}
+
+/// An assertion. `roots` and `event` write both cells.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct AssertCells {
+    /// Checked if not zero.
+    pub active: Slot,
+    /// Fails if zero.
+    pub condition: Slot,
+    /// Stands in a when-clause: only the event tape evaluates it.
+    pub at_events: bool,
+}
+
+/// Where everything lies in the memory.
+#[derive(Clone, Debug, Default)]
+pub struct Layout {
+    /// `time`
+    pub time: Slot,
+    /// `initial()`
+    pub initial: Slot,
+    /// `terminal()`
+    pub terminal: Slot,
+    /// Each variable of the model.
+    pub variables: Vec<Slot>,
+    /// First state; the others follow in the order of `blocks.states`.
+    pub states: Slot,
+    /// Derivative of each state.
+    pub derivatives: Vec<Slot>,
+    /// Typical size of each state.
+    pub nominals: Vec<Slot>,
+    /// Discrete and other variables whose `pre` is read: variable, its cell, cell of `pre`.
+    pub pre: Vec<(VarId, Slot, Slot)>,
+    /// First held relation; the others follow.
+    pub relations: Slot,
+    /// First relation evaluated by `roots`.
+    pub fresh: Slot,
+    /// First `lhs - rhs` evaluated by `roots`.
+    pub gaps: Slot,
+    /// Parameters that a run may set: variable, input cell (NaN: not given).
+    pub parameter_inputs: Vec<(VarId, Slot)>,
+    /// Starts that a run may set: variable, input cell (NaN: not given), cell of the start value.
+    pub starts: Vec<(VarId, Slot, Slot)>,
+}
+
+/// A compiled model.
+#[derive(Clone)]
+pub struct Program {
+    /// What it was compiled from, for messages and names.
+    pub blocks: Blocks,
+    /// The memory before a run: literals, and NaN in the inputs.
+    pub image: Vec<f64>,
+    /// The memory map.
+    pub layout: Layout,
+    /// Parameters, starts, nominals, and what depends on parameters only.
+    pub parameters: Tape,
+    /// The initial sequence.
+    pub initial: Tape,
+    /// The event sequence, with relations, reinits, asserts and terminates.
+    pub event: Tape,
+    /// What changes at events only.
+    pub held: Tape,
+    /// The derivatives.
+    pub rhs: Tape,
+    /// Searched relations and assertions.
+    pub roots: Tape,
+    /// The other variables.
+    pub rest: Tape,
+    /// Entries of the Jacobian of the derivatives by the states.
+    pub jacobian: Tape,
+    /// Its entries that can differ from zero, by row, then column.
+    pub jacobian_entries: Vec<Entry>,
+    /// Torn blocks.
+    pub solvers: Vec<Solver>,
+    /// Derivatives of torn blocks.
+    pub implicits: Vec<Implicit>,
+    /// Mixed blocks.
+    pub loops: Vec<Loop>,
+    /// Calls.
+    pub calls: Vec<CallSite>,
+    /// Functions.
+    pub functions: Vec<FunctionCode>,
+    /// One for each relation of the model.
+    pub watches: Vec<Watch>,
+    /// Relations that `initial` reads before it can evaluate them.
+    pub late_initial: Vec<u32>,
+    /// Relations that `event` reads before it can evaluate them.
+    pub late_event: Vec<u32>,
+    /// Clocks.
+    pub clocks: Vec<Clock>,
+    /// `reinit`s.
+    pub reinits: Vec<ReinitCells>,
+    /// Assertions.
+    pub asserts: Vec<AssertCells>,
+    /// Activation of each `terminate`.
+    pub terminates: Vec<Slot>,
+}
+
+impl Program {
+    /// Number of states.
+    pub fn order(&self) -> usize {
+        self.layout.derivatives.len()
+    }
+
+    /// Cell of a variable.
+    pub fn slot(&self, v: VarId) -> Slot {
+        self.layout.variables[v.0 as usize]
+    }
+
+    /// Name of a variable.
+    pub fn name(&self, v: VarId) -> &str {
+        &self.blocks.dae.variables[v].name
+    }
+
+    /// Checks that every cell and every reference of every tape exists.
+    pub fn verify(&self) -> Result<(), String> {
+        let tapes = [
+            ("parameters", &self.parameters),
+            ("initial", &self.initial),
+            ("event", &self.event),
+            ("held", &self.held),
+            ("rhs", &self.rhs),
+            ("roots", &self.roots),
+            ("rest", &self.rest),
+            ("jacobian", &self.jacobian),
+        ];
+        for (name, tape) in tapes {
+            self.verify_tape(name, tape)?;
+        }
+        for solver in &self.solvers {
+            self.verify_tape("residual", &solver.residual_tape)?;
+            self.verify_tape("block jacobian", &solver.jacobian_tape)?;
+            if solver.residuals.len() != solver.unknowns.len() {
+                return Err("a torn block is not square".into());
+            }
+        }
+        for mixed in &self.loops {
+            self.verify_tape("loop", &mixed.tape)?;
+        }
+        for function in &self.functions {
+            self.verify_tape("function", &function.tape)?;
+        }
+        Ok(())
+    }
+
+    fn verify_tape(&self, name: &str, tape: &Tape) -> Result<(), String> {
+        let cells = self.image.len();
+        for (at, i) in tape.iter().enumerate() {
+            let cell = |s: Slot| (s as usize) < cells;
+            let fine = match i.op {
+                Op::Solve => (i.a as usize) < self.solvers.len(),
+                Op::Implicit => (i.a as usize) < self.implicits.len(),
+                Op::Repeat => (i.a as usize) < self.loops.len(),
+                Op::Call => (i.a as usize) < self.calls.len(),
+                Op::Jump => (i.a as usize) <= tape.len(),
+                Op::JumpUnless => cell(i.a) && (i.b as usize) <= tape.len(),
+                Op::Assert => cell(i.a),
+                _ => cell(i.dst) && cell(i.a) && cell(i.b),
+            };
+            if !fine {
+                return Err(format!(
+                    "instruction {at} of the {name} tape refers to nothing: {i:?}"
+                ));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,240 @@
+//! Every way a run can fail, in the user's names.
+
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::codegen::interp::{Fault, Instance};
+use crate::integrate::outcome::Failure as Integration;
+use crate::ir::program::{BlockPlace, Program, Watched};
+
+use super::explain::{Reader, block, source_of};
+
+/// What kind of failure it is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FailureKind {
+    /// The numerics could not go on.
+    Numerics,
+    /// An assertion of the model is violated.
+    Assertion,
+    /// The settings can not be meant.
+    Settings,
+    /// A bug in mocc.
+    Bug,
+}
+
+/// A run that ended early.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Failure {
+    /// What kind.
+    pub kind: FailureKind,
+    /// Where the simulation stood, s.
+    pub time: f64,
+    /// What to say.
+    pub diagnostic: Diagnostic,
+}
+
+impl Failure {
+    /// A failure of the numerics.
+    pub fn numerics(time: f64, diagnostic: Diagnostic) -> Self {
+        Failure { kind: FailureKind::Numerics, time, diagnostic }
+    }
+
+    /// A broken promise inside of mocc.
+    pub fn bug(time: f64, what: impl Into<String>) -> Self {
+        let diagnostic = Diagnostic::error("MO0999", Span::NONE, what)
+            .help("this is a bug in mocc, please report it with the model");
+        Failure { kind: FailureKind::Bug, time, diagnostic }
+    }
+
+    /// Settings out of range.
+    pub fn settings(what: String) -> Self {
+        let diagnostic = Diagnostic::error("MO0901", Span::NONE, what);
+        Failure { kind: FailureKind::Settings, time: 0.0, diagnostic }
+    }
+}
+
+/// The failure of a tape, explained from the memory at the moment it happened.
+pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
+    let program = instance.program;
+    let reader = Reader::new(program, &instance.fault_memory);
+    let diagnostic = match fault {
+        Fault::Derivative { state } => {
+            let state = program.blocks.states[state];
+            let sequence = crate::ir::program::Sequence::Continuous;
+            reader.not_finite(state.derivative, sequence, time)
+        }
+        Fault::NotFinite { solver, residual } => {
+            let place = program.solvers[solver].place;
+            let torn = block(program, place).and_then(|b| torn_of(b, program, solver));
+            match torn.and_then(|t| t.residuals.get(residual)) {
+                Some(r) => reader.expression_not_finite(r.value, r.source, place.sequence, time),
+                None => reader.plain("a simultaneous equation is not finite", time),
+            }
+        }
+        Fault::Singular { solver, unknown } => {
+            let text = |v: &str| {
+                format!(
+                    "at time {time} s the equations do not determine `{v}`: their matrix is singular"
+                )
+            };
+            torn_failure(&reader, program, solver, unknown, "MO0903", &text)
+                .help("check whether a coefficient of this variable becomes zero here")
+        }
+        Fault::Diverged { solver, unknown } => {
+            let text = |v: &str| {
+                format!("at time {time} s the nonlinear equations for `{v}` could not be solved")
+            };
+            torn_failure(&reader, program, solver, unknown, "MO0904", &text)
+                .help("give `start` and `nominal` values near the solution")
+        }
+        Fault::Restless { mixed, watched } => {
+            let program_loop = &program.loops[mixed];
+            let what = match program_loop.watched[watched] {
+                Watched::Variable(v, _) => format!("`{}`", program.name(v)),
+                Watched::Relation(k, _) => format!("`{}`", reader.relation(k)),
+            };
+            let span = first_span(program, program_loop.place);
+            let message = format!("at time {time} s {what} does not come to rest");
+            Diagnostic::error("MO0905", span, message)
+                .label("equations of this loop have no consistent solution")
+                .help("break the loop between the discrete and the continuous equations by `pre`")
+        }
+        Fault::Assertion { function, message } => {
+            let function_info = &program.blocks.dae.functions;
+            let text = &program.functions[function].messages[message];
+            let info = function_info.iter().nth(function);
+            let name = info.map_or("", |f| f.name.as_str());
+            let span = info.map_or(Span::NONE, |f| f.span);
+            let message = format!("at time {time} s an assertion in `{name}` failed: {text}");
+            Diagnostic::error("MO0906", span, message)
+        }
+        Fault::Endless { function } => {
+            let info = program.blocks.dae.functions.iter().nth(function);
+            let name = info.map_or("", |f| f.name.as_str());
+            let span = info.map_or(Span::NONE, |f| f.span);
+            let message = format!("at time {time} s function `{name}` does not return");
+            Diagnostic::error("MO0907", span, message).help("check the condition of its loop")
+        }
+    };
+    Failure::numerics(time, diagnostic)
+}
+
+/// The failure of the integrator.
+pub fn of_integration(instance: &Instance<'_>, failure: Integration, time: f64) -> Failure {
+    let program = instance.program;
+    let reader = Reader::new(program, &instance.memory);
+    let state = |component: usize| program.blocks.states.get(component).map(|s| s.variable);
+    match failure {
+        Integration::Options(error) => Failure::settings(error.to_string()),
+        Integration::Start { component } => {
+            let name = state(component).map_or("", |v| program.name(v)).to_owned();
+            let message = format!("at time {time} s `{name}` has no finite start value");
+            Failure::numerics(time, Diagnostic::error("MO0908", Span::NONE, message))
+        }
+        Integration::Eval { .. } | Integration::NonFinite { .. } => match instance.fault {
+            Some(fault) => of_fault(instance, fault, time),
+            None => Failure::numerics(time, reader.plain("a derivative is not finite", time)),
+        },
+        Integration::StepTooSmall { h, component, .. }
+        | Integration::NewtonFailed { h, component, .. } => {
+            // A step that shrank to nothing at the border of a domain is better explained by that.
+            if let Some(fault) = instance.fault {
+                return of_fault(instance, fault, time);
+            }
+            let diagnostic = match state(component) {
+                Some(v) => stuck(&reader, program, v, h, time),
+                None => reader.plain("the step became too small", time),
+            };
+            Failure::numerics(time, diagnostic)
+        }
+        Integration::Singular { component, .. } => {
+            let diagnostic = match state(component) {
+                Some(v) => stuck(&reader, program, v, 0.0, time),
+                None => reader.plain("the iteration matrix is singular", time),
+            };
+            Failure::numerics(time, diagnostic)
+        }
+        Integration::TooManySteps { steps, .. } => {
+            let message = format!("at time {time} s the limit of {steps} steps is exhausted");
+            let diagnostic = Diagnostic::error("MO0910", Span::NONE, message)
+                .help("loosen the tolerance, or look for what oscillates at this time");
+            Failure::numerics(time, diagnostic)
+        }
+    }
+}
+
+fn stuck(
+    reader: &Reader<'_>,
+    program: &Program,
+    v: crate::ir::expr::VarId,
+    h: f64,
+    time: f64,
+) -> Diagnostic {
+    let variable = &program.blocks.dae.variables[v];
+    let derivative = program.blocks.states.iter().find(|s| s.variable == v).map(|s| s.derivative);
+    let message = format!(
+        "at time {time} s the step became too small ({h:e} s); `{}` can not be followed",
+        variable.name
+    );
+    let mut diagnostic = Diagnostic::error("MO0909", variable.span, message)
+        .label(format!("`{}` = {}", variable.name, reader.value(v)))
+        .help("look for a jump, a pole, or a law with infinite slope; loosen the tolerance");
+    if let Some(d) = derivative {
+        diagnostic = diagnostic.note(format!("its derivative is {}", reader.value(d)));
+        if let Some(source) = source_of(program, d) {
+            diagnostic = diagnostic.also(reader.span(source), "its derivative comes from here");
+        }
+    }
+    diagnostic
+}
+
+fn torn_failure(
+    reader: &Reader<'_>,
+    program: &Program,
+    solver: usize,
+    unknown: usize,
+    code: &'static str,
+    text: &dyn Fn(&str) -> String,
+) -> Diagnostic {
+    let s = &program.solvers[solver];
+    let v = s.unknowns[unknown.min(s.unknowns.len().saturating_sub(1))];
+    let torn = block(program, s.place).and_then(|b| torn_of(b, program, solver));
+    let mut diagnostic = match torn.and_then(|t| t.residuals.get(unknown)) {
+        Some(r) => Diagnostic::error(code, reader.span(r.source), text(program.name(v)))
+            .label(reader.equation(r.source)),
+        None => Diagnostic::error(code, Span::NONE, text(program.name(v))),
+    };
+    for other in s.unknowns.iter().filter(|u| **u != v).take(5) {
+        diagnostic = diagnostic.note(format!(
+            "together with `{}` = {}",
+            program.name(*other),
+            reader.value(*other)
+        ));
+    }
+    diagnostic
+}
+
+/// The torn block of a solver inside of its outermost block.
+fn torn_of<'a>(
+    outer: &'a crate::ir::blocks::Block,
+    program: &Program,
+    solver: usize,
+) -> Option<&'a crate::ir::blocks::Torn> {
+    use crate::ir::blocks::Block;
+    match outer {
+        Block::Torn(t) => (t.unknowns == program.solvers[solver].unknowns).then_some(t),
+        Block::Mixed(parts) => parts.iter().find_map(|p| torn_of(p, program, solver)),
+        Block::Assign(_) => None,
+    }
+}
+
+fn first_span(program: &Program, place: BlockPlace) -> Span {
+    let mut found = Span::NONE;
+    if let Some(b) = block(program, place) {
+        crate::codegen::layout::for_each_assignment(std::slice::from_ref(b), &mut |a| {
+            if found.is_none() {
+                found = crate::codegen::sequence::source_span(&program.blocks.dae, a.source);
+            }
+        });
+    }
+    found
+}

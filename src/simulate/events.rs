@@ -1,0 +1,265 @@
+//! Finding where relations switch, and the iteration of the discrete part (appendix B of the
+//! Modelica specification).
+
+use crate::codegen::interp::{Fault, Instance};
+use crate::integrate::stepper::Stepper;
+use crate::ir::expr::VarId;
+use crate::ir::program::{Program, Slot, Watch};
+use crate::math::numeric::root::locate;
+
+use super::clock::Clocks;
+use super::system::Model;
+
+/// Event iterations at one instant before the model is given up.
+pub const ITERATION_LIMIT: u32 = 100;
+/// Points inside of a step, as fractions, at which relations are looked at besides its end.
+const LOOKS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// Length of the interval in which a switching is enclosed, in spacings of doubles at its time.
+const ENCLOSURE: f64 = 4.0;
+
+/// The relations that are searched.
+pub struct Search {
+    relations: Vec<u32>,
+    point: Vec<f64>,
+}
+
+/// How an event iteration ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Settled {
+    /// A discrete variable, a relation or a state changed.
+    pub changed: bool,
+    /// Position of an active `terminate`.
+    pub terminate: Option<usize>,
+    /// Position of a failed assertion in a when-clause.
+    pub failed: Option<usize>,
+}
+
+/// Why an event iteration could not be finished.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Unsettled {
+    /// A tape failed.
+    Fault(Fault),
+    /// Variables and relations that keep changing.
+    Restless(Vec<VarId>, Vec<u32>),
+}
+
+impl From<Fault> for Unsettled {
+    fn from(fault: Fault) -> Self {
+        Unsettled::Fault(fault)
+    }
+}
+
+impl Search {
+    /// All relations that depend on the trajectory.
+    pub fn new(program: &Program) -> Self {
+        let relations = (0..program.watches.len() as u32)
+            .filter(|k| program.watches[*k as usize] == Watch::State)
+            .collect();
+        Search { relations, point: vec![0.0; program.order().max(1)] }
+    }
+
+    /// The first instant in the last step at which a relation has switched, enclosed from the right.
+    pub fn first_switch(
+        &mut self,
+        model: &mut Model<'_>,
+        stepper: &dyn Stepper,
+    ) -> Result<Option<f64>, Fault> {
+        if self.relations.is_empty() {
+            return Ok(None);
+        }
+        let (t0, t1) = (stepper.t_previous(), stepper.t());
+        let mut left = t0;
+        for right in LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter().chain([t1]) {
+            if right <= left {
+                continue;
+            }
+            match self.evaluate(model, stepper, right) {
+                Ok(()) => {}
+                // Between the ends the interpolation may leave the domain; its end counts.
+                Err(_) if right < t1 => continue,
+                Err(fault) => return Err(fault),
+            }
+            if self.switched(&model.instance).next().is_some() {
+                return Ok(Some(self.enclose(model, stepper, left, right)));
+            }
+            left = right;
+        }
+        Ok(None)
+    }
+
+    /// Shrinks the interval around the first switching and returns its right end.
+    fn enclose(
+        &mut self,
+        model: &mut Model<'_>,
+        stepper: &dyn Stepper,
+        left: f64,
+        right: f64,
+    ) -> f64 {
+        let candidates: Vec<u32> = self.switched(&model.instance).collect();
+        let at_right = self.progress(&model.instance, &candidates);
+        // Left of it all candidates are as they are held.
+        let at_left = match self.evaluate(model, stepper, left) {
+            Ok(()) => -self.nearest(&model.instance, &candidates),
+            Err(_) => -f64::MIN_POSITIVE,
+        };
+        let tolerance = ENCLOSURE * f64::EPSILON * right.abs().max(right - left);
+        let signed = |t: f64| match self.evaluate(model, stepper, t) {
+            Ok(()) if self.switched(&model.instance).next().is_some() => {
+                self.progress(&model.instance, &candidates)
+            }
+            Ok(()) => -self.nearest(&model.instance, &candidates),
+            Err(_) => f64::MIN_POSITIVE,
+        };
+        locate(signed, (left, at_left), (right, at_right), tolerance).map_or(right, |b| b.right)
+    }
+
+    fn evaluate(
+        &mut self,
+        model: &mut Model<'_>,
+        stepper: &dyn Stepper,
+        t: f64,
+    ) -> Result<(), Fault> {
+        if t == stepper.t() {
+            self.point.copy_from_slice(stepper.y());
+        } else {
+            stepper.interpolate(t, &mut self.point);
+        }
+        model.evaluate_roots(t, &self.point)
+    }
+
+    /// Relations whose value differs from the held one.
+    fn switched<'a>(&'a self, instance: &'a Instance<'_>) -> impl Iterator<Item = u32> + 'a {
+        let layout = &instance.program.layout;
+        self.relations
+            .iter()
+            .copied()
+            .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k))
+    }
+
+    /// How far the switched candidates are beyond; positive.
+    fn progress(&self, instance: &Instance<'_>, candidates: &[u32]) -> f64 {
+        let gaps = instance.program.layout.gaps;
+        let switched = self.switched(instance).filter(|k| candidates.contains(k));
+        let far = switched.map(|k| instance.get(gaps + k).abs()).fold(0.0, f64::max);
+        if far > 0.0 && far.is_finite() { far } else { f64::MIN_POSITIVE }
+    }
+
+    /// How far the nearest candidate is from switching; not negative.
+    fn nearest(&self, instance: &Instance<'_>, candidates: &[u32]) -> f64 {
+        let gaps = instance.program.layout.gaps;
+        let near = candidates.iter().map(|k| instance.get(gaps + k).abs());
+        let near = near.fold(f64::INFINITY, f64::min);
+        if near.is_finite() { near } else { f64::MIN_POSITIVE }
+    }
+}
+
+/// Runs a tape of the initial or event sequence until the relations it reads too early rest.
+pub fn sweep<'p>(
+    instance: &mut Instance<'p>,
+    tape: &'p [crate::ir::program::Instr],
+    late: &[u32],
+) -> Result<(), Unsettled> {
+    let first = instance.program.layout.relations;
+    let mut held: Vec<f64> = Vec::with_capacity(late.len());
+    let mut restless = Vec::new();
+    for _ in 0..ITERATION_LIMIT {
+        held.clear();
+        held.extend(late.iter().map(|k| instance.get(first + k)));
+        instance.run(tape)?;
+        restless.clear();
+        let pairs = late.iter().zip(&held);
+        restless.extend(pairs.filter(|(k, h)| instance.get(first + **k) != **h).map(|(k, _)| *k));
+        if restless.is_empty() {
+            return Ok(());
+        }
+    }
+    Err(Unsettled::Restless(Vec::new(), restless))
+}
+
+/// Makes `pre` of everything its current value.
+pub fn remember(instance: &mut Instance<'_>) {
+    for k in 0..instance.program.layout.pre.len() {
+        let (_, slot, pre) = instance.program.layout.pre[k];
+        instance.set(pre, instance.get(slot));
+    }
+}
+
+/// The event iteration at the time and the states that stand in the memory, whose variables hold
+/// their left limits. Flags of clocks are raised by the caller.
+pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, Unsettled> {
+    let program = instance.program;
+    let first = program.layout.relations;
+    let count = program.watches.len() as Slot;
+    let before: Vec<f64> = (0..count).map(|k| instance.get(first + k)).collect();
+    let mut settled = Settled { changed: false, terminate: None, failed: None };
+    let mut ticking = program.clocks.iter().any(|c| instance.get(c.flag) != 0.0);
+    settled.changed |= ticking;
+    remember(instance);
+    if ticking {
+        // The flags are discrete variables themselves: their edge starts at false.
+        for clock in &program.clocks {
+            for &(_, slot, pre) in &program.layout.pre {
+                if slot == clock.flag {
+                    instance.set(pre, 0.0);
+                }
+            }
+        }
+    }
+    let mut restless = Vec::new();
+    for _ in 0..ITERATION_LIMIT {
+        sweep(instance, &program.event, &program.late_event)?;
+        note_actions(instance, &mut settled);
+        let mut again = apply_reinits(instance);
+        restless.clear();
+        for &(v, slot, pre) in &program.layout.pre {
+            let discrete = program.blocks.dae.variables[v].kind == crate::ir::dae::Kind::Discrete;
+            if discrete && instance.get(slot).to_bits() != instance.get(pre).to_bits() {
+                restless.push(v);
+            }
+        }
+        again |= !restless.is_empty();
+        settled.changed |= again;
+        if ticking {
+            clocks.lower(instance);
+            again = true;
+            ticking = false;
+        }
+        remember(instance);
+        if !again || settled.failed.is_some() {
+            let now = (0..count).map(|k| instance.get(first + k));
+            settled.changed |= now.zip(&before).any(|(a, b)| a != *b);
+            instance.run(&program.held)?;
+            return Ok(settled);
+        }
+    }
+    Err(Unsettled::Restless(restless, Vec::new()))
+}
+
+/// Assertions of when-clauses and terminations that are active now.
+fn note_actions(instance: &Instance<'_>, settled: &mut Settled) {
+    let program = instance.program;
+    for (k, a) in program.asserts.iter().enumerate() {
+        let warning = program.blocks.dae.asserts[k].assert.warning;
+        let active = a.at_events && instance.get(a.active) != 0.0;
+        if active && !warning && instance.get(a.condition) == 0.0 && settled.failed.is_none() {
+            settled.failed = Some(k);
+        }
+    }
+    for (k, slot) in program.terminates.iter().enumerate() {
+        if instance.get(*slot) != 0.0 && settled.terminate.is_none() {
+            settled.terminate = Some(k);
+        }
+    }
+}
+
+/// Sets the states of active `reinit`s; true if there is any.
+fn apply_reinits(instance: &mut Instance<'_>) -> bool {
+    let mut any = false;
+    for r in &instance.program.reinits {
+        if instance.get(r.active) != 0.0 {
+            instance.set(r.state, instance.get(r.value));
+            any = true;
+        }
+    }
+    any
+}

@@ -1,0 +1,291 @@
+//! Why a value is not finite: from the memory back to the sub-expression that broke.
+
+use crate::base::diag::Diagnostic;
+use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::source::Span;
+use crate::codegen::sequence::source_span;
+use crate::ir::blocks::{Block, Source};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Unary, VarId};
+use crate::ir::program::{BlockPlace, Program, Sequence};
+use crate::symbolic::eval;
+use crate::symbolic::print::print;
+use crate::symbolic::rewrite::Rewriter;
+
+/// Values of a run by variable, and texts in the user's names.
+pub struct Reader<'a> {
+    program: &'a Program,
+    memory: &'a [f64],
+}
+
+/// The outermost block at a place.
+pub fn block(program: &Program, place: BlockPlace) -> Option<&Block> {
+    blocks_of(program, place.sequence).get(place.index)
+}
+
+/// The equation that determines a variable between events.
+pub fn source_of(program: &Program, v: VarId) -> Option<Source> {
+    definitions(&program.blocks.continuous).remove(&v).map(|(_, source)| source)
+}
+
+impl<'a> Reader<'a> {
+    /// Reads the values of `memory`.
+    pub fn new(program: &'a Program, memory: &'a [f64]) -> Self {
+        Reader { program, memory }
+    }
+
+    /// The value of a variable.
+    pub fn value(&self, v: VarId) -> f64 {
+        self.memory[self.program.layout.variables[v.idx()] as usize]
+    }
+
+    /// Where an equation stands.
+    pub fn span(&self, source: Source) -> Span {
+        source_span(&self.program.blocks.dae, source)
+    }
+
+    /// The text of an expression, relations written out.
+    pub fn text(&self, e: ExprId) -> String {
+        let dae = &self.program.blocks.dae;
+        let mut graph = dae.graph.clone();
+        let e = written_out(self.program, &mut graph, e);
+        print(&graph, e, &|v| self.name(v))
+    }
+
+    /// The text of a relation.
+    pub fn relation(&self, k: u32) -> String {
+        relation_text(self.program, k)
+    }
+
+    /// The text of an equation.
+    pub fn equation(&self, source: Source) -> String {
+        let dae = &self.program.blocks.dae;
+        match source {
+            Source::Continuous(i) => {
+                let q = &dae.equations[i];
+                format!("{} = {}", self.text(q.lhs), self.text(q.rhs))
+            }
+            Source::Discrete(i) => {
+                let q = &dae.discrete[i];
+                format!("{} := {}", self.name(q.variable), self.text(q.value))
+            }
+            Source::Initial(i) => {
+                let q = &dae.initial[i];
+                format!("{} = {}", self.text(q.lhs), self.text(q.rhs))
+            }
+            Source::Start(v) => format!("{} = its start value", self.name(v)),
+        }
+    }
+
+    /// A message without a place.
+    pub fn plain(&self, what: &str, time: f64) -> Diagnostic {
+        Diagnostic::error("MO0902", Span::NONE, format!("at time {time} s {what}"))
+    }
+
+    /// Explains a variable that is not finite.
+    pub fn not_finite(&self, v: VarId, sequence: Sequence, time: f64) -> Diagnostic {
+        let definitions = definitions(blocks_of(self.program, sequence));
+        let dae = &self.program.blocks.dae;
+        let eliminated = dae.eliminated.iter().find(|(w, _)| *w == v).map(|(_, value)| *value);
+        match definitions.get(&v) {
+            Some(&(value, source)) => self.expression_not_finite(value, source, sequence, time),
+            None => match eliminated {
+                Some(value) => self.expression_not_finite(value, Source::Start(v), sequence, time),
+                None => self.plain(&format!("`{}` is {}", self.name(v), self.value(v)), time),
+            },
+        }
+    }
+
+    /// Explains an expression that is not finite, going back through the variables it reads.
+    pub fn expression_not_finite(
+        &self,
+        root: ExprId,
+        source: Source,
+        sequence: Sequence,
+        time: f64,
+    ) -> Diagnostic {
+        let definitions = definitions(blocks_of(self.program, sequence));
+        let (mut root, mut source) = (root, source);
+        let mut visited: FastSet<VarId> = FastSet::default();
+        loop {
+            let values = self.evaluate(root);
+            let culprit = self.descend(root, &values);
+            if let Node::Var(v) = self.program.blocks.dae.graph.node(culprit)
+                && visited.insert(v)
+                && let Some(&(value, from)) = definitions.get(&v)
+            {
+                (root, source) = (value, from);
+                continue;
+            }
+            return self.broken(culprit, &values, source, time);
+        }
+    }
+
+    /// The message about the operation that gave the first value that is not finite.
+    fn broken(
+        &self,
+        culprit: ExprId,
+        values: &FastMap<ExprId, f64>,
+        source: Source,
+        time: f64,
+    ) -> Diagnostic {
+        let graph = &self.program.blocks.dae.graph;
+        let text = self.text(culprit);
+        let value = |e: ExprId| values.get(&e).copied().unwrap_or(f64::NAN);
+        let (what, help) = match graph.node(culprit) {
+            Node::Binary(Binary::Div, _, b) if value(b) == 0.0 => (
+                format!("division by zero: `{}` is 0 in `{text}`", self.text(b)),
+                "keep the divisor away from zero, or test it with `if`",
+            ),
+            Node::Unary(Unary::Sqrt, a) if value(a) < 0.0 => (
+                format!("root of a negative number: `{}` is {}", self.text(a), value(a)),
+                "guard the argument, for instance by `max(0, ...)`, or check the sign of what it is made of",
+            ),
+            Node::Unary(Unary::Log | Unary::Log10, a) if value(a) <= 0.0 => (
+                format!("logarithm of `{}`, which is {}", self.text(a), value(a)),
+                "the argument of a logarithm must be positive",
+            ),
+            Node::Unary(Unary::Asin | Unary::Acos, a) if value(a).abs() > 1.0 => (
+                format!("`{text}` with `{}` = {}", self.text(a), value(a)),
+                "the argument must lie between -1 and 1",
+            ),
+            Node::Binary(Binary::Pow, a, b) => (
+                format!(
+                    "`{text}` has no finite value for base {} and exponent {}",
+                    value(a),
+                    value(b)
+                ),
+                "a negative base allows whole exponents only, and zero no negative ones",
+            ),
+            Node::Var(v) => (
+                format!("`{}` is {}", self.name(v), self.value(v)),
+                "check the equation that determines it",
+            ),
+            _ => {
+                (format!("`{text}` is {}", value(culprit)), "check the sizes of what it is made of")
+            }
+        };
+        let mut diagnostic =
+            Diagnostic::error("MO0902", self.span(source), format!("at time {time} s {what}"))
+                .label(format!("in `{}`", self.equation(source)))
+                .help(help);
+        for v in graph.variables(culprit).into_iter().take(6) {
+            diagnostic = diagnostic.note(format!("`{}` = {}", self.name(v), self.value(v)));
+        }
+        diagnostic
+    }
+
+    /// From an expression that is not finite down to one whose operands are.
+    fn descend(&self, root: ExprId, values: &FastMap<ExprId, f64>) -> ExprId {
+        let graph = &self.program.blocks.dae.graph;
+        let broken = |e: ExprId| values.get(&e).is_some_and(|v| !v.is_finite());
+        let mut at = root;
+        loop {
+            let mut next = None;
+            if let Node::If(c, a, b) = graph.node(at) {
+                let taken = if values.get(&c).is_some_and(|v| *v != 0.0) { a } else { b };
+                next = broken(taken).then_some(taken);
+            } else {
+                graph.for_each_operand(at, |a| {
+                    if next.is_none() && broken(a) {
+                        next = Some(a);
+                    }
+                });
+            }
+            match next {
+                Some(e) => at = e,
+                None => return at,
+            }
+        }
+    }
+
+    /// The values of all nodes below `root`; calls have none.
+    fn evaluate(&self, root: ExprId) -> FastMap<ExprId, f64> {
+        let graph = &self.program.blocks.dae.graph;
+        let layout = &self.program.layout;
+        let cell = |slot: u32| self.memory[slot as usize];
+        let mut values: FastMap<ExprId, f64> = FastMap::default();
+        for e in graph.postorder([root]) {
+            let of = |a: &ExprId| values.get(a).copied().unwrap_or(f64::NAN);
+            let value = match graph.node(e) {
+                Node::Const(c) => c.register().unwrap_or(0.0),
+                Node::Time => cell(layout.time),
+                Node::Var(v) | Node::Der(v) => self.value(v),
+                Node::Pre(v) => {
+                    let pre = layout.pre.iter().find(|(w, ..)| *w == v);
+                    pre.map_or_else(|| self.value(v), |(_, _, slot)| cell(*slot))
+                }
+                Node::Unary(op, a) => eval::unary(op, of(&a)),
+                Node::Binary(op, a, b) => eval::binary(op, of(&a), of(&b)),
+                Node::If(c, a, b) => {
+                    if of(&c) != 0.0 {
+                        of(&a)
+                    } else {
+                        of(&b)
+                    }
+                }
+                Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => of(&a),
+                Node::Initial => cell(layout.initial),
+                Node::Terminal => cell(layout.terminal),
+                Node::Relation(k) => cell(layout.relations + k),
+                Node::Call { .. } | Node::Sample(..) => f64::NAN,
+            };
+            values.insert(e, value);
+        }
+        values
+    }
+
+    fn name(&self, v: VarId) -> String {
+        let variables = &self.program.blocks.dae.variables;
+        variables.get(v).map_or_else(|| "a derivative".to_owned(), |x| x.name.clone())
+    }
+}
+
+/// The text of a relation in the user's names.
+pub fn relation_text(program: &Program, k: u32) -> String {
+    let dae = &program.blocks.dae;
+    let relation = &dae.relations[k as usize];
+    let reader = Reader::new(program, &[]);
+    format!("{} {} {}", reader.text(relation.lhs), relation.op.name(), reader.text(relation.rhs))
+}
+
+fn written_out(program: &Program, graph: &mut Graph, e: ExprId) -> ExprId {
+    let relations = &program.blocks.dae.relations;
+    Rewriter::new().apply(graph, e, &mut |graph, n| match graph.node(n) {
+        Node::Relation(k) => {
+            let r = relations.get(k as usize)?;
+            Some(graph.binary(r.op, r.lhs, r.rhs))
+        }
+        _ => None,
+    })
+}
+
+fn blocks_of(program: &Program, sequence: Sequence) -> &[Block] {
+    match sequence {
+        Sequence::Initial => &program.blocks.initial,
+        Sequence::Event => &program.blocks.event,
+        Sequence::Continuous => &program.blocks.continuous,
+    }
+}
+
+/// What each variable is assigned; tearing variables get the first residual of their block.
+fn definitions(blocks: &[Block]) -> FastMap<VarId, (ExprId, Source)> {
+    let mut found = FastMap::default();
+    let mut pending: Vec<&Block> = blocks.iter().collect();
+    while let Some(block) = pending.pop() {
+        match block {
+            Block::Assign(a) => {
+                found.insert(a.variable, (a.value, a.source));
+            }
+            Block::Torn(t) => {
+                for a in &t.explicit {
+                    found.insert(a.variable, (a.value, a.source));
+                }
+                for (z, r) in t.unknowns.iter().zip(&t.residuals) {
+                    found.insert(*z, (r.value, r.source));
+                }
+            }
+            Block::Mixed(parts) => pending.extend(parts),
+        }
+    }
+    found
+}

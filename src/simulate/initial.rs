@@ -1,0 +1,64 @@
+//! The start of a run: parameters, the initial sequence, and the first event iteration.
+
+use crate::codegen::interp::Instance;
+use crate::ir::dae::Kind;
+use crate::ir::expr::VarId;
+
+use super::clock::Clocks;
+use super::events::{Settled, Unsettled, remember, settle, sweep};
+use super::settings::Settings;
+
+/// What went wrong before the run began.
+#[derive(Clone, PartialEq, Debug)]
+pub enum NoStart {
+    /// This can not be set in a run.
+    NotAnInput(VarId),
+    /// A parameter is not finite.
+    Parameter(VarId),
+    /// The initial sequence or the first event iteration failed.
+    Unsettled(Unsettled),
+}
+
+impl From<Unsettled> for NoStart {
+    fn from(u: Unsettled) -> Self {
+        NoStart::Unsettled(u)
+    }
+}
+
+/// Gives every variable its value at the start.
+pub fn initialise(
+    instance: &mut Instance<'_>,
+    settings: &Settings,
+) -> Result<(Clocks, Settled), NoStart> {
+    let program = instance.program;
+    for &(v, value) in &settings.parameters {
+        if !instance.set_parameter(v, value) {
+            return Err(NoStart::NotAnInput(v));
+        }
+    }
+    for &(v, value) in &settings.starts {
+        if !instance.set_start(v, value) {
+            return Err(NoStart::NotAnInput(v));
+        }
+    }
+    instance.set(program.layout.time, settings.start);
+    instance.set(program.layout.initial, 1.0);
+    instance.run(&program.parameters).map_err(Unsettled::Fault)?;
+    for (v, variable) in program.blocks.dae.variables.enumerate() {
+        if variable.kind == Kind::Parameter && !instance.value(v).is_finite() {
+            instance.fault_memory.copy_from_slice(&instance.memory);
+            return Err(NoStart::Parameter(v));
+        }
+    }
+    // Start values are the guesses of iterations, and what `pre` is before the first event.
+    for &(v, _, start) in &program.layout.starts {
+        instance.set(program.slot(v), instance.get(start));
+    }
+    remember(instance);
+    sweep(instance, &program.initial, &program.late_initial)?;
+    instance.set(program.layout.initial, 0.0);
+    let mut clocks = Clocks::new(instance, settings.start);
+    clocks.raise(instance, settings.start);
+    let settled = settle(instance, &clocks)?;
+    Ok((clocks, settled))
+}

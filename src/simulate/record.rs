@@ -1,0 +1,115 @@
+//! Rows and events on their way out.
+
+use crate::base::index::Id;
+use crate::codegen::interp::Instance;
+use crate::ir::dae::{Kind, Variable};
+use crate::ir::expr::{Type, VarId};
+use crate::ir::program::{Program, Slot};
+use crate::ir::trajectory::{self, Column, Event, Trajectory};
+
+/// Takes what a run records. `row` is called in order of time, at events twice.
+pub trait Sink {
+    /// The variables, once before all rows.
+    fn begin(&mut self, columns: Vec<Column>);
+    /// One value for each variable.
+    fn row(&mut self, time: f64, values: &[f64]);
+    /// Something happened.
+    fn event(&mut self, event: Event);
+}
+
+impl Sink for Trajectory {
+    fn begin(&mut self, columns: Vec<Column>) {
+        *self = Trajectory::new(columns);
+    }
+    fn row(&mut self, time: f64, values: &[f64]) {
+        self.push(time, values);
+    }
+    fn event(&mut self, event: Event) {
+        self.events.push(event);
+    }
+}
+
+/// What is recorded, and the next instant of the output grid.
+pub struct Recorder {
+    cells: Vec<(VarId, Slot)>,
+    row: Vec<f64>,
+    next: u64,
+    count: u64,
+    start: f64,
+    stop: f64,
+    interval: f64,
+}
+
+impl Recorder {
+    /// Records all variables that the user declared and that are not constant, with this grid.
+    pub fn new(program: &Program, start: f64, stop: f64, interval: f64) -> Self {
+        let variables = &program.blocks.dae.variables;
+        let cells: Vec<(VarId, Slot)> = variables
+            .enumerate()
+            .filter(|(_, v)| is_recorded(v))
+            .map(|(v, _)| (v, program.layout.variables[v.idx()]))
+            .collect();
+        // A last interval that is only rounding is none.
+        let intervals = (stop - start) / interval;
+        let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
+        Recorder { row: vec![0.0; cells.len()], cells, next: 1, count, start, stop, interval }
+    }
+
+    /// The columns of the result.
+    pub fn columns(&self, program: &Program) -> Vec<Column> {
+        self.cells.iter().map(|(v, _)| column(&program.blocks.dae.variables[*v])).collect()
+    }
+
+    /// The next instant of the grid if it lies before `end`, or at it if `inclusive`.
+    pub fn due(&self, end: f64, inclusive: bool) -> Option<f64> {
+        let at = match self.next.cmp(&self.count) {
+            std::cmp::Ordering::Less => self.start + self.next as f64 * self.interval,
+            std::cmp::Ordering::Equal => self.stop,
+            std::cmp::Ordering::Greater => return None,
+        };
+        (at < end || (inclusive && at == end)).then_some(at)
+    }
+
+    /// Goes on to the next instant of the grid.
+    pub fn advance(&mut self) {
+        self.next += 1;
+    }
+
+    /// Writes the row; the variable that is not finite if there is one.
+    pub fn write(
+        &mut self,
+        instance: &Instance<'_>,
+        time: f64,
+        sink: &mut dyn Sink,
+    ) -> Result<(), VarId> {
+        for (value, (v, slot)) in self.row.iter_mut().zip(&self.cells) {
+            *value = instance.get(*slot);
+            if !value.is_finite() {
+                return Err(*v);
+            }
+        }
+        sink.row(time, &self.row);
+        Ok(())
+    }
+}
+
+fn is_recorded(v: &Variable) -> bool {
+    let constant = matches!(v.kind, Kind::Parameter | Kind::InitialParameter);
+    !(v.hidden || constant || v.ty == Type::String)
+}
+
+fn column(v: &Variable) -> Column {
+    let kind = match v.ty {
+        Type::Boolean => trajectory::Kind::Boolean,
+        Type::Integer | Type::Enumeration(_) => trajectory::Kind::Integer,
+        _ if v.kind == Kind::Discrete => trajectory::Kind::Discrete,
+        _ => trajectory::Kind::Continuous,
+    };
+    Column {
+        name: v.name.clone(),
+        unit: v.unit.to_string(),
+        display_unit: v.display_unit.to_string(),
+        description: v.description.as_deref().unwrap_or_default().to_owned(),
+        kind,
+    }
+}

@@ -1,0 +1,470 @@
+//! The loop: step, look for events, record, settle, go on.
+
+use std::time::{Duration, Instant};
+
+use crate::base::diag::Diagnostic;
+use crate::base::source::{SourceMap, Span};
+use crate::codegen::interp::Fault;
+use crate::integrate::options::Options;
+use crate::integrate::outcome::Step;
+use crate::integrate::radau::Radau;
+use crate::integrate::stats::Stats;
+use crate::integrate::stepper::{JacobianMemory, Stepper};
+use crate::ir::expr::{Const, ExprId};
+use crate::ir::program::{Program, Sequence, Slot, Watch};
+use crate::ir::trajectory::{Event, Trajectory};
+
+use super::clock::Clocks;
+use super::error::{Failure, FailureKind, of_fault, of_integration};
+use super::events::{Search, Settled, Unsettled, settle};
+use super::explain::{Reader, relation_text};
+use super::initial::{NoStart, initialise};
+use super::record::{Recorder, Sink};
+use super::settings::Settings;
+use super::system::Model;
+
+/// So many events in so short a time are chattering, not physics.
+const CHATTER_EVENTS: usize = 64;
+/// The short time, as a part of the whole run.
+const CHATTER_SPAN: f64 = 1e-7;
+
+/// What a run cost.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Statistics {
+    /// Work of the integrator.
+    pub integration: Stats,
+    /// Instants at which a relation on the trajectory switched.
+    pub state_events: u64,
+    /// Instants known in advance: comparisons with time, and clocks.
+    pub time_events: u64,
+    /// Rows recorded.
+    pub rows: u64,
+    /// Time spent.
+    pub elapsed: Duration,
+    /// Where the run ended, s: before the stop if the model terminated it.
+    pub end: f64,
+    /// The text of the `terminate` that ended it.
+    pub terminated: Option<String>,
+    /// Assertions of level warning that were violated, each once.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// All rows and events.
+    pub trajectory: Trajectory,
+    /// What it cost.
+    pub statistics: Statistics,
+}
+
+/// Runs a program and keeps the whole trajectory. `sources` gives events their place.
+pub fn simulate(
+    program: &Program,
+    settings: &Settings,
+    sources: &SourceMap,
+) -> Result<Run, Failure> {
+    let mut trajectory = Trajectory::default();
+    let statistics = simulate_to(program, settings, sources, &mut trajectory)?;
+    Ok(Run { trajectory, statistics })
+}
+
+/// Runs a program and hands each row and event to `sink` as it comes; what was handed over before a
+/// failure is valid.
+pub fn simulate_to(
+    program: &Program,
+    settings: &Settings,
+    sources: &SourceMap,
+    sink: &mut dyn Sink,
+) -> Result<Statistics, Failure> {
+    if let Some(what) = settings.fault() {
+        return Err(Failure::settings(what));
+    }
+    let begun = Instant::now();
+    let mut simulation = Simulation::begin(program, settings, sources, sink)?;
+    simulation.run()?;
+    let mut statistics = simulation.statistics;
+    statistics.integration = *simulation.stepper.stats();
+    statistics.elapsed = begun.elapsed();
+    Ok(statistics)
+}
+
+/// A run under way.
+struct Simulation<'p, 's> {
+    program: &'p Program,
+    sources: &'s SourceMap,
+    sink: &'s mut dyn Sink,
+    model: Model<'p>,
+    stepper: Radau,
+    clocks: Clocks,
+    search: Search,
+    recorder: Recorder,
+    statistics: Statistics,
+    stop: f64,
+    t: f64,
+    y: Vec<f64>,
+    warned: Vec<bool>,
+    texts: Vec<Option<String>>,
+    recent: Recent,
+    ended: bool,
+}
+
+/// The times of the last events, to notice chattering.
+struct Recent {
+    times: [f64; CHATTER_EVENTS],
+    at: usize,
+    span: f64,
+}
+
+/// What leads to an event.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Cause {
+    State,
+    Time,
+}
+
+impl<'p, 's> Simulation<'p, 's> {
+    fn begin(
+        program: &'p Program,
+        settings: &Settings,
+        sources: &'s SourceMap,
+        sink: &'s mut dyn Sink,
+    ) -> Result<Self, Failure> {
+        let mut model = Model::new(program);
+        let t = settings.start;
+        let begun = initialise(&mut model.instance, settings);
+        let (clocks, settled) = begun.map_err(|e| no_start(&model, e, t))?;
+        let n = program.order().max(1);
+        let mut y = vec![0.0; n];
+        y[..program.order()].copy_from_slice(model.instance.states());
+        let stepper = Radau::new(n, options(&model, settings))
+            .map_err(|e| Failure::settings(e.to_string()))?;
+        let recorder = Recorder::new(program, t, settings.stop, settings.interval);
+        sink.begin(recorder.columns(program));
+        let span = CHATTER_SPAN * (settings.stop - settings.start);
+        let mut simulation = Simulation {
+            program,
+            sources,
+            sink,
+            model,
+            stepper,
+            clocks,
+            search: Search::new(program),
+            recorder,
+            statistics: Statistics::default(),
+            stop: settings.stop,
+            t,
+            y,
+            warned: vec![false; program.asserts.len()],
+            texts: vec![None; program.watches.len()],
+            recent: Recent { times: [f64::NEG_INFINITY; CHATTER_EVENTS], at: 0, span },
+            ended: false,
+        };
+        simulation.record(t)?;
+        simulation.check_assertions(t)?;
+        simulation.act_on(settled, t)?;
+        Ok(simulation)
+    }
+
+    fn run(&mut self) -> Result<(), Failure> {
+        self.restart()?;
+        while self.t < self.stop && !self.ended {
+            let instant = self.clocks.next_instant(&self.model.instance, self.t);
+            let t_stop = instant.min(self.stop);
+            let reached = self.step(t_stop)?;
+            let switched = self.search.first_switch(&mut self.model, &self.stepper);
+            match switched.map_err(|f| of_fault(&self.model.instance, f, self.stepper.t()))? {
+                Some(at) => self.event(at, Cause::State)?,
+                None if reached && t_stop == instant => self.event(t_stop, Cause::Time)?,
+                None => {
+                    let t = self.stepper.t();
+                    self.check_assertions(t)?;
+                    self.record_grid(t, true)?;
+                    self.t = t;
+                }
+            }
+        }
+        self.statistics.end = self.t;
+        Ok(())
+    }
+
+    /// One accepted step; true if it ends at `t_stop`.
+    fn step(&mut self, t_stop: f64) -> Result<bool, Failure> {
+        let outcome = self.stepper.step(&mut self.model, t_stop);
+        let step =
+            outcome.map_err(|e| of_integration(&self.model.instance, e, self.stepper.t()))?;
+        // What a shorter step could avoid is no failure.
+        self.model.instance.fault = None;
+        Ok(matches!(step, Step::Reached { .. }))
+    }
+
+    fn restart(&mut self) -> Result<(), Failure> {
+        let begun = self.stepper.restart(&mut self.model, self.t, &self.y, JacobianMemory::Forget);
+        begun.map_err(|e| of_integration(&self.model.instance, e, self.t))
+    }
+
+    /// Everything that happens at one instant of the last step.
+    fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
+        self.record_grid(t, false)?;
+        if t == self.stepper.t() {
+            self.y.copy_from_slice(self.stepper.y());
+        } else {
+            self.stepper.interpolate(t, &mut self.y);
+        }
+        let fault = |s: &Self, f: Fault| of_fault(&s.model.instance, f, t);
+        self.model.evaluate_all(t, &self.y).map_err(|f| fault(self, f))?;
+        self.t = t;
+        let held = self.held_relations();
+        self.recorder_write(t)?;
+        let ticked = self.clocks.raise(&mut self.model.instance, t);
+        let outcome = settle(&mut self.model.instance, &self.clocks);
+        let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
+        let flipped = self.flipped(&held);
+        let n = self.program.order();
+        self.y[..n].copy_from_slice(self.model.instance.states());
+        self.record(t)?;
+        while self.recorder.due(t, true).is_some() {
+            self.recorder.advance();
+        }
+        self.announce(t, cause, ticked, &flipped, settled);
+        if cause == Cause::State || !ticked {
+            self.guard_against_chattering(t, &flipped)?;
+        }
+        self.check_assertions(t)?;
+        self.act_on(settled, t)?;
+        if !self.ended && t < self.stop {
+            self.restart()?;
+        }
+        Ok(())
+    }
+
+    /// Records the rows of the grid up to `end`.
+    fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
+        while let Some(at) = self.recorder.due(end, inclusive) {
+            if at == self.stepper.t() {
+                self.y.copy_from_slice(self.stepper.y());
+            } else {
+                self.stepper.interpolate(at, &mut self.y);
+            }
+            self.record(at)?;
+            self.recorder.advance();
+        }
+        Ok(())
+    }
+
+    /// Records the row at `t` with the states in `self.y`.
+    fn record(&mut self, t: f64) -> Result<(), Failure> {
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        self.recorder_write(t)
+    }
+
+    /// Records the values in the memory.
+    fn recorder_write(&mut self, t: f64) -> Result<(), Failure> {
+        self.statistics.rows += 1;
+        self.recorder.write(&self.model.instance, t, self.sink).map_err(|v| {
+            let reader = Reader::new(self.program, &self.model.instance.memory);
+            Failure::numerics(t, reader.not_finite(v, Sequence::Continuous, t))
+        })
+    }
+
+    fn held_relations(&self) -> Vec<f64> {
+        let first = self.program.layout.relations;
+        (0..self.program.watches.len() as Slot)
+            .map(|k| self.model.instance.get(first + k))
+            .collect()
+    }
+
+    /// Relations that differ from what was held, and whether they became true.
+    fn flipped(&self, held: &[f64]) -> Vec<(u32, bool)> {
+        let now = self.held_relations();
+        let pairs = now.iter().zip(held).enumerate();
+        pairs.filter(|(_, (a, b))| a != b).map(|(k, (a, _))| (k as u32, *a != 0.0)).collect()
+    }
+
+    /// Counts the event and tells the sink.
+    fn announce(
+        &mut self,
+        t: f64,
+        cause: Cause,
+        ticked: bool,
+        flipped: &[(u32, bool)],
+        settled: Settled,
+    ) {
+        // A switching that the event iteration does not confirm is rounding, not an event.
+        if !settled.changed {
+            return;
+        }
+        match cause {
+            Cause::State => self.statistics.state_events += 1,
+            Cause::Time => self.statistics.time_events += 1,
+        }
+        for &(k, truth) in flipped {
+            if self.program.watches[k as usize] == Watch::Discrete {
+                continue;
+            }
+            let what = format!("{} became {truth}", self.relation_text(k));
+            let place = self.place(self.relation_span(k));
+            self.sink.event(Event { time: t, what, place });
+        }
+        if ticked {
+            let event = Event { time: t, what: "sample".to_owned(), place: String::new() };
+            self.sink.event(event);
+        } else if flipped.is_empty() {
+            let event = Event { time: t, what: "time event".to_owned(), place: String::new() };
+            self.sink.event(event);
+        }
+    }
+
+    fn relation_text(&mut self, k: u32) -> String {
+        let program = self.program;
+        self.texts[k as usize].get_or_insert_with(|| relation_text(program, k)).clone()
+    }
+
+    fn relation_span(&self, k: u32) -> Span {
+        self.program.blocks.dae.relations[k as usize].origin.span
+    }
+
+    fn place(&self, span: Span) -> String {
+        self.sources.place(span).unwrap_or_default()
+    }
+
+    fn guard_against_chattering(&mut self, t: f64, flipped: &[(u32, bool)]) -> Result<(), Failure> {
+        let recent = &mut self.recent;
+        let oldest = recent.times[recent.at];
+        recent.times[recent.at] = t;
+        recent.at = (recent.at + 1) % CHATTER_EVENTS;
+        if t - oldest > recent.span {
+            return Ok(());
+        }
+        let duration = t - oldest;
+        let k = flipped.first().map(|f| f.0);
+        let what =
+            k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));
+        let span = k.map_or(Span::NONE, |k| self.relation_span(k));
+        let message = format!(
+            "at time {t} s {what} switches without end: {CHATTER_EVENTS} events within {duration:e} s"
+        );
+        let diagnostic = Diagnostic::error("MO0911", span, message)
+            .label("this relation chatters")
+            .help("give the two branches a hysteresis or a smooth transition, or model the state between them (locked, resting) explicitly");
+        Err(Failure::numerics(t, diagnostic))
+    }
+
+    /// Assertions outside of when-clauses, as evaluated last.
+    fn check_assertions(&mut self, t: f64) -> Result<(), Failure> {
+        for k in 0..self.program.asserts.len() {
+            let cells = self.program.asserts[k];
+            if cells.at_events || self.model.instance.get(cells.condition) != 0.0 {
+                continue;
+            }
+            let warning = self.program.blocks.dae.asserts[k].assert.warning;
+            if !warning {
+                return Err(self.assertion(k, t));
+            }
+            if !std::mem::replace(&mut self.warned[k], true) {
+                let failure = self.assertion(k, t);
+                let severity = crate::base::diag::Severity::Warning;
+                self.statistics.warnings.push(Diagnostic { severity, ..failure.diagnostic });
+            }
+        }
+        Ok(())
+    }
+
+    fn assertion(&self, k: usize, t: f64) -> Failure {
+        let guarded = &self.program.blocks.dae.asserts[k];
+        let reader = Reader::new(self.program, &self.model.instance.memory);
+        let message = format!("at time {t} s: {}", self.message(guarded.assert.message));
+        let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
+            .label(format!("`{}` is false", reader.text(guarded.assert.condition)));
+        Failure { kind: FailureKind::Assertion, time: t, diagnostic }
+    }
+
+    /// The text of a `String` expression.
+    fn message(&self, e: ExprId) -> String {
+        match self.program.blocks.dae.graph.as_const(e) {
+            Some(Const::String(text)) => text.to_string(),
+            _ => Reader::new(self.program, &self.model.instance.memory).text(e),
+        }
+    }
+
+    /// Failed assertions and terminations of an event iteration.
+    fn act_on(&mut self, settled: Settled, t: f64) -> Result<(), Failure> {
+        if let Some(k) = settled.failed {
+            return Err(self.assertion(k, t));
+        }
+        if let Some(k) = settled.terminate {
+            let message = self.program.blocks.dae.terminates[k].message;
+            self.statistics.terminated = Some(self.message(message));
+            self.ended = true;
+        }
+        Ok(())
+    }
+}
+
+fn options(model: &Model<'_>, settings: &Settings) -> Options {
+    let program = model.instance.program;
+    let nominals = program.layout.nominals.iter().map(|slot| {
+        let size = model.instance.get(*slot).abs();
+        if size > 0.0 && size.is_finite() { size } else { 1.0 }
+    });
+    let mut nominals: Vec<f64> = nominals.collect();
+    nominals.resize(program.order().max(1), 1.0);
+    let mut options = Options::with_nominals(settings.tolerance, &nominals);
+    if program.order() == 0 && settings.stop > settings.start {
+        // Nothing limits the error of a resting state, but events must not be stepped over.
+        options.max_step = settings.interval;
+    }
+    options
+}
+
+fn unsettled(model: &Model<'_>, why: Unsettled, t: f64) -> Failure {
+    match why {
+        Unsettled::Fault(fault) => of_fault(&model.instance, fault, t),
+        Unsettled::Restless(variables, relations) => {
+            let program = model.instance.program;
+            let mut names: Vec<String> =
+                variables.iter().map(|v| format!("`{}`", program.name(*v))).collect();
+            names.extend(relations.iter().map(|k| format!("`{}`", relation_text(program, *k))));
+            let dae = &program.blocks.dae;
+            let span = match (variables.first(), relations.first()) {
+                (Some(v), _) => {
+                    let equation = dae.discrete.iter().find(|q| q.variable == *v);
+                    equation.map_or(dae.variables[*v].span, |q| q.origin.span)
+                }
+                (None, Some(k)) => dae.relations[*k as usize].origin.span,
+                _ => Span::NONE,
+            };
+            let message = format!(
+                "at time {t} s the event iteration does not end: {} keep changing",
+                names.join(", ")
+            );
+            let diagnostic = Diagnostic::error("MO0913", span, message)
+                .help("break the circle of conditions that trigger each other by `pre`");
+            Failure::numerics(t, diagnostic)
+        }
+    }
+}
+
+fn no_start(model: &Model<'_>, why: NoStart, t: f64) -> Failure {
+    let program = model.instance.program;
+    match why {
+        NoStart::NotAnInput(v) => Failure::settings(format!(
+            "`{}` can not be set for a run: it is not a parameter or start value of the program",
+            program.name(v)
+        )),
+        NoStart::Parameter(v) => {
+            let reader = Reader::new(program, &model.instance.fault_memory);
+            let value = program.blocks.dae.parameters.iter().find(|p| p.0 == v).map(|p| p.1);
+            let diagnostic = match value {
+                Some(value) => {
+                    let source = crate::ir::blocks::Source::Start(v);
+                    reader.expression_not_finite(value, source, Sequence::Initial, t)
+                }
+                None => reader.plain("a parameter is not finite", t),
+            };
+            Failure::numerics(t, diagnostic)
+        }
+        NoStart::Unsettled(u) => unsettled(model, u, t),
+    }
+}

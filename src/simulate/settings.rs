@@ -1,0 +1,59 @@
+//! What a run may choose, with its only defaults.
+
+use crate::ir::expr::VarId;
+use crate::ir::flat::Experiment;
+
+/// Default end of a run, s.
+pub const DEFAULT_STOP: f64 = 1.0;
+/// Default number of intervals between rows.
+pub const DEFAULT_INTERVALS: f64 = 500.0;
+/// Default relative tolerance.
+pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+
+/// Choices for one run.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Settings {
+    /// Begin, s.
+    pub start: f64,
+    /// End, s; not before `start`.
+    pub stop: f64,
+    /// Time between two rows, s; positive.
+    pub interval: f64,
+    /// Tolerated relative error of a step, without unit, between 1e-14 and 1.
+    pub tolerance: f64,
+    /// Values for parameters.
+    pub parameters: Vec<(VarId, f64)>,
+    /// Values for starts.
+    pub starts: Vec<(VarId, f64)>,
+}
+
+impl Settings {
+    /// What the model asks for, with defaults where it does not.
+    pub fn of(experiment: &Experiment) -> Self {
+        let start = experiment.start.unwrap_or(0.0);
+        let stop = experiment.stop.unwrap_or(start + DEFAULT_STOP);
+        Settings {
+            start,
+            stop,
+            interval: experiment.interval.unwrap_or((stop - start) / DEFAULT_INTERVALS),
+            tolerance: experiment.tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            parameters: Vec::new(),
+            starts: Vec::new(),
+        }
+    }
+
+    /// What is out of range, if anything.
+    pub fn fault(&self) -> Option<String> {
+        let Settings { start, stop, interval, tolerance, .. } = self;
+        if !(start.is_finite() && stop.is_finite() && stop >= start) {
+            return Some(format!("the run can not go from {start} s to {stop} s"));
+        }
+        if !(*interval > 0.0) && stop > start {
+            return Some(format!("the interval between rows is {interval} s, not positive"));
+        }
+        if !(*tolerance > 1e-14 && *tolerance < 1.0) {
+            return Some(format!("the tolerance {tolerance} is not between 1e-14 and 1"));
+        }
+        None
+    }
+}
