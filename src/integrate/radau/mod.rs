@@ -302,9 +302,9 @@ impl Radau {
     fn plan(&self, h: f64, success: &Success, repeated: bool) -> f64 {
         let error = success.error;
         let mut divisor =
-            (error.powf(0.25) / safety(success.iterations)).clamp(1.0 / GROWTH, 1.0 / SHRINK);
+            (fourth_root(error) / safety(success.iterations)).clamp(1.0 / GROWTH, 1.0 / SHRINK);
         if let Some((h_last, error_last)) = self.history.last {
-            let predicted = (h_last / h) * (error * error / error_last).powf(0.25) / SAFETY;
+            let predicted = (h_last / h) * fourth_root(error * error / error_last) / SAFETY;
             divisor = divisor.max(predicted.clamp(1.0 / GROWTH, 1.0 / SHRINK));
         }
         let mut wanted = h / divisor;
@@ -316,7 +316,7 @@ impl Radau {
         }
         let between = self.polynomial.error_between_nodes(&self.weights);
         if between > BETWEEN_NODES {
-            wanted = wanted.min(h * (BETWEEN_NODES / between).powf(0.25).max(SHRINK));
+            wanted = wanted.min(h * fourth_root(BETWEEN_NODES / between).max(SHRINK));
         }
         wanted.min(self.options.max_step)
     }
@@ -330,7 +330,7 @@ impl Radau {
             Trouble::Error { size, iterations, .. } => {
                 self.stats.rejected += 1;
                 let limit = if self.history.last.is_none() { SHRINK_FIRST } else { SHRINK };
-                (safety(iterations) / size.powf(0.25)).clamp(limit, 1.0)
+                (safety(iterations) / fourth_root(size)).clamp(limit, 1.0)
             }
             Trouble::Newton { reduction, .. } => {
                 self.stats.convergence_failures += 1;
@@ -443,10 +443,12 @@ impl Stepper for Radau {
         self.t_previous = t;
         self.polynomial.set_constant(t, y);
         self.stages.forget();
-        self.matrix.set_mass(system.differential());
+        let changed = self.matrix.set_mass(system.differential());
         self.history = History { h: 0.0, last: None, continued: false };
         self.jacobian = match (jacobian, self.jacobian) {
-            (JacobianMemory::Keep, JacobianAge::Fresh | JacobianAge::Old) => JacobianAge::Old,
+            (JacobianMemory::Keep, JacobianAge::Fresh | JacobianAge::Old) if !changed => {
+                JacobianAge::Old
+            }
             _ => JacobianAge::Outdated,
         };
         error_weights(&self.options, &self.now.y, &mut self.weights);
@@ -495,4 +497,8 @@ impl Stepper for Radau {
 fn safety(iterations: u32) -> f64 {
     let (most, used) = (f64::from(MAX_ITERATIONS), f64::from(iterations));
     SAFETY * (2.0 * most + 1.0) / (2.0 * most + used)
+}
+
+fn fourth_root(x: f64) -> f64 {
+    x.sqrt().sqrt()
 }
