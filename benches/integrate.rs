@@ -10,6 +10,10 @@ use mocc::integrate::system::{EvalError, System};
 use mocc::math::numeric::linear::{ComplexLu, DenseLu};
 use mocc::math::numeric::small_lu;
 
+/// Counts allocations, of which a step makes none.
+#[global_allocator]
+static ALLOCATOR: divan::AllocProfiler = divan::AllocProfiler::system();
+
 fn main() {
     divan::main();
 }

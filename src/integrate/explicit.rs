@@ -224,6 +224,10 @@ impl Stepper for DormandPrince {
                 return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
             }
             let span = fit_to_stop(self.now.t, self.h, t_stop);
+            if !(span.end > self.now.t) {
+                let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
+                return Err(Failure::StepTooSmall { t: self.now.t, h: span.h, component });
+            }
             match self.attempt(system, span) {
                 Ok(error) => {
                     self.complete(span, error, cuts > 0);
