@@ -391,10 +391,11 @@ impl Stepper for Radau {
     }
 
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
-        if !(self.t_previous < t && t < self.now.t) {
+        // The point before waits in `next` since the step was completed, unless a later attempt to
+        // step failed.
+        if !(self.t_previous < t && t < self.now.t) || self.next.t != self.t_previous {
             return Ok(());
         }
-        // The point before waits in `next` since the step was completed.
         std::mem::swap(&mut self.now, &mut self.next);
         error_weights(&self.options, &self.now.y, &mut self.weights);
         let span = Span { h: t - self.now.t, end: t, last: true };
@@ -471,7 +472,8 @@ impl Stepper for Radau {
     }
 }
 
-/// The safety factor, smaller the harder the iteration was (Hairer & Wanner II, sec. IV.8, step size selection).
+/// The safety factor, smaller the harder the iteration was (Hairer & Wanner II, sec. IV.8, on the
+/// selection of the step size).
 fn safety(iterations: u32) -> f64 {
     let (most, used) = (f64::from(MAX_ITERATIONS), f64::from(iterations));
     SAFETY * (2.0 * most + 1.0) / (2.0 * most + used)
