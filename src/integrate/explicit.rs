@@ -72,6 +72,8 @@ pub struct DormandPrince {
     dense: [Vec<f64>; 4],
     /// Where the dense output ends.
     dense_end: f64,
+    /// The slope where the last step began is still in the last stage.
+    whole: bool,
     trial: Vec<f64>,
     h: f64,
     error_last: f64,
@@ -99,6 +101,7 @@ impl DormandPrince {
             slopes: std::array::from_fn(|_| zeros()),
             dense: std::array::from_fn(|_| zeros()),
             dense_end: 0.0,
+            whole: false,
             trial: zeros(),
             h: 0.0,
             error_last: 1e-4,
@@ -108,6 +111,7 @@ impl DormandPrince {
 
     /// All stages of a step; the last is evaluated at the result, which is left in `next_y`.
     fn attempt(&mut self, system: &mut dyn System, span: Span) -> Result<f64, Trouble> {
+        self.whole = false;
         for (stage, row) in A.iter().enumerate() {
             let (done, open) = self.slopes.split_at_mut(stage);
             let y = &mut self.next_y;
@@ -159,6 +163,7 @@ impl DormandPrince {
 
     /// Makes the result of an attempt the accepted point.
     fn advance_to(&mut self, end: f64) {
+        self.whole = true;
         self.t_previous = self.now.t;
         self.now.t = end;
         self.dense_end = end;
@@ -224,6 +229,10 @@ impl Stepper for DormandPrince {
                 return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
             }
             let span = fit_to_stop(self.now.t, self.h, t_stop);
+            if !(span.end > self.now.t) {
+                let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
+                return Err(Failure::StepTooSmall { t: self.now.t, h: span.h, component });
+            }
             match self.attempt(system, span) {
                 Ok(error) => {
                     self.complete(span, error, cuts > 0);
@@ -239,10 +248,11 @@ impl Stepper for DormandPrince {
     }
 
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
-        if !(self.t_previous < t && t < self.now.t) {
+        // The slope at the point before waits in the last stage since the step was completed, unless
+        // a later attempt to step failed.
+        if !(self.t_previous < t && t < self.now.t && self.whole) {
             return Ok(());
         }
-        // The slope at the point before waits in the last stage since the step was completed.
         std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
         std::mem::swap(&mut self.now.y, &mut self.y_previous);
         let end = self.now.t;

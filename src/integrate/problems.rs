@@ -1,5 +1,7 @@
 //! Test problems with known solutions, shared by the tests of all steppers.
 
+#![allow(clippy::excessive_precision, reason = "all digits of the sources are kept")]
+
 use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};

@@ -29,7 +29,7 @@ pub trait Stepper {
     /// Redoes the last step so that it ends at `t` in `(t_previous(), t())`, to the accuracy of the
     /// step's end rather than that of the interpolation: for the state at an event inside the step.
     ///
-    /// Without effect for other `t`. Only directly after `step`. After a failure the stepper stands at
+    /// Without effect for other `t`, or if `step` failed since. After a failure the stepper stands at
     /// `t_previous()`, and `interpolate` still serves the whole last step.
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure>;
 

@@ -383,6 +383,28 @@ fn failures_end_and_name_the_culprit() {
     }
 }
 
+/// The linear systems spread a NaN over all components; the one that brought it is named.
+#[test]
+fn the_source_of_a_nan_is_named() {
+    let mut system = ode(
+        3,
+        |t: f64, y: &[f64], f: &mut [f64]| {
+            let sum: f64 = y.iter().sum();
+            f.copy_from_slice(&[sum, if t > 0.5 { f64::NAN } else { -sum }, sum]);
+            Ok(())
+        },
+        |_, _: &[f64], j: &mut [f64]| {
+            j.copy_from_slice(&[1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0]);
+        },
+    );
+    let mut stepper = radau(1e-6, &[1.0; 3]);
+    let failure = run(&mut stepper, &mut system, (0.0, &[1.0; 3]), 1.0).unwrap_err();
+    match failure {
+        Failure::NonFinite { t, component: 1 } => assert!((t - 0.5).abs() < 1e-12, "{t}"),
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn an_undetermined_algebraic_component_is_named() {
     // 0 = y0 - 1 twice; y1 is in no equation.
