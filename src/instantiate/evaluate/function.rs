@@ -249,6 +249,10 @@ impl Context<'_> {
             let (_, value) = self.evaluation.locals[frame..].iter().find(|(n, _)| *n == name)?;
             results.push(value.clone());
         }
+        // Relations in functions make no events (section 12.2 of the specification).
+        for value in &mut results {
+            *value = value.each_scalar(&mut |e| self.graph.no_event(e));
+        }
         match results.len() {
             1 => results.pop(),
             _ => Some(Value::Tuple(results.into())),

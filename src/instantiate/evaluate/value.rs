@@ -117,6 +117,22 @@ impl Value {
         }
     }
 
+    /// The value with every scalar in it replaced.
+    pub fn each_scalar(&self, f: &mut impl FnMut(ExprId) -> ExprId) -> Value {
+        match self {
+            Value::Scalar(e) => Value::Scalar(f(*e)),
+            Value::Array(a) => Value::Array(Rc::new(Array {
+                dims: a.dims.clone(),
+                elements: a.elements.iter().map(|v| v.each_scalar(f)).collect(),
+            })),
+            Value::Record(r) => Value::Record(Rc::new(Record {
+                class: r.class,
+                fields: r.fields.iter().map(|(n, v)| (*n, v.each_scalar(f))).collect(),
+            })),
+            Value::Tuple(t) => Value::Tuple(t.iter().map(|v| v.each_scalar(f)).collect()),
+        }
+    }
+
     /// Calls `f` with every scalar in it.
     pub fn for_each_scalar(&self, f: &mut impl FnMut(ExprId)) {
         match self {
