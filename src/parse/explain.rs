@@ -84,7 +84,7 @@ impl Builder<'_> {
             Failure::UnrecognizedEof { expected, .. } => (self.text.len() as u32, None, expected),
             Failure::User { error: (at, bound) } => {
                 let span = self.span(at, at);
-                self.problems.push(SyntaxError::TooDeep { span, bound }.into());
+                self.report(SyntaxError::TooDeep { span, bound });
                 return;
             }
             // Without a lexer of its own and with `$` after the start symbol, LALRPOP makes neither.
@@ -113,7 +113,7 @@ impl Builder<'_> {
             None if obstacle.kind.is_none() && self.unclosed_reported => return,
             None => self.semicolon(&obstacle).unwrap_or_else(|| self.unexpected(&obstacle)),
         };
-        self.problems.push(error.into());
+        self.report(error);
     }
 
     /// Where reading resumes after an error at `offset`.
@@ -183,7 +183,7 @@ impl Builder<'_> {
             return Some(error);
         }
         // A section keyword some lines above: `equaton` was taken for a type.
-        let above = self.tokens[o.at.saturating_sub(HORIZON)..o.at.min(self.tokens.len())]
+        let above = self.tokens[o.at.saturating_sub(HORIZON)..self.tokens.len().min(o.at + 1)]
             .windows(3)
             .rev()
             .take_while(|w| !w[1].kind.starts_section());
@@ -280,6 +280,14 @@ impl Builder<'_> {
             let end = self.text.len() as u32;
             return SyntaxError::UnexpectedEnd { span: self.span(end, end), expected };
         };
+        let forgotten = !o.expects_expression()
+            && self.before(o.at).is_some_and(|before| {
+                before.kind != Kind::Semicolon && self.lines_between(before, token)
+            });
+        if forgotten {
+            let at = self.gap_before(o.at);
+            return SyntaxError::Missing { at, expected, found: self.found(o.at) };
+        }
         SyntaxError::Unexpected {
             span: self.span(token.start, token.end),
             expected,
@@ -291,12 +299,8 @@ impl Builder<'_> {
     /// Advice for well-known slips.
     fn remedy(&self, o: &Obstacle<'_>, found: Kind) -> Option<&'static str> {
         let before = self.before(o.at)?.kind;
-        let relation = |k| {
-            use Kind::*;
-            matches!(k, Less | LessEqual | Greater | GreaterEqual | EqualEqual | NotEqual)
-        };
         let sign = matches!(found, Kind::Plus | Kind::Minus | Kind::DotPlus | Kind::DotMinus);
-        if o.expects_expression() && sign && is_arithmetic(before) {
+        if o.expects_expression() && sign && before.is_arithmetic() {
             return Some("a sign after an operator needs parentheses, as in `a*(-b)`");
         }
         if found == Kind::Not && o.expects_expression() {
@@ -311,7 +315,7 @@ impl Builder<'_> {
         if matches!(found, Kind::Caret | Kind::DotCaret) && !o.expects(found) {
             return Some("powers do not chain: write `(a^b)^c` or `a^(b^c)`");
         }
-        if relation(found) && !o.expects(found) {
+        if found.is_relation() && !o.expects(found) {
             return Some("relations do not chain: write `a < b and b < c`");
         }
         if found == Kind::Equals && o.expects(Kind::Then) {
@@ -439,7 +443,8 @@ impl Builder<'_> {
     fn open_bracket(&self, at: usize) -> Option<Token> {
         let mut depth = 0;
         let mut matrix = false;
-        for token in self.tokens[..at.min(self.tokens.len())].iter().rev() {
+        let from = at.saturating_sub(HORIZON);
+        for token in self.tokens[from..at.min(self.tokens.len())].iter().rev() {
             if token.kind.closes() {
                 depth += 1;
             } else if token.kind.opens() {
@@ -465,7 +470,7 @@ impl Builder<'_> {
             _ => Kind::While,
         };
         let mut depth = 0;
-        for i in (1..at.min(self.tokens.len())).rev() {
+        for i in (1..at.min(self.tokens.len())).rev().take(HORIZON) {
             let (kind, before) = (self.tokens[i].kind, self.tokens[i - 1].kind);
             let begins_line = before == Kind::Semicolon
                 || before.starts_section()
@@ -490,14 +495,6 @@ fn is_word(kind: Kind) -> bool {
 /// Keywords that no bracket contains.
 fn is_outside(kind: Kind) -> bool {
     matches!(kind, Kind::Then | Kind::Loop | Kind::Annotation)
-}
-
-fn is_arithmetic(kind: Kind) -> bool {
-    use Kind::*;
-    matches!(
-        kind,
-        Plus | Minus | Star | Slash | Caret | DotPlus | DotMinus | DotStar | DotSlash | DotCaret
-    )
 }
 
 /// Tokens with which an operand begins: before them an operator may be missing.

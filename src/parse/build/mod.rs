@@ -20,6 +20,9 @@ use crate::ir::ast::{Class, Ident, Path};
 /// Classes and blocks of equations nested deeper than this are refused.
 pub const MAX_BLOCKS: usize = 250;
 
+/// After this many errors in a file, the rest is not worth reading.
+const MAX_REPORTS: usize = 200;
+
 /// The state of one parse.
 pub struct Builder<'t> {
     pub(super) file: FileId,
@@ -36,6 +39,8 @@ pub struct Builder<'t> {
     blocks: usize,
     /// Consequences of an error, up to this byte, are not reported.
     pub(super) quiet_until: u32,
+    /// Number of errors found so far.
+    reported: usize,
     /// An unclosed class was reported already; the end of the file is its consequence.
     pub(super) unclosed_reported: bool,
 }
@@ -65,6 +70,7 @@ impl<'t> Builder<'t> {
             open: Vec::new(),
             blocks: 0,
             quiet_until: 0,
+            reported: 0,
             unclosed_reported: false,
         }
     }
@@ -112,8 +118,11 @@ impl<'t> Builder<'t> {
     }
 
     /// Reports what is wrong with a construct that has been read completely.
-    fn report(&mut self, error: SyntaxError) {
-        self.problems.push(error.into());
+    pub(super) fn report(&mut self, error: SyntaxError) {
+        self.reported += 1;
+        if self.reported <= MAX_REPORTS {
+            self.problems.push(error.into());
+        }
     }
 
     /// The span of the first token of this kind at or after `start`.
