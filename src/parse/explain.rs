@@ -90,7 +90,7 @@ impl Builder<'_> {
             // Without a lexer of its own and with `$` after the start symbol, LALRPOP makes neither.
             Failure::InvalidToken { .. } | Failure::ExtraToken { .. } => return,
         };
-        if start < self.quiet_until {
+        if start < self.quiet_until || self.exhausted() {
             return;
         }
         let at = self.tokens.partition_point(|t| t.start < start);
@@ -509,5 +509,108 @@ fn phrase(kind: Kind) -> String {
         Kind::String => "a string".into(),
         Kind::EndValue => "`end`".into(),
         other => format!("`{}`", other.text()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::base::diag::Problems;
+    use crate::base::render::{Style, render_all};
+    use crate::base::source::SourceMap;
+    use crate::parse::grammar::parse;
+
+    /// The codes of the errors in order, and the text with its rendered errors.
+    fn check(text: &str) -> (Vec<&'static str>, String) {
+        let mut sources = SourceMap::default();
+        let file = sources.add("a.mo", text);
+        let mut problems = Problems::new();
+        parse(file, text, &mut problems);
+        let codes = problems.sorted().iter().map(|p| p.code).collect();
+        (codes, format!("{text}\n----\n{}", render_all(&problems, &sources, Style::Plain)))
+    }
+    macro_rules! said {
+        ($name:literal, $codes:expr, $text:expr) => {
+            let (codes, page) = check($text);
+            assert_eq!(codes, $codes, "{page}");
+            insta::assert_snapshot!($name, page);
+        };
+    }
+
+    #[test]
+    fn semicolons() {
+        said!(
+            "semicolons",
+            ["MO0003", "MO0003", "MO0003"],
+            "model A\n  Real x\n  Real y;\nequation\n  x = 1\n  y = 2;\nend A\nmodel B end B;"
+        );
+    }
+    #[test]
+    fn brackets() {
+        said!(
+            "brackets",
+            ["MO0004", "MO0004", "MO0004", "MO0004"],
+            "model A\n  Real x(start = 1;\nequation\n  x = (1 + 2*(y - 3);\n  y = sin(x));\n  x = {1, 2;\nend A;"
+        );
+    }
+    #[test]
+    fn misspelt_keywords() {
+        said!(
+            "misspelt_keywords",
+            ["MO0020", "MO0020", "MO0020"],
+            "model A\n  paramter Real x = 1;\nequaton\n  der(y) = x;\n  whenn x > 1 then\n    y = 2;\n  end when;\nend A;"
+        );
+        assert_eq!(check("modle A\n  Real x;\nend A;").0, ["MO0020"]);
+    }
+    #[test]
+    fn ends() {
+        said!(
+            "ends",
+            ["MO0005", "MO0006"],
+            "package P\n  model A\n  end B;\n  model C\n    Real y;\nend P;"
+        );
+        assert_eq!(check("package P\n  model A\n    Real x;").0, ["MO0006"]);
+    }
+    #[test]
+    fn equality_and_assignment() {
+        said!(
+            "equality",
+            ["MO0007", "MO0007", "MO0009", "MO0001", "MO0008", "MO0008", "MO0018"],
+            "model A\nequation\n  x := 1;\n  x == y;\n  x + y;\n  if a = b then\n    x = 1;\n  end if;\n\
+             algorithm\n  x = 2;\n  x == 2;\n  x + 1 := 3;\nend A;"
+        );
+    }
+    #[test]
+    fn else_if() {
+        said!(
+            "else_if",
+            ["MO0006"],
+            "model A\nequation\n  if a then\n    x = 1;\n  else if b then\n    x = 2;\n  end if;\nend A;"
+        );
+    }
+    #[test]
+    fn operators() {
+        said!(
+            "operators",
+            ["MO0011", "MO0011", "MO0001", "MO0001", "MO0001"],
+            "model A\n  Boolean c = a != b && d;\nequation\n  x = a * -b;\n  x = a^b^c;\n  c = a < b < d;\nend A;"
+        );
+    }
+    #[test]
+    fn one_message_for_each_broken_line() {
+        said!(
+            "broken_lines",
+            ["MO0001"; 6],
+            "model A\n  Real 3x;\n  Real x y;\nequation\n  x = ;\n  x y = 2;\n  connect(a, );\nalgorithm\n  \
+             while x > 1 then\n    x := 2;\n  end while;\nend A;"
+        );
+    }
+    #[test]
+    fn unterminated_text_is_said_once() {
+        for (text, code) in [
+            ("model A \"text\n  Real x;\nend A;", "MO0012"),
+            ("model A\n  Real x; /* c\nend A;", "MO0013"),
+        ] {
+            assert_eq!(check(text).0, [code]);
+        }
     }
 }

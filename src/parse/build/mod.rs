@@ -117,6 +117,10 @@ impl<'t> Builder<'t> {
         self.syntax_error(recovery.error, context);
     }
 
+    /// True if further errors will not be reported.
+    pub(super) fn exhausted(&self) -> bool {
+        self.reported >= MAX_REPORTS
+    }
     /// Reports what is wrong with a construct that has been read completely.
     pub(super) fn report(&mut self, error: SyntaxError) {
         self.reported += 1;
