@@ -2,6 +2,9 @@
 //!
 //! The builder also checks what a context-free grammar can not (names after `end`, which prefixes
 //! stand together) and turns LALRPOP's recoveries into diagnostics.
+//!
+//! Nodes come and go in boxes: every entry of the parser's stack is as large as the largest of them.
+#![allow(clippy::boxed_local, clippy::vec_box)] // see above
 
 pub mod class;
 pub mod equation;
