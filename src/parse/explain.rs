@@ -238,7 +238,7 @@ impl Builder<'_> {
             .windows(2)
             .any(|w| w[0].kind == Kind::Else && w[1].kind == Kind::If);
         let help = (keyword == Kind::EndIf && else_if)
-            .then(|| "`else if` opens another `if` with an `end if` of its own; write `elseif`");
+            .then_some("`else if` opens another `if` with an `end if` of its own; write `elseif`");
         let open = self.tokens[open];
         Some(SyntaxError::UnclosedBlock {
             span: self.span(at.start, at.end),
