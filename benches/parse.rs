@@ -35,7 +35,7 @@ fn library(n: usize) -> String {
     text + "end Library;\n"
 }
 
-#[divan::bench(args = [100, 10_000])]
+#[divan::bench(args = [100, 10_000], sample_count = 10)]
 fn parse_library(bencher: divan::Bencher<'_, '_>, models: usize) {
     let text = library(models);
     bencher.counter(divan::counter::BytesCount::of_str(&text)).bench(|| {
