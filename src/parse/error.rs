@@ -49,6 +49,7 @@ pub enum Bound {
 #[allow(missing_docs)] // the codes and messages below are the documentation
 pub enum SyntaxError {
     Unexpected { span: Span, expected: String, found: String, help: Option<String> },
+    Missing { at: Span, expected: String, found: String },
     UnexpectedEnd { span: Span, expected: String },
     MissingSemicolon { at: Span, after: Context, found: String },
     UnclosedBracket { at: Span, open: Span, bracket: Kind },
@@ -94,6 +95,10 @@ impl From<SyntaxError> for Diagnostic {
             Unexpected { span, expected, found, help } => {
                 let d = err("MO0001", span, format!("expected {expected}, found {found}"));
                 with_help(d.label("not expected here"), help)
+            }
+            Missing { at, expected, found } => {
+                err("MO0001", at, format!("expected {expected}, found {found}"))
+                    .label("something is missing here")
             }
             UnexpectedEnd { span, expected } => {
                 err("MO0002", span, format!("expected {expected}, found the end of the file"))
@@ -184,7 +189,7 @@ impl From<SyntaxError> for Diagnostic {
             TooDeep { span, bound } => {
                 let what = match bound {
                     Bound::Brackets => "brackets are nested too deeply",
-                    Bound::Height => "the expression has too many operators",
+                    Bound::Height => "the expression is nested too deeply",
                     Bound::Blocks => "classes or equations are nested too deeply",
                 };
                 err("MO0014", span, what).note("the rest of the file is not read")

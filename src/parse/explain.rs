@@ -84,13 +84,13 @@ impl Builder<'_> {
             Failure::UnrecognizedEof { expected, .. } => (self.text.len() as u32, None, expected),
             Failure::User { error: (at, bound) } => {
                 let span = self.span(at, at);
-                self.problems.push(SyntaxError::TooDeep { span, bound }.into());
+                self.report(SyntaxError::TooDeep { span, bound });
                 return;
             }
             // Without a lexer of its own and with `$` after the start symbol, LALRPOP makes neither.
             Failure::InvalidToken { .. } | Failure::ExtraToken { .. } => return,
         };
-        if start < self.quiet_until {
+        if start < self.quiet_until || self.exhausted() {
             return;
         }
         let at = self.tokens.partition_point(|t| t.start < start);
@@ -113,7 +113,7 @@ impl Builder<'_> {
             None if obstacle.kind.is_none() && self.unclosed_reported => return,
             None => self.semicolon(&obstacle).unwrap_or_else(|| self.unexpected(&obstacle)),
         };
-        self.problems.push(error.into());
+        self.report(error);
     }
 
     /// Where reading resumes after an error at `offset`.
@@ -183,7 +183,7 @@ impl Builder<'_> {
             return Some(error);
         }
         // A section keyword some lines above: `equaton` was taken for a type.
-        let above = self.tokens[o.at.saturating_sub(HORIZON)..o.at.min(self.tokens.len())]
+        let above = self.tokens[o.at.saturating_sub(HORIZON)..self.tokens.len().min(o.at + 1)]
             .windows(3)
             .rev()
             .take_while(|w| !w[1].kind.starts_section());
@@ -238,7 +238,7 @@ impl Builder<'_> {
             .windows(2)
             .any(|w| w[0].kind == Kind::Else && w[1].kind == Kind::If);
         let help = (keyword == Kind::EndIf && else_if)
-            .then(|| "`else if` opens another `if` with an `end if` of its own; write `elseif`");
+            .then_some("`else if` opens another `if` with an `end if` of its own; write `elseif`");
         let open = self.tokens[open];
         Some(SyntaxError::UnclosedBlock {
             span: self.span(at.start, at.end),
@@ -280,6 +280,14 @@ impl Builder<'_> {
             let end = self.text.len() as u32;
             return SyntaxError::UnexpectedEnd { span: self.span(end, end), expected };
         };
+        let forgotten = !o.expects_expression()
+            && self.before(o.at).is_some_and(|before| {
+                before.kind != Kind::Semicolon && self.lines_between(before, token)
+            });
+        if forgotten {
+            let at = self.gap_before(o.at);
+            return SyntaxError::Missing { at, expected, found: self.found(o.at) };
+        }
         SyntaxError::Unexpected {
             span: self.span(token.start, token.end),
             expected,
@@ -291,12 +299,8 @@ impl Builder<'_> {
     /// Advice for well-known slips.
     fn remedy(&self, o: &Obstacle<'_>, found: Kind) -> Option<&'static str> {
         let before = self.before(o.at)?.kind;
-        let relation = |k| {
-            use Kind::*;
-            matches!(k, Less | LessEqual | Greater | GreaterEqual | EqualEqual | NotEqual)
-        };
         let sign = matches!(found, Kind::Plus | Kind::Minus | Kind::DotPlus | Kind::DotMinus);
-        if o.expects_expression() && sign && is_arithmetic(before) {
+        if o.expects_expression() && sign && before.is_arithmetic() {
             return Some("a sign after an operator needs parentheses, as in `a*(-b)`");
         }
         if found == Kind::Not && o.expects_expression() {
@@ -311,7 +315,7 @@ impl Builder<'_> {
         if matches!(found, Kind::Caret | Kind::DotCaret) && !o.expects(found) {
             return Some("powers do not chain: write `(a^b)^c` or `a^(b^c)`");
         }
-        if relation(found) && !o.expects(found) {
+        if found.is_relation() && !o.expects(found) {
             return Some("relations do not chain: write `a < b and b < c`");
         }
         if found == Kind::Equals && o.expects(Kind::Then) {
@@ -439,7 +443,8 @@ impl Builder<'_> {
     fn open_bracket(&self, at: usize) -> Option<Token> {
         let mut depth = 0;
         let mut matrix = false;
-        for token in self.tokens[..at.min(self.tokens.len())].iter().rev() {
+        let from = at.saturating_sub(HORIZON);
+        for token in self.tokens[from..at.min(self.tokens.len())].iter().rev() {
             if token.kind.closes() {
                 depth += 1;
             } else if token.kind.opens() {
@@ -465,7 +470,7 @@ impl Builder<'_> {
             _ => Kind::While,
         };
         let mut depth = 0;
-        for i in (1..at.min(self.tokens.len())).rev() {
+        for i in (1..at.min(self.tokens.len())).rev().take(HORIZON) {
             let (kind, before) = (self.tokens[i].kind, self.tokens[i - 1].kind);
             let begins_line = before == Kind::Semicolon
                 || before.starts_section()
@@ -492,14 +497,6 @@ fn is_outside(kind: Kind) -> bool {
     matches!(kind, Kind::Then | Kind::Loop | Kind::Annotation)
 }
 
-fn is_arithmetic(kind: Kind) -> bool {
-    use Kind::*;
-    matches!(
-        kind,
-        Plus | Minus | Star | Slash | Caret | DotPlus | DotMinus | DotStar | DotSlash | DotCaret
-    )
-}
-
 /// Tokens with which an operand begins: before them an operator may be missing.
 fn starts_operand(kind: Kind) -> bool {
     matches!(kind, Kind::Ident | Kind::Integer | Kind::Real | Kind::LeftParen | Kind::LeftBrace)
@@ -512,5 +509,108 @@ fn phrase(kind: Kind) -> String {
         Kind::String => "a string".into(),
         Kind::EndValue => "`end`".into(),
         other => format!("`{}`", other.text()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::base::diag::Problems;
+    use crate::base::render::{Style, render_all};
+    use crate::base::source::SourceMap;
+    use crate::parse::grammar::parse;
+
+    /// The codes of the errors in order, and the text with its rendered errors.
+    fn check(text: &str) -> (Vec<&'static str>, String) {
+        let mut sources = SourceMap::default();
+        let file = sources.add("a.mo", text);
+        let mut problems = Problems::new();
+        parse(file, text, &mut problems);
+        let codes = problems.sorted().iter().map(|p| p.code).collect();
+        (codes, format!("{text}\n----\n{}", render_all(&problems, &sources, Style::Plain)))
+    }
+    macro_rules! said {
+        ($name:literal, $codes:expr, $text:expr) => {
+            let (codes, page) = check($text);
+            assert_eq!(codes, $codes, "{page}");
+            insta::assert_snapshot!($name, page);
+        };
+    }
+
+    #[test]
+    fn semicolons() {
+        said!(
+            "semicolons",
+            ["MO0003", "MO0003", "MO0003"],
+            "model A\n  Real x\n  Real y;\nequation\n  x = 1\n  y = 2;\nend A\nmodel B end B;"
+        );
+    }
+    #[test]
+    fn brackets() {
+        said!(
+            "brackets",
+            ["MO0004", "MO0004", "MO0004", "MO0004"],
+            "model A\n  Real x(start = 1;\nequation\n  x = (1 + 2*(y - 3);\n  y = sin(x));\n  x = {1, 2;\nend A;"
+        );
+    }
+    #[test]
+    fn misspelt_keywords() {
+        said!(
+            "misspelt_keywords",
+            ["MO0020", "MO0020", "MO0020"],
+            "model A\n  paramter Real x = 1;\nequaton\n  der(y) = x;\n  whenn x > 1 then\n    y = 2;\n  end when;\nend A;"
+        );
+        assert_eq!(check("modle A\n  Real x;\nend A;").0, ["MO0020"]);
+    }
+    #[test]
+    fn ends() {
+        said!(
+            "ends",
+            ["MO0005", "MO0006"],
+            "package P\n  model A\n  end B;\n  model C\n    Real y;\nend P;"
+        );
+        assert_eq!(check("package P\n  model A\n    Real x;").0, ["MO0006"]);
+    }
+    #[test]
+    fn equality_and_assignment() {
+        said!(
+            "equality",
+            ["MO0007", "MO0007", "MO0009", "MO0001", "MO0008", "MO0008", "MO0018"],
+            "model A\nequation\n  x := 1;\n  x == y;\n  x + y;\n  if a = b then\n    x = 1;\n  end if;\n\
+             algorithm\n  x = 2;\n  x == 2;\n  x + 1 := 3;\nend A;"
+        );
+    }
+    #[test]
+    fn else_if() {
+        said!(
+            "else_if",
+            ["MO0006"],
+            "model A\nequation\n  if a then\n    x = 1;\n  else if b then\n    x = 2;\n  end if;\nend A;"
+        );
+    }
+    #[test]
+    fn operators() {
+        said!(
+            "operators",
+            ["MO0011", "MO0011", "MO0001", "MO0001", "MO0001"],
+            "model A\n  Boolean c = a != b && d;\nequation\n  x = a * -b;\n  x = a^b^c;\n  c = a < b < d;\nend A;"
+        );
+    }
+    #[test]
+    fn one_message_for_each_broken_line() {
+        said!(
+            "broken_lines",
+            ["MO0001"; 6],
+            "model A\n  Real 3x;\n  Real x y;\nequation\n  x = ;\n  x y = 2;\n  connect(a, );\nalgorithm\n  \
+             while x > 1 then\n    x := 2;\n  end while;\nend A;"
+        );
+    }
+    #[test]
+    fn unterminated_text_is_said_once() {
+        for (text, code) in [
+            ("model A \"text\n  Real x;\nend A;", "MO0012"),
+            ("model A\n  Real x; /* c\nend A;", "MO0013"),
+        ] {
+            assert_eq!(check(text).0, [code]);
+        }
     }
 }

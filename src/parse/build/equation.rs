@@ -221,3 +221,71 @@ fn target_of(expr: Expr) -> Option<ComponentRef> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::diag::Problems;
+    use crate::base::source::FileId;
+    use crate::parse::grammar::parse;
+
+    fn body(text: &str) -> Composition {
+        let mut problems = Problems::new();
+        let file = parse(FileId(0), &format!("model A {text} end A;"), &mut problems);
+        assert!(problems.is_empty(), "{text}: {problems:?}");
+        match &file.classes[0].body {
+            ClassBody::Long(body) => body.clone(),
+            other => panic!("not a long class: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn all_forms_of_equations() {
+        let c = body(
+            "initial equation x = 0 \"start\"; equation connect(a.b[1], c); (u, , v) = f(x); \
+             if a then elseif b then x = 1; else y = 2; z = 3; end if; \
+             for i in 1:3, j loop x[i, j] = 0; end for; \
+             when {a, b} then reinit(x, 0); elsewhen c then terminate(\"t\"); end when; assert(a, \"b\");",
+        );
+        assert!(c.equations[0].initial && !c.equations[1].initial);
+        assert_eq!(c.equations[0].equations[0].description.as_deref(), Some("start"));
+        let e = &c.equations[1].equations;
+        assert!(matches!(e[0].kind, EquationKind::Connect(..)));
+        let EquationKind::Equal(left, _) = &e[1].kind else { panic!("equal") };
+        assert!(matches!(&left.kind, ExprKind::Tuple(slots) if slots.len() == 3));
+        let EquationKind::If { branches, otherwise } = &e[2].kind else { panic!("if") };
+        assert_eq!((branches.len(), branches[0].1.len(), otherwise.len()), (2, 0, 2));
+        let EquationKind::For { iterators, .. } = &e[3].kind else { panic!("for") };
+        assert!(iterators[0].range.is_some() && iterators[1].range.is_none());
+        assert!(matches!(&e[4].kind, EquationKind::When { branches } if branches.len() == 2));
+        assert!(matches!(e[5].kind, EquationKind::Call(_)));
+    }
+    #[test]
+    fn all_forms_of_statements() {
+        let c = body(
+            "initial algorithm x := 1; algorithm (a, , b[2]) := f(x); g(x) \"d\"; \
+             if a then break; else return; end if; while x > 1 loop x := x - 1; end while; \
+             for i loop x := i; end for; when a then x := 1; elsewhen b then x := 2; end when; \
+             (a) := f(x);",
+        );
+        assert!(c.algorithms[0].initial);
+        let s = &c.algorithms[1].statements;
+        let StatementKind::AssignTuple(targets, _) = &s[0].kind else { panic!("tuple") };
+        let given: Vec<bool> = targets.iter().map(Option::is_some).collect();
+        assert_eq!(given, [true, false, true]);
+        assert!(matches!(s[1].kind, StatementKind::Call(_)));
+        assert!(matches!(&s[2].kind, StatementKind::If { otherwise, .. } if otherwise.len() == 1));
+        assert!(matches!(s[3].kind, StatementKind::While { .. }));
+        assert!(matches!(s[4].kind, StatementKind::For { .. }));
+        assert!(matches!(&s[5].kind, StatementKind::When { branches } if branches.len() == 2));
+        assert!(matches!(&s[6].kind, StatementKind::AssignTuple(targets, _) if targets.len() == 1));
+    }
+    #[test]
+    fn external_functions() {
+        let c = body("external \"C\" y[1] = f(x, size(x, 1)) annotation(Library = \"m\");");
+        let external = c.external.unwrap();
+        assert_eq!(external.language.as_deref(), Some("C"));
+        assert_eq!((external.args.len(), external.annotation.is_some()), (2, true));
+        assert!(body("external;").external.unwrap().function.is_none());
+    }
+}

@@ -251,3 +251,156 @@ fn resolve_escape(escaped: char) -> Option<char> {
         _ => return None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::diag::Problems;
+    use crate::base::source::FileId;
+    use crate::parse::grammar::parse;
+
+    /// The binding of the only component of a model.
+    fn binding(text: &str) -> Expr {
+        let text = format!("model A Real x = {text}; end A;");
+        let mut problems = Problems::new();
+        let file = parse(FileId(0), &text, &mut problems);
+        assert!(problems.is_empty(), "{text}: {problems:?}");
+        let ClassBody::Long(body) = &file.classes[0].body else { panic!("a long class") };
+        let ElementKind::Components(clause) = &body.elements[0].kind else { panic!("components") };
+        let modification = clause.components[0].modification.as_ref().expect("a modification");
+        modification.binding.as_deref().expect("a binding").clone()
+    }
+    /// Every operator with its parentheses.
+    fn shape(e: &Expr) -> String {
+        let list = |v: &[Expr]| v.iter().map(shape).collect::<Vec<_>>().join(", ");
+        match &e.kind {
+            ExprKind::Real(v) => format!("{v:?}"),
+            ExprKind::Integer(v) => v.to_string(),
+            ExprKind::String(s) => format!("{s:?}"),
+            ExprKind::Boolean(b) => b.to_string(),
+            ExprKind::Ref(r) => reference(r),
+            ExprKind::Unary(op, x) => format!("{op:?}({})", shape(x)),
+            ExprKind::Binary(op, x, y) => format!("{op:?}({}, {})", shape(x), shape(y)),
+            ExprKind::Range { start, step, stop } => {
+                let step = step.as_ref().map_or("_".into(), |s| shape(s));
+                format!("Range({}, {step}, {})", shape(start), shape(stop))
+            }
+            ExprKind::If { branches, otherwise } => {
+                let branches: Vec<_> =
+                    branches.iter().map(|(c, v)| format!("{}: {}", shape(c), shape(v))).collect();
+                format!("If({}; {})", branches.join("; "), shape(otherwise))
+            }
+            ExprKind::Call { function, args, named } => {
+                let named: Vec<_> =
+                    named.iter().map(|(n, v)| format!("{}={}", n.name, shape(v))).collect();
+                format!("{}[{}][{}]", reference(function), list(args), named.join(", "))
+            }
+            ExprKind::Array(v) => format!("{{{}}}", list(v)),
+            ExprKind::Matrix(rows) => {
+                format!("[{}]", rows.iter().map(|r| list(r)).collect::<Vec<_>>().join("; "))
+            }
+            ExprKind::Parenthesised(x) => format!("({})", shape(x)),
+            ExprKind::Tuple(v) => {
+                let v: Vec<_> = v.iter().map(|x| x.as_ref().map_or("_".into(), shape)).collect();
+                format!("Tuple({})", v.join(", "))
+            }
+            ExprKind::Indexed(x, s) => format!("{}[{}]", shape(x), s.len()),
+            ExprKind::Reduction { function, body, iterators } => {
+                format!("{}<{}>({})", reference(function), iterators.len(), shape(body))
+            }
+            ExprKind::Comprehension { body, iterators } => {
+                format!("array<{}>({})", iterators.len(), shape(body))
+            }
+            ExprKind::PartialFunction { function, named } => format!("{function}<{}>", named.len()),
+            ExprKind::End => "end".into(),
+            ExprKind::Break => "break".into(),
+            ExprKind::Broken => "broken".into(),
+        }
+    }
+    fn reference(r: &ComponentRef) -> String {
+        let part = |p: &RefPart| {
+            let subscripts: Vec<_> = p
+                .subscripts
+                .iter()
+                .map(|s| match s {
+                    Subscript::Colon(_) => ":".into(),
+                    Subscript::Expr(e) => shape(e),
+                })
+                .collect();
+            match subscripts.is_empty() {
+                true => p.name.name.to_string(),
+                false => format!("{}[{}]", p.name.name, subscripts.join(", ")),
+            }
+        };
+        let dot = if r.global { "." } else { "" };
+        format!("{dot}{}", r.parts.iter().map(part).collect::<Vec<_>>().join("."))
+    }
+
+    #[test]
+    fn precedence_of_operators() {
+        for (text, tree) in [
+            ("-a^2", "Minus(Pow(a, 2))"),
+            ("-a*b", "Minus(Mul(a, b))"),
+            ("-a + b", "Add(Minus(a), b)"),
+            ("a - b - c", "Sub(Sub(a, b), c)"),
+            ("a / b * c", "Mul(Div(a, b), c)"),
+            ("a + b*c^d", "Add(a, Mul(b, Pow(c, d)))"),
+            ("a .* b .+ c .^ d", "ElementAdd(ElementMul(a, b), ElementPow(c, d))"),
+            ("not a < b and c or d", "Or(And(Not(Less(a, b)), c), d)"),
+            ("a or b and c", "Or(a, And(b, c))"),
+            ("1:2*n", "Range(1, _, Mul(2, n))"),
+            ("1:2:n + 1", "Range(1, 2, Add(n, 1))"),
+            ("(a + b)*c", "Mul((Add(a, b)), c)"),
+            ("if a then b elseif c then d else e + 1", "If(a: b; c: d; Add(e, 1))"),
+        ] {
+            assert_eq!(shape(&binding(text)), tree, "{text}");
+        }
+    }
+    #[test]
+    fn primaries() {
+        for (text, tree) in [
+            ("1.", "1.0"),
+            (".5", "0.5"),
+            ("1e5", "100000.0"),
+            ("9223372036854775807", "9223372036854775807"),
+            ("9223372036854775808", "9.223372036854776e18"),
+            (r#""a\"\n\\""#, r#""a\"\n\\""#),
+            (".a.b[1, :].'c d'", ".a.b[1, :].'c d'"),
+            ("x[end - 1, 2:end]", "x[Sub(end, 1), Range(2, _, end)]"),
+            ("f(a, b, c = d, e = 1)", "f[a, b][c=d, e=1]"),
+            ("der(x)", "der[x][]"),
+            ("initial()", "initial[][]"),
+            ("pure(f(x))", "pure[f[x][]][]"),
+            ("sum(i*j for i in 1:3, j)", "sum<2>(Mul(i, j))"),
+            ("{i for i in 1:3}", "array<1>(i)"),
+            ("{a, {b}, {}}", "{a, {b}, {}}"),
+            ("[a, b; c, d]", "[a, b; c, d]"),
+            ("f(function g(x = 1), y = function h())", "f[g<1>][y=h<0>]"),
+            ("(a)[1]", "(a)[1]"),
+            ("(a, , b)", "Tuple(a, _, b)"),
+            ("()", "Tuple()"),
+        ] {
+            assert_eq!(shape(&binding(text)), tree, "{text}");
+        }
+    }
+    #[test]
+    fn nesting_is_bounded_and_long_sums_are_not_a_problem() {
+        let codes = |expr: String| {
+            let text = format!("model A Real x = {expr}; end A;");
+            let mut problems = Problems::new();
+            parse(FileId(0), &text, &mut problems);
+            problems.iter().map(|p| p.code).collect::<Vec<_>>()
+        };
+        let n = 100_000;
+        assert_eq!(codes("a + ".repeat(5000) + "a"), [""; 0]);
+        assert_eq!(codes("if a then b else ".repeat(1000) + "c"), [""; 0]);
+        for expr in [
+            "(".repeat(n) + "a" + &")".repeat(n),
+            "if a then b else ".repeat(n) + "c",
+            "a + ".repeat(n) + "a",
+            "-".repeat(n) + "a",
+        ] {
+            assert_eq!(codes(expr), ["MO0014"]);
+        }
+    }
+}

@@ -2,6 +2,9 @@
 //!
 //! The builder also checks what a context-free grammar can not (names after `end`, which prefixes
 //! stand together) and turns LALRPOP's recoveries into diagnostics.
+//!
+//! Nodes come and go in boxes: every entry of the parser's stack is as large as the largest of them.
+#![allow(clippy::boxed_local, clippy::vec_box)] // see above
 
 pub mod class;
 pub mod equation;
@@ -20,6 +23,9 @@ use crate::ir::ast::{Class, Ident, Path};
 /// Classes and blocks of equations nested deeper than this are refused.
 pub const MAX_BLOCKS: usize = 250;
 
+/// After this many errors in a file, the rest is not worth reading.
+const MAX_REPORTS: usize = 200;
+
 /// The state of one parse.
 pub struct Builder<'t> {
     pub(super) file: FileId,
@@ -36,6 +42,8 @@ pub struct Builder<'t> {
     blocks: usize,
     /// Consequences of an error, up to this byte, are not reported.
     pub(super) quiet_until: u32,
+    /// Number of errors found so far.
+    reported: usize,
     /// An unclosed class was reported already; the end of the file is its consequence.
     pub(super) unclosed_reported: bool,
 }
@@ -65,6 +73,7 @@ impl<'t> Builder<'t> {
             open: Vec::new(),
             blocks: 0,
             quiet_until: 0,
+            reported: 0,
             unclosed_reported: false,
         }
     }
@@ -111,9 +120,16 @@ impl<'t> Builder<'t> {
         self.syntax_error(recovery.error, context);
     }
 
+    /// True if further errors will not be reported.
+    pub(super) fn exhausted(&self) -> bool {
+        self.reported >= MAX_REPORTS
+    }
     /// Reports what is wrong with a construct that has been read completely.
-    fn report(&mut self, error: SyntaxError) {
-        self.problems.push(error.into());
+    pub(super) fn report(&mut self, error: SyntaxError) {
+        self.reported += 1;
+        if self.reported <= MAX_REPORTS {
+            self.problems.push(error.into());
+        }
     }
 
     /// The span of the first token of this kind at or after `start`.
