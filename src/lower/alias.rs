@@ -128,8 +128,8 @@ impl Search<'_> {
                 },
                 _ => continue,
             };
-            let is_constant = self.variability.of(self.graph, self.variables, other)
-                <= Variability::Parameter;
+            let is_constant =
+                self.variability.of(self.graph, self.variables, other) <= Variability::Parameter;
             if is_constant && self.variables[v].kind == Kind::Algebraic {
                 return Some((v, if negative { self.graph.neg(other) } else { other }));
             }
@@ -137,8 +137,7 @@ impl Search<'_> {
         // `v + p = 0` and the like.
         let [a, b] = two_terms(self.graph, e)?;
         let kind = |t: &Term| self.variables[t.variable].kind;
-        let is_parameter =
-            |t: &Term| matches!(kind(t), Kind::Parameter | Kind::InitialParameter);
+        let is_parameter = |t: &Term| matches!(kind(t), Kind::Parameter | Kind::InitialParameter);
         let (v, p) = if is_parameter(&b) { (a, b) } else { (b, a) };
         if v.differentiated || p.differentiated || kind(&v) != Kind::Algebraic || !is_parameter(&p)
         {
@@ -165,8 +164,7 @@ impl Search<'_> {
         let (of_v, of_s) = (c.union.find(v.variable), c.union.find(s.variable));
         let (name, state) = (of_v.variable, of_s.variable);
         let is_known = |root: VarId| c.value.contains_key(&root) || self.with_input[root];
-        let closes_circle =
-            self.chains.find(name).variable == self.chains.find(state).variable;
+        let closes_circle = self.chains.find(name).variable == self.chains.find(state).variable;
         if is_known(name) || is_known(state) || closes_circle {
             return false;
         }

@@ -1,8 +1,8 @@
 //! Variables by what they are to the solver, and equations by form.
 
+use super::Equal;
 use super::error;
 use super::event::Rewriting;
-use super::Equal;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
 use crate::ir::dae::{self, DiscreteEquation, Kind};
@@ -25,10 +25,7 @@ pub struct Sections {
 
 /// The variables, all continuous ones as `Algebraic` for now. A variable that a when-clause assigns
 /// is discrete whatever its declaration says (Modelica 3.6, section 3.8.4).
-pub fn variables(
-    flat: &FlatModel,
-    problems: &mut Problems,
-) -> IndexVec<VarId, dae::Variable> {
+pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, dae::Variable> {
     let by_when = assigned_in_when(flat);
     flat.variables.enumerate().map(|(id, v)| classify(id, v, &by_when, problems)).collect()
 }

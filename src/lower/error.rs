@@ -138,7 +138,10 @@ pub fn reinit_of_no_state(v: &dae::Variable, origin: &Origin) -> Diagnostic {
     Diagnostic::error(
         "MO0312",
         origin.span,
-        format!("`reinit` needs a variable whose derivative occurs, and `der({})` does not", v.name),
+        format!(
+            "`reinit` needs a variable whose derivative occurs, and `der({})` does not",
+            v.name
+        ),
     )
     .label("reinitialised here")
     .also(v.span, format!("`{}` is declared here", v.name))
@@ -177,9 +180,5 @@ fn last(name: &str) -> &str {
 }
 
 fn in_component(origin: &Origin) -> String {
-    if origin.component.is_empty() {
-        String::new()
-    } else {
-        format!("in `{}`", origin.component)
-    }
+    if origin.component.is_empty() { String::new() } else { format!("in `{}`", origin.component) }
 }

@@ -109,6 +109,9 @@ impl<'a> Rewriting<'a> {
             let v = &self.variables[id];
             let [start, min, max, nominal] = [v.start, v.min, v.max, v.nominal]
                 .map(|e| e.map(|e| self.apply(e, Mode::Literal, &origin)));
+            let is_real = self.variables[id].ty == Type::Real;
+            let [start, min, max, nominal] = [start, min, max, nominal]
+                .map(|e| e.map(|e| if is_real { self.graph.as_real(e) } else { e }));
             let v = &mut self.variables[id];
             (v.start, v.min, v.max, v.nominal) = (start, min, max, nominal);
         }
@@ -220,6 +223,8 @@ impl<'a> Rewriting<'a> {
     fn node(&mut self, e: ExprId, operands: &[ExprId], mode: Mode, origin: &Origin) -> ExprId {
         match (self.graph.node(e), operands) {
             (Node::NoEvent(_) | Node::Smooth(..), &[a]) => return a,
+            // Initialisation starts at the actual system at once.
+            (Node::Homotopy(..), &[actual, _]) => return actual,
             (Node::Sample(..), &[start, interval]) => return self.sample(start, interval, origin),
             _ => {}
         }

@@ -33,13 +33,8 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
     let (classes, equal) = alias::search(&mut flat.graph, &variables, sections.equal);
-    let replacement = representative::choose(
-        &mut flat.graph,
-        &mut variables,
-        classes,
-        &sections.roots,
-        problems,
-    );
+    let replacement =
+        representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
 
     let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
     let by_when = when::assigned(&sections.whens, &rewriting);
@@ -133,6 +128,7 @@ fn split(
                 continue;
             }
         }
+        let [lhs, rhs] = [lhs, rhs].map(|side| r.graph.as_real(side));
         // The residual is built once all equations are known, from both sides.
         continuous.push(dae::Equation { lhs, rhs, residual: lhs, origin, derivative_of: None });
     }

@@ -116,7 +116,8 @@ impl Choice<'_> {
                 let alias = Signed { variable: best.variable, negative: false };
                 self.replacement[read] = Replacement::Alias(alias);
                 self.variables[read].derivative_of = None;
-                self.variables[of.variable].kind = Kind::Differentiated { derivative: best.variable };
+                self.variables[of.variable].kind =
+                    Kind::Differentiated { derivative: best.variable };
                 best
             }
             (None, Some(of)) => {

@@ -19,9 +19,11 @@ use crate::ir::flat::*;
 pub fn model(text: &str) -> (FlatModel, SourceMap) {
     let mut sources = SourceMap::default();
     let file = sources.add("model.mo", text);
-    let mut reader = Reader { flat: FlatModel::new("M", Span::new(file, 0, 0)), tokens: vec![], at: 0 };
+    let mut reader =
+        Reader { flat: FlatModel::new("M", Span::new(file, 0, 0)), tokens: vec![], at: 0 };
     // Names first: values may use what is declared below.
-    let declarations = text.split_inclusive('\n').take_while(|line| !line.trim().ends_with("equation"));
+    let declarations =
+        text.split_inclusive('\n').take_while(|line| !line.trim().ends_with("equation"));
     let mut offset = 0;
     for line in declarations {
         reader.tokens = tokens(line.split("//").next().unwrap().trim().trim_end_matches(';'));

@@ -32,7 +32,8 @@ fn shown(dae: &Dae, e: ExprId) -> String {
 }
 
 fn eliminated(dae: &Dae) -> Vec<String> {
-    let entry = |(v, e): &(VarId, ExprId)| format!("{} = {}", dae.variables[*v].name, shown(dae, *e));
+    let entry =
+        |(v, e): &(VarId, ExprId)| format!("{} = {}", dae.variables[*v].name, shown(dae, *e));
     dae.eliminated.iter().map(entry).collect()
 }
 
@@ -66,9 +67,9 @@ fn alias_chains_keep_their_signs_and_attributes() {
     assert_eq!(equations(&dae), ["der(c) = c"]);
     let c = &dae.variables[find(&dae, "c")];
     assert_eq!(c.fixed, Some(true));
-    assert_eq!(c.start.map(|e| shown(&dae, e)), Some("2".into()));
-    assert_eq!(c.min.map(|e| shown(&dae, e)), Some("-1".into()));
-    assert_eq!(c.max.map(|e| shown(&dae, e)), Some("5".into()));
+    assert_eq!(c.start.map(|e| shown(&dae, e)), Some("2.0".into()));
+    assert_eq!(c.min.map(|e| shown(&dae, e)), Some("-1.0".into()));
+    assert_eq!(c.max.map(|e| shown(&dae, e)), Some("5.0".into()));
 }
 
 #[test]
@@ -82,7 +83,7 @@ fn bounds_swap_under_a_negative_alias() {
     );
     let x = &dae.variables[find(&dae, "x")];
     let text = |e: Option<ExprId>| e.map(|e| shown(&dae, e)).unwrap_or_default();
-    assert_eq!([text(x.min), text(x.max), text(x.start)], ["0", "3", "1"]);
+    assert_eq!([text(x.min), text(x.max), text(x.start)], ["0.0", "3.0", "1.0"]);
 }
 
 #[test]
@@ -203,11 +204,7 @@ fn relations_are_shared_with_their_negation_and_classified() {
     assert_eq!(dae.relations[1].trigger, Trigger::State);
     assert_eq!(
         discrete(&dae),
-        [
-            "b := $relation[2]",
-            "c := not $relation[2]",
-            "d := $relation[2] and not $relation[1]"
-        ]
+        ["b := $relation[2]", "c := not $relation[2]", "d := $relation[2] and not $relation[1]"]
     );
     assert_eq!(equations(&dae)[1], "y = if x > 0.0 then x else 0.0");
 }
@@ -268,7 +265,10 @@ fn a_variable_has_one_when_clause() {
         end when;";
     assert_eq!(codes(text), ["MO0306"]);
     assert_eq!(codes("Boolean b;\nequation"), ["MO0307"]);
-    assert_eq!(codes("Boolean b;\nBoolean c;\nequation\n(b and c) = true;\nb = true;"), ["MO0307", "MO0308"]);
+    assert_eq!(
+        codes("Boolean b;\nBoolean c;\nequation\n(b and c) = true;\nb = true;"),
+        ["MO0307", "MO0308"]
+    );
 }
 
 #[test]

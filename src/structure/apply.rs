@@ -55,11 +55,7 @@ fn derivative(dae: &mut Dae, of: EqId) -> Equation {
     Equation { lhs, rhs, residual, origin, derivative_of: Some(of) }
 }
 
-fn rate(
-    graph: &mut Graph,
-    variables: &IndexVec<VarId, Variable>,
-    leaf: Leaf,
-) -> Option<ExprId> {
+fn rate(graph: &mut Graph, variables: &IndexVec<VarId, Variable>, leaf: Leaf) -> Option<ExprId> {
     let Leaf::Var(v) = leaf else { return None };
     match variables[v].kind {
         Kind::Differentiated { derivative } => {

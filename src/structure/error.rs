@@ -168,7 +168,12 @@ pub fn initially_open(v: &Variable) -> Diagnostic {
 }
 
 fn total(dae: &Dae, (equations, unknowns): (usize, usize)) -> String {
-    format!("`{}` has {} for {}", dae.name, count(equations, "equation"), count(unknowns, "unknown"))
+    format!(
+        "`{}` has {} for {}",
+        dae.name,
+        count(equations, "equation"),
+        count(unknowns, "unknown")
+    )
 }
 
 fn count(n: usize, what: &str) -> String {

@@ -49,11 +49,9 @@ pub fn sequence(
 
 /// The equations that the model gives.
 fn given(dae: &Dae) -> System {
-    let is_unknown = |v: &VarId| {
-        is_continuous(dae, *v) || dae.variables[*v].kind == Kind::InitialParameter
-    };
-    let is_fixed =
-        |v: &VarId| is_continuous(dae, *v) && dae.variables[*v].fixed == Some(true);
+    let is_unknown =
+        |v: &VarId| is_continuous(dae, *v) || dae.variables[*v].kind == Kind::InitialParameter;
+    let is_fixed = |v: &VarId| is_continuous(dae, *v) && dae.variables[*v].fixed == Some(true);
     let mut sources: Vec<Source> = dae.equations.ids().map(Source::Continuous).collect();
     sources.extend((0..dae.initial.len()).map(Source::Initial));
     sources.extend(dae.variables.ids().filter(is_fixed).map(Source::Start));

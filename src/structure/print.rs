@@ -74,8 +74,12 @@ fn summary(sequence: &[Block]) -> String {
         }] += 1;
     }
     let kinds = ["explicit", "linear", "nonlinear", "mixed"];
-    let parts: Vec<String> =
-        counts.iter().zip(kinds).filter(|(n, _)| **n > 0).map(|(n, k)| format!("{n} {k}")).collect();
+    let parts: Vec<String> = counts
+        .iter()
+        .zip(kinds)
+        .filter(|(n, _)| **n > 0)
+        .map(|(n, k)| format!("{n} {k}"))
+        .collect();
     let n = sequence.len();
     let blocks = if n == 1 { "1 block".to_string() } else { format!("{n} blocks") };
     if parts.is_empty() { blocks } else { format!("{blocks} ({})", parts.join(", ")) }

@@ -17,24 +17,26 @@ use crate::symbolic::linear;
 /// Appends the differentiated equations to the system and tells which variables are states.
 /// The structure must be determined (see [`super::explain::check_determined`]).
 pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<IndexVec<VarId, bool>> {
-    let system = whole(dae);
+    // Of equals, what is declared later becomes a dummy first: columns count backwards.
+    let sources = dae.equations.ids().map(Source::Continuous).collect();
+    let unknowns = dae.variables.ids().rev().filter(|v| is_continuous(dae, *v)).collect();
+    let system = System::new(dae, sources, unknowns);
     let derivative = derivatives(dae, &system);
     let not_differentiable: Vec<Row> = (dae.equations.ids())
         .filter(|id| calls_a_function(dae, dae.equations[*id].residual))
         .map(|id| Row(id.0))
         .collect();
-    let reduction =
-        match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
-            Ok(reduction) => reduction,
-            Err(Singular::NotDifferentiable { row, rows }) => {
-                problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
-                return None;
-            }
-            Err(Singular::TooFewUnknowns { rows, .. }) => {
-                problems.push(error::dependent(dae, &equations(&rows)));
-                return None;
-            }
-        };
+    let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
+        Ok(reduction) => reduction,
+        Err(Singular::NotDifferentiable { row, rows }) => {
+            problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
+            return None;
+        }
+        Err(Singular::TooFewUnknowns { rows, .. }) => {
+            problems.push(error::dependent(dae, &equations(&rows)));
+            return None;
+        }
+    };
     let coefficients = coefficients(dae, &system, &reduction);
     let reinitialised: FastSet<VarId> = dae.reinits.iter().map(|r| r.state).collect();
     let wanted = |v: &VarId| {

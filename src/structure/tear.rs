@@ -18,8 +18,7 @@ pub fn tear(dae: &mut Dae, system: &System, pairs: &[(Row, Col)]) -> Torn {
     let residuals: IndexVec<Row, ExprId> =
         pairs.iter().map(|p| solve::residual(dae, system.sources[p.0])).collect();
     let members: FastSet<VarId> = unknowns.iter().copied().collect();
-    let linear =
-        linear::is_linear(&dae.graph, residuals.iter().copied(), |v| members.contains(&v));
+    let linear = linear::is_linear(&dae.graph, residuals.iter().copied(), |v| members.contains(&v));
     let mut solvable = solvable(dae, &graph, &residuals, &unknowns, &members);
     let source = |row: Row| system.sources[pairs[row.0 as usize].0];
     loop {
