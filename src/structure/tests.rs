@@ -586,10 +586,10 @@ between events: 2 blocks (1 explicit, 1 linear)
 "#);
 }
 
-/// A ladder of 20 000 masses and springs is sorted in linear time without deep recursion.
+/// A ladder of 50 000 masses and springs is sorted in linear time without deep recursion.
 #[test]
 fn a_long_ladder_is_sorted() {
-    let n = 20_000;
+    let n = 50_000;
     let mut text = String::new();
     // The text reader looks names up one by one, so the model is repeated as a graph instead.
     text.push_str("Real x;\nReal y;\nequation\nder(x) = y;\ny = -2 * x;\n");
