@@ -67,9 +67,9 @@ fn alias_chains_keep_their_signs_and_attributes() {
     assert_eq!(equations(&dae), ["der(c) = c"]);
     let c = &dae.variables[find(&dae, "c")];
     assert_eq!(c.fixed, Some(true));
-    assert_eq!(c.start.map(|e| shown(&dae, e)), Some("2".into()));
-    assert_eq!(c.min.map(|e| shown(&dae, e)), Some("-1".into()));
-    assert_eq!(c.max.map(|e| shown(&dae, e)), Some("5".into()));
+    assert_eq!(c.start.map(|e| shown(&dae, e)), Some("2.0".into()));
+    assert_eq!(c.min.map(|e| shown(&dae, e)), Some("-1.0".into()));
+    assert_eq!(c.max.map(|e| shown(&dae, e)), Some("5.0".into()));
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn bounds_swap_under_a_negative_alias() {
     );
     let x = &dae.variables[find(&dae, "x")];
     let text = |e: Option<ExprId>| e.map(|e| shown(&dae, e)).unwrap_or_default();
-    assert_eq!([text(x.min), text(x.max), text(x.start)], ["0", "3", "1"]);
+    assert_eq!([text(x.min), text(x.max), text(x.start)], ["0.0", "3.0", "1.0"]);
 }
 
 #[test]
@@ -264,6 +264,10 @@ fn a_variable_has_one_when_clause() {
         n = 2;
         end when;";
     assert_eq!(codes(text), ["MO0306"]);
+    let differentiated = format!("{}\n", text.replace("Integer n;", "Real n;\nReal y;"))
+        .replace("equation", "equation\ny = der(n);")
+        .replace("when time > 2 then\n        n = 2;\n        end when;", "");
+    assert_eq!(codes(&differentiated), ["MO0316"]);
     assert_eq!(codes("Boolean b;\nequation"), ["MO0307"]);
     assert_eq!(
         codes("Boolean b;\nBoolean c;\nequation\n(b and c) = true;\nb = true;"),

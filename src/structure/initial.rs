@@ -22,7 +22,13 @@ pub fn sequence(
     problems: &mut Problems,
 ) -> Option<(Vec<Block>, Vec<VarId>)> {
     let system = given(dae);
-    let mut matched = matching::maximum(&system.graph, |_, _| true, Matching::empty(&system.graph));
+    // States are matched last, so that those left over are the ones to be assumed, mostly without
+    // any search.
+    let column_class = |col: Col| u8::from(is_state[system.unknowns[col]]);
+    let cost = system.graph.rows().flat_map(|row| system.graph.edges(row));
+    let cost = cost.map(|edge| Some(column_class(system.graph.col(edge)))).collect();
+    let empty = Matching::empty(&system.graph);
+    let mut matched = matching::maximum_preferring(&system.graph, &cost, empty);
     if matched.cardinality() < system.sources.len() {
         problems.push(explain::initially_too_many(dae, &system, &matched));
         return None;

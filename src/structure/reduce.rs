@@ -17,7 +17,10 @@ use crate::symbolic::linear;
 /// Appends the differentiated equations to the system and tells which variables are states.
 /// The structure must be determined (see [`super::explain::check_determined`]).
 pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<IndexVec<VarId, bool>> {
-    let system = whole(dae);
+    // Of equals, what is declared later becomes a dummy first: columns count backwards.
+    let sources = dae.equations.ids().map(Source::Continuous).collect();
+    let unknowns = dae.variables.ids().rev().filter(|v| is_continuous(dae, *v)).collect();
+    let system = System::new(dae, sources, unknowns);
     let derivative = derivatives(dae, &system);
     let not_differentiable: Vec<Row> = (dae.equations.ids())
         .filter(|id| calls_a_function(dae, dae.equations[*id].residual))

@@ -44,6 +44,9 @@ pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
     if dae.graph.as_number(coefficient) == Some(-1.0) {
         return Some(rest);
     }
+    if let Node::Unary(Unary::Neg, c) = dae.graph.node(coefficient) {
+        return Some(dae.graph.div(rest, c));
+    }
     let opposite = dae.graph.neg(rest);
     Some(dae.graph.div(opposite, coefficient))
 }
