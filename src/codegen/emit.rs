@@ -253,10 +253,8 @@ impl Emitter {
         let fresh = self.lookup(value).is_none();
         let (slot, level) = self.emit(value);
         let home = self.home(level.max(HELD));
-        let own = matches!(
-            self.dae.graph.node(value),
-            Node::Unary(..) | Node::Binary(..) | Node::If(..)
-        );
+        let own =
+            matches!(self.dae.graph.node(value), Node::Unary(..) | Node::Binary(..) | Node::If(..));
         if fresh && own && level == home && self.retarget(home, slot, dst) {
             self.known.insert(value, (dst, level));
         } else {

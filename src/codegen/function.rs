@@ -89,7 +89,8 @@ impl<'a> Body<'a> {
     fn compile(e: &mut Emitter, function: &'a Function) -> FunctionCode {
         let first = e.cells(function.locals.len(), 0.0);
         let locals: Vec<Slot> = (0..function.locals.len() as Slot).map(|i| first + i).collect();
-        let cells = |ids: &[crate::ir::flat::LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
+        let cells =
+            |ids: &[crate::ir::flat::LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
         let (inputs, outputs) = (cells(&function.inputs), cells(&function.outputs));
         let mut body = Body {
             function,

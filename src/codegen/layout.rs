@@ -22,7 +22,9 @@ pub fn allocate(e: &mut Emitter, blocks: &Blocks) {
     e.layout.variables = slots
         .into_iter()
         .enumerate()
-        .map(|(v, s)| s.unwrap_or_else(|| e.cell(resting_value(e.dae.variables[VarId::from_usize(v)].ty))))
+        .map(|(v, s)| {
+            s.unwrap_or_else(|| e.cell(resting_value(e.dae.variables[VarId::from_usize(v)].ty)))
+        })
         .collect();
     e.layout.derivatives = blocks.states.iter().map(|s| e.slot(s.derivative)).collect();
     let relations = e.dae.relations.len();

@@ -33,7 +33,8 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     if emitter.problems.has_errors() {
         return Err(emitter.problems);
     }
-    let emit::Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
+    let emit::Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } =
+        emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     Ok(Program {
         blocks: Blocks { dae, ..blocks },

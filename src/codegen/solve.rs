@@ -83,12 +83,7 @@ fn judge(ending: Ending, solver: usize, inner: Option<Fault>) -> Result<(), Faul
 
 impl Linear {
     /// `J z = -r(0)`
-    fn solve(
-        &mut self,
-        instance: &mut Instance<'_>,
-        k: usize,
-        z: &mut [f64],
-    ) -> Result<(), Fault> {
+    fn solve(&mut self, instance: &mut Instance<'_>, k: usize, z: &mut [f64]) -> Result<(), Fault> {
         let solver = &instance.program.solvers[k];
         let n = solver.unknowns.len();
         for slot in &solver.slots {
@@ -190,11 +185,7 @@ impl ImplicitWork {
     }
 
     /// `J dz = -B`
-    pub fn differentiate(
-        &mut self,
-        implicit: &Implicit,
-        memory: &mut [f64],
-    ) -> Result<(), Fault> {
+    pub fn differentiate(&mut self, implicit: &Implicit, memory: &mut [f64]) -> Result<(), Fault> {
         let n = implicit.order;
         self.matrix.fill(0.0);
         self.columns.fill(0.0);
@@ -204,10 +195,9 @@ impl ImplicitWork {
         for e in &implicit.seeds {
             self.columns[e.row as usize + n * e.column as usize] = -memory[e.slot as usize];
         }
-        self.lu.factor(&self.matrix).map_err(|s| Fault::Singular {
-            solver: implicit.solver as usize,
-            unknown: s.column,
-        })?;
+        self.lu
+            .factor(&self.matrix)
+            .map_err(|s| Fault::Singular { solver: implicit.solver as usize, unknown: s.column })?;
         for column in self.columns.chunks_exact_mut(n) {
             self.lu.solve_in_place(column);
         }

@@ -382,7 +382,9 @@ impl Program {
                 _ => cell(i.dst) && cell(i.a) && cell(i.b),
             };
             if !fine {
-                return Err(format!("instruction {at} of the {name} tape refers to nothing: {i:?}"));
+                return Err(format!(
+                    "instruction {at} of the {name} tape refers to nothing: {i:?}"
+                ));
             }
         }
         Ok(())

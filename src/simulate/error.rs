@@ -72,7 +72,9 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
         }
         Fault::Singular { solver, unknown } => {
             let text = |v: &str| {
-                format!("at time {time} s the equations do not determine `{v}`: their matrix is singular")
+                format!(
+                    "at time {time} s the equations do not determine `{v}`: their matrix is singular"
+                )
             };
             torn_failure(&reader, program, solver, unknown, "MO0903", &text)
                 .help("check whether a coefficient of this variable becomes zero here")
@@ -202,8 +204,11 @@ fn torn_failure(
         None => Diagnostic::error(code, Span::NONE, text(program.name(v))),
     };
     for other in s.unknowns.iter().filter(|u| **u != v).take(5) {
-        diagnostic =
-            diagnostic.note(format!("together with `{}` = {}", program.name(*other), reader.value(*other)));
+        diagnostic = diagnostic.note(format!(
+            "together with `{}` = {}",
+            program.name(*other),
+            reader.value(*other)
+        ));
     }
     diagnostic
 }

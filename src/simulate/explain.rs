@@ -89,9 +89,7 @@ impl<'a> Reader<'a> {
         match definitions.get(&v) {
             Some(&(value, source)) => self.expression_not_finite(value, source, sequence, time),
             None => match eliminated {
-                Some(value) => {
-                    self.expression_not_finite(value, Source::Start(v), sequence, time)
-                }
+                Some(value) => self.expression_not_finite(value, Source::Start(v), sequence, time),
                 None => self.plain(&format!("`{}` is {}", self.name(v), self.value(v)), time),
             },
         }
@@ -151,17 +149,20 @@ impl<'a> Reader<'a> {
                 "the argument must lie between -1 and 1",
             ),
             Node::Binary(Binary::Pow, a, b) => (
-                format!("`{text}` has no finite value for base {} and exponent {}", value(a), value(b)),
+                format!(
+                    "`{text}` has no finite value for base {} and exponent {}",
+                    value(a),
+                    value(b)
+                ),
                 "a negative base allows whole exponents only, and zero no negative ones",
             ),
             Node::Var(v) => (
                 format!("`{}` is {}", self.name(v), self.value(v)),
                 "check the equation that determines it",
             ),
-            _ => (
-                format!("`{text}` is {}", value(culprit)),
-                "check the sizes of what it is made of",
-            ),
+            _ => {
+                (format!("`{text}` is {}", value(culprit)), "check the sizes of what it is made of")
+            }
         };
         let mut diagnostic =
             Diagnostic::error("MO0902", self.span(source), format!("at time {time} s {what}"))

@@ -191,15 +191,15 @@ impl<'p, 's> Simulation<'p, 's> {
     /// One accepted step; true if it ends at `t_stop`.
     fn step(&mut self, t_stop: f64) -> Result<bool, Failure> {
         let outcome = self.stepper.step(&mut self.model, t_stop);
-        let step = outcome.map_err(|e| of_integration(&self.model.instance, e, self.stepper.t()))?;
+        let step =
+            outcome.map_err(|e| of_integration(&self.model.instance, e, self.stepper.t()))?;
         // What a shorter step could avoid is no failure.
         self.model.instance.fault = None;
         Ok(matches!(step, Step::Reached { .. }))
     }
 
     fn restart(&mut self) -> Result<(), Failure> {
-        let begun =
-            self.stepper.restart(&mut self.model, self.t, &self.y, JacobianMemory::Forget);
+        let begun = self.stepper.restart(&mut self.model, self.t, &self.y, JacobianMemory::Forget);
         begun.map_err(|e| of_integration(&self.model.instance, e, self.t))
     }
 
@@ -270,7 +270,9 @@ impl<'p, 's> Simulation<'p, 's> {
 
     fn held_relations(&self) -> Vec<f64> {
         let first = self.program.layout.relations;
-        (0..self.program.watches.len() as Slot).map(|k| self.model.instance.get(first + k)).collect()
+        (0..self.program.watches.len() as Slot)
+            .map(|k| self.model.instance.get(first + k))
+            .collect()
     }
 
     /// Relations that differ from what was held, and whether they became true.
@@ -327,11 +329,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.sources.place(span).unwrap_or_default()
     }
 
-    fn guard_against_chattering(
-        &mut self,
-        t: f64,
-        flipped: &[(u32, bool)],
-    ) -> Result<(), Failure> {
+    fn guard_against_chattering(&mut self, t: f64, flipped: &[(u32, bool)]) -> Result<(), Failure> {
         let recent = &mut self.recent;
         let oldest = recent.times[recent.at];
         recent.times[recent.at] = t;
@@ -341,7 +339,8 @@ impl<'p, 's> Simulation<'p, 's> {
         }
         let duration = t - oldest;
         let k = flipped.first().map(|f| f.0);
-        let what = k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));
+        let what =
+            k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));
         let span = k.map_or(Span::NONE, |k| self.relation_span(k));
         let message = format!(
             "at time {t} s {what} switches without end: {CHATTER_EVENTS} events within {duration:e} s"
@@ -436,8 +435,10 @@ fn unsettled(model: &Model<'_>, why: Unsettled, t: f64) -> Failure {
                 (None, Some(k)) => dae.relations[*k as usize].origin.span,
                 _ => Span::NONE,
             };
-            let message =
-                format!("at time {t} s the event iteration does not end: {} keep changing", names.join(", "));
+            let message = format!(
+                "at time {t} s the event iteration does not end: {} keep changing",
+                names.join(", ")
+            );
             let diagnostic = Diagnostic::error("MO0913", span, message)
                 .help("break the circle of conditions that trigger each other by `pre`");
             Failure::numerics(t, diagnostic)

@@ -45,7 +45,13 @@ impl<'p> Model<'p> {
 
     /// Replaces column `j` of the Jacobian by a one-sided difference: where the exact derivative is
     /// infinite, as that of a root at zero.
-    fn difference(&mut self, t: f64, y: &[f64], column: usize, out: &mut [f64]) -> Result<(), Fault> {
+    fn difference(
+        &mut self,
+        t: f64,
+        y: &[f64],
+        column: usize,
+        out: &mut [f64],
+    ) -> Result<(), Fault> {
         let n = self.instance.program.order();
         self.moved.copy_from_slice(y);
         let h = f64::EPSILON.sqrt() * y[column].abs().max(1e-3);

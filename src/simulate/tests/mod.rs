@@ -1,0 +1,5 @@
+//! Whole runs of small systems that are sorted by hand.
+mod builder;
+mod discrete;
+mod failures;
+mod smooth;
