@@ -8,7 +8,11 @@ pub mod ir;
 pub mod math;
 pub mod symbolic;
 
-// From sorted equations to a trajectory.
+// From flat equations to sorted blocks.
+pub mod lower;
+pub mod structure;
+
+// From sorted blocks to a trajectory.
 pub mod codegen;
 pub mod integrate;
 pub mod simulate;

@@ -116,6 +116,41 @@ pub struct Variable {
     pub span: Span,
 }
 
+impl Variable {
+    /// A variable about which nothing more is known.
+    pub fn new(name: impl Into<String>, ty: Type, kind: Kind, span: Span) -> Variable {
+        Variable {
+            name: name.into(),
+            ty,
+            kind,
+            derivative_of: None,
+            start: None,
+            fixed: None,
+            min: None,
+            max: None,
+            nominal: None,
+            state_select: StateSelect::Default,
+            unit: Name::from(""),
+            display_unit: Name::from(""),
+            description: None,
+            hidden: false,
+            protected: false,
+            span,
+        }
+    }
+
+    /// The variable `der(integral)`, where `of` is the id of `integral`.
+    pub fn derivative(of: VarId, integral: &Variable, kind: Kind) -> Variable {
+        let name = format!("der({})", integral.name);
+        Variable {
+            derivative_of: Some(of),
+            protected: integral.protected,
+            hidden: integral.hidden,
+            ..Variable::new(name, integral.ty, kind, integral.span)
+        }
+    }
+}
+
 /// A continuous equation.
 #[derive(Clone, Debug)]
 pub struct Equation {

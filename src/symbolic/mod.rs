@@ -1,6 +1,7 @@
 //! Algebra on [`crate::ir::expr`]: the only place that knows what the operators mean.
 pub mod eval;
 pub mod gradient;
+pub mod linear;
 pub mod print;
 pub mod rewrite;
 pub mod simplify;

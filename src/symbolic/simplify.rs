@@ -141,6 +141,14 @@ impl Graph {
         }
     }
 
+    /// An integer literal as a real one; anything else as it is.
+    pub fn as_real(&mut self, e: ExprId) -> ExprId {
+        match self.as_const(e) {
+            Some(Const::Integer(i)) => self.real(i as f64),
+            _ => e,
+        }
+    }
+
     /// The sum of all, `0.0` of none.
     pub fn sum(&mut self, terms: impl IntoIterator<Item = ExprId>) -> ExprId {
         let mut terms = terms.into_iter();
@@ -182,11 +190,7 @@ impl Graph {
         if !real {
             return (a, b);
         }
-        let mut convert = |e| match self.as_const(e) {
-            Some(Const::Integer(i)) => self.real(i as f64),
-            _ => e,
-        };
-        (convert(a), convert(b))
+        (self.as_real(a), self.as_real(b))
     }
 
     fn fold_unary(&mut self, op: Unary, c: Const) -> Option<ExprId> {

@@ -1,0 +1,259 @@
+//! Search for variables that equal another one, or its negative, or a constant.
+//!
+//! `a = b`, `a = -b`, `a + b = 0` put variables into one class (union-find with signs); `v = der(s)`
+//! makes v the name of a derivative; `v = e` with a parameter expression e gives v a value. What
+//! stands for a class is chosen by [`super::representative`].
+
+use super::Equal;
+use super::variability::Variabilities;
+use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::ir::dae::{Kind, Variable};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::flat::Variability;
+
+/// A variable or its negative.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Signed {
+    /// The variable.
+    pub variable: VarId,
+    /// It is meant with the opposite sign.
+    pub negative: bool,
+}
+
+/// What the search found. A class is known by its root.
+pub struct Classes {
+    /// Which variables are equal up to sign.
+    pub union: SignedUnion,
+    /// The value of the root of each constant class.
+    pub value: FastMap<VarId, ExprId>,
+    /// `der(root) = other root`, up to sign. Every root is at most once the name of a derivative,
+    /// and following the names never leads back.
+    pub named: FastMap<VarId, Signed>,
+    /// Roots that are the name of a derivative.
+    pub is_name: FastSet<VarId>,
+}
+
+/// Takes the equations that only say that variables are equal out of `equations`; the rest remains.
+/// An equation that repeats what is known already remains too, to be counted as one too many.
+pub fn search(
+    graph: &mut Graph,
+    variables: &IndexVec<VarId, Variable>,
+    equations: Vec<Equal>,
+) -> (Classes, Vec<Equal>) {
+    let union = SignedUnion::new(variables.len());
+    let mut search = Search {
+        graph,
+        variables,
+        variability: Variabilities::default(),
+        chains: SignedUnion::new(variables.len()),
+        with_input: variables.iter().map(|v| v.kind == Kind::Input).collect(),
+        classes: Classes {
+            union,
+            value: FastMap::default(),
+            named: FastMap::default(),
+            is_name: FastSet::default(),
+        },
+    };
+    // Aliases first, so that the other two see whole classes; constants before names of
+    // derivatives, because a constant is no name.
+    let mut remaining = equations;
+    remaining.retain(|e| !search.unite(e));
+    remaining.retain(|e| !search.note_constant(e));
+    remaining.retain(|e| !search.note_name(e));
+    (search.classes, remaining)
+}
+
+struct Search<'a> {
+    graph: &'a mut Graph,
+    variables: &'a IndexVec<VarId, Variable>,
+    variability: Variabilities,
+    /// Roots joined by names of derivatives: a name within one chain would close a circle.
+    chains: SignedUnion,
+    with_input: IndexVec<VarId, bool>,
+    classes: Classes,
+}
+
+/// A term of a sum: `v` or `der(v)`.
+#[derive(Clone, Copy)]
+struct Term {
+    variable: VarId,
+    differentiated: bool,
+    negative: bool,
+}
+
+impl Search<'_> {
+    /// `a = b` and the like, between variables of one kind.
+    fn unite(&mut self, e: &Equal) -> bool {
+        let Some([a, b]) = two_terms(self.graph, e) else { return false };
+        let negative = a.negative == b.negative;
+        let of_one_kind = |x: &Variable, y: &Variable| match (x.kind, y.kind) {
+            (Kind::Algebraic | Kind::Input, Kind::Algebraic | Kind::Input) => x.ty == Type::Real,
+            (Kind::Discrete, Kind::Discrete) => x.ty == y.ty && !negative,
+            _ => false,
+        };
+        let (x, y) = (&self.variables[a.variable], &self.variables[b.variable]);
+        if a.differentiated || b.differentiated || x.ty != y.ty || !of_one_kind(x, y) {
+            return false;
+        }
+        let roots = [a, b].map(|t| self.classes.union.find(t.variable).variable);
+        if roots.iter().all(|r| self.with_input[*r]) {
+            return false;
+        }
+        let united = self.classes.union.unite(a.variable, b.variable, negative);
+        let root = self.classes.union.find(a.variable).variable;
+        self.with_input[root] = roots.iter().any(|r| self.with_input[*r]);
+        united
+    }
+
+    /// `v = e` with a parameter expression `e`.
+    fn note_constant(&mut self, e: &Equal) -> bool {
+        let Some((v, value)) = self.constant(e) else { return false };
+        let Signed { variable: root, negative } = self.classes.union.find(v);
+        if self.with_input[root] || self.classes.value.contains_key(&root) {
+            return false;
+        }
+        let value = if negative { self.graph.neg(value) } else { value };
+        let value = self.graph.as_real(value);
+        self.classes.value.insert(root, value);
+        true
+    }
+
+    fn constant(&mut self, e: &Equal) -> Option<(VarId, ExprId)> {
+        for (side, other) in [(e.lhs, e.rhs), (e.rhs, e.lhs)] {
+            let (v, negative) = match self.graph.node(side) {
+                Node::Var(v) => (v, false),
+                Node::Unary(Unary::Neg, a) => match self.graph.node(a) {
+                    Node::Var(v) => (v, true),
+                    _ => continue,
+                },
+                _ => continue,
+            };
+            let is_constant =
+                self.variability.of(self.graph, self.variables, other) <= Variability::Parameter;
+            if is_constant && self.variables[v].kind == Kind::Algebraic {
+                return Some((v, if negative { self.graph.neg(other) } else { other }));
+            }
+        }
+        // `v + p = 0` and the like.
+        let [a, b] = two_terms(self.graph, e)?;
+        let kind = |t: &Term| self.variables[t.variable].kind;
+        let is_parameter = |t: &Term| matches!(kind(t), Kind::Parameter | Kind::InitialParameter);
+        let (v, p) = if is_parameter(&b) { (a, b) } else { (b, a) };
+        if v.differentiated || p.differentiated || kind(&v) != Kind::Algebraic || !is_parameter(&p)
+        {
+            return None;
+        }
+        let read = self.graph.var(p.variable, self.variables[p.variable].ty);
+        let negative = v.negative == p.negative;
+        Some((v.variable, if negative { self.graph.neg(read) } else { read }))
+    }
+
+    /// `v = der(s)`. A second name of one derivative is an alias of the first.
+    fn note_name(&mut self, e: &Equal) -> bool {
+        let Some([a, b]) = two_terms(self.graph, e) else { return false };
+        let (v, s) = match (a.differentiated, b.differentiated) {
+            (false, true) => (a, b),
+            (true, false) => (b, a),
+            _ => return false,
+        };
+        let is_algebraic = |t: &Term| self.variables[t.variable].kind == Kind::Algebraic;
+        if !is_algebraic(&v) || !is_algebraic(&s) {
+            return false;
+        }
+        let c = &mut self.classes;
+        let (of_v, of_s) = (c.union.find(v.variable), c.union.find(s.variable));
+        let (name, state) = (of_v.variable, of_s.variable);
+        let is_known = |root: VarId| c.value.contains_key(&root) || self.with_input[root];
+        let closes_circle = self.chains.find(name).variable == self.chains.find(state).variable;
+        if is_known(name) || is_known(state) || closes_circle {
+            return false;
+        }
+        let negative = (v.negative == s.negative) ^ of_v.negative ^ of_s.negative;
+        if let Some(first) = c.named.get(&state).copied() {
+            if c.named.contains_key(&name) || c.is_name.contains(&name) {
+                return false;
+            }
+            c.union.attach(name, first.variable, negative ^ first.negative);
+            return true;
+        }
+        if !c.is_name.insert(name) {
+            return false;
+        }
+        c.named.insert(state, Signed { variable: name, negative });
+        self.chains.unite(name, state, false);
+        true
+    }
+}
+
+/// `lhs - rhs`, if it is the sum of two terms of different variables.
+fn two_terms(graph: &Graph, e: &Equal) -> Option<[Term; 2]> {
+    let mut open = vec![(e.lhs, false), (e.rhs, true)];
+    open.retain(|(side, _)| graph.as_number(*side) != Some(0.0));
+    let mut terms = Vec::with_capacity(2);
+    while let Some((e, negative)) = open.pop() {
+        if open.len() + terms.len() >= 2 {
+            return None;
+        }
+        match graph.node(e) {
+            Node::Var(variable) => terms.push(Term { variable, differentiated: false, negative }),
+            Node::Der(variable) => terms.push(Term { variable, differentiated: true, negative }),
+            Node::Unary(Unary::Neg, a) => open.push((a, !negative)),
+            Node::Binary(Binary::Add, a, b) => open.extend([(b, negative), (a, negative)]),
+            Node::Binary(Binary::Sub, a, b) => open.extend([(b, !negative), (a, negative)]),
+            _ => return None,
+        }
+    }
+    let [a, b] = <[Term; 2]>::try_from(terms).ok()?;
+    let distinct = a.variable != b.variable || a.differentiated != b.differentiated;
+    distinct.then_some([a, b])
+}
+
+/// Disjoint sets of variables that are equal up to sign (Tarjan 1975, with path compression).
+pub struct SignedUnion {
+    parent: IndexVec<VarId, Signed>,
+    size: IndexVec<VarId, u32>,
+}
+
+impl SignedUnion {
+    fn new(count: usize) -> Self {
+        let single = |i| Signed { variable: VarId(i as u32), negative: false };
+        SignedUnion { parent: (0..count).map(single).collect(), size: IndexVec::filled(1, count) }
+    }
+
+    /// The root of the class of `v`, and whether `v` is its negative.
+    pub fn find(&mut self, v: VarId) -> Signed {
+        let mut path = Vec::new();
+        let mut at = v;
+        while self.parent[at].variable != at {
+            path.push(at);
+            at = self.parent[at].variable;
+        }
+        let mut negative = false;
+        for &member in path.iter().rev() {
+            negative ^= self.parent[member].negative;
+            self.parent[member] = Signed { variable: at, negative };
+        }
+        Signed { variable: at, negative }
+    }
+
+    /// Makes `a` equal `b`, or `-b`; false if they were in one class already.
+    fn unite(&mut self, a: VarId, b: VarId, negative: bool) -> bool {
+        let (a, b) = (self.find(a), self.find(b));
+        if a.variable == b.variable {
+            return false;
+        }
+        let negative = negative ^ a.negative ^ b.negative;
+        if self.size[a.variable] <= self.size[b.variable] {
+            self.attach(a.variable, b.variable, negative);
+        } else {
+            self.attach(b.variable, a.variable, negative);
+        }
+        true
+    }
+
+    /// Puts the class of one root under another root.
+    fn attach(&mut self, root: VarId, under: VarId, negative: bool) {
+        self.parent[root] = Signed { variable: under, negative };
+        self.size[under] += self.size[root];
+    }
+}

@@ -1,0 +1,161 @@
+//! Variables by what they are to the solver, and equations by form.
+
+use super::Equal;
+use super::error;
+use super::event::Rewriting;
+use crate::base::diag::Problems;
+use crate::base::index::{FastSet, IndexVec};
+use crate::ir::dae::{self, DiscreteEquation, Kind};
+use crate::ir::expr::{ExprId, VarId};
+use crate::ir::flat::{
+    Action, Assert, Causality, EquationKind, FlatModel, Origin, Variability, Variable, WhenBranch,
+};
+
+/// The equations of a flat model by form.
+pub struct Sections {
+    /// `a = b`: from equation sections, declarations and algorithms.
+    pub equal: Vec<Equal>,
+    /// When-clauses.
+    pub whens: Vec<(Vec<WhenBranch>, Origin)>,
+    /// Assertions outside when-clauses.
+    pub asserts: Vec<(Assert, Origin)>,
+    /// Every expression that occurs in an equation of any kind.
+    pub roots: Vec<ExprId>,
+}
+
+/// The variables, all continuous ones as `Algebraic` for now. A variable that a when-clause assigns
+/// is discrete whatever its declaration says (Modelica 3.6, section 3.8.4).
+pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, dae::Variable> {
+    let by_when = assigned_in_when(flat);
+    flat.variables.enumerate().map(|(id, v)| classify(id, v, &by_when, problems)).collect()
+}
+
+/// Takes the equations out of the model and splits them by form; declarations `Real x = e` and
+/// assignments of algorithms become equations.
+pub fn sections(flat: &mut FlatModel) -> Sections {
+    let mut s = Sections { equal: vec![], whens: vec![], asserts: vec![], roots: vec![] };
+    for (id, v) in flat.variables.enumerate() {
+        if let Some(rhs) = v.binding.filter(|_| v.variability > Variability::Parameter) {
+            let lhs = flat.graph.var(id, v.ty);
+            s.equal.push(Equal { lhs, rhs, origin: declaration_origin(v) });
+        }
+    }
+    for equation in std::mem::take(&mut flat.equations) {
+        let origin = equation.origin;
+        match equation.kind {
+            EquationKind::Equal(lhs, rhs) => s.equal.push(Equal { lhs, rhs, origin }),
+            EquationKind::When(branches) => s.whens.push((branches, origin)),
+            EquationKind::Assert(assert) => s.asserts.push((assert, origin)),
+            EquationKind::Algorithm { outputs, values } => {
+                for (variable, rhs) in outputs.into_iter().zip(values) {
+                    let lhs = flat.read(variable);
+                    s.equal.push(Equal { lhs, rhs, origin: origin.clone() });
+                }
+            }
+        }
+    }
+    s.roots = roots(flat, &s);
+    s
+}
+
+/// Reports discrete variables without an equation.
+pub fn one_equation_each(discrete: &[DiscreteEquation], r: &mut Rewriting<'_>) {
+    let mut determined: FastSet<VarId> = discrete.iter().map(|d| d.variable).collect();
+    determined.extend(r.sample_flags());
+    for (id, v) in r.variables.enumerate() {
+        if v.kind == Kind::Discrete && !determined.contains(&id) {
+            r.problems.push(error::no_discrete_equation(v));
+        }
+    }
+}
+
+/// The place of a declaration as the origin of the equation in it.
+pub fn declaration_origin(v: &Variable) -> Origin {
+    let component = v.name.rsplit_once('.').map_or("", |(component, _)| component);
+    Origin { span: v.span, component: component.into() }
+}
+
+fn roots(flat: &FlatModel, s: &Sections) -> Vec<ExprId> {
+    let mut roots = Vec::new();
+    for equation in &s.equal {
+        roots.extend([equation.lhs, equation.rhs]);
+    }
+    for (assert, _) in &s.asserts {
+        roots.push(assert.condition);
+    }
+    for branch in s.whens.iter().flat_map(|(branches, _)| branches) {
+        roots.extend(&branch.conditions);
+        for action in &branch.actions {
+            match action {
+                Action::Assign(_, value) => roots.push(*value),
+                Action::Reinit { value, guard, .. } => {
+                    roots.push(*value);
+                    roots.extend(guard);
+                }
+                Action::Assert(assert) => roots.push(assert.condition),
+                Action::Terminate(_) => {}
+            }
+        }
+    }
+    for equation in &flat.initial_equations {
+        match &equation.kind {
+            EquationKind::Equal(a, b) => roots.extend([a, b]),
+            EquationKind::Algorithm { values, .. } => roots.extend(values),
+            EquationKind::Assert(assert) => roots.push(assert.condition),
+            EquationKind::When(_) => {}
+        }
+    }
+    roots
+}
+
+fn assigned_in_when(flat: &FlatModel) -> FastSet<VarId> {
+    let mut assigned = FastSet::default();
+    for equation in &flat.equations {
+        if let EquationKind::When(branches) = &equation.kind {
+            for action in branches.iter().flat_map(|b| &b.actions) {
+                if let Action::Assign(v, _) = action {
+                    assigned.insert(*v);
+                }
+            }
+        }
+    }
+    assigned
+}
+
+fn classify(
+    id: VarId,
+    v: &Variable,
+    by_when: &FastSet<VarId>,
+    problems: &mut Problems,
+) -> dae::Variable {
+    let kind = match v.variability {
+        Variability::Constant => Kind::Parameter,
+        Variability::Parameter if v.fixed == Some(false) => Kind::InitialParameter,
+        Variability::Parameter => Kind::Parameter,
+        _ if v.causality == Some(Causality::Input) && v.binding.is_none() => Kind::Input,
+        Variability::Discrete => Kind::Discrete,
+        Variability::Continuous if by_when.contains(&id) => Kind::Discrete,
+        Variability::Continuous => Kind::Algebraic,
+    };
+    if by_when.contains(&id) && kind != Kind::Discrete {
+        problems.push(error::assigned_parameter(v));
+    }
+    dae::Variable {
+        name: v.name.clone(),
+        ty: v.ty,
+        kind,
+        derivative_of: None,
+        start: v.start.or(v.binding.filter(|_| kind == Kind::InitialParameter)),
+        fixed: v.fixed,
+        min: v.min,
+        max: v.max,
+        nominal: v.nominal,
+        state_select: v.state_select,
+        unit: v.unit,
+        display_unit: v.display_unit,
+        description: v.description.clone(),
+        hidden: false,
+        protected: v.protected,
+        span: v.span,
+    }
+}

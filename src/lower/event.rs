@@ -1,0 +1,308 @@
+//! Expressions of the flat model in terms of the system: eliminated variables replaced, derivatives
+//! as variables, relations numbered, `sample` as flags, `noEvent` and `smooth` removed.
+
+use super::alias::Signed;
+use super::error;
+use super::representative::Replacement;
+use super::variability::Variabilities;
+use crate::base::diag::Problems;
+use crate::base::index::{FastMap, IndexVec};
+use crate::base::source::Span;
+use crate::ir::dae::{Kind, Relation, Sample, Trigger, Variable};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::flat::{Origin, Variability};
+use crate::symbolic::gradient::Leaf;
+use crate::symbolic::linear;
+
+/// Whether relations make events.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Mode {
+    /// They do: equations, conditions of when-clauses.
+    Events,
+    /// They stay operators: below `noEvent` and `smooth`, where an expression is evaluated at events
+    /// only (bodies of when-clauses, initial equations), in assertions, and in attributes.
+    Literal,
+}
+
+/// What the rewriting collected.
+pub struct Events {
+    /// Numbered relations.
+    pub relations: Vec<Relation>,
+    /// Clocks.
+    pub samples: Vec<Sample>,
+}
+
+/// A rewriting of all expressions of a model; each node is rewritten once per mode.
+pub struct Rewriting<'a> {
+    /// All expressions.
+    pub graph: &'a mut Graph,
+    /// All variables.
+    pub variables: &'a mut IndexVec<VarId, Variable>,
+    /// What is wrong with the model.
+    pub problems: &'a mut Problems,
+    replacement: IndexVec<VarId, Replacement>,
+    variability: Variabilities,
+    done: FastMap<(ExprId, Mode), ExprId>,
+    relations: Vec<Relation>,
+    /// Relations as `a < b`: its number, and whether the stored one is the negation.
+    relation_ids: FastMap<(ExprId, ExprId), (u32, bool)>,
+    samples: Vec<Sample>,
+    sample_ids: FastMap<(ExprId, ExprId), VarId>,
+}
+
+impl<'a> Rewriting<'a> {
+    /// Nothing rewritten yet.
+    pub fn new(
+        graph: &'a mut Graph,
+        variables: &'a mut IndexVec<VarId, Variable>,
+        replacement: IndexVec<VarId, Replacement>,
+        problems: &'a mut Problems,
+    ) -> Self {
+        Rewriting {
+            graph,
+            variables,
+            problems,
+            replacement,
+            variability: Variabilities::default(),
+            done: FastMap::default(),
+            relations: Vec::new(),
+            relation_ids: FastMap::default(),
+            samples: Vec::new(),
+            sample_ids: FastMap::default(),
+        }
+    }
+
+    /// Relations and clocks found.
+    pub fn finish(self) -> Events {
+        Events { relations: self.relations, samples: self.samples }
+    }
+
+    /// The Boolean variables of the clocks found so far.
+    pub fn sample_flags(&self) -> impl Iterator<Item = VarId> {
+        self.samples.iter().map(|s| s.flag)
+    }
+
+    /// The variability of a rewritten expression.
+    pub fn variability(&mut self, e: ExprId) -> Variability {
+        self.variability.of(self.graph, self.variables, e)
+    }
+
+    /// The variable that stands for `v`, if one does.
+    pub fn representative(&self, v: VarId) -> Option<Signed> {
+        match self.replacement.get(v) {
+            Some(Replacement::Alias(s)) => Some(*s),
+            Some(Replacement::Value(_)) => None,
+            _ => Some(Signed { variable: v, negative: false }),
+        }
+    }
+
+    /// Adds a discrete Boolean that the user does not see.
+    pub fn add_flag(&mut self, name: String, span: Span) -> VarId {
+        let flag = Variable::new(name, Type::Boolean, Kind::Discrete, span);
+        self.variables.push(Variable { hidden: true, ..flag })
+    }
+
+    /// Rewrites the attributes of all variables.
+    pub fn attributes(&mut self) {
+        for id in self.variables.ids() {
+            let origin = Origin { span: self.variables[id].span, component: "".into() };
+            let v = &self.variables[id];
+            let [start, min, max, nominal] = [v.start, v.min, v.max, v.nominal]
+                .map(|e| e.map(|e| self.apply(e, Mode::Literal, &origin)));
+            let is_real = self.variables[id].ty == Type::Real;
+            let [start, min, max, nominal] = [start, min, max, nominal]
+                .map(|e| e.map(|e| if is_real { self.graph.as_real(e) } else { e }));
+            let v = &mut self.variables[id];
+            (v.start, v.min, v.max, v.nominal) = (start, min, max, nominal);
+        }
+    }
+
+    /// The eliminated variables with what they equal.
+    pub fn eliminated(&mut self) -> Vec<(VarId, ExprId)> {
+        let mut list = Vec::new();
+        for v in self.variables.ids() {
+            let value = match self.replacement.get(v) {
+                None | Some(Replacement::Kept) => continue,
+                Some(Replacement::Alias(s)) => self.read(*s),
+                Some(Replacement::Value(e)) => {
+                    let origin = Origin { span: self.variables[v].span, component: "".into() };
+                    self.apply(*e, Mode::Literal, &origin)
+                }
+            };
+            list.push((v, value));
+        }
+        list
+    }
+
+    /// Rewrites `root`. Iterative, and shared over all calls.
+    pub fn apply(&mut self, root: ExprId, mode: Mode, origin: &Origin) -> ExprId {
+        let mut stack = vec![(root, mode, false)];
+        let mut operands = Vec::new();
+        while let Some((e, mode, ready)) = stack.pop() {
+            if self.done.contains_key(&(e, mode)) {
+                continue;
+            }
+            let below = match self.graph.node(e) {
+                Node::NoEvent(_) | Node::Smooth(..) => Mode::Literal,
+                _ => mode,
+            };
+            if !ready {
+                if let Some(new) = self.leaf(e) {
+                    // A value of a constant may hold wrappers of its own.
+                    if new != e && matches!(self.replaced(e), Some(Replacement::Value(_))) {
+                        if let Some(&value) = self.done.get(&(new, Mode::Literal)) {
+                            self.done.insert((e, mode), value);
+                        } else {
+                            stack.push((e, mode, false));
+                            stack.push((new, Mode::Literal, false));
+                        }
+                    } else {
+                        self.done.insert((e, mode), new);
+                    }
+                    continue;
+                }
+                stack.push((e, mode, true));
+                self.graph.for_each_operand(e, |a| stack.push((a, below, false)));
+                continue;
+            }
+            operands.clear();
+            self.graph.for_each_operand(e, |a| operands.push(self.done[&(a, below)]));
+            let new = self.node(e, &operands, mode, origin);
+            self.done.insert((e, mode), new);
+        }
+        self.done[&(root, mode)]
+    }
+
+    fn replaced(&self, e: ExprId) -> Option<Replacement> {
+        match self.graph.node(e) {
+            Node::Var(v) | Node::Pre(v) => self.replacement.get(v).copied(),
+            _ => None,
+        }
+    }
+
+    /// What a leaf becomes; `None` for anything with operands.
+    fn leaf(&mut self, e: ExprId) -> Option<ExprId> {
+        match self.graph.node(e) {
+            Node::Const(_) | Node::Time | Node::Initial | Node::Terminal | Node::Relation(_) => {
+                Some(e)
+            }
+            Node::Var(v) => Some(match self.replacement.get(v) {
+                Some(Replacement::Alias(s)) => self.read(*s),
+                Some(Replacement::Value(value)) => *value,
+                _ => e,
+            }),
+            Node::Pre(v) => Some(match self.replacement.get(v) {
+                Some(Replacement::Alias(s)) => {
+                    let s = *s;
+                    let pre = self.graph.pre(s.variable, self.variables[s.variable].ty);
+                    if s.negative { self.graph.neg(pre) } else { pre }
+                }
+                Some(Replacement::Value(value)) => *value,
+                _ => e,
+            }),
+            Node::Der(v) => Some(self.rate(v)),
+            _ => None,
+        }
+    }
+
+    /// `der(v)` as a variable; zero for what does not change between events.
+    fn rate(&mut self, v: VarId) -> ExprId {
+        if let Some(s) = self.representative(v)
+            && let Kind::Differentiated { derivative } = self.variables[s.variable].kind
+        {
+            return self.read(Signed { variable: derivative, negative: s.negative });
+        }
+        self.graph.real(0.0)
+    }
+
+    fn read(&mut self, s: Signed) -> ExprId {
+        let e = self.graph.var(s.variable, self.variables[s.variable].ty);
+        if s.negative { self.graph.neg(e) } else { e }
+    }
+
+    fn node(&mut self, e: ExprId, operands: &[ExprId], mode: Mode, origin: &Origin) -> ExprId {
+        match (self.graph.node(e), operands) {
+            (Node::NoEvent(_) | Node::Smooth(..), &[a]) => return a,
+            // Initialisation starts at the actual system at once.
+            (Node::Homotopy(..), &[actual, _]) => return actual,
+            (Node::Sample(..), &[start, interval]) => return self.sample(start, interval, origin),
+            _ => {}
+        }
+        let new = self.graph.rebuild(e, operands);
+        if mode == Mode::Literal || self.variability(new) < Variability::Continuous {
+            return new;
+        }
+        match self.graph.node(new) {
+            Node::Binary(op, a, b) if op.is_relation() => self.relation(op, a, b, new, origin),
+            Node::Binary(op @ (Binary::Quotient | Binary::Mod | Binary::Rem), ..) => {
+                self.problems.push(error::no_event_function(op.name(), origin));
+                new
+            }
+            Node::Unary(op @ (Unary::Floor | Unary::Ceil | Unary::ToInteger), _) => {
+                self.problems.push(error::no_event_function(op.name(), origin));
+                new
+            }
+            _ => new,
+        }
+    }
+
+    /// Numbers `a op b`. A relation and its negation share one number.
+    fn relation(&mut self, op: Binary, a: ExprId, b: ExprId, e: ExprId, origin: &Origin) -> ExprId {
+        let (key, negated) = match op {
+            Binary::Less => ((a, b), false),
+            Binary::GreaterEqual => ((a, b), true),
+            Binary::Greater => ((b, a), false),
+            Binary::LessEqual => ((b, a), true),
+            _ => {
+                self.problems.push(error::equality_of_reals(op.name(), origin));
+                return e;
+            }
+        };
+        let (number, stored_negated) = match self.relation_ids.get(&key) {
+            Some(&found) => found,
+            None => {
+                let number = self.relations.len() as u32;
+                let trigger = self.trigger(a, b);
+                let origin = origin.clone();
+                self.relations.push(Relation { op, lhs: a, rhs: b, trigger, origin });
+                self.relation_ids.insert(key, (number, negated));
+                (number, negated)
+            }
+        };
+        let read = self.graph.intern(Node::Relation(number), Type::Boolean);
+        if negated == stored_negated { read } else { self.graph.not(read) }
+    }
+
+    fn trigger(&mut self, a: ExprId, b: ExprId) -> Trigger {
+        let difference = self.graph.sub(a, b);
+        let split = linear::split(self.graph, difference, Leaf::Time);
+        if let Some((coefficient, rest)) = split
+            && self.variability(rest) <= Variability::Discrete
+        {
+            if self.graph.as_number(coefficient) == Some(1.0) {
+                return Trigger::Time { instant: self.graph.neg(rest) };
+            }
+            if self.graph.as_number(coefficient) == Some(-1.0) {
+                return Trigger::Time { instant: rest };
+            }
+        }
+        Trigger::State
+    }
+
+    fn sample(&mut self, start: ExprId, interval: ExprId, origin: &Origin) -> ExprId {
+        let flag = match self.sample_ids.get(&(start, interval)) {
+            Some(&flag) => flag,
+            None => {
+                if self.variability(start).max(self.variability(interval)) > Variability::Parameter
+                {
+                    self.problems.push(error::varying_sample(origin));
+                }
+                let flag = self.add_flag(format!("$sample{}", self.samples.len() + 1), origin.span);
+                self.samples.push(Sample { start, interval, flag });
+                self.sample_ids.insert((start, interval), flag);
+                flag
+            }
+        };
+        self.graph.var(flag, Type::Boolean)
+    }
+}

@@ -1,0 +1,166 @@
+//! Flat model to hybrid differential-algebraic system: Modelica 3.6, appendix B.
+//!
+//! In comes a [`FlatModel`], out goes a [`Dae`]: derivatives become variables of their own, aliases
+//! and constants are eliminated, relations are numbered, when-clauses become discrete equations with
+//! an activation, parameters are put in order. The work is near-linear in the size of the model:
+//! every expression is walked once.
+pub mod alias;
+pub mod classify;
+pub mod error;
+pub mod event;
+pub mod initial;
+pub mod parameter;
+pub mod representative;
+pub mod variability;
+pub mod when;
+
+#[cfg(test)]
+pub mod sample;
+#[cfg(test)]
+mod tests;
+
+use crate::base::diag::Problems;
+use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::ir::dae::{self, Dae, DiscreteEquation, Kind};
+use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
+use crate::ir::flat::{FlatModel, Origin, Variability};
+use event::{Mode, Rewriting};
+
+/// Lowers a flat model. Whatever is wrong with the model is added to `problems`; without errors
+/// there is a result.
+pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
+    let errors_before = problems.error_count();
+    let mut variables = classify::variables(&flat, problems);
+    let sections = classify::sections(&mut flat);
+    let (classes, equal) = alias::search(&mut flat.graph, &variables, sections.equal);
+    let replacement =
+        representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
+
+    let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
+    let by_when = when::assigned(&sections.whens, &rewriting);
+    let (mut equations, mut discrete) = split(equal, &by_when, &mut rewriting);
+    let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);
+    let mut asserts = actions.asserts;
+    for (assert, origin) in &sections.asserts {
+        asserts.push(when::guarded(None, assert, origin, &mut rewriting));
+    }
+    let mut initial = initial::equations(&flat.initial_equations, &mut discrete, &mut rewriting);
+    rewriting.attributes();
+    let eliminated = rewriting.eliminated();
+    let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);
+    classify::one_equation_each(&discrete.list, &mut rewriting);
+    let events = rewriting.finish();
+
+    for equation in equations.iter_mut() {
+        equation.residual = flat.graph.sub(equation.lhs, equation.rhs);
+    }
+    (problems.error_count() == errors_before).then(|| Dae {
+        name: flat.name,
+        graph: flat.graph,
+        variables,
+        parameters,
+        equations,
+        discrete: discrete.list,
+        initial,
+        relations: events.relations,
+        samples: events.samples,
+        reinits: actions.reinits,
+        asserts,
+        terminates: actions.terminates,
+        eliminated,
+        functions: flat.functions,
+        experiment: flat.experiment,
+    })
+}
+
+/// An equation `lhs = rhs` on its way.
+pub struct Equal {
+    /// Left side.
+    pub lhs: ExprId,
+    /// Right side.
+    pub rhs: ExprId,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// Discrete equations and where each variable has its own.
+#[derive(Default)]
+pub struct Discrete {
+    /// In order of appearance.
+    pub list: Vec<DiscreteEquation>,
+    /// The equation of each variable.
+    pub of: FastMap<VarId, usize>,
+}
+
+impl Discrete {
+    /// Adds `variable := value`; a second equation for one variable is an error.
+    pub fn push(&mut self, variable: VarId, value: ExprId, origin: Origin, r: &mut Rewriting<'_>) {
+        if let Some(&first) = self.of.get(&variable) {
+            let declared = &r.variables[variable];
+            r.problems.push(error::assigned_twice(declared, &self.list[first].origin, &origin));
+            return;
+        }
+        self.of.insert(variable, self.list.len());
+        self.list.push(DiscreteEquation { variable, value, origin });
+    }
+}
+
+/// Continuous equations go one way, discrete ones, in assigned form, the other.
+fn split(
+    equal: Vec<Equal>,
+    by_when: &FastSet<VarId>,
+    r: &mut Rewriting<'_>,
+) -> (IndexVec<dae::EqId, dae::Equation>, Discrete) {
+    let mut continuous = IndexVec::new();
+    let mut discrete = Discrete::default();
+    for Equal { lhs, rhs, origin } in equal {
+        let lhs = r.apply(lhs, Mode::Events, &origin);
+        let rhs = r.apply(rhs, Mode::Events, &origin);
+        let is_real = r.graph.common_type(lhs, rhs) == Type::Real;
+        if !(is_real && r.variability(lhs).max(r.variability(rhs)) == Variability::Continuous) {
+            let taken = |v| by_when.contains(&v) || discrete.of.contains_key(&v);
+            if let Some((variable, value)) = assigned_form(lhs, rhs, taken, r) {
+                discrete.push(variable, value, origin, r);
+                continue;
+            }
+            if !is_real {
+                r.problems.push(error::not_assigned_form(&origin));
+                continue;
+            }
+        }
+        let [lhs, rhs] = [lhs, rhs].map(|side| r.graph.as_real(side));
+        // The residual is built once all equations are known, from both sides.
+        continuous.push(dae::Equation { lhs, rhs, residual: lhs, origin, derivative_of: None });
+    }
+    (continuous, discrete)
+}
+
+/// `v := value` from an equation with a discrete variable, perhaps negated, alone on one side. If
+/// both sides are such, the one that has no equation yet.
+fn assigned_form(
+    lhs: ExprId,
+    rhs: ExprId,
+    taken: impl Fn(VarId) -> bool,
+    r: &mut Rewriting<'_>,
+) -> Option<(VarId, ExprId)> {
+    let sides = [alone(lhs, r).map(|s| (s, rhs)), alone(rhs, r).map(|s| (s, lhs))];
+    let free = sides.iter().flatten().find(|((v, _), _)| !taken(*v));
+    let &((variable, negation), other) = free.or(sides.iter().flatten().next())?;
+    let value = match negation {
+        Some(op) => r.graph.unary(op, other),
+        None => other,
+    };
+    Some((variable, value))
+}
+
+fn alone(side: ExprId, r: &Rewriting<'_>) -> Option<(VarId, Option<Unary>)> {
+    let (variable, negation) = match r.graph.node(side) {
+        Node::Var(v) => (v, None),
+        Node::Unary(op @ (Unary::Not | Unary::Neg), a) => match r.graph.node(a) {
+            Node::Var(v) => (v, Some(op)),
+            _ => return None,
+        },
+        _ => return None,
+    };
+    (r.variables[variable].kind == Kind::Discrete).then_some((variable, negation))
+}

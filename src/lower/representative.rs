@@ -1,0 +1,248 @@
+//! One variable for each class of equal variables, and the variables of derivatives.
+
+use super::alias::{Classes, Signed};
+use super::error;
+use crate::base::diag::Problems;
+use crate::base::index::{FastSet, IndexVec};
+use crate::ir::dae::{Kind, Variable};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, VarId};
+use crate::ir::flat::StateSelect;
+
+/// What stands for a variable.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Replacement {
+    /// The variable itself: it is kept.
+    Kept,
+    /// Another variable or its negative.
+    Alias(Signed),
+    /// A parameter expression.
+    Value(ExprId),
+}
+
+/// Chooses the representatives, gives every differentiated one a derivative variable, and merges
+/// attributes. `roots` are all expressions in use: they tell what is differentiated.
+pub fn choose(
+    graph: &mut Graph,
+    variables: &mut IndexVec<VarId, Variable>,
+    mut classes: Classes,
+    roots: &[ExprId],
+    problems: &mut Problems,
+) -> IndexVec<VarId, Replacement> {
+    let mut differentiated = FastSet::default();
+    let mut wishes = IndexVec::filled(false, variables.len());
+    for e in graph.postorder(roots.iter().copied()) {
+        if let Node::Der(v) = graph.node(e) {
+            differentiated.insert(classes.union.find(v).variable);
+            wishes[v] = true;
+        }
+    }
+    let mut members: Vec<(VarId, Signed)> = Vec::with_capacity(variables.len());
+    for (v, variable) in variables.enumerate() {
+        if matches!(variable.kind, Kind::Algebraic | Kind::Input | Kind::Discrete) {
+            let Signed { variable: root, negative } = classes.union.find(v);
+            members.push((root, Signed { variable: v, negative }));
+        }
+    }
+    members.sort_by_key(|(root, member)| (*root, member.variable));
+    let replacement = IndexVec::filled(Replacement::Kept, variables.len());
+    let mut choice = Choice { graph, variables, problems, wishes, replacement };
+    let of_class = |root: VarId| {
+        let start = members.partition_point(|(r, _)| *r < root);
+        let end = members.partition_point(|(r, _)| *r <= root);
+        members[start..end].iter().map(|(_, member)| *member)
+    };
+    for class in members.chunk_by(|a, b| a.0 == b.0) {
+        let root = class[0].0;
+        if let Some(&value) = classes.value.get(&root) {
+            choice.replace_by_value(value, of_class(root));
+        } else if !classes.is_name.contains(&root) {
+            // From a variable to the name of its derivative, to the name of that one's...
+            let mut next = Some((root, None));
+            while let Some((root, integral)) = next {
+                let chosen = choice.represent(of_class(root), integral);
+                next = classes.named.get(&root).map(|name| {
+                    let negative = name.negative ^ chosen.negative;
+                    (name.variable, Some(Integral { variable: chosen.variable, negative }))
+                });
+                if next.is_none() && differentiated.contains(&root) {
+                    choice.add_derivative(chosen.variable, Kind::Algebraic);
+                }
+            }
+        }
+    }
+    choice.replacement
+}
+
+/// What a class is the derivative of: `der(variable)` is the root of the class or its negative.
+#[derive(Clone, Copy)]
+struct Integral {
+    variable: VarId,
+    negative: bool,
+}
+
+struct Choice<'a> {
+    graph: &'a mut Graph,
+    variables: &'a mut IndexVec<VarId, Variable>,
+    problems: &'a mut Problems,
+    /// Variables written under `der`.
+    wishes: IndexVec<VarId, bool>,
+    replacement: IndexVec<VarId, Replacement>,
+}
+
+impl Choice<'_> {
+    fn replace_by_value(&mut self, value: ExprId, members: impl Iterator<Item = Signed>) {
+        for member in members {
+            let value = if member.negative { self.graph.neg(value) } else { value };
+            self.replacement[member.variable] = Replacement::Value(value);
+            self.variables[member.variable].kind = Kind::Eliminated;
+        }
+    }
+
+    /// Chooses the representative, replaces the others by it, and returns it with its sign relative
+    /// to the root. A derivative must be represented with its own sign: if only negatives have
+    /// names, it gets a variable of its own.
+    fn represent(
+        &mut self,
+        members: impl Iterator<Item = Signed> + Clone,
+        integral: Option<Integral>,
+    ) -> Signed {
+        let fits = |m: &Signed| integral.is_none_or(|i| i.negative == m.negative);
+        let best = members.clone().filter(fits).max_by_key(|m| self.rank(m.variable));
+        let chosen = match (best, integral) {
+            (Some(best), None) => best,
+            (Some(best), Some(of)) => {
+                self.variables[best.variable].derivative_of = Some(of.variable);
+                let read = self.add_derivative(of.variable, Kind::Eliminated);
+                let alias = Signed { variable: best.variable, negative: false };
+                self.replacement[read] = Replacement::Alias(alias);
+                self.variables[read].derivative_of = None;
+                self.variables[of.variable].kind =
+                    Kind::Differentiated { derivative: best.variable };
+                best
+            }
+            (None, Some(of)) => {
+                let variable = self.add_derivative(of.variable, Kind::Algebraic);
+                Signed { variable, negative: of.negative }
+            }
+            // A class has members.
+            (None, None) => return Signed { variable: VarId(0), negative: false },
+        };
+        let relative: Vec<Signed> = members
+            .filter(|m| m.variable != chosen.variable)
+            .map(|m| Signed { variable: m.variable, negative: m.negative ^ chosen.negative })
+            .collect();
+        if !relative.is_empty() {
+            self.merge(chosen.variable, &relative);
+        }
+        for m in relative {
+            let alias = Signed { variable: chosen.variable, negative: m.negative };
+            self.replacement[m.variable] = Replacement::Alias(alias);
+            self.variables[m.variable].kind = Kind::Eliminated;
+        }
+        chosen
+    }
+
+    /// The more, the better as representative: what the modeller wants as a state, what is written
+    /// under `der`, what has a fixed start, then names near the top of the model.
+    fn rank(&self, v: VarId) -> impl Ord + use<> {
+        use std::cmp::Reverse;
+        let variable = &self.variables[v];
+        (
+            variable.kind == Kind::Input,
+            variable.state_select,
+            self.wishes[v],
+            variable.fixed == Some(true),
+            !variable.protected,
+            Reverse(variable.name.bytes().filter(|b| *b == b'.').count()),
+            Reverse(variable.name.len()),
+            Reverse(v),
+        )
+    }
+
+    fn add_derivative(&mut self, of: VarId, kind: Kind) -> VarId {
+        let integral = &self.variables[of];
+        if integral.kind == Kind::Input {
+            return of;
+        }
+        let derivative = Variable::derivative(of, integral, kind);
+        let id = self.variables.push(derivative);
+        self.replacement.push(Replacement::Kept);
+        self.variables[of].kind = Kind::Differentiated { derivative: id };
+        id
+    }
+
+    /// Gives the representative what the others say about it.
+    fn merge(&mut self, chosen: VarId, others: &[Signed]) {
+        let own = Signed { variable: chosen, negative: false };
+        let all = || std::iter::once(own).chain(others.iter().copied());
+        self.merge_start(chosen, all());
+        let mut low = None;
+        let mut high = None;
+        for m in all() {
+            let v = &self.variables[m.variable];
+            let (min, max) = if m.negative { (v.max, v.min) } else { (v.min, v.max) };
+            let min = min.map(|e| self.signed(e, m.negative));
+            let max = max.map(|e| self.signed(e, m.negative));
+            low = self.tighter(Binary::Max, low, min);
+            high = self.tighter(Binary::Min, high, max);
+        }
+        let nominal = all().find_map(|m| self.variables[m.variable].nominal);
+        let wish = all()
+            .map(|m| self.variables[m.variable].state_select)
+            .filter(|s| *s != StateSelect::Default)
+            .max();
+        let unit = all().map(|m| self.variables[m.variable].unit).find(|u| !u.is_empty());
+        let v = &mut self.variables[chosen];
+        v.min = low;
+        v.max = high;
+        v.nominal = nominal;
+        v.state_select = wish.unwrap_or_default();
+        v.unit = unit.unwrap_or(v.unit);
+    }
+
+    /// A fixed start counts more than a guess, the representative's more than another's. Fixed
+    /// starts must agree.
+    fn merge_start(&mut self, chosen: VarId, all: impl Iterator<Item = Signed> + Clone) {
+        let mut fixed: Option<(VarId, ExprId)> = None;
+        for m in all.clone() {
+            if self.variables[m.variable].fixed != Some(true) {
+                continue;
+            }
+            let start = self.variables[m.variable].start;
+            let start = match start {
+                Some(e) => self.signed(e, m.negative),
+                None => self.graph.real(0.0),
+            };
+            match fixed {
+                Some((first, value)) if value != start => {
+                    let [a, b] = [first, m.variable].map(|v| &self.variables[v]);
+                    self.problems.push(error::conflicting_starts(a, b));
+                }
+                Some(_) => {}
+                None => fixed = Some((m.variable, start)),
+            }
+        }
+        let start = match fixed {
+            Some((_, start)) => Some(start),
+            None => {
+                let guess = |m: Signed| Some((self.variables[m.variable].start?, m.negative));
+                let first = all.clone().find_map(guess);
+                first.map(|(e, negative)| self.signed(e, negative))
+            }
+        };
+        let v = &mut self.variables[chosen];
+        v.start = start;
+        v.fixed = if fixed.is_some() { Some(true) } else { v.fixed };
+    }
+
+    fn signed(&mut self, e: ExprId, negative: bool) -> ExprId {
+        if negative { self.graph.neg(e) } else { e }
+    }
+
+    fn tighter(&mut self, op: Binary, a: Option<ExprId>, b: Option<ExprId>) -> Option<ExprId> {
+        match (a, b) {
+            (Some(a), Some(b)) if a != b => Some(self.graph.binary(op, a, b)),
+            (a, b) => a.or(b),
+        }
+    }
+}

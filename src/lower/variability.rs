@@ -1,0 +1,53 @@
+//! How fast an expression may change: Modelica 3.6, section 3.8.
+
+use crate::base::index::{Id, IndexVec};
+use crate::ir::dae::{Kind, Variable};
+use crate::ir::expr::{ExprId, Graph, Node, VarId};
+use crate::ir::flat::Variability;
+
+/// The variability of every expression of a graph, computed as far as asked for. Operands always
+/// have lower numbers than their users, so one pass in order is enough, whatever the depth.
+#[derive(Default)]
+pub struct Variabilities {
+    known: IndexVec<ExprId, Variability>,
+}
+
+impl Variabilities {
+    /// The variability of `e`. Relations written as operators are as variable as their operands;
+    /// numbered ones change at events only.
+    pub fn of(
+        &mut self,
+        graph: &Graph,
+        variables: &IndexVec<VarId, Variable>,
+        e: ExprId,
+    ) -> Variability {
+        while self.known.len() <= e.idx() {
+            let next = self.known.next_id();
+            let variability = match graph.node(next) {
+                Node::Var(v) => of_variable(&variables[v]),
+                Node::Time | Node::Der(_) => Variability::Continuous,
+                Node::Pre(_)
+                | Node::Sample(..)
+                | Node::Initial
+                | Node::Terminal
+                | Node::Relation(_) => Variability::Discrete,
+                _ => {
+                    let mut highest = Variability::Constant;
+                    graph.for_each_operand(next, |a| highest = highest.max(self.known[a]));
+                    highest
+                }
+            };
+            self.known.push(variability);
+        }
+        self.known[e]
+    }
+}
+
+/// The variability of a variable by its kind. An input is held at its start value.
+pub fn of_variable(variable: &Variable) -> Variability {
+    match variable.kind {
+        Kind::Parameter | Kind::InitialParameter => Variability::Parameter,
+        Kind::Discrete | Kind::Input => Variability::Discrete,
+        Kind::Differentiated { .. } | Kind::Algebraic | Kind::Eliminated => Variability::Continuous,
+    }
+}

@@ -1,0 +1,192 @@
+//! When-clauses as discrete equations: Modelica 3.6, section 8.3.5.
+//!
+//! Each condition gets a flag, `$whenK := condition`. A branch is active in the event iteration in
+//! which one of its flags has just become true, unless an earlier branch is; during initialisation
+//! it is active exactly if `initial()` is one of its conditions.
+
+use super::event::{Mode, Rewriting};
+use super::{Discrete, error};
+use crate::base::index::{FastMap, FastSet};
+use crate::ir::dae::{GuardedAssert, Kind, Reinit, Terminate};
+use crate::ir::expr::{ExprId, Node, Type, VarId};
+use crate::ir::flat::{Action, Assert, Origin, WhenBranch};
+
+/// What when-clauses do besides assigning variables.
+#[derive(Default)]
+pub struct Actions {
+    /// In order.
+    pub reinits: Vec<Reinit>,
+    /// In order.
+    pub asserts: Vec<GuardedAssert>,
+    /// In order.
+    pub terminates: Vec<Terminate>,
+}
+
+/// The variables that when-clauses assign.
+pub fn assigned(whens: &[(Vec<WhenBranch>, Origin)], r: &Rewriting<'_>) -> FastSet<VarId> {
+    let actions = whens.iter().flat_map(|(branches, _)| branches).flat_map(|b| &b.actions);
+    let assigned = actions.filter_map(|action| match action {
+        Action::Assign(v, _) => Some(r.representative(*v)?.variable),
+        _ => None,
+    });
+    assigned.collect()
+}
+
+/// Lowers all when-clauses; assignments go to `discrete`.
+pub fn lower(
+    whens: &[(Vec<WhenBranch>, Origin)],
+    discrete: &mut Discrete,
+    r: &mut Rewriting<'_>,
+) -> Actions {
+    let mut actions = Actions::default();
+    let mut flags = 0;
+    for (branches, origin) in whens {
+        let mut earlier: Option<ExprId> = None;
+        let mut assignments = Assignments::default();
+        for branch in branches {
+            let own = activation(&branch.conditions, &mut flags, origin, discrete, r);
+            let active = match earlier {
+                Some(before) => {
+                    let not_before = r.graph.not(before);
+                    r.graph.and(own, not_before)
+                }
+                None => own,
+            };
+            earlier = Some(match earlier {
+                Some(before) => r.graph.or(before, own),
+                None => own,
+            });
+            assignments.next_branch();
+            for action in &branch.actions {
+                match action {
+                    Action::Assign(v, value) => assignments.add(*v, active, *value, origin, r),
+                    other => perform(other, active, origin, &mut actions, r),
+                }
+            }
+        }
+        for (variable, branches) in assignments.list {
+            let mut value = r.graph.pre(variable, r.variables[variable].ty);
+            for (active, assigned) in branches.into_iter().rev() {
+                value = r.graph.if_then_else(active, assigned, value);
+            }
+            discrete.push(variable, value, origin.clone(), r);
+        }
+    }
+    actions
+}
+
+/// An assertion, with its message rewritten too.
+pub fn guarded(
+    active: Option<ExprId>,
+    assert: &Assert,
+    origin: &Origin,
+    r: &mut Rewriting<'_>,
+) -> GuardedAssert {
+    let condition = r.apply(assert.condition, Mode::Literal, origin);
+    let message = r.apply(assert.message, Mode::Literal, origin);
+    let assert = Assert { condition, message, warning: assert.warning };
+    GuardedAssert { active, assert, origin: origin.clone() }
+}
+
+/// The values that one when-clause assigns: for each variable, by branch in order.
+#[derive(Default)]
+struct Assignments {
+    list: Vec<(VarId, Vec<(ExprId, ExprId)>)>,
+    place: FastMap<VarId, usize>,
+    in_branch: FastSet<VarId>,
+}
+
+impl Assignments {
+    fn next_branch(&mut self) {
+        self.in_branch.clear();
+    }
+
+    fn add(
+        &mut self,
+        v: VarId,
+        active: ExprId,
+        value: ExprId,
+        origin: &Origin,
+        r: &mut Rewriting<'_>,
+    ) {
+        let value = r.apply(value, Mode::Literal, origin);
+        let Some(signed) = r.representative(v) else { return };
+        let variable = signed.variable;
+        if !self.in_branch.insert(variable) {
+            r.problems.push(error::assigned_twice(&r.variables[variable], origin, origin));
+            return;
+        }
+        let place = *self.place.entry(variable).or_insert_with(|| {
+            self.list.push((variable, Vec::new()));
+            self.list.len() - 1
+        });
+        let value = if signed.negative { r.graph.neg(value) } else { value };
+        self.list[place].1.push((active, value));
+    }
+}
+
+/// True in the event iteration in which one of the conditions becomes true.
+fn activation(
+    conditions: &[ExprId],
+    flags: &mut usize,
+    origin: &Origin,
+    discrete: &mut Discrete,
+    r: &mut Rewriting<'_>,
+) -> ExprId {
+    let initial = r.graph.intern(Node::Initial, Type::Boolean);
+    let mut edges = r.graph.boolean(false);
+    let mut at_start = false;
+    for &condition in conditions {
+        let condition = r.apply(condition, Mode::Events, origin);
+        if condition == initial {
+            at_start = true;
+            continue;
+        }
+        *flags += 1;
+        let flag = r.add_flag(format!("$when{flags}"), origin.span);
+        discrete.push(flag, condition, origin.clone(), r);
+        let now = r.graph.var(flag, Type::Boolean);
+        let before = r.graph.pre(flag, Type::Boolean);
+        let not_before = r.graph.not(before);
+        let edge = r.graph.and(now, not_before);
+        edges = r.graph.or(edges, edge);
+    }
+    if at_start {
+        return r.graph.or(initial, edges);
+    }
+    let running = r.graph.not(initial);
+    r.graph.and(running, edges)
+}
+
+fn perform(
+    action: &Action,
+    active: ExprId,
+    origin: &Origin,
+    actions: &mut Actions,
+    r: &mut Rewriting<'_>,
+) {
+    match action {
+        Action::Assign(..) => {}
+        Action::Reinit { state, value, guard } => {
+            let value = r.apply(*value, Mode::Literal, origin);
+            let is_state = |v: VarId| matches!(r.variables[v].kind, Kind::Differentiated { .. });
+            let Some(signed) = r.representative(*state).filter(|s| is_state(s.variable)) else {
+                r.problems.push(error::reinit_of_no_state(&r.variables[*state], origin));
+                return;
+            };
+            let value = if signed.negative { r.graph.neg(value) } else { value };
+            let mut active = active;
+            if let Some(guard) = guard {
+                let guard = r.apply(*guard, Mode::Literal, origin);
+                active = r.graph.and(active, guard);
+            }
+            let origin = origin.clone();
+            actions.reinits.push(Reinit { active, state: signed.variable, value, origin });
+        }
+        Action::Assert(assert) => actions.asserts.push(guarded(Some(active), assert, origin, r)),
+        Action::Terminate(message) => {
+            let message = r.apply(*message, Mode::Literal, origin);
+            actions.terminates.push(Terminate { active, message, origin: origin.clone() });
+        }
+    }
+}

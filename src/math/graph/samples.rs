@@ -1,0 +1,64 @@
+//! Graphs for the tests of this folder: written out, random but reproducible, and brute force.
+
+use super::bipartite::{Bipartite, Col, Row};
+
+/// Marsaglia's xorshift generator (J. Stat. Softw. 8(14), 2003): the same numbers on every machine.
+pub struct Xorshift(u64);
+
+impl Xorshift {
+    /// A generator of the sequence number `seed`.
+    pub fn new(seed: u64) -> Self {
+        Xorshift(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// A number in `0..bound`.
+    pub fn below(&mut self, bound: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        ((self.0 >> 11) % bound as u64) as usize
+    }
+}
+
+/// A graph with `col_count` columns from lists of column numbers.
+pub fn graph_of(col_count: usize, rows: &[&[u32]]) -> Bipartite {
+    Bipartite::from_rows(col_count, rows.iter().map(|row| row.iter().copied().map(Col)))
+}
+
+/// A graph with up to `edges` random incidences.
+pub fn random_graph(random: &mut Xorshift, rows: usize, cols: usize, edges: usize) -> Bipartite {
+    let mut lists = vec![Vec::new(); rows];
+    for _ in 0..edges {
+        let row = random.below(rows);
+        lists[row].push(Col(random.below(cols) as u32));
+    }
+    Bipartite::from_rows(cols, lists)
+}
+
+/// A square graph with the whole diagonal and up to `edges` random incidences besides: it always
+/// has a perfect matching.
+pub fn random_square(random: &mut Xorshift, size: usize, edges: usize) -> Bipartite {
+    let rest = random_graph(random, size, size, edges);
+    let diagonal = |row: Row| rest.cols(row).iter().copied().chain([Col(row.0)]);
+    Bipartite::from_rows(size, rest.rows().map(diagonal))
+}
+
+/// The size of the largest matching, by trying everything. Exponential.
+pub fn cardinality_by_brute_force(graph: &Bipartite) -> usize {
+    fn best(graph: &Bipartite, row: usize, used: &mut Vec<bool>) -> usize {
+        if row == graph.row_count() {
+            return 0;
+        }
+        let mut most = best(graph, row + 1, used);
+        for col in graph.cols(Row(row as u32)) {
+            let col = col.0 as usize;
+            if !used[col] {
+                used[col] = true;
+                most = most.max(1 + best(graph, row + 1, used));
+                used[col] = false;
+            }
+        }
+        most
+    }
+    best(graph, 0, &mut vec![false; graph.col_count()])
+}

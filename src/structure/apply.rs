@@ -1,0 +1,66 @@
+//! The answer of the graph algorithms, written back into the system.
+
+use crate::base::index::{Id, IndexVec};
+use crate::ir::dae::{Dae, EqId, Equation, Kind, Variable};
+use crate::ir::expr::{ExprId, Graph, VarId};
+use crate::math::graph::bipartite::{Col, Row};
+use crate::math::graph::pantelides::Reduction;
+use crate::symbolic::gradient::{Leaf, time_derivative};
+
+/// Appends the derivative variables and differentiated equations of a reduction, whose rows are the
+/// equations in order. Returns the variable of each column.
+pub fn differentiate(
+    dae: &mut Dae,
+    unknowns: &IndexVec<Col, VarId>,
+    reduction: &Reduction,
+) -> IndexVec<Col, VarId> {
+    let mut variable = unknowns.clone();
+    let mut integral = IndexVec::filled(None, reduction.derivative.len());
+    for (col, derivative) in reduction.derivative.enumerate() {
+        if let Some(derivative) = *derivative {
+            integral[derivative] = Some(col);
+        }
+    }
+    for place in unknowns.len()..reduction.derivative.len() {
+        // A new column is the derivative of one with a lower number.
+        let Some(of) = integral[Col::from_usize(place)] else { continue };
+        let of = variable[of];
+        let mut derivative = Variable::derivative(of, &dae.variables[of], Kind::Algebraic);
+        derivative.hidden = true;
+        let derivative = dae.variables.push(derivative);
+        dae.variables[of].kind = Kind::Differentiated { derivative };
+        variable.push(derivative);
+    }
+    let mut origin: IndexVec<Row, Option<Row>> =
+        IndexVec::filled(None, reduction.differentiated.len());
+    for (row, differentiated) in reduction.differentiated.enumerate() {
+        if let Some(differentiated) = *differentiated {
+            origin[differentiated] = Some(row);
+        }
+    }
+    for place in dae.equations.len()..reduction.differentiated.len() {
+        let Some(of) = origin[Row::from_usize(place)] else { continue };
+        let equation = derivative(dae, EqId::from_usize(of.idx()));
+        dae.equations.push(equation);
+    }
+    variable
+}
+
+/// The derivative of an equation by time. Discrete variables do not change between events.
+fn derivative(dae: &mut Dae, of: EqId) -> Equation {
+    let Equation { lhs, rhs, residual, origin, .. } = dae.equations[of].clone();
+    let Dae { graph, variables, .. } = dae;
+    let [lhs, rhs, residual] =
+        [lhs, rhs, residual].map(|e| time_derivative(graph, e, |g, leaf| rate(g, variables, leaf)));
+    Equation { lhs, rhs, residual, origin, derivative_of: Some(of) }
+}
+
+fn rate(graph: &mut Graph, variables: &IndexVec<VarId, Variable>, leaf: Leaf) -> Option<ExprId> {
+    let Leaf::Var(v) = leaf else { return None };
+    match variables[v].kind {
+        Kind::Differentiated { derivative } => {
+            Some(graph.var(derivative, variables[derivative].ty))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,141 @@
+//! Systems that can not be solved, explained in the user's names (Dulmage and Mendelsohn 1958).
+
+use super::incidence::System;
+use super::{error, reduce};
+use crate::base::diag::{Diagnostic, Problems};
+use crate::base::source::Span;
+use crate::ir::blocks::Source;
+use crate::ir::dae::{Dae, Variable};
+use crate::ir::expr::VarId;
+use crate::ir::flat::Origin;
+use crate::math::graph::bipartite::{Bipartite, Col, Row};
+use crate::math::graph::dulmage_mendelsohn::{self, Part};
+use crate::math::graph::matching::{self, Matching};
+use crate::math::graph::pantelides;
+
+/// Reports equations that are too many and unknowns that are not determined, derivatives being
+/// taken for the variables themselves; `None` if there are any.
+pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
+    let system = reduce::whole(dae);
+    let lowest = pantelides::lowest(&reduce::derivatives(dae, &system));
+    // Each unknown with its derivatives is one column, numbered as the lowest of them.
+    let mut number = vec![None; lowest.len()];
+    let mut unknowns = Vec::new();
+    for (col, &low) in lowest.enumerate() {
+        if col == low {
+            number[col.0 as usize] = Some(Col(unknowns.len() as u32));
+            unknowns.push(system.unknowns[col]);
+        }
+    }
+    let collapsed = Bipartite::from_rows(
+        unknowns.len(),
+        system.graph.rows().map(|row| {
+            let lows = system.graph.cols(row).iter().map(|col| lowest[*col]);
+            lows.filter_map(|low| number[low.0 as usize]).collect::<Vec<_>>()
+        }),
+    );
+    let matched = matching::maximum(&collapsed, |_, _| true, Matching::empty(&collapsed));
+    let (rows, cols) = (system.sources.len(), unknowns.len());
+    if matched.cardinality() == rows && rows == cols {
+        return Some(());
+    }
+    let parts = dulmage_mendelsohn::decompose(&collapsed, &matched);
+    let counts = (rows, cols);
+    let named = |part: &Part| -> (Vec<Source>, Vec<VarId>) {
+        let sources = part.rows.iter().map(|row| system.sources[*row]);
+        (sources.collect(), part.cols.iter().map(|col| unknowns[col.0 as usize]).collect())
+    };
+    if !parts.over_determined.rows.is_empty() {
+        let (sources, variables) = named(&parts.over_determined);
+        let excess = sources.len() - variables.len();
+        problems.push(error::too_many_equations(dae, counts, excess, &sources, &variables));
+    }
+    if !parts.under_determined.cols.is_empty() {
+        let (sources, variables) = named(&parts.under_determined);
+        let missing = variables.len() - sources.len();
+        problems.push(error::too_few_equations(dae, counts, missing, &sources, &variables));
+    }
+    None
+}
+
+/// The choice of states left a system that can not be matched.
+pub fn lost_rank(dae: &Dae, system: &System, matched: &Matching) -> Diagnostic {
+    let parts = dulmage_mendelsohn::decompose(&system.graph, matched);
+    let sources: Vec<Source> =
+        parts.over_determined.rows.iter().map(|row| system.sources[*row]).collect();
+    let mut equations: Vec<_> = sources
+        .iter()
+        .filter_map(|source| match source {
+            Source::Continuous(id) => Some(*id),
+            _ => None,
+        })
+        .collect();
+    equations.sort_unstable();
+    error::dependent(dae, &equations)
+}
+
+/// The initial equations and fixed starts are too many.
+pub fn initially_too_many(dae: &Dae, system: &System, matched: &Matching) -> Diagnostic {
+    let parts = dulmage_mendelsohn::decompose(&system.graph, matched);
+    let part = &parts.over_determined;
+    let sources: Vec<Source> = part.rows.iter().map(|row: &Row| system.sources[*row]).collect();
+    let variables: Vec<VarId> = part.cols.iter().map(|col| system.unknowns[*col]).collect();
+    error::initially_too_many(dae, sources.len() - variables.len(), &sources, &variables)
+}
+
+/// A variable is left without a way to compute it at the start.
+pub fn initially_open(dae: &Dae, v: VarId) -> Diagnostic {
+    error::initially_open(&dae.variables[v])
+}
+
+/// Where an equation stands, and the component it belongs to.
+pub fn origin(dae: &Dae, source: Source) -> Origin {
+    match source {
+        Source::Continuous(id) => dae.equations[id].origin.clone(),
+        Source::Discrete(i) => dae.discrete[i].origin.clone(),
+        Source::Initial(i) => dae.initial[i].origin.clone(),
+        Source::Start(v) => Origin { span: dae.variables[v].span, component: "".into() },
+    }
+}
+
+/// Names in a list that stays readable: at most six, then how many more.
+pub fn list<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> String {
+    let names: Vec<String> = variables.into_iter().map(|v| format!("`{}`", v.name)).collect();
+    let shown = if names.len() > 7 { 6 } else { names.len() };
+    match (&names[..shown], names.len() - shown) {
+        ([], _) => String::new(),
+        ([one], 0) => one.clone(),
+        (some, 0) => format!("{} and {}", some[..shown - 1].join(", "), some[shown - 1]),
+        (some, more) => format!("{} and {more} more", some.join(", ")),
+    }
+}
+
+/// Adds the places of equations to a diagnostic, the first as the primary one.
+pub fn with_places(
+    mut diagnostic: Diagnostic,
+    dae: &Dae,
+    sources: &[Source],
+    label: impl Fn(Source, &Origin) -> String,
+) -> Diagnostic {
+    const SHOWN: usize = 6;
+    let mut places: Vec<(Span, String)> = Vec::new();
+    for &source in sources {
+        let origin = origin(dae, source);
+        let text = label(source, &origin);
+        if !origin.span.is_none() && !places.iter().any(|(_, t)| !t.is_empty() && *t == text) {
+            places.push((origin.span, text));
+        }
+    }
+    let more = places.len().saturating_sub(SHOWN);
+    for (i, (span, text)) in places.into_iter().take(SHOWN).enumerate() {
+        if i == 0 {
+            diagnostic.primary = (span, text);
+        } else {
+            diagnostic.secondary.push((span, text));
+        }
+    }
+    if more > 0 {
+        diagnostic = diagnostic.note(format!("and {more} more equations"));
+    }
+    diagnostic
+}

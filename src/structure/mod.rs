@@ -1,0 +1,97 @@
+//! System of equations to blocks in order of evaluation.
+//!
+//! In comes a [`Dae`], out go [`Blocks`]: constraints are differentiated (Pantelides 1988), states are
+//! chosen (Mattsson and Söderlind 1993), and the equations of each phase are matched, sorted into
+//! blocks (Tarjan 1972) and torn. What can not be solved is explained in the user's names.
+pub mod apply;
+pub mod error;
+pub mod explain;
+pub mod incidence;
+pub mod initial;
+pub mod print;
+pub mod reduce;
+pub mod solve;
+pub mod sort;
+pub mod tear;
+
+#[cfg(test)]
+mod tests;
+
+use crate::base::diag::Problems;
+use crate::base::index::{FastSet, IndexVec};
+use crate::ir::blocks::{Block, Blocks, Source, State};
+use crate::ir::dae::{Dae, Kind};
+use crate::ir::expr::VarId;
+use crate::math::graph::matching::{self, Matching};
+use incidence::System;
+
+/// Sorts a system. Whatever is wrong with the model is added to `problems`; without errors there is
+/// a result.
+pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
+    explain::check_determined(&dae, problems)?;
+    let is_state = reduce::reduce(&mut dae, problems)?;
+
+    let system = running(&dae, &is_state);
+    let matched = matching::maximum(&system.graph, |_, _| true, Matching::empty(&system.graph));
+    if matched.cardinality() < system.sources.len().max(system.unknowns.len()) {
+        problems.push(explain::lost_rank(&dae, &system, &matched));
+        return None;
+    }
+    let continuous = sort::sequence(&mut dae, &system, &matched);
+    let (system, matched) = system.with_discrete(&dae, matched);
+    let event = sort::sequence(&mut dae, &system, &matched);
+    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, problems)?;
+
+    let (states, dummies) = split(&dae, &is_state);
+    Some(Blocks { dae, states, dummies, initial, event, continuous, assumed_starts })
+}
+
+/// The equations between events, with the states known.
+fn running(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> System {
+    let sources = dae.equations.ids().map(Source::Continuous).collect();
+    let unknowns = dae.variables.ids().filter(|v| is_continuous(dae, *v) && !is_state[*v]);
+    System::new(dae, sources, unknowns.collect())
+}
+
+fn split(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> (Vec<State>, Vec<VarId>) {
+    let mut states = Vec::new();
+    let mut dummies = Vec::new();
+    for (variable, v) in dae.variables.enumerate() {
+        if let Kind::Differentiated { derivative } = v.kind {
+            if is_state[variable] {
+                states.push(State { variable, derivative });
+            } else {
+                dummies.push(variable);
+            }
+        }
+    }
+    (states, dummies)
+}
+
+/// An unknown of the continuous equations, or a state.
+fn is_continuous(dae: &Dae, v: VarId) -> bool {
+    matches!(dae.variables[v].kind, Kind::Algebraic | Kind::Differentiated { .. })
+}
+
+/// The variables that a sequence of blocks determines, in order.
+pub fn determined(blocks: &[Block]) -> Vec<VarId> {
+    let mut found = Vec::new();
+    let mut seen = FastSet::default();
+    let mut open: Vec<&Block> = blocks.iter().rev().collect();
+    while let Some(block) = open.pop() {
+        let mut add = |v: VarId| {
+            if seen.insert(v) {
+                found.push(v);
+            }
+        };
+        match block {
+            Block::Assign(a) => add(a.variable),
+            Block::Torn(t) => {
+                t.unknowns.iter().copied().for_each(&mut add);
+                t.explicit.iter().map(|a| a.variable).for_each(add);
+            }
+            Block::Mixed(parts) => open.extend(parts.iter().rev()),
+        }
+    }
+    found
+}

@@ -1,0 +1,157 @@
+//! Index reduction: which equations are differentiated, and what is a state.
+
+use super::incidence::System;
+use super::{apply, error, is_continuous, solve};
+use crate::base::diag::Problems;
+use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::ir::blocks::Source;
+use crate::ir::dae::{Dae, EqId, Kind, Variable};
+use crate::ir::expr::{ExprId, Node, VarId};
+use crate::ir::flat::StateSelect;
+use crate::math::graph::bipartite::{Col, Edge, Row};
+use crate::math::graph::dummy::{self, Coefficient};
+use crate::math::graph::pantelides::{self, Reduction, Singular};
+use crate::symbolic::gradient::{Leaf, gradient};
+use crate::symbolic::linear;
+
+/// Appends the differentiated equations to the system and tells which variables are states.
+/// The structure must be determined (see [`super::explain::check_determined`]).
+pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<IndexVec<VarId, bool>> {
+    // Of equals, what is declared later becomes a dummy first: columns count backwards.
+    let sources = dae.equations.ids().map(Source::Continuous).collect();
+    let unknowns = dae.variables.ids().rev().filter(|v| is_continuous(dae, *v)).collect();
+    let system = System::new(dae, sources, unknowns);
+    let derivative = derivatives(dae, &system);
+    let not_differentiable: Vec<Row> = (dae.equations.ids())
+        .filter(|id| calls_a_function(dae, dae.equations[*id].residual))
+        .map(|id| Row(id.0))
+        .collect();
+    let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
+        Ok(reduction) => reduction,
+        Err(Singular::NotDifferentiable { row, rows }) => {
+            problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
+            return None;
+        }
+        Err(Singular::TooFewUnknowns { rows, .. }) => {
+            problems.push(error::dependent(dae, &equations(&rows)));
+            return None;
+        }
+    };
+    let coefficients = coefficients(dae, &system, &reduction);
+    let reinitialised: FastSet<VarId> = dae.reinits.iter().map(|r| r.state).collect();
+    let wanted = |v: &VarId| {
+        priority(&dae.variables[*v]) + if reinitialised.contains(v) { 5_000 } else { 0 }
+    };
+    let priority = system.unknowns.iter().map(wanted).collect();
+    let choice = dummy::choose(&reduction, &priority, &coefficients);
+    if choice.dependent > 0 {
+        let constraints: Vec<EqId> = (dae.equations.ids())
+            .filter(|id| reduction.differentiated[Row(id.0)].is_some())
+            .collect();
+        problems.push(error::dependent(dae, &constraints));
+        return None;
+    }
+    let columns = apply::differentiate(dae, &system.unknowns, &reduction);
+    let mut is_state = IndexVec::filled(false, dae.variables.len());
+    for &col in &choice.states {
+        is_state[columns[col]] = true;
+    }
+    check_wishes(dae, &is_state, problems);
+    Some(is_state)
+}
+
+/// All continuous equations in all continuous variables, states and derivatives included.
+pub fn whole(dae: &Dae) -> System {
+    let sources = dae.equations.ids().map(Source::Continuous).collect();
+    let unknowns = dae.variables.ids().filter(|v| is_continuous(dae, *v)).collect();
+    System::new(dae, sources, unknowns)
+}
+
+/// The derivative of each column: the list A of Pantelides.
+pub fn derivatives(dae: &Dae, system: &System) -> IndexVec<Col, Option<Col>> {
+    let of = |v: &VarId| match dae.variables[*v].kind {
+        Kind::Differentiated { derivative } => system.column[derivative],
+        _ => None,
+    };
+    system.unknowns.iter().map(of).collect()
+}
+
+/// How much the modeller, and then custom, wants a variable as a state.
+pub fn priority(variable: &Variable) -> i32 {
+    let wish = match variable.state_select {
+        StateSelect::Never => -10_000,
+        StateSelect::Avoid => -1_000,
+        StateSelect::Default => 0,
+        StateSelect::Prefer => 1_000,
+        StateSelect::Always => 10_000,
+    };
+    let fixed = if variable.fixed == Some(true) { 100 } else { 0 };
+    let start = if variable.start.is_some() { 50 } else { 0 };
+    // A coordinate near the top of the model means more to the user than one deep inside.
+    let depth = variable.name.bytes().filter(|b| *b == b'.').count().min(20) as i32;
+    wish + fixed + start - depth
+}
+
+fn equations(rows: &[Row]) -> Vec<EqId> {
+    rows.iter().map(|row| EqId(row.0)).collect()
+}
+
+fn calls_a_function(dae: &Dae, residual: ExprId) -> bool {
+    let nodes = dae.graph.postorder([residual]);
+    let calls = nodes.into_iter().filter(|e| matches!(dae.graph.node(*e), Node::Call { .. }));
+    let mut arguments = FastSet::default();
+    for call in calls {
+        arguments.extend(dae.graph.variables(call));
+    }
+    arguments.into_iter().any(|v| is_continuous(dae, v))
+}
+
+/// What is known of the partial derivatives of the equations that were differentiated.
+fn coefficients(
+    dae: &mut Dae,
+    system: &System,
+    reduction: &Reduction,
+) -> IndexVec<Edge, Coefficient> {
+    let mut coefficients = IndexVec::filled(Coefficient::Varying, system.graph.edge_count());
+    for row in system.graph.rows() {
+        if reduction.differentiated[row].is_none() {
+            continue;
+        }
+        let residual = dae.equations[EqId(row.0)].residual;
+        let partials: FastMap<Leaf, ExprId> =
+            gradient(&mut dae.graph, residual, |leaf| leaf != Leaf::Time).into_iter().collect();
+        let hidden = linear::hidden_variables(&dae.graph, residual);
+        for edge in system.graph.edges(row) {
+            let v = system.unknowns[system.graph.col(edge)];
+            if let Some(&partial) = partials.get(&Leaf::Var(v))
+                && !hidden.contains(&v)
+            {
+                coefficients[edge] = match dae.graph.as_number(partial) {
+                    Some(value) => Coefficient::Constant(value),
+                    None if solve::is_never_zero(dae, partial) => Coefficient::Parameter,
+                    None => Coefficient::Varying,
+                };
+            }
+        }
+    }
+    coefficients
+}
+
+/// Says where the choice of states goes against the modeller's wish, and refuses to reinitialise
+/// what is not a state.
+fn check_wishes(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Problems) {
+    for (id, v) in dae.variables.enumerate() {
+        let is_differentiated = matches!(v.kind, Kind::Differentiated { .. });
+        if is_differentiated && v.state_select == StateSelect::Always && !is_state[id] {
+            problems.push(error::not_a_state(v));
+        }
+        if v.state_select == StateSelect::Never && is_state[id] {
+            problems.push(error::needed_as_state(v));
+        }
+    }
+    for reinit in &dae.reinits {
+        if !is_state[reinit.state] {
+            problems.push(error::reinit_of_dependent(&dae.variables[reinit.state], &reinit.origin));
+        }
+    }
+}

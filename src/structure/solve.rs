@@ -1,0 +1,111 @@
+//! An equation solved for one of its unknowns.
+
+use crate::base::index::FastMap;
+use crate::ir::blocks::Source;
+use crate::ir::dae::{Dae, Kind};
+use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
+use crate::symbolic::gradient::Leaf;
+use crate::symbolic::linear;
+
+/// The value of `v` by the equation, if the equation is linear in it with a coefficient that can
+/// not vanish while the model runs.
+pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
+    let (lhs, rhs, residual) = match source {
+        Source::Continuous(id) => {
+            let e = &dae.equations[id];
+            (e.lhs, e.rhs, e.residual)
+        }
+        Source::Initial(i) => {
+            let e = &dae.initial[i];
+            (e.lhs, e.rhs, e.residual)
+        }
+        Source::Discrete(i) => {
+            let d = &dae.discrete[i];
+            let (own, value) = (d.variable, d.value);
+            let reads_itself = dae.graph.variables(value).contains(&own);
+            return (own == v && !reads_itself).then_some(value);
+        }
+        Source::Start(own) => {
+            let start = start(dae, own);
+            return (own == v).then_some(start);
+        }
+    };
+    // An equation already written as an assignment keeps its form.
+    let is_v = |dae: &Dae, e| dae.graph.node(e) == Node::Var(v);
+    for (side, other) in [(lhs, rhs), (rhs, lhs)] {
+        if is_v(dae, side) && !dae.graph.variables(other).contains(&v) {
+            return Some(other);
+        }
+    }
+    let (coefficient, rest) = linear::split(&mut dae.graph, residual, Leaf::Var(v))?;
+    if !is_never_zero(dae, coefficient) {
+        return None;
+    }
+    if dae.graph.as_number(coefficient) == Some(-1.0) {
+        return Some(rest);
+    }
+    if let Node::Unary(Unary::Neg, c) = dae.graph.node(coefficient) {
+        return Some(dae.graph.div(rest, c));
+    }
+    let opposite = dae.graph.neg(rest);
+    Some(dae.graph.div(opposite, coefficient))
+}
+
+/// What must vanish.
+pub fn residual(dae: &mut Dae, source: Source) -> ExprId {
+    match source {
+        Source::Continuous(id) => dae.equations[id].residual,
+        Source::Initial(i) => dae.initial[i].residual,
+        Source::Discrete(i) => {
+            let (v, value) = (dae.discrete[i].variable, dae.discrete[i].value);
+            let own = dae.graph.var(v, dae.variables[v].ty);
+            dae.graph.sub(own, value)
+        }
+        Source::Start(v) => {
+            let start = start(dae, v);
+            let own = dae.graph.var(v, dae.variables[v].ty);
+            dae.graph.sub(own, start)
+        }
+    }
+}
+
+/// The start value of a variable; zero where none is given.
+fn start(dae: &mut Dae, v: VarId) -> ExprId {
+    match dae.variables[v].start {
+        Some(e) => e,
+        None => match dae.variables[v].ty {
+            Type::Integer => dae.graph.integer(0),
+            Type::Boolean => dae.graph.boolean(false),
+            _ => dae.graph.real(0.0),
+        },
+    }
+}
+
+/// True for what is not zero whatever the variables are: literals, parameters (which are taken to
+/// be chosen so that the model makes sense), products of these, and choices between them.
+pub fn is_never_zero(dae: &Dae, e: ExprId) -> bool {
+    let g = &dae.graph;
+    // (reads parameters only, is not zero)
+    let mut facts: FastMap<ExprId, (bool, bool)> = FastMap::default();
+    for node in g.postorder([e]) {
+        let mut fixed = true;
+        g.for_each_operand(node, |a| fixed &= facts[&a].0);
+        let nonzero = |a: ExprId| facts[&a].1;
+        let fact = match g.node(node) {
+            Node::Const(c) => (true, c.number().is_some_and(|x| x != 0.0)),
+            Node::Var(v) => {
+                let kind = dae.variables[v].kind;
+                let is_parameter = matches!(kind, Kind::Parameter | Kind::InitialParameter);
+                (is_parameter, is_parameter)
+            }
+            Node::Unary(Unary::Neg | Unary::Abs, a) => (fixed, nonzero(a)),
+            Node::Binary(Binary::Mul, a, b) => (fixed, nonzero(a) && nonzero(b)),
+            Node::Binary(Binary::Div, a, b) => (fixed, nonzero(a) && facts[&b].0),
+            Node::If(_, a, b) => (fixed, nonzero(a) && nonzero(b)),
+            Node::Unary(..) | Node::Binary(..) | Node::Call { .. } => (fixed, fixed),
+            _ => (false, false),
+        };
+        facts.insert(node, fact);
+    }
+    facts[&e].1
+}

@@ -1,0 +1,80 @@
+//! Simultaneous equations, torn.
+
+use super::incidence::System;
+use super::{solve, sort};
+use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::ir::blocks::{Assignment, Residual, Torn};
+use crate::ir::dae::Dae;
+use crate::ir::expr::{ExprId, VarId};
+use crate::math::graph::bipartite::{Bipartite, Col, Edge, Row};
+use crate::math::graph::tearing;
+use crate::symbolic::gradient::{Leaf, gradient};
+use crate::symbolic::linear;
+
+/// Tears a block of equations that must be solved together.
+pub fn tear(dae: &mut Dae, system: &System, pairs: &[(Row, Col)]) -> Torn {
+    let (graph, _) = sort::part(system, pairs);
+    let unknowns: IndexVec<Col, VarId> = pairs.iter().map(|p| system.unknowns[p.1]).collect();
+    let residuals: IndexVec<Row, ExprId> =
+        pairs.iter().map(|p| solve::residual(dae, system.sources[p.0])).collect();
+    let members: FastSet<VarId> = unknowns.iter().copied().collect();
+    let linear = linear::is_linear(&dae.graph, residuals.iter().copied(), |v| members.contains(&v));
+    let mut solvable = solvable(dae, &graph, &residuals, &unknowns, &members);
+    let source = |row: Row| system.sources[pairs[row.0 as usize].0];
+    loop {
+        let torn = tearing::tear(&graph, &solvable, &IndexVec::new());
+        let mut explicit = Vec::with_capacity(torn.explicit.len());
+        let mut refused = None;
+        for (row, col) in torn.explicit {
+            let variable = unknowns[col];
+            match solve::explicit(dae, source(row), variable) {
+                Some(value) => explicit.push(Assignment { variable, value, source: source(row) }),
+                None => {
+                    refused = graph.edge(row, col);
+                    break;
+                }
+            }
+        }
+        // An equation may look solvable by its derivative and not be so in form.
+        if let Some(edge) = refused {
+            solvable[edge] = false;
+            continue;
+        }
+        return Torn {
+            unknowns: torn.tearing.into_iter().map(|col| unknowns[col]).collect(),
+            explicit,
+            residuals: torn
+                .residual
+                .into_iter()
+                .map(|row| Residual { value: residuals[row], source: source(row) })
+                .collect(),
+            linear,
+        };
+    }
+}
+
+/// For each incidence, whether the equation is linear in the unknown with a coefficient that can not
+/// vanish. One reverse sweep per equation gives all coefficients.
+fn solvable(
+    dae: &mut Dae,
+    graph: &Bipartite,
+    residuals: &IndexVec<Row, ExprId>,
+    unknowns: &IndexVec<Col, VarId>,
+    members: &FastSet<VarId>,
+) -> IndexVec<Edge, bool> {
+    let mut solvable = IndexVec::filled(false, graph.edge_count());
+    for row in graph.rows() {
+        let residual = residuals[row];
+        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if members.contains(&v));
+        let partials: FastMap<Leaf, ExprId> =
+            gradient(&mut dae.graph, residual, wanted).into_iter().collect();
+        let hidden = linear::hidden_variables(&dae.graph, residual);
+        for edge in graph.edges(row) {
+            let v = unknowns[graph.col(edge)];
+            let partial = partials.get(&Leaf::Var(v));
+            solvable[edge] = !hidden.contains(&v)
+                && partial.is_some_and(|partial| solve::is_never_zero(dae, *partial));
+        }
+    }
+    solvable
+}
