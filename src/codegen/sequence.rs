@@ -424,6 +424,7 @@ fn compile_assignment(e: &mut Emitter, a: &Assignment) {
 }
 
 fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
+    let torn = &with_start_cells(e, torn);
     let block = Block::Torn(torn.clone());
     let (mut own, mut values) = (Vec::new(), Vec::new());
     block_unknowns(&block, &mut own);
@@ -469,6 +470,22 @@ fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
     };
     e.solvers.push(solver);
     e.push(target, Op::Solve, 0, (e.solvers.len() - 1) as Slot, 0);
+}
+
+/// Residuals `v - start` read the cell of the start value, which a run may set.
+fn with_start_cells(e: &mut Emitter, torn: &Torn) -> Torn {
+    let mut torn = torn.clone();
+    for r in &mut torn.residuals {
+        if let Source::Start(v) = r.source
+            && let Some(&cell) = e.starts.get(&v)
+        {
+            let start = e.auxiliary(Some(PARAMETER));
+            e.layout.variables[start.idx()] = cell;
+            let (own, start) = (e.read(v), e.dae.graph.var(start, Type::Real));
+            r.value = e.dae.graph.sub(own, start);
+        }
+    }
+    torn
 }
 
 fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], place: BlockPlace) {

@@ -365,7 +365,7 @@ impl<'p, 's> Simulation<'p, 's> {
             if !std::mem::replace(&mut self.warned[k], true) {
                 let failure = self.assertion(k, t);
                 let severity = crate::base::diag::Severity::Warning;
-                self.statistics.warnings.push(Diagnostic { severity, ..failure.diagnostic });
+                self.statistics.warnings.push(Diagnostic { severity, ..*failure.diagnostic });
             }
         }
         Ok(())
@@ -377,7 +377,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let message = format!("at time {t} s: {}", self.message(guarded.assert.message));
         let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
             .label(format!("`{}` is false", reader.text(guarded.assert.condition)));
-        Failure { kind: FailureKind::Assertion, time: t, diagnostic }
+        Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
     }
 
     /// The text of a `String` expression.

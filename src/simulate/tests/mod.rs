@@ -2,4 +2,5 @@
 mod builder;
 mod discrete;
 mod failures;
+mod models;
 mod smooth;
