@@ -4,7 +4,6 @@ use std::time::{Duration, Instant};
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::{SourceMap, Span};
-use crate::codegen::interp::Fault;
 use crate::integrate::options::Options;
 use crate::integrate::outcome::Step;
 use crate::integrate::radau::Radau;
@@ -27,6 +26,9 @@ use super::system::Model;
 const CHATTER_EVENTS: usize = 64;
 /// The short time, as a part of the whole run.
 const CHATTER_SPAN: f64 = 1e-7;
+
+/// First shift of an event that its evaluation does not confirm, in spacings of doubles.
+const NUDGE: f64 = 8.0;
 
 /// What a run cost.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -206,28 +208,39 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Everything that happens at one instant of the last step.
     fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
         self.record_grid(t, false)?;
-        if t == self.stepper.t() {
-            self.y.copy_from_slice(self.stepper.y());
-        } else {
-            self.stepper.interpolate(t, &mut self.y);
-        }
-        let fault = |s: &Self, f: Fault| of_fault(&s.model.instance, f, t);
-        self.model.evaluate_all(t, &self.y).map_err(|f| fault(self, f))?;
-        self.t = t;
         let held = self.held_relations();
-        self.recorder_write(t)?;
-        let ticked = self.clocks.raise(&mut self.model.instance, t);
-        let outcome = settle(&mut self.model.instance, &self.clocks);
-        let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
-        let flipped = self.flipped(&held);
+        let mut nudge =
+            NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
+        let (mut t, mut ticked) = (t, false);
+        let settled = loop {
+            self.go_to(t)?;
+            self.take_row(t)?;
+            ticked |= self.clocks.raise(&mut self.model.instance, t);
+            let outcome = settle(&mut self.model.instance, &self.clocks);
+            let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
+            // The event sequence may round an operand to the other side: a little later it will not.
+            if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
+                break settled;
+            }
+            t = (t + nudge).min(self.stepper.t());
+            nudge *= 4.0;
+        };
+        self.t = t;
         let n = self.program.order();
         self.y[..n].copy_from_slice(self.model.instance.states());
-        self.record(t)?;
-        while self.recorder.due(t, true).is_some() {
-            self.recorder.advance();
+        if settled.changed {
+            self.put_row(t);
+            self.record(t)?;
+            while self.recorder.due(t, true).is_some() {
+                self.recorder.advance();
+            }
+        } else {
+            self.record_grid(t, true)?;
+            self.go_to(t)?;
         }
+        let flipped = self.flipped(&held);
         self.announce(t, cause, ticked, &flipped, settled);
-        if cause == Cause::State || !ticked {
+        if !ticked {
             self.guard_against_chattering(t, &flipped)?;
         }
         self.check_assertions(t)?;
@@ -238,15 +251,23 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
+    /// Evaluates everything at an instant of the last step, relations held.
+    fn go_to(&mut self, t: f64) -> Result<(), Failure> {
+        if t == self.stepper.t() {
+            self.y.copy_from_slice(self.stepper.y());
+        } else {
+            self.stepper.interpolate(t, &mut self.y);
+        }
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
     /// Records the rows of the grid up to `end`.
     fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
         while let Some(at) = self.recorder.due(end, inclusive) {
-            if at == self.stepper.t() {
-                self.y.copy_from_slice(self.stepper.y());
-            } else {
-                self.stepper.interpolate(at, &mut self.y);
-            }
-            self.record(at)?;
+            self.go_to(at)?;
+            self.take_row(at)?;
+            self.put_row(at);
             self.recorder.advance();
         }
         Ok(())
@@ -256,16 +277,22 @@ impl<'p, 's> Simulation<'p, 's> {
     fn record(&mut self, t: f64) -> Result<(), Failure> {
         let evaluated = self.model.evaluate_all(t, &self.y);
         evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        self.recorder_write(t)
+        self.take_row(t)?;
+        self.put_row(t);
+        Ok(())
     }
 
-    /// Records the values in the memory.
-    fn recorder_write(&mut self, t: f64) -> Result<(), Failure> {
-        self.statistics.rows += 1;
-        self.recorder.write(&self.model.instance, t, self.sink).map_err(|v| {
+    /// Takes the values in the memory as the next row.
+    fn take_row(&mut self, t: f64) -> Result<(), Failure> {
+        self.recorder.take(&self.model.instance).map_err(|v| {
             let reader = Reader::new(self.program, &self.model.instance.memory);
             Failure::numerics(t, reader.not_finite(v, Sequence::Continuous, t))
         })
+    }
+
+    fn put_row(&mut self, t: f64) {
+        self.statistics.rows += 1;
+        self.recorder.put(t, self.sink);
     }
 
     fn held_relations(&self) -> Vec<f64> {

@@ -97,7 +97,12 @@ fn the_cartesian_pendulum_follows_the_angle() {
     )
     .unwrap();
     let a = last(&polar, "a");
-    assert!((last(&cartesian, "x") - a.sin()).abs() < 1e-6, "{} {}", last(&cartesian, "x"), a.sin());
+    assert!(
+        (last(&cartesian, "x") - a.sin()).abs() < 1e-6,
+        "{} {}",
+        last(&cartesian, "x"),
+        a.sin()
+    );
     assert!((last(&cartesian, "y") + a.cos()).abs() < 1e-6);
 }
 
@@ -249,7 +254,11 @@ fn conditions_that_trigger_each_other_are_named() {
     )
     .unwrap_err();
     assert_eq!(failure.diagnostic.code, "MO0913");
-    assert!(failure.diagnostic.message.contains("`b` keep changing"), "{}", failure.diagnostic.message);
+    assert!(
+        failure.diagnostic.message.contains("`b` keep changing"),
+        "{}",
+        failure.diagnostic.message
+    );
 }
 
 /// A relation in a feedback: both branches are consistent on one side only.

@@ -192,3 +192,67 @@ fn runs_agree_to_the_bit() {
     let (first, second) = (b.run(2.0, 1e-6).unwrap(), b.run(2.0, 1e-6).unwrap());
     assert_eq!(first.trajectory, second.trajectory);
 }
+
+/// `f(x) = x + x + x`, by a loop that is counted at run time: `der(x) = -f(x)`.
+#[test]
+fn functions_run_and_are_differentiated() {
+    use crate::base::index::IndexVec;
+    use crate::base::source::Span;
+    use crate::ir::expr::{FunctionId, Node, Type, VarId};
+    use crate::ir::flat::{Function, LocalId, Statement};
+    let mut b = Builder::new();
+    let [x, y, i] = [0, 1, 2].map(|k| b.g().var(VarId(k), Type::Real));
+    let (zero, one, three) = (b.real(0.0), b.real(1.0), b.real(3.0));
+    let sum = b.g().add(y, x);
+    let next = b.g().add(i, one);
+    let more = b.g().binary(Binary::Less, i, three);
+    let body = vec![
+        Statement::Assign(LocalId(1), zero),
+        Statement::Assign(LocalId(2), zero),
+        Statement::While(
+            more,
+            vec![Statement::Assign(LocalId(1), sum), Statement::Assign(LocalId(2), next)],
+        ),
+    ];
+    let locals: IndexVec<LocalId, String> =
+        ["x", "y", "i"].into_iter().map(str::to_owned).collect();
+    b.blocks.dae.functions.push(Function {
+        name: "triple".into(),
+        span: Span::NONE,
+        inputs: vec![LocalId(0)],
+        outputs: vec![LocalId(1)],
+        locals,
+        body,
+    });
+    let (_, state, derivative) = b.state("x", 1.0);
+    let args = b.g().intern_list(&[state]);
+    let call = Node::Call { function: FunctionId(0), output: 0, args };
+    let call = b.g().intern(call, Type::Real);
+    let minus = b.g().neg(call);
+    b.assign(derivative, minus);
+    let run = b.run(1.0, 1e-9).unwrap();
+    let last = *run.trajectory.values("x").unwrap().last().unwrap();
+    assert!((last - (-3.0f64).exp()).abs() < 1e-9);
+
+    let program = b.program();
+    let mut model = Model::new(&program);
+    let settings = Settings::of(&Default::default());
+    crate::simulate::initial::initialise(&mut model.instance, &settings).unwrap();
+    let mut slope = [0.0];
+    model.jacobian(0.0, &[0.7], &mut slope).unwrap();
+    assert!((slope[0] + 3.0).abs() < 1e-9, "{}", slope[0]);
+}
+
+#[test]
+fn one_program_serves_many_threads() {
+    let program = cubic().program();
+    let settings = Settings::of(&Default::default());
+    let sources = crate::base::source::SourceMap::default();
+    let alone = simulate(&program, &settings, &sources).unwrap().trajectory;
+    std::thread::scope(|scope| {
+        let run = || simulate(&program, &settings, &sources).map(|r| r.trajectory);
+        for other in [scope.spawn(run), scope.spawn(run)] {
+            assert_eq!(other.join().unwrap().unwrap(), alone);
+        }
+    });
+}
