@@ -15,6 +15,9 @@ pub mod layout;
 pub mod sequence;
 pub mod solve;
 
+#[cfg(test)]
+mod tests;
+
 use crate::base::diag::Problems;
 use crate::ir::blocks::{Block, Blocks, State};
 use crate::ir::program::Program;
@@ -64,6 +67,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         reinits: emitter.reinits,
         asserts: emitter.asserts,
         terminates: emitter.terminates,
+        reads_terminal: emitter.reads_terminal,
     })
 }
 

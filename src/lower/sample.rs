@@ -337,6 +337,7 @@ impl Reader {
             ("noEvent", &[a]) => g.no_event(a),
             ("sample", &[a, b]) => g.intern(Node::Sample(a, b), Type::Boolean),
             ("initial", []) => g.intern(Node::Initial, Type::Boolean),
+            ("terminal", []) => g.intern(Node::Terminal, Type::Boolean),
             other => panic!("{other:?}"),
         }
     }

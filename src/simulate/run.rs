@@ -9,7 +9,7 @@ use crate::integrate::outcome::Step;
 use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::ir::expr::{Const, ExprId};
+use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
@@ -187,7 +187,22 @@ impl<'p, 's> Simulation<'p, 's> {
             }
         }
         self.statistics.end = self.t;
-        Ok(())
+        if self.program.reads_terminal { self.finish() } else { Ok(()) }
+    }
+
+    /// The event at the end of the run, for what happens `when terminal()`.
+    fn finish(&mut self) -> Result<(), Failure> {
+        let t = self.t;
+        let terminal = self.program.layout.terminal;
+        self.model.instance.set(terminal, 1.0);
+        let outcome = settle(&mut self.model.instance, &self.clocks);
+        let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
+        if settled.changed {
+            let n = self.program.order();
+            self.y[..n].copy_from_slice(self.model.instance.states());
+            self.record(t)?;
+        }
+        self.act_on(settled, t)
     }
 
     /// One accepted step; true if it ends at `t_stop`.
@@ -212,9 +227,11 @@ impl<'p, 's> Simulation<'p, 's> {
         let mut nudge =
             NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
         let (mut t, mut ticked) = (t, false);
+        let mut triggers: Vec<u32> = Vec::new();
         let settled = loop {
             self.go_to(t)?;
             self.take_row(t)?;
+            triggers.extend(self.search.switched(&self.model.instance));
             ticked |= self.clocks.raise(&mut self.model.instance, t);
             let outcome = settle(&mut self.model.instance, &self.clocks);
             let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
@@ -238,7 +255,7 @@ impl<'p, 's> Simulation<'p, 's> {
             self.record_grid(t, true)?;
             self.go_to(t)?;
         }
-        let flipped = self.flipped(&held);
+        let flipped = self.flipped(&held, &triggers);
         self.announce(t, cause, ticked, &flipped, settled);
         if !ticked {
             self.guard_against_chattering(t, &flipped)?;
@@ -302,11 +319,13 @@ impl<'p, 's> Simulation<'p, 's> {
             .collect()
     }
 
-    /// Relations that differ from what was held, and whether they became true.
-    fn flipped(&self, held: &[f64]) -> Vec<(u32, bool)> {
+    /// Relations that led to the event, and those that differ from what was held; with the value
+    /// that they took.
+    fn flipped(&self, held: &[f64], triggers: &[u32]) -> Vec<(u32, bool)> {
         let now = self.held_relations();
-        let pairs = now.iter().zip(held).enumerate();
-        pairs.filter(|(_, (a, b))| a != b).map(|(k, (a, _))| (k as u32, *a != 0.0)).collect()
+        let pairs = held.iter().zip(&now).enumerate();
+        let changed = pairs.filter(|(k, (a, b))| a != b || triggers.contains(&(*k as u32)));
+        changed.map(|(k, (before, _))| (k as u32, *before == 0.0)).collect()
     }
 
     /// Counts the event and tells the sink.
@@ -450,8 +469,10 @@ fn unsettled(model: &Model<'_>, why: Unsettled, t: f64) -> Failure {
         Unsettled::Fault(fault) => of_fault(&model.instance, fault, t),
         Unsettled::Restless(variables, relations) => {
             let program = model.instance.program;
-            let mut names: Vec<String> =
-                variables.iter().map(|v| format!("`{}`", program.name(*v))).collect();
+            let hidden = |v: &&VarId| program.blocks.dae.variables[**v].hidden;
+            let all_hidden = variables.iter().all(|v| hidden(&v));
+            let shown = variables.iter().filter(|v| all_hidden || !hidden(v));
+            let mut names: Vec<String> = shown.map(|v| format!("`{}`", program.name(*v))).collect();
             names.extend(relations.iter().map(|k| format!("`{}`", relation_text(program, *k))));
             let dae = &program.blocks.dae;
             let span = match (variables.first(), relations.first()) {
@@ -491,6 +512,13 @@ fn no_start(model: &Model<'_>, why: NoStart, t: f64) -> Failure {
                 None => reader.plain("a parameter is not finite", t),
             };
             Failure::numerics(t, diagnostic)
+        }
+        NoStart::Clock(k) => {
+            let interval = model.instance.get(program.clocks[k].interval);
+            let flag = program.blocks.dae.samples[k].flag;
+            let message = format!("the interval of a `sample` is {interval} s, not positive");
+            let span = program.blocks.dae.variables[flag].span;
+            Failure::numerics(t, Diagnostic::error("MO0914", span, message))
         }
         NoStart::Unsettled(u) => unsettled(model, u, t),
     }

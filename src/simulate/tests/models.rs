@@ -1,6 +1,7 @@
 //! Whole models, from flat equations to the trajectory.
 
 use crate::base::diag::Problems;
+use crate::base::render::{Style, render};
 use crate::base::source::SourceMap;
 use crate::codegen::compile;
 use crate::ir::flat::Experiment;
@@ -261,6 +262,24 @@ fn conditions_that_trigger_each_other_are_named() {
     );
 }
 
+/// `v <= 0` switches back at once, so that nothing but the event itself tells of it.
+#[test]
+fn a_relation_that_the_event_itself_switches_back_is_announced() {
+    let run = run(
+        "Real v(start = 1, fixed = true);
+        equation
+        der(v) = -2;
+        when v <= 0 then
+        reinit(v, 1);
+        end when;",
+        1.2,
+    )
+    .unwrap();
+    let said: Vec<&str> = run.trajectory.events.iter().map(|e| e.what.as_str()).collect();
+    assert_eq!(said, ["v <= 0.0 became true", "v <= 0.0 became true"]);
+    assert!((run.trajectory.events[1].time - 1.0).abs() < 1e-12);
+}
+
 /// A relation in a feedback: both branches are consistent on one side only.
 #[test]
 fn a_relation_of_an_algebraic_variable_is_settled() {
@@ -276,4 +295,72 @@ fn a_relation_of_an_algebraic_variable_is_settled() {
     assert!((last(&run, "y") - 4.0).abs() < 1e-12);
     assert_eq!(run.trajectory.events.len(), 1);
     assert!((run.trajectory.events[0].time - 1.0).abs() < 1e-12);
+}
+
+/// The message of a run that fails, as the user sees it.
+fn complaint(text: &str) -> String {
+    let (program, sources) = compiled(text);
+    let settings = Settings::of(&Experiment::default());
+    let failure = simulate(&program, &settings, &sources).unwrap_err();
+    render(&failure.diagnostic, &sources, Style::Plain)
+}
+
+#[test]
+fn a_division_by_zero_is_shown_in_the_text() {
+    let shown = complaint(
+        "parameter Real d = 0;
+Real x(start = 1, fixed = true);
+Real y;
+equation
+y = x + 1;
+der(x) = if x > 0.5 then y / (x * d) else 1 / d;
+",
+    );
+    insta::assert_snapshot!(shown, @r"
+    error[MO0902]: at time 0 s division by zero: `x * d` is 0 in `y / (x * d)`
+     --> model.mo:6:1
+      |
+    6 | der(x) = if x > 0.5 then y / (x * d) else 1 / d;
+      | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ in `der(x) = if x > 0.5 then y / (x * d) else 1.0 / d`
+      |
+      = note: `y` = 2
+      = note: `x` = 1
+      = note: `d` = 0
+      = help: keep the divisor away from zero, or test it with `if`
+    ");
+}
+
+#[test]
+fn chattering_is_shown_in_the_text() {
+    let shown = complaint(
+        "Real x(start = 0.1, fixed = true);
+equation
+der(x) = if x > 0 then -1 else 1;
+",
+    );
+    // The digits of the time in the first line depend on rounding.
+    assert!(shown.starts_with("error[MO0911]: at time 0.1"), "{shown}");
+    assert!(shown.contains("s `x > 0.0` switches without end: 64 events within"), "{shown}");
+    let place = shown.lines().skip(1).take(4).collect::<Vec<_>>().join("\n");
+    insta::assert_snapshot!(place, @r"
+     --> model.mo:3:1
+      |
+    3 | der(x) = if x > 0 then -1 else 1;
+      | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ this relation chatters
+    ");
+}
+
+#[test]
+fn when_terminal_acts_at_the_end() {
+    let run = run(
+        "Real x(start = 0, fixed = true);
+        discrete Real end(start = -1);
+        equation
+        der(x) = 1;
+        when terminal() then
+        end = x;
+        end when;",
+        1.0,
+    );
+    assert!((last(&run.unwrap(), "end") - 1.0).abs() < 1e-12);
 }
