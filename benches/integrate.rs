@@ -1,5 +1,6 @@
 //! Run time of the integrators on published problems, and of the decompositions beneath them.
 
+use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use mocc::integrate::options::Options;
 use mocc::integrate::outcome::Step;
@@ -8,6 +9,10 @@ use mocc::integrate::stepper::{JacobianMemory, Stepper};
 use mocc::integrate::system::{EvalError, System};
 use mocc::math::numeric::linear::{ComplexLu, DenseLu};
 use mocc::math::numeric::small_lu;
+
+/// Counts allocations, of which a step makes none.
+#[global_allocator]
+static ALLOCATOR: divan::AllocProfiler = divan::AllocProfiler::system();
 
 fn main() {
     divan::main();
@@ -38,7 +43,31 @@ fn hires(bencher: Bencher, rtol: f64) {
 fn chain_of_thirteen(bencher: Bencher) {
     let mut stepper = Radau::new(13, Options::new(13)).expect("valid options");
     let start: Vec<f64> = (0..13).map(|i| 1.0 + i as f64).collect();
-    bencher.bench_local(|| solve(&mut stepper, &mut Chain, &start, 10.0));
+    let steps = solve(&mut stepper, &mut Chain, &start, 10.0);
+    bencher
+        .counter(ItemsCount::new(steps))
+        .bench_local(|| solve(&mut stepper, &mut Chain, &start, 10.0));
+}
+
+/// The chain with an event every 6 ms that lifts its first store: restarts and transients.
+#[divan::bench]
+fn chain_with_twenty_events(bencher: Bencher) {
+    let mut stepper = Radau::new(13, Options::new(13)).expect("valid options");
+    let mut y = [0.0; 13];
+    let mut run = || {
+        let before = stepper.stats().steps;
+        y.fill(1.0);
+        for event in 0..20 {
+            y[0] += 1.0;
+            let (t, t_stop) = (6e-3 * f64::from(event), 6e-3 * f64::from(event + 1));
+            stepper.restart(&mut Chain, t, &y, JacobianMemory::Forget).expect("a start");
+            while let Step::Advanced { .. } = stepper.step(&mut Chain, t_stop).expect("a step") {}
+            y.copy_from_slice(stepper.y());
+        }
+        stepper.stats().steps - before
+    };
+    let steps = run();
+    bencher.counter(ItemsCount::new(steps)).bench_local(run);
 }
 
 /// The plain loops alone, with the copy of the matrix.
@@ -107,8 +136,9 @@ fn solve_complex(bencher: Bencher, n: usize) {
 
 fn solve(stepper: &mut Radau, system: &mut dyn System, start: &[f64], t_stop: f64) -> u64 {
     stepper.restart(system, 0.0, start, JacobianMemory::Forget).expect("a start");
+    let before = stepper.stats().steps;
     while let Step::Advanced { .. } = stepper.step(system, t_stop).expect("a step") {}
-    stepper.stats().steps
+    stepper.stats().steps - before
 }
 
 /// Entries in (-1, 1), with a diagonal that keeps the matrix regular.

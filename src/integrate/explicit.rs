@@ -70,6 +70,10 @@ pub struct DormandPrince {
     slopes: [Vec<f64>; 6],
     /// Coefficients of the dense output.
     dense: [Vec<f64>; 4],
+    /// Where the dense output ends.
+    dense_end: f64,
+    /// The slope where the last step began is still in the last stage.
+    whole: bool,
     trial: Vec<f64>,
     h: f64,
     error_last: f64,
@@ -96,6 +100,8 @@ impl DormandPrince {
             weights: zeros(),
             slopes: std::array::from_fn(|_| zeros()),
             dense: std::array::from_fn(|_| zeros()),
+            dense_end: 0.0,
+            whole: false,
             trial: zeros(),
             h: 0.0,
             error_last: 1e-4,
@@ -105,6 +111,7 @@ impl DormandPrince {
 
     /// All stages of a step; the last is evaluated at the result, which is left in `next_y`.
     fn attempt(&mut self, system: &mut dyn System, span: Span) -> Result<f64, Trouble> {
+        self.whole = false;
         for (stage, row) in A.iter().enumerate() {
             let (done, open) = self.slopes.split_at_mut(stage);
             let y = &mut self.next_y;
@@ -140,12 +147,7 @@ impl DormandPrince {
     fn complete(&mut self, span: Span, error: f64, repeated: bool) {
         self.stats.steps += 1;
         self.set_dense(span.h);
-        self.t_previous = self.now.t;
-        self.now.t = span.end;
-        std::mem::swap(&mut self.y_previous, &mut self.now.y);
-        std::mem::swap(&mut self.now.y, &mut self.next_y);
-        std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
-
+        self.advance_to(span.end);
         let exponent = 0.2 - 0.75 * BETA;
         let shrink = error.powf(exponent) / self.error_last.powf(BETA) / SAFETY;
         let divisor = shrink.clamp(1.0 / GROWTH, 1.0 / SHRINK);
@@ -157,6 +159,17 @@ impl DormandPrince {
         }
         self.h = wanted.min(self.options.max_step);
         self.error_last = error.max(1e-4);
+    }
+
+    /// Makes the result of an attempt the accepted point.
+    fn advance_to(&mut self, end: f64) {
+        self.whole = true;
+        self.t_previous = self.now.t;
+        self.now.t = end;
+        self.dense_end = end;
+        std::mem::swap(&mut self.y_previous, &mut self.now.y);
+        std::mem::swap(&mut self.now.y, &mut self.next_y);
+        std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
     }
 
     fn set_dense(&mut self, h: f64) {
@@ -216,6 +229,10 @@ impl Stepper for DormandPrince {
                 return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
             }
             let span = fit_to_stop(self.now.t, self.h, t_stop);
+            if !(span.end > self.now.t) {
+                let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
+                return Err(Failure::StepTooSmall { t: self.now.t, h: span.h, component });
+            }
             match self.attempt(system, span) {
                 Ok(error) => {
                     self.complete(span, error, cuts > 0);
@@ -226,6 +243,32 @@ impl Stepper for DormandPrince {
                     cuts += 1;
                     self.recover(span, trouble, cuts)?;
                 }
+            }
+        }
+    }
+
+    fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
+        // The slope at the point before waits in the last stage since the step was completed, unless
+        // a later attempt to step failed.
+        if !(self.t_previous < t && t < self.now.t && self.whole) {
+            return Ok(());
+        }
+        std::mem::swap(&mut self.now.f, &mut self.slopes[5]);
+        std::mem::swap(&mut self.now.y, &mut self.y_previous);
+        let end = self.now.t;
+        self.now.t = self.t_previous;
+        let span = Span { h: t - self.t_previous, end: t, last: true };
+        match self.attempt(system, span) {
+            Ok(_) | Err(Trouble::Error { .. }) => {
+                self.set_dense(span.h);
+                self.advance_to(t);
+                Ok(())
+            }
+            Err(trouble) => {
+                // The dense output of the whole step starts at its first point.
+                self.y_previous.copy_from_slice(&self.now.y);
+                self.dense_end = end;
+                Err(self.failure(span.h, &trouble))
             }
         }
     }
@@ -242,6 +285,7 @@ impl Stepper for DormandPrince {
         }
         self.now.start(system, t, y, &mut self.stats)?;
         self.t_previous = t;
+        self.dense_end = t;
         self.y_previous.copy_from_slice(y);
         for d in &mut self.dense {
             d.fill(0.0);
@@ -280,7 +324,7 @@ impl Stepper for DormandPrince {
         if t == self.now.t {
             return out.copy_from_slice(&self.now.y);
         }
-        let h = self.now.t - self.t_previous;
+        let h = self.dense_end - self.t_previous;
         let s = if h > 0.0 { (t - self.t_previous) / h } else { 0.0 };
         let [d1, d2, d3, d4] = &self.dense;
         for (i, out) in out.iter_mut().enumerate() {
@@ -360,6 +404,13 @@ mod tests {
         let dense = order(errors[0].1, errors[1].1);
         assert!((end - 5.0).abs() < 0.3, "{end}");
         assert!(dense > 4.5, "{dense}");
+    }
+
+    #[test]
+    fn a_shortened_step_is_as_accurate_as_a_whole_one() {
+        let options = Options::with_nominals(1e-8, &[1.0; 2]);
+        let mut stepper = DormandPrince::new(2, options).unwrap();
+        check_shortening(&mut stepper, 1e-8);
     }
 
     #[test]

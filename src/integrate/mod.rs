@@ -10,21 +10,19 @@
 //!
 //! The one door: [`stepper::Stepper`], implemented by [`radau::Radau`] (stiff systems and index-1
 //! differential-algebraic systems) and [`explicit::DormandPrince`] (non-stiff systems).
-pub mod system;
-
-pub mod options;
-
-pub mod outcome;
-
-pub mod stats;
-
-pub mod stepper;
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "`!(a < b)` is how a NaN is made to count as a failed test"
+)]
 
 pub mod control;
-
-pub mod radau;
-
 pub mod explicit;
+pub mod options;
+pub mod outcome;
+pub mod radau;
+pub mod stats;
+pub mod stepper;
+pub mod system;
 
 #[cfg(test)]
 mod problems;

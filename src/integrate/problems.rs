@@ -1,5 +1,7 @@
 //! Test problems with known solutions, shared by the tests of all steppers.
 
+#![allow(clippy::excessive_precision, reason = "all digits of the sources are kept")]
+
 use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
@@ -66,6 +68,46 @@ pub fn run(
 /// Largest `|a_i - b_i| / (|b_i| + floor)`.
 pub fn relative_error(a: &[f64], b: &[f64], floor: f64) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs() / (b.abs() + floor)).fold(0.0, f64::max)
+}
+
+/// The oscillator `y1' = y2, y2' = -y1`, solved by `(sin t, cos t)`.
+pub fn oscillator() -> impl System {
+    ode(
+        2,
+        |_, y: &[f64], f: &mut [f64]| {
+            f.copy_from_slice(&[y[1], -y[0]]);
+            Ok(())
+        },
+        |_, _: &[f64], j: &mut [f64]| j.copy_from_slice(&[0.0, -1.0, 1.0, 0.0]),
+    )
+}
+
+/// Shortens every third step of [`oscillator`] and goes on from there, within `tolerance`.
+pub fn check_shortening(stepper: &mut dyn Stepper, tolerance: f64) {
+    let mut system = oscillator();
+    stepper.restart(&mut system, 0.0, &[0.0, 1.0], JacobianMemory::Forget).unwrap();
+    let mut out = [0.0; 2];
+    for step in 0.. {
+        if stepper.step(&mut system, 5.0).unwrap() == (Step::Reached { t: 5.0 }) {
+            break;
+        }
+        if step % 3 == 2 {
+            let (from, to) = (stepper.t_previous(), stepper.t());
+            let t = from + 0.4 * (to - from);
+            stepper.shorten(&mut system, t).unwrap();
+            assert_eq!((stepper.t_previous(), stepper.t()), (from, t));
+            let inside = 0.5 * (from + t);
+            stepper.interpolate(inside, &mut out);
+            assert!((out[0] - inside.sin()).abs() < 2.0 * tolerance);
+        }
+        let (sin, cos) = stepper.t().sin_cos();
+        assert!(relative_error(stepper.y(), &[sin, cos], 1.0) < tolerance);
+    }
+    // Outside the last step there is nothing to shorten.
+    let y = stepper.y().to_vec();
+    stepper.shorten(&mut system, 6.0).unwrap();
+    stepper.shorten(&mut system, 0.0).unwrap();
+    assert_eq!((stepper.t(), stepper.y()), (5.0, &y[..]));
 }
 
 /// Robertson's reaction; Hairer & Wanner II, eq. (IV.1.4) and problem ROBER of sec. IV.10.

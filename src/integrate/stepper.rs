@@ -26,6 +26,13 @@ pub trait Stepper {
     /// `t_stop`. Without effect if `t_stop` is not after `t()`.
     fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure>;
 
+    /// Redoes the last step so that it ends at `t` in `(t_previous(), t())`, to the accuracy of the
+    /// step's end rather than that of the interpolation: for the state at an event inside the step.
+    ///
+    /// Without effect for other `t`, or if `step` failed since. After a failure the stepper stands at
+    /// `t_previous()`, and `interpolate` still serves the whole last step.
+    fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure>;
+
     /// Time of the accepted point.
     fn t(&self) -> f64;
 
@@ -35,7 +42,8 @@ pub trait Stepper {
     /// Where the last step began; equals `t()` after a restart.
     fn t_previous(&self) -> f64;
 
-    /// Writes the solution at `t` in `[t_previous(), t()]` to `out`.
+    /// Writes the solution at `t` in `[t_previous(), t()]` to `out`. Between the ends the error is of
+    /// the size of the tolerances, for stiff components up to some ten times that.
     fn interpolate(&self, t: f64, out: &mut [f64]);
 
     /// The step the method would try next, if no stop interferes.

@@ -97,11 +97,15 @@ impl IterationMatrix {
         }
     }
 
-    /// Takes the diagonal of `M`.
-    pub fn set_mass(&mut self, differential: &[bool]) {
+    /// Takes the diagonal of `M`; true if it changed, which makes `analyze` necessary.
+    pub fn set_mass(&mut self, differential: &[bool]) -> bool {
+        let mut changed = false;
         for (m, d) in self.mass.iter_mut().zip(differential) {
-            *m = if *d { 1.0 } else { 0.0 };
+            let mass = if *d { 1.0 } else { 0.0 };
+            changed |= *m != mass;
+            *m = mass;
         }
+        changed
     }
 
     /// The diagonal of `M` as zeros and ones.

@@ -2,7 +2,9 @@
 //!
 //! E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II* (2nd ed. 1996), sec. IV.8;
 //! the constants are those of the authors' RADAU5, except that tolerances are taken as they are
-//! (RADAU5 loosens them so that only the end points meet them): here the dense output meets them too.
+//! (RADAU5 loosens `rtol` to `0.1 rtol^(2/3)`, by which just the ends of steps meet them): the dense
+//! output, whose error is of the order of the estimate, is used to find events and should meet them.
+pub mod estimate;
 pub mod matrix;
 pub mod polynomial;
 pub mod stages;
@@ -16,14 +18,14 @@ use crate::integrate::control::{
 };
 use crate::integrate::options::{OptionError, Options};
 use crate::integrate::outcome::{Failure, Step};
+use crate::integrate::radau::estimate::{ErrorEstimate, ORDER};
 use crate::integrate::radau::matrix::{IterationMatrix, Shift};
 use crate::integrate::radau::polynomial::Polynomial;
 use crate::integrate::radau::stages::{MAX_ITERATIONS, StageTrouble, Stages, shift};
-use crate::integrate::radau::tableau::ERROR;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::norm::{first_non_finite, weighted_rms, worst_component};
+use crate::math::numeric::norm::first_non_finite;
 
 /// Safety factor of the step size prediction.
 const SAFETY: f64 = 0.9;
@@ -31,12 +33,15 @@ const SAFETY: f64 = 0.9;
 const GROWTH: f64 = 8.0;
 /// See [`GROWTH`].
 const SHRINK: f64 = 0.2;
+/// Reduction of a rejected first step at most, whose length was a guess.
+const SHRINK_FIRST: f64 = 0.01;
+/// Error of the cubic between its nodes, in units of the tolerance, above which the next step is
+/// planned shorter; the quartic that is used for dense output is better than that.
+const BETWEEN_NODES: f64 = 10.0;
 /// A growth below this factor is not worth a new decomposition.
 const WORTHWHILE: f64 = 1.2;
 /// The Jacobian is kept while the iteration converges faster than this.
 const FAST: f64 = 1e-3;
-/// Reduction after a rejected first step, whose size was a guess.
-const FIRST_REJECTED: f64 = 0.1;
 /// Reduction where the system could not be evaluated.
 const OUT_OF_DOMAIN: f64 = 0.25;
 
@@ -53,8 +58,7 @@ pub struct Radau {
     jacobian: JacobianAge,
     decomposed: Option<Shift>,
     history: History,
-    estimate: Vec<f64>,
-    trial: Vec<f64>,
+    estimate: ErrorEstimate,
     stats: Stats,
 }
 
@@ -130,8 +134,7 @@ impl Radau {
             jacobian: JacobianAge::Outdated,
             decomposed: None,
             history: History { h: 0.0, last: None, continued: false },
-            estimate: vec![0.0; n],
-            trial: vec![0.0; n],
+            estimate: ErrorEstimate::new(n),
             stats: Stats::default(),
             options,
         })
@@ -195,8 +198,7 @@ impl Radau {
         Ok(iterations)
     }
 
-    /// Estimates the local error by eq. (8.19), and for a doubtful step again by eq. (8.20), where
-    /// the estimate is filtered twice so that it does not exaggerate stiff components.
+    /// Accepts or rejects by the estimate of the local error.
     fn test(
         &mut self,
         system: &mut dyn System,
@@ -204,36 +206,16 @@ impl Radau {
         iterations: u32,
         doubtful: bool,
     ) -> Result<f64, Trouble> {
-        let [z1, z2, z3] = &self.stages.z;
-        let weights = ERROR.map(|e| e / h);
-        for (i, mass) in self.matrix.mass().iter().enumerate() {
-            let sum = weights[0] * z1[i] + weights[1] * z2[i] + weights[2] * z3[i];
-            self.estimate[i] = mass * sum;
-            self.trial[i] = self.now.f[i] + self.estimate[i];
-        }
-        self.matrix.solve_real(&mut self.trial);
-        let mut size = weighted_rms(&self.trial, &self.weights);
+        let (now, weights) = (&self.now, &self.weights[..]);
+        let mut size = self.estimate.first(now, h, &self.stages.z, &mut self.matrix, weights);
         if !(size < 1.0) && doubtful {
-            for (trial, y) in self.trial.iter_mut().zip(&self.now.y) {
-                *trial += y;
-            }
-            self.stats.rhs += 1;
-            if system.rhs(self.now.t, &self.trial, &mut self.next.f).is_ok() {
-                for ((trial, f), e) in self.trial.iter_mut().zip(&self.next.f).zip(&self.estimate) {
-                    *trial = f + e;
-                }
-                self.matrix.solve_real(&mut self.trial);
-                size = weighted_rms(&self.trial, &self.weights);
-            } else {
-                for (trial, y) in self.trial.iter_mut().zip(&self.now.y) {
-                    *trial -= y;
-                }
-            }
+            let matrix = &mut self.matrix;
+            size = self.estimate.again(system, now, matrix, weights, size, &mut self.stats);
         }
         if size < 1.0 {
             return Ok(size.max(1e-10));
         }
-        let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
+        let component = self.estimate.worst(weights);
         if size.is_finite() {
             Err(Trouble::Error { component, size, iterations })
         } else {
@@ -267,12 +249,21 @@ impl Radau {
         Ok(Success { error, iterations })
     }
 
+    /// An attempt within the span of the last polynomial, which needs no error test.
+    fn attempt_inside(&mut self, system: &mut dyn System, span: Span) -> Result<(), Trouble> {
+        self.prepare(system, span.h)?;
+        self.stages.start_inside(&self.polynomial, &self.now, span.h);
+        self.solve(system, span)?;
+        self.evaluate_next(system)
+    }
+
     /// Moves to the accepted candidate and plans the next step.
     fn complete(&mut self, span: Span, success: &Success, repeated: bool) {
         self.stats.steps += 1;
         self.t_previous = self.now.t;
         std::mem::swap(&mut self.now, &mut self.next);
-        self.polynomial.set(span.h, span.end, &self.now.y, &self.stages.z);
+        let continued = self.history.last.is_some();
+        self.polynomial.set(span.h, span.end, &self.now.y, &self.stages.z, continued);
         error_weights(&self.options, &self.now.y, &mut self.weights);
         let wanted = self.plan(span.h, success, repeated);
         self.history.last = Some((span.h, success.error.max(1e-2)));
@@ -289,9 +280,9 @@ impl Radau {
     fn plan(&self, h: f64, success: &Success, repeated: bool) -> f64 {
         let error = success.error;
         let mut divisor =
-            (error.powf(0.25) / safety(success.iterations)).clamp(1.0 / GROWTH, 1.0 / SHRINK);
+            (fourth_root(error) / safety(success.iterations)).clamp(1.0 / GROWTH, 1.0 / SHRINK);
         if let Some((h_last, error_last)) = self.history.last {
-            let predicted = (h_last / h) * (error * error / error_last).powf(0.25) / SAFETY;
+            let predicted = (h_last / h) * fourth_root(error * error / error_last) / SAFETY;
             divisor = divisor.max(predicted.clamp(1.0 / GROWTH, 1.0 / SHRINK));
         }
         let mut wanted = h / divisor;
@@ -300,6 +291,10 @@ impl Radau {
         } else if divisor <= 1.0 / GROWTH {
             // The growth limit says nothing against a step that was cut short only by a stop.
             wanted = wanted.max(self.history.h);
+        }
+        let between = self.polynomial.error_between_nodes(&self.weights);
+        if between > BETWEEN_NODES {
+            wanted = wanted.min(h * fourth_root(BETWEEN_NODES / between).max(SHRINK));
         }
         wanted.min(self.options.max_step)
     }
@@ -312,11 +307,8 @@ impl Radau {
             }
             Trouble::Error { size, iterations, .. } => {
                 self.stats.rejected += 1;
-                if self.history.last.is_none() {
-                    FIRST_REJECTED
-                } else {
-                    (safety(iterations) / size.powf(0.25)).clamp(SHRINK, 1.0)
-                }
+                let limit = if self.history.last.is_none() { SHRINK_FIRST } else { SHRINK };
+                (safety(iterations) / fourth_root(size)).clamp(limit, 1.0)
             }
             Trouble::Newton { reduction, .. } => {
                 self.stats.convergence_failures += 1;
@@ -380,6 +372,10 @@ impl Stepper for Radau {
         loop {
             self.check_budget()?;
             let span = fit_to_stop(self.now.t, self.history.h, t_stop);
+            if !(span.end > self.now.t) {
+                let component = self.estimate.worst(&self.weights);
+                return Err(Failure::StepTooSmall { t: self.now.t, h: span.h, component });
+            }
             match self.attempt(system, span, cuts > 0) {
                 Ok(success) => {
                     self.complete(span, &success, cuts > 0);
@@ -390,6 +386,31 @@ impl Stepper for Radau {
                     cuts += 1;
                     self.recover(span, trouble, cuts)?;
                 }
+            }
+        }
+    }
+
+    fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
+        // The point before waits in `next` since the step was completed, unless a later attempt to
+        // step failed.
+        if !(self.t_previous < t && t < self.now.t) || self.next.t != self.t_previous {
+            return Ok(());
+        }
+        std::mem::swap(&mut self.now, &mut self.next);
+        error_weights(&self.options, &self.now.y, &mut self.weights);
+        let span = Span { h: t - self.now.t, end: t, last: true };
+        match self.attempt_inside(system, span) {
+            Ok(()) => {
+                std::mem::swap(&mut self.now, &mut self.next);
+                error_weights(&self.options, &self.now.y, &mut self.weights);
+                self.polynomial.set(span.h, t, &self.now.y, &self.stages.z, false);
+                self.jacobian = JacobianAge::Old;
+                Ok(())
+            }
+            Err(trouble) => {
+                self.history = History { h: span.h, last: None, continued: false };
+                self.stages.forget();
+                Err(self.failure(span.h, trouble))
             }
         }
     }
@@ -405,24 +426,22 @@ impl Stepper for Radau {
         self.t_previous = t;
         self.polynomial.set_constant(t, y);
         self.stages.forget();
-        self.matrix.set_mass(system.differential());
+        let changed = self.matrix.set_mass(system.differential());
         self.history = History { h: 0.0, last: None, continued: false };
         self.jacobian = match (jacobian, self.jacobian) {
-            (JacobianMemory::Keep, JacobianAge::Fresh | JacobianAge::Old) => JacobianAge::Old,
+            (JacobianMemory::Keep, JacobianAge::Fresh | JacobianAge::Old) if !changed => {
+                JacobianAge::Old
+            }
             _ => JacobianAge::Outdated,
         };
         error_weights(&self.options, &self.now.y, &mut self.weights);
         let h = match self.options.initial_step {
             Some(h) => h,
-            None => initial_step(
-                system,
-                &self.now,
-                &self.weights,
-                3,
-                &mut self.trial,
-                &mut self.estimate,
-                &mut self.stats,
-            ),
+            None => {
+                let [trial, slope] = self.estimate.memory();
+                let (now, weights) = (&self.now, &self.weights[..]);
+                initial_step(system, now, weights, ORDER, trial, slope, &mut self.stats)
+            }
         };
         self.history.h = h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
         Ok(())
@@ -453,8 +472,13 @@ impl Stepper for Radau {
     }
 }
 
-/// The safety factor, smaller the harder the iteration was (Hairer & Wanner II, sec. IV.8, step size selection).
+/// The safety factor, smaller the harder the iteration was (Hairer & Wanner II, sec. IV.8, on the
+/// selection of the step size).
 fn safety(iterations: u32) -> f64 {
     let (most, used) = (f64::from(MAX_ITERATIONS), f64::from(iterations));
     SAFETY * (2.0 * most + 1.0) / (2.0 * most + used)
+}
+
+fn fourth_root(x: f64) -> f64 {
+    x.sqrt().sqrt()
 }

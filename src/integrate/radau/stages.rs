@@ -11,7 +11,7 @@ use crate::integrate::radau::polynomial::Polynomial;
 use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};
 use crate::integrate::stats::Stats;
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::norm::{weighted_square_sum, worst_component};
+use crate::math::numeric::norm::{first_non_finite, weighted_square_sum, worst_component};
 
 /// Iterations within which the stage equations must converge; RADAU5's NIT.
 pub const MAX_ITERATIONS: u32 = 7;
@@ -85,6 +85,22 @@ impl Stages {
     /// Starts from the continuation of the last step.
     pub fn start_from(&mut self, polynomial: &Polynomial, h: f64) {
         polynomial.extrapolate(h, &mut self.z);
+        self.transform();
+    }
+
+    /// Starts from the polynomial of the step that began at `from` and is to be shortened to `h`.
+    pub fn start_inside(&mut self, polynomial: &Polynomial, from: &Point, h: f64) {
+        for (z, c) in self.z.iter_mut().zip([C1, C2, 1.0]) {
+            polynomial.evaluate(from.t + c * h, z);
+            for (z, y) in z.iter_mut().zip(&from.y) {
+                *z -= y;
+            }
+        }
+        self.transform();
+    }
+
+    /// `W = T^-1 Z`.
+    fn transform(&mut self) {
         let [z1, z2, z3] = &self.z;
         for (w, t) in self.w.iter_mut().zip(&T_INVERSE) {
             for (i, w) in w.iter_mut().enumerate() {
@@ -115,7 +131,7 @@ impl Stages {
             self.correct(matrix, shift);
             let size = self.correction_size(weights);
             if !size.is_finite() {
-                return Err(StageTrouble::NonFinite { component: self.worst(weights) });
+                return Err(self.blame(system, from, span, weights, stats));
             }
             if iteration > 1 {
                 let ratio: f64 = size / last_size;
@@ -210,6 +226,26 @@ impl Stages {
             z1[i] = T[0][0] * a + T[0][1] * b + T[0][2] * c;
             z2[i] = T[1][0] * a + T[1][1] * b + T[1][2] * c;
             z3[i] = T[2][0] * a + b;
+        }
+    }
+
+    /// Finds the right side that is not finite, which the solution of the linear systems has spread
+    /// over all components, by evaluating again.
+    fn blame(
+        &mut self,
+        system: &mut dyn System,
+        from: &Point,
+        span: Span,
+        weights: &[f64],
+        stats: &mut Stats,
+    ) -> StageTrouble {
+        let spread = self.worst(weights);
+        match self.evaluate(system, from, span, stats) {
+            Err(error) => StageTrouble::Eval(error),
+            Ok(()) => {
+                let component = self.r.iter().find_map(|r| first_non_finite(r)).unwrap_or(spread);
+                StageTrouble::NonFinite { component }
+            }
         }
     }
 

@@ -4,6 +4,7 @@
 //! `L` is real block-diagonal with blocks `gamma` and `[alpha -beta; beta alpha]`, the stage
 //! equations decouple into one real and one complex system. The tests derive every number here from
 //! `A`.
+#![allow(clippy::excessive_precision, reason = "all digits of the source are kept")]
 
 /// sqrt(6).
 const S6: f64 = 2.449489742783178;

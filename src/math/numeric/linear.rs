@@ -19,7 +19,7 @@ use crate::math::numeric::small_lu;
 
 /// Largest order handled by `small_lu`; beyond it faer's blocking and wide registers win
 /// (`benches/integrate.rs` has the comparison).
-pub const SMALL: usize = 20;
+pub const SMALL: usize = 24;
 
 /// The matrix is singular to working precision, or holds a value that is not finite.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]

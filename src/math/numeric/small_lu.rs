@@ -63,8 +63,8 @@ pub fn solve(n: usize, lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     if n == 0 {
         return;
     }
-    for k in 0..n {
-        b.swap(k, pivots[k]);
+    for (k, &pivot) in pivots[..n].iter().enumerate() {
+        b.swap(k, pivot);
     }
     for (k, column) in lu.chunks_exact(n).enumerate() {
         let (head, tail) = b.split_at_mut(k + 1);
@@ -159,9 +159,9 @@ pub fn solve_complex(
     if n == 0 {
         return;
     }
-    for k in 0..n {
-        b_re.swap(k, pivots[k]);
-        b_im.swap(k, pivots[k]);
+    for (k, &pivot) in pivots[..n].iter().enumerate() {
+        b_re.swap(k, pivot);
+        b_im.swap(k, pivot);
     }
     let columns = lu_re.chunks_exact(n).zip(lu_im.chunks_exact(n)).enumerate();
     for (k, (column_re, column_im)) in columns.clone() {
