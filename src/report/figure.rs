@@ -57,7 +57,7 @@ pub enum PlotError {
     Empty(&'static str),
     /// The panels do not fit.
     #[error(
-        "{width} x {height} px is too small for this picture; it needs {needed} px of height and 240 px of width"
+        "{width} x {height} px is too small for this picture; it needs {needed} px of height and some 250 px of width"
     )]
     TooSmall {
         /// Width asked for, px.
@@ -66,6 +66,14 @@ pub enum PlotError {
         height: u32,
         /// Least height at this width, px.
         needed: u32,
+    },
+    /// More than a viewer, or the memory, is made for.
+    #[error("{width} x {height} px is too large for a picture")]
+    TooLarge {
+        /// Width asked for, px.
+        width: u32,
+        /// Height asked for, px.
+        height: u32,
     },
     /// The file name does not say what to draw.
     #[error("{}: a picture's name ends in .svg or .png", path.display())]

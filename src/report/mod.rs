@@ -4,6 +4,7 @@
 //! ([`table::write_csv`]) and a picture in SVG or PNG ([`plot::plot`]). Every file is written
 //! whole or not at all ([`write`](mod@write)).
 
+pub mod axis;
 pub mod decimate;
 pub mod figure;
 pub mod layout;

@@ -10,14 +10,14 @@ use plotters::prelude::{
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::axis::{Axis, PanelAxis};
 use super::decimate::{PER_COLUMN, decimate, merge_straight};
-use super::figure::{Panel, PlotError, PlotSpec, find};
+use super::figure::{PlotError, PlotSpec};
 use super::layout::{self, Layout, PanelPlace, PanelText, text_width};
 use super::raster;
-use super::scale::{self, Scale};
-use super::ticks::{Ticks, ticks};
+use super::ticks::Ticks;
 use super::write::write_file;
-use crate::ir::trajectory::{Column, Kind, Trajectory};
+use crate::ir::trajectory::{Kind, Trajectory};
 
 /// Pixels of a PNG per px of the picture, so that it is sharp on today's screens.
 pub const PNG_SCALE: u32 = 2;
@@ -33,6 +33,9 @@ pub fn plot(
     let bytes = match extension.as_deref() {
         Some("svg") => svg(trajectory, spec)?.into_bytes(),
         Some("png") => {
+            if u64::from(spec.width) * u64::from(spec.height) > MOST_AREA {
+                return Err(PlotError::TooLarge { width: spec.width, height: spec.height });
+            }
             raster::png(&svg(trajectory, spec)?, PNG_SCALE).map_err(PlotError::Drawing)?
         }
         _ => return Err(PlotError::Extension { path: path.to_path_buf() }),
@@ -49,6 +52,9 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
     }
     if spec.panels.is_empty() {
         return Err(PlotError::Empty("no variable was chosen"));
+    }
+    if spec.width.max(spec.height) > MOST_LENGTH {
+        return Err(PlotError::TooLarge { width: spec.width, height: spec.height });
     }
     let times = Axis::of_time(&trajectory.time);
     let axes: Vec<PanelAxis<'_>> =
@@ -74,7 +80,7 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
         canvas.text(&spec.title, (layout.left, layout.title), &TITLE)?;
     }
     let frame = Frame { trajectory, times: &times, layout: &layout };
-    let time_marks = times.ticks(layout.right - layout.left, TIME_SPACING);
+    let time_marks = times.time_ticks(layout.right - layout.left);
     let instants = if spec.events { frame.instants() } else { Vec::new() };
     let points = POINTS / axes.iter().map(|a| a.curves.len()).sum::<usize>();
     for ((axis, place), (marks, text)) in
@@ -97,15 +103,14 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
 
 /// Units of the drawing per px.
 const TENTHS: f64 = 10.0;
+/// Greatest width and height, px.
+const MOST_LENGTH: u32 = 20_000;
+/// Greatest area of a PNG, px: a quarter of a gigabyte while it is drawn.
+const MOST_AREA: u64 = 16_000_000;
 /// Least width of the curves' area, px.
 const LEAST_WIDTH: f64 = 150.0;
 /// Points of all curves together; at about ten bytes each the picture stays below 300 kB.
 const POINTS: usize = 20_000;
-/// Least distance of numbers at the time axis and at a vertical axis, px.
-const TIME_SPACING: f64 = 90.0;
-const VALUE_SPACING: f64 = 36.0;
-/// Room above and below the curves, as part of their extent.
-const ROOM: f64 = 0.06;
 /// Event lines closer than this on average hide the curves and are left out, px.
 const EVENT_SPACING: f64 = 12.0;
 
@@ -149,102 +154,6 @@ const NUMBER: Lettering = Lettering {
     at: HPos::Right,
 };
 
-/// A scaled range.
-struct Axis {
-    scale: Scale,
-    low: f64,
-    high: f64,
-}
-
-impl Axis {
-    fn of_time(time: &[f64]) -> Self {
-        let (first, last) = (time[0], time[time.len() - 1]);
-        let scale = scale::choose("s", "", first.abs().max(last.abs()));
-        let (low, high) = widened(scale.shown(first), scale.shown(last));
-        Axis { scale, low, high }
-    }
-    /// The part of the way from the low to the high end, for an SI value.
-    fn part(&self, si: f64) -> f64 {
-        (self.scale.shown(si) - self.low) / (self.high - self.low)
-    }
-    fn ticks(&self, length: f64, spacing: f64) -> Ticks {
-        ticks(self.low, self.high, (length / spacing) as usize)
-    }
-}
-
-/// The vertical axis of a panel and what is drawn over it.
-struct PanelAxis<'a> {
-    axis: Axis,
-    kind: Kind,
-    label: &'a str,
-    curves: Vec<(&'a str, &'a [f64])>,
-}
-
-impl<'a> PanelAxis<'a> {
-    fn new(trajectory: &'a Trajectory, panel: &'a Panel) -> Result<Self, PlotError> {
-        let columns = &trajectory.columns;
-        let chosen: Vec<&Column> =
-            panel.curves.iter().map(|n| find(n, columns)).collect::<Result<_, _>>()?;
-        let first = *chosen.first().ok_or(PlotError::Empty("a panel has no curves"))?;
-        if let Some(other) = chosen.iter().find(|c| c.unit != first.unit) {
-            let named = |c: &Column| (c.name.clone(), c.unit.clone());
-            return Err(PlotError::MixedUnits { first: named(first), second: named(other) });
-        }
-        let curves: Vec<(&str, &[f64])> = chosen
-            .iter()
-            .filter_map(|c| Some((c.name.as_str(), trajectory.values(&c.name)?)))
-            .collect();
-        let values = || curves.iter().flat_map(|(_, values)| values.iter().copied());
-        let low = values().fold(f64::INFINITY, f64::min);
-        let high = values().fold(f64::NEG_INFINITY, f64::max);
-        // Curves that wish for different units get the unit that suits the numbers.
-        let agreed = chosen.iter().all(|c| c.display_unit == first.display_unit);
-        let wish = if agreed { first.display_unit.as_str() } else { "" };
-        let scale = scale::choose(&first.unit, wish, low.abs().max(high.abs()));
-        let all = |kind| chosen.iter().all(|c| c.kind == kind);
-        let kind = if all(Kind::Boolean) {
-            Kind::Boolean
-        } else if all(Kind::Integer) {
-            Kind::Integer
-        } else {
-            Kind::Continuous
-        };
-        let (low, high) = match kind {
-            Kind::Boolean => (0.0, 1.0),
-            _ => widened(scale.shown(low), scale.shown(high)),
-        };
-        let room = (high - low) * if kind == Kind::Boolean { 3.0 * ROOM } else { ROOM };
-        let axis = Axis { scale, low: low - room, high: high + room };
-        Ok(PanelAxis { axis, kind, label: &panel.label, curves })
-    }
-    fn text(&self) -> PanelText {
-        let axis = match (self.label, self.axis.scale.unit.as_str()) {
-            ("", "") => if self.kind == Kind::Boolean { "state" } else { "value" }.to_owned(),
-            ("", unit) => format!("in {unit}"),
-            (label, "") => label.to_owned(),
-            (label, unit) => format!("{label} in {unit}"),
-        };
-        PanelText {
-            axis,
-            legend: self.curves.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            low: self.kind == Kind::Boolean,
-        }
-    }
-    fn ticks(&self, height: f64) -> Ticks {
-        match self.kind {
-            Kind::Boolean => Ticks {
-                values: vec![0.0, 1.0],
-                labels: vec!["false".to_owned(), "true".to_owned()],
-            },
-            Kind::Integer => {
-                let wanted = (height / VALUE_SPACING).min(self.axis.high - self.axis.low);
-                ticks(self.axis.low, self.axis.high, wanted as usize)
-            }
-            _ => self.axis.ticks(height, VALUE_SPACING),
-        }
-    }
-}
-
 /// The layout and the marks of each vertical axis. How wide the numbers are depends on how high
 /// the panels are, but not the other way round; so the first layout tells the heights.
 fn arrange(
@@ -264,18 +173,6 @@ fn arrange(
     Ok((layout::layout(size, titled, numbers, texts)?, marks))
 }
 
-/// Bounds with an extent, also around a constant; noise below what a solver can mean is none.
-fn widened(low: f64, high: f64) -> (f64, f64) {
-    let largest = low.abs().max(high.abs());
-    if high - low > 1e-9 * largest {
-        (low, high)
-    } else if largest == 0.0 {
-        (-1.0, 1.0)
-    } else {
-        (low - 0.1 * largest, high + 0.1 * largest)
-    }
-}
-
 /// What all panels share.
 struct Frame<'a> {
     trajectory: &'a Trajectory,
@@ -289,7 +186,7 @@ impl Frame<'_> {
     }
     /// Where a mark of the time axis stands.
     fn mark(&self, shown: f64) -> f64 {
-        let part = (shown - self.times.low) / (self.times.high - self.times.low);
+        let part = self.times.part_of_shown(shown);
         self.layout.left + part * (self.layout.right - self.layout.left)
     }
     /// The places of the event lines; none where they would hide the curves.
@@ -319,8 +216,7 @@ impl Frame<'_> {
             canvas.line(&[(x, place.top), (x, place.bottom)], &GRID)?;
         }
         for (&mark, label) in marks.values.iter().zip(&marks.labels) {
-            let part = (mark - panel.axis.low) / (panel.axis.high - panel.axis.low);
-            let y = place.bottom - part * (place.bottom - place.top);
+            let y = place.bottom - panel.axis.part_of_shown(mark) * (place.bottom - place.top);
             canvas.line(&[(left, y), (right, y)], &GRID)?;
             canvas.text(label, (left - 8.0, y), &NUMBER)?;
         }
@@ -450,10 +346,10 @@ fn undrawn(error: impl std::fmt::Display) -> PlotError {
 
 #[cfg(test)]
 mod tests {
-    use super::super::figure::panels_for;
+    use super::super::figure::{Panel, panels_for};
     use super::super::write::tests::Scratch;
     use super::*;
-    use crate::ir::trajectory::Event;
+    use crate::ir::trajectory::{Column, Event};
 
     /// A damped swing of a piston that hits a stop, with `rows` rows and an event in the middle.
     fn run(rows: usize) -> Trajectory {
@@ -581,6 +477,9 @@ mod tests {
         assert_eq!((side(16), side(20)), (500 * PNG_SCALE, 400 * PNG_SCALE));
         let error = plot(&run, &spec, dir.path("a.jpg")).unwrap_err().to_string();
         assert!(error.ends_with("a.jpg: a picture's name ends in .svg or .png"), "{error}");
+        let large = PlotSpec { width: 5000, height: 5000, ..spec };
+        let error = plot(&run, &large, dir.path("b.png")).unwrap_err().to_string();
+        assert_eq!(error, "5000 x 5000 px is too large for a picture");
         assert_eq!(dir.files(), ["a.PNG", "a.svg"]);
     }
 
@@ -610,6 +509,8 @@ mod tests {
         assert!(svg(&run, &PlotSpec { height: needed, ..small.clone() }).is_ok());
         let narrow = PlotSpec { width: 150, ..spec(&run) };
         assert!(matches!(svg(&run, &narrow), Err(PlotError::TooSmall { .. })));
+        let large = PlotSpec { height: u32::MAX, ..spec(&run) };
+        assert!(matches!(svg(&run, &large), Err(PlotError::TooLarge { .. })));
         let empty = Trajectory::new(run.columns.clone());
         let error = svg(&empty, &small).unwrap_err().to_string();
         assert_eq!(error, "nothing to plot: the result has no rows");
