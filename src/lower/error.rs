@@ -175,6 +175,19 @@ pub fn assigned_parameter(v: &Variable) -> Diagnostic {
     .help("declare it `discrete Real`, `Integer` or `Boolean` without `parameter`")
 }
 
+/// MO0316: the derivative of a discrete variable.
+pub fn rate_of_discrete(v: &dae::Variable, origin: &Origin) -> Diagnostic {
+    Diagnostic::error(
+        "MO0316",
+        origin.span,
+        format!("`{}` changes at events only and has no derivative", v.name),
+    )
+    .label(format!("`der({})` is used here", v.name))
+    .also(v.span, "declared here")
+    .help("use `reinit` in the when-clause instead of assigning the variable there")
+    .note("Modelica 3.6, section 3.7.4.1: the argument of `der` is continuous")
+}
+
 fn last(name: &str) -> &str {
     name.rsplit_once('.').map_or(name, |(_, last)| last)
 }

@@ -147,7 +147,7 @@ impl<'a> Rewriting<'a> {
                 _ => mode,
             };
             if !ready {
-                if let Some(new) = self.leaf(e) {
+                if let Some(new) = self.leaf(e, origin) {
                     // A value of a constant may hold wrappers of its own.
                     if new != e && matches!(self.replaced(e), Some(Replacement::Value(_))) {
                         if let Some(&value) = self.done.get(&(new, Mode::Literal)) {
@@ -181,7 +181,7 @@ impl<'a> Rewriting<'a> {
     }
 
     /// What a leaf becomes; `None` for anything with operands.
-    fn leaf(&mut self, e: ExprId) -> Option<ExprId> {
+    fn leaf(&mut self, e: ExprId, origin: &Origin) -> Option<ExprId> {
         match self.graph.node(e) {
             Node::Const(_) | Node::Time | Node::Initial | Node::Terminal | Node::Relation(_) => {
                 Some(e)
@@ -200,17 +200,24 @@ impl<'a> Rewriting<'a> {
                 Some(Replacement::Value(value)) => *value,
                 _ => e,
             }),
-            Node::Der(v) => Some(self.rate(v)),
+            Node::Der(v) => Some(self.rate(v, origin)),
             _ => None,
         }
     }
 
     /// `der(v)` as a variable; zero for what does not change between events.
-    fn rate(&mut self, v: VarId) -> ExprId {
-        if let Some(s) = self.representative(v)
-            && let Kind::Differentiated { derivative } = self.variables[s.variable].kind
-        {
-            return self.read(Signed { variable: derivative, negative: s.negative });
+    fn rate(&mut self, v: VarId, origin: &Origin) -> ExprId {
+        if let Some(s) = self.representative(v) {
+            match self.variables[s.variable].kind {
+                Kind::Differentiated { derivative } => {
+                    return self.read(Signed { variable: derivative, negative: s.negative });
+                }
+                Kind::Discrete => {
+                    let declared = &self.variables[v];
+                    self.problems.push(error::rate_of_discrete(declared, origin));
+                }
+                _ => {}
+            }
         }
         self.graph.real(0.0)
     }

@@ -38,7 +38,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
 
     let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
     let by_when = when::assigned(&sections.whens, &rewriting);
-    let (mut equations, mut discrete) = split(equal, &by_when, &mut rewriting);
+    let (equations, mut discrete) = split(equal, &by_when, &mut rewriting);
     let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);
     let mut asserts = actions.asserts;
     for (assert, origin) in &sections.asserts {
@@ -51,9 +51,6 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     classify::one_equation_each(&discrete.list, &mut rewriting);
     let events = rewriting.finish();
 
-    for equation in equations.iter_mut() {
-        equation.residual = flat.graph.sub(equation.lhs, equation.rhs);
-    }
     (problems.error_count() == errors_before).then(|| Dae {
         name: flat.name,
         graph: flat.graph,
@@ -129,8 +126,8 @@ fn split(
             }
         }
         let [lhs, rhs] = [lhs, rhs].map(|side| r.graph.as_real(side));
-        // The residual is built once all equations are known, from both sides.
-        continuous.push(dae::Equation { lhs, rhs, residual: lhs, origin, derivative_of: None });
+        let residual = r.graph.sub(lhs, rhs);
+        continuous.push(dae::Equation { lhs, rhs, residual, origin, derivative_of: None });
     }
     (continuous, discrete)
 }

@@ -64,7 +64,9 @@ pub fn choose(
                     let negative = name.negative ^ chosen.negative;
                     (name.variable, Some(Integral { variable: chosen.variable, negative }))
                 });
-                if next.is_none() && differentiated.contains(&root) {
+                // Inputs are held and discrete variables change at events only.
+                let varies = choice.variables[chosen.variable].kind == Kind::Algebraic;
+                if next.is_none() && varies && differentiated.contains(&root) {
                     choice.add_derivative(chosen.variable, Kind::Algebraic);
                 }
             }
@@ -161,9 +163,6 @@ impl Choice<'_> {
 
     fn add_derivative(&mut self, of: VarId, kind: Kind) -> VarId {
         let integral = &self.variables[of];
-        if integral.kind == Kind::Input {
-            return of;
-        }
         let derivative = Variable::derivative(of, integral, kind);
         let id = self.variables.push(derivative);
         self.replacement.push(Replacement::Kept);

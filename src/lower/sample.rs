@@ -11,8 +11,8 @@
 //! ```
 
 use crate::base::name::Name;
-use crate::base::source::{FileId, SourceMap, Span};
-use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
+use crate::base::source::{SourceMap, Span};
+use crate::ir::expr::{Binary, ExprId, FunctionId, Node, Type, Unary, VarId};
 use crate::ir::flat::*;
 
 /// Reads a model; the source map holds its text, for diagnostics.
@@ -74,9 +74,6 @@ pub fn model(text: &str) -> (FlatModel, SourceMap) {
     }
     (reader.flat, sources)
 }
-
-/// The place of the file of [`model`].
-pub const FILE: FileId = FileId(0);
 
 struct Reader {
     flat: FlatModel,
@@ -336,6 +333,11 @@ impl Reader {
             ("floor", &[a]) => g.unary(Unary::Floor, a),
             ("noEvent", &[a]) => g.no_event(a),
             ("sample", &[a, b]) => g.intern(Node::Sample(a, b), Type::Boolean),
+            ("f", args) => {
+                let args = g.intern_list(args);
+                let function = FunctionId(0);
+                g.intern(Node::Call { function, output: 0, args }, Type::Real)
+            }
             ("initial", []) => g.intern(Node::Initial, Type::Boolean),
             ("terminal", []) => g.intern(Node::Terminal, Type::Boolean),
             other => panic!("{other:?}"),

@@ -264,6 +264,10 @@ fn a_variable_has_one_when_clause() {
         n = 2;
         end when;";
     assert_eq!(codes(text), ["MO0306"]);
+    let differentiated = format!("{}\n", text.replace("Integer n;", "Real n;\nReal y;"))
+        .replace("equation", "equation\ny = der(n);")
+        .replace("when time > 2 then\n        n = 2;\n        end when;", "");
+    assert_eq!(codes(&differentiated), ["MO0316"]);
     assert_eq!(codes("Boolean b;\nequation"), ["MO0307"]);
     assert_eq!(
         codes("Boolean b;\nBoolean c;\nequation\n(b and c) = true;\nb = true;"),

@@ -500,6 +500,23 @@ fn contradicting_constraints_are_found_although_the_counts_agree() {
 }
 
 #[test]
+fn a_constraint_with_a_called_function_can_not_be_differentiated() {
+    let text = "Real x;
+        Real y;
+        Real g;
+        equation
+        der(x) = g;
+        der(y) = -g;
+        x = f(y);";
+    assert_eq!(problems(text).0, ["MO0404"]);
+    // Without a constraint the call is no obstacle.
+    let blocks = sorted(&text.replace("der(y) = -g", "y = g"));
+    assert_eq!(states(&blocks), ["x"]);
+    // x = f(der(x))
+    assert_eq!(kinds(&blocks.continuous), "n1");
+}
+
+#[test]
 fn starts_fixed_twice_are_named() {
     let (codes, text) = problems(
         "Real x(start = 1, fixed = true);
