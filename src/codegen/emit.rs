@@ -81,6 +81,8 @@ pub struct Emitter {
     pub asserts: Vec<AssertCells>,
     /// Terminates.
     pub terminates: Vec<Slot>,
+    /// `terminal()` is read somewhere.
+    pub reads_terminal: bool,
     /// What is wrong.
     pub problems: Problems,
     /// The place that is being compiled.
@@ -117,6 +119,7 @@ impl Emitter {
             reinits: Vec::new(),
             asserts: Vec::new(),
             terminates: Vec::new(),
+            reads_terminal: false,
             problems: Problems::new(),
             span: Span::NONE,
             literals: FastMap::default(),
@@ -298,7 +301,10 @@ impl Emitter {
             Node::Var(v) if !self.replaced.contains_key(&v) => Some(self.variable(v)),
             Node::Pre(v) => Some((self.pre_cell(v), HELD)),
             Node::Initial => Some((self.layout.initial, HELD)),
-            Node::Terminal => Some((self.layout.terminal, HELD)),
+            Node::Terminal => {
+                self.reads_terminal = true;
+                Some((self.layout.terminal, HELD))
+            }
             Node::Relation(k) => Some((self.layout.relations + k, HELD)),
             _ => self.known.get(&e).copied(),
         }

@@ -9,12 +9,13 @@
 use std::collections::BTreeMap;
 
 use crate::base::index::{FastMap, FastSet, Id};
-use crate::ir::blocks::{Block, Blocks, Torn};
+use crate::ir::blocks::{Block, Torn};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, VarId};
 use crate::ir::program::{Entry, Implicit, Op};
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::rewrite::Rewriter;
 
+use super::Order;
 use super::emit::Emitter;
 
 /// The derivatives of one value by the seeds, in order of seed.
@@ -198,7 +199,7 @@ pub fn of_torn(e: &mut Emitter, torn: &Torn) -> Vec<(u32, u32, ExprId)> {
 /// continuous blocks that derivatives depend on, in order; `solvers` the number of each torn one.
 pub fn of_system(
     e: &mut Emitter,
-    blocks: &Blocks,
+    blocks: &Order,
     needed: &[usize],
     solvers: &FastMap<usize, u32>,
 ) -> Vec<Entry> {

@@ -1,15 +1,16 @@
 //! The memory map.
 
 use crate::base::index::{FastSet, Id};
-use crate::ir::blocks::{Assignment, Block, Blocks, Source};
+use crate::ir::blocks::{Assignment, Block, Source};
 use crate::ir::dae::Kind;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::program::Slot;
 
+use super::Order;
 use super::emit::Emitter;
 
 /// Gives every variable, flag and input its cell.
-pub fn allocate(e: &mut Emitter, blocks: &Blocks) {
+pub fn allocate(e: &mut Emitter, blocks: &Order) {
     e.layout.time = e.cell(0.0);
     e.layout.initial = e.cell(0.0);
     e.layout.terminal = e.cell(0.0);
@@ -36,7 +37,7 @@ pub fn allocate(e: &mut Emitter, blocks: &Blocks) {
 }
 
 /// `pre` of discrete variables, and of all others of which it is read.
-fn allocate_pre(e: &mut Emitter, blocks: &Blocks) {
+fn allocate_pre(e: &mut Emitter, blocks: &Order) {
     let mut read: FastSet<VarId> = FastSet::default();
     for node in e.dae.graph.postorder(roots(e, blocks)) {
         if let Node::Pre(v) = e.dae.graph.node(node) {
@@ -55,7 +56,7 @@ fn allocate_pre(e: &mut Emitter, blocks: &Blocks) {
 }
 
 /// Cells for the values that a run may give: NaN where it does not.
-fn allocate_inputs(e: &mut Emitter, blocks: &Blocks) {
+fn allocate_inputs(e: &mut Emitter, blocks: &Order) {
     for k in 0..e.dae.parameters.len() {
         let v = e.dae.parameters[k].0;
         let cell = e.cell(f64::NAN);
@@ -121,7 +122,7 @@ pub fn resting_value(ty: Type) -> f64 {
     if matches!(ty, Type::Enumeration(_)) { 1.0 } else { 0.0 }
 }
 
-fn roots(e: &Emitter, blocks: &Blocks) -> Vec<ExprId> {
+fn roots(e: &Emitter, blocks: &Order) -> Vec<ExprId> {
     let mut all = Vec::new();
     for block in blocks.initial.iter().chain(&blocks.event).chain(&blocks.continuous) {
         block_values(block, &mut all);

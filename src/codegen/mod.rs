@@ -15,42 +15,48 @@ pub mod layout;
 pub mod sequence;
 pub mod solve;
 
+#[cfg(test)]
+mod tests;
+
 use crate::base::diag::Problems;
-use crate::ir::blocks::Blocks;
+use crate::ir::blocks::{Block, Blocks, State};
 use crate::ir::program::Program;
+use emit::Emitter;
 
 /// Compiles the sorted system.
 ///
 /// Errors are diagnostics of codes `MO0801` and following.
 pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
-    let mut emitter = emit::Emitter::new(blocks.dae.clone());
-    layout::allocate(&mut emitter, &blocks);
+    let Blocks { dae, states, dummies, initial, event, continuous, assumed_starts } = blocks;
+    let order = Order { states, initial, event, continuous };
+    let mut emitter = Emitter::new(dae);
+    layout::allocate(&mut emitter, &order);
     function::compile_all(&mut emitter);
-    sequence::parameters(&mut emitter, &blocks);
-    let initial = sequence::initial(&mut emitter, &blocks);
-    let event = sequence::event(&mut emitter, &blocks);
-    let continuous = sequence::continuous(&mut emitter, &blocks);
+    sequence::parameters(&mut emitter, &order);
+    let at_start = sequence::initial(&mut emitter, &order);
+    let at_events = sequence::event(&mut emitter, &order);
+    let between = sequence::continuous(&mut emitter, &order);
     if emitter.problems.has_errors() {
         return Err(emitter.problems);
     }
-    let emit::Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } =
-        emitter;
+    let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
+    let Order { states, initial, event, continuous } = order;
     Ok(Program {
-        blocks: Blocks { dae, ..blocks },
+        blocks: Blocks { dae, states, dummies, initial, event, continuous, assumed_starts },
         image,
         layout,
         parameters,
-        initial: initial.tape,
-        late_initial: initial.late,
-        event: event.tape,
-        late_event: event.late,
-        held: continuous.held,
-        rhs: continuous.rhs,
-        roots: continuous.roots,
-        rest: continuous.rest,
-        jacobian: continuous.jacobian,
-        jacobian_entries: continuous.jacobian_entries,
+        initial: at_start.tape,
+        late_initial: at_start.late,
+        event: at_events.tape,
+        late_event: at_events.late,
+        held: between.held,
+        rhs: between.rhs,
+        roots: between.roots,
+        rest: between.rest,
+        jacobian: between.jacobian,
+        jacobian_entries: between.jacobian_entries,
         solvers,
         implicits,
         loops,
@@ -61,5 +67,18 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         reinits: emitter.reinits,
         asserts: emitter.asserts,
         terminates: emitter.terminates,
+        reads_terminal: emitter.reads_terminal,
     })
+}
+
+/// The sorted blocks, apart from the system itself, which the emitter owns and extends.
+pub struct Order {
+    /// See [`Blocks::states`].
+    pub states: Vec<State>,
+    /// See [`Blocks::initial`].
+    pub initial: Vec<Block>,
+    /// See [`Blocks::event`].
+    pub event: Vec<Block>,
+    /// See [`Blocks::continuous`].
+    pub continuous: Vec<Block>,
 }

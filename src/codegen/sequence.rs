@@ -2,7 +2,7 @@
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
-use crate::ir::blocks::{Assignment, Block, Blocks, Source, Torn};
+use crate::ir::blocks::{Assignment, Block, Source, Torn};
 use crate::ir::dae::{Dae, Kind, Trigger};
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
 use crate::ir::program::{
@@ -13,7 +13,7 @@ use crate::symbolic::gradient::{Leaf, gradient};
 
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
 use super::layout::{block_unknowns, block_values, resting_value};
-use super::{error, jacobian};
+use super::{Order, error, jacobian};
 
 /// The initial or the event sequence.
 pub struct Discrete {
@@ -41,7 +41,7 @@ pub struct Continuous {
 }
 
 /// Parameters, start values, typical sizes and clocks: the bottom layer.
-pub fn parameters(e: &mut Emitter, blocks: &Blocks) {
+pub fn parameters(e: &mut Emitter, blocks: &Order) {
     let inputs: FastMap<VarId, Slot> = e.layout.parameter_inputs.iter().copied().collect();
     for k in 0..e.dae.parameters.len() {
         let (v, value) = e.dae.parameters[k];
@@ -85,7 +85,7 @@ pub fn parameters(e: &mut Emitter, blocks: &Blocks) {
 }
 
 /// The initial sequence.
-pub fn initial(e: &mut Emitter, blocks: &Blocks) -> Discrete {
+pub fn initial(e: &mut Emitter, blocks: &Order) -> Discrete {
     begin(e, false);
     e.moving = HELD;
     e.push_layer();
@@ -95,7 +95,7 @@ pub fn initial(e: &mut Emitter, blocks: &Blocks) -> Discrete {
 }
 
 /// The event sequence, then what acts on its result.
-pub fn event(e: &mut Emitter, blocks: &Blocks) -> Discrete {
+pub fn event(e: &mut Emitter, blocks: &Order) -> Discrete {
     begin(e, true);
     e.moving = HELD;
     for state in &blocks.states {
@@ -131,7 +131,7 @@ pub fn event(e: &mut Emitter, blocks: &Blocks) -> Discrete {
 }
 
 /// The continuous sequence, split by what needs it.
-pub fn continuous(e: &mut Emitter, blocks: &Blocks) -> Continuous {
+pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
     begin(e, true);
     e.moving = MOVING;
     for state in &blocks.states {
@@ -424,6 +424,7 @@ fn compile_assignment(e: &mut Emitter, a: &Assignment) {
 }
 
 fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
+    let torn = &with_start_cells(e, torn);
     let block = Block::Torn(torn.clone());
     let (mut own, mut values) = (Vec::new(), Vec::new());
     block_unknowns(&block, &mut own);
@@ -469,6 +470,22 @@ fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
     };
     e.solvers.push(solver);
     e.push(target, Op::Solve, 0, (e.solvers.len() - 1) as Slot, 0);
+}
+
+/// Residuals `v - start` read the cell of the start value, which a run may set.
+fn with_start_cells(e: &mut Emitter, torn: &Torn) -> Torn {
+    let mut torn = torn.clone();
+    for r in &mut torn.residuals {
+        if let Source::Start(v) = r.source
+            && let Some(&cell) = e.starts.get(&v)
+        {
+            let start = e.auxiliary(Some(PARAMETER));
+            e.layout.variables[start.idx()] = cell;
+            let (own, start) = (e.read(v), e.dae.graph.var(start, Type::Real));
+            r.value = e.dae.graph.sub(own, start);
+        }
+    }
+    torn
 }
 
 fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], place: BlockPlace) {

@@ -318,6 +318,8 @@ pub struct Program {
     pub asserts: Vec<AssertCells>,
     /// Activation of each `terminate`.
     pub terminates: Vec<Slot>,
+    /// `terminal()` is read somewhere: the run ends with an event.
+    pub reads_terminal: bool,
 }
 
 impl Program {

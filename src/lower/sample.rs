@@ -339,6 +339,7 @@ impl Reader {
                 g.intern(Node::Call { function, output: 0, args }, Type::Real)
             }
             ("initial", []) => g.intern(Node::Initial, Type::Boolean),
+            ("terminal", []) => g.intern(Node::Terminal, Type::Boolean),
             other => panic!("{other:?}"),
         }
     }

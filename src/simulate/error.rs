@@ -29,26 +29,26 @@ pub struct Failure {
     /// Where the simulation stood, s.
     pub time: f64,
     /// What to say.
-    pub diagnostic: Diagnostic,
+    pub diagnostic: Box<Diagnostic>,
 }
 
 impl Failure {
     /// A failure of the numerics.
     pub fn numerics(time: f64, diagnostic: Diagnostic) -> Self {
-        Failure { kind: FailureKind::Numerics, time, diagnostic }
+        Failure { kind: FailureKind::Numerics, time, diagnostic: Box::new(diagnostic) }
     }
 
     /// A broken promise inside of mocc.
     pub fn bug(time: f64, what: impl Into<String>) -> Self {
         let diagnostic = Diagnostic::error("MO0999", Span::NONE, what)
             .help("this is a bug in mocc, please report it with the model");
-        Failure { kind: FailureKind::Bug, time, diagnostic }
+        Failure { kind: FailureKind::Bug, time, diagnostic: Box::new(diagnostic) }
     }
 
     /// Settings out of range.
     pub fn settings(what: String) -> Self {
         let diagnostic = Diagnostic::error("MO0901", Span::NONE, what);
-        Failure { kind: FailureKind::Settings, time: 0.0, diagnostic }
+        Failure { kind: FailureKind::Settings, time: 0.0, diagnostic: Box::new(diagnostic) }
     }
 }
 

@@ -127,8 +127,8 @@ impl Search {
         model.evaluate_roots(t, &self.point)
     }
 
-    /// Relations whose value differs from the held one.
-    fn switched<'a>(&'a self, instance: &'a Instance<'_>) -> impl Iterator<Item = u32> + 'a {
+    /// Relations whose value, as evaluated last, differs from the held one.
+    pub fn switched<'a>(&'a self, instance: &'a Instance<'_>) -> impl Iterator<Item = u32> + 'a {
         let layout = &instance.program.layout;
         self.relations
             .iter()

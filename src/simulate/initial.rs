@@ -15,6 +15,8 @@ pub enum NoStart {
     NotAnInput(VarId),
     /// A parameter is not finite.
     Parameter(VarId),
+    /// The interval of a clock is not positive.
+    Clock(usize),
     /// The initial sequence or the first event iteration failed.
     Unsettled(Unsettled),
 }
@@ -48,6 +50,12 @@ pub fn initialise(
         if variable.kind == Kind::Parameter && !instance.value(v).is_finite() {
             instance.fault_memory.copy_from_slice(&instance.memory);
             return Err(NoStart::Parameter(v));
+        }
+    }
+    for (k, clock) in program.clocks.iter().enumerate() {
+        let interval = instance.get(clock.interval);
+        if interval.is_nan() || interval <= 0.0 {
+            return Err(NoStart::Clock(k));
         }
     }
     // Start values are the guesses of iterations, and what `pre` is before the first event.

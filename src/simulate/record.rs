@@ -75,21 +75,20 @@ impl Recorder {
         self.next += 1;
     }
 
-    /// Writes the row; the variable that is not finite if there is one.
-    pub fn write(
-        &mut self,
-        instance: &Instance<'_>,
-        time: f64,
-        sink: &mut dyn Sink,
-    ) -> Result<(), VarId> {
+    /// Takes the values of a row; the variable that is not finite if there is one.
+    pub fn take(&mut self, instance: &Instance<'_>) -> Result<(), VarId> {
         for (value, (v, slot)) in self.row.iter_mut().zip(&self.cells) {
             *value = instance.get(*slot);
             if !value.is_finite() {
                 return Err(*v);
             }
         }
-        sink.row(time, &self.row);
         Ok(())
+    }
+
+    /// Writes the row that was taken last.
+    pub fn put(&self, time: f64, sink: &mut dyn Sink) {
+        sink.row(time, &self.row);
     }
 }
 

@@ -4,13 +4,12 @@ use std::time::{Duration, Instant};
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::{SourceMap, Span};
-use crate::codegen::interp::Fault;
 use crate::integrate::options::Options;
 use crate::integrate::outcome::Step;
 use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::ir::expr::{Const, ExprId};
+use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
@@ -27,6 +26,9 @@ use super::system::Model;
 const CHATTER_EVENTS: usize = 64;
 /// The short time, as a part of the whole run.
 const CHATTER_SPAN: f64 = 1e-7;
+
+/// First shift of an event that its evaluation does not confirm, in spacings of doubles.
+const NUDGE: f64 = 8.0;
 
 /// What a run cost.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -185,7 +187,22 @@ impl<'p, 's> Simulation<'p, 's> {
             }
         }
         self.statistics.end = self.t;
-        Ok(())
+        if self.program.reads_terminal { self.finish() } else { Ok(()) }
+    }
+
+    /// The event at the end of the run, for what happens `when terminal()`.
+    fn finish(&mut self) -> Result<(), Failure> {
+        let t = self.t;
+        let terminal = self.program.layout.terminal;
+        self.model.instance.set(terminal, 1.0);
+        let outcome = settle(&mut self.model.instance, &self.clocks);
+        let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
+        if settled.changed {
+            let n = self.program.order();
+            self.y[..n].copy_from_slice(self.model.instance.states());
+            self.record(t)?;
+        }
+        self.act_on(settled, t)
     }
 
     /// One accepted step; true if it ends at `t_stop`.
@@ -206,28 +223,41 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Everything that happens at one instant of the last step.
     fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
         self.record_grid(t, false)?;
-        if t == self.stepper.t() {
-            self.y.copy_from_slice(self.stepper.y());
-        } else {
-            self.stepper.interpolate(t, &mut self.y);
-        }
-        let fault = |s: &Self, f: Fault| of_fault(&s.model.instance, f, t);
-        self.model.evaluate_all(t, &self.y).map_err(|f| fault(self, f))?;
-        self.t = t;
         let held = self.held_relations();
-        self.recorder_write(t)?;
-        let ticked = self.clocks.raise(&mut self.model.instance, t);
-        let outcome = settle(&mut self.model.instance, &self.clocks);
-        let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
-        let flipped = self.flipped(&held);
+        let mut nudge =
+            NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
+        let (mut t, mut ticked) = (t, false);
+        let mut triggers: Vec<u32> = Vec::new();
+        let settled = loop {
+            self.go_to(t)?;
+            self.take_row(t)?;
+            triggers.extend(self.search.switched(&self.model.instance));
+            ticked |= self.clocks.raise(&mut self.model.instance, t);
+            let outcome = settle(&mut self.model.instance, &self.clocks);
+            let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
+            // The event sequence may round an operand to the other side: a little later it will not.
+            if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
+                break settled;
+            }
+            t = (t + nudge).min(self.stepper.t());
+            nudge *= 4.0;
+        };
+        self.t = t;
         let n = self.program.order();
         self.y[..n].copy_from_slice(self.model.instance.states());
-        self.record(t)?;
-        while self.recorder.due(t, true).is_some() {
-            self.recorder.advance();
+        if settled.changed {
+            self.put_row(t);
+            self.record(t)?;
+            while self.recorder.due(t, true).is_some() {
+                self.recorder.advance();
+            }
+        } else {
+            self.record_grid(t, true)?;
+            self.go_to(t)?;
         }
+        let flipped = self.flipped(&held, &triggers);
         self.announce(t, cause, ticked, &flipped, settled);
-        if cause == Cause::State || !ticked {
+        if !ticked {
             self.guard_against_chattering(t, &flipped)?;
         }
         self.check_assertions(t)?;
@@ -238,15 +268,23 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
+    /// Evaluates everything at an instant of the last step, relations held.
+    fn go_to(&mut self, t: f64) -> Result<(), Failure> {
+        if t == self.stepper.t() {
+            self.y.copy_from_slice(self.stepper.y());
+        } else {
+            self.stepper.interpolate(t, &mut self.y);
+        }
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
     /// Records the rows of the grid up to `end`.
     fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
         while let Some(at) = self.recorder.due(end, inclusive) {
-            if at == self.stepper.t() {
-                self.y.copy_from_slice(self.stepper.y());
-            } else {
-                self.stepper.interpolate(at, &mut self.y);
-            }
-            self.record(at)?;
+            self.go_to(at)?;
+            self.take_row(at)?;
+            self.put_row(at);
             self.recorder.advance();
         }
         Ok(())
@@ -256,16 +294,22 @@ impl<'p, 's> Simulation<'p, 's> {
     fn record(&mut self, t: f64) -> Result<(), Failure> {
         let evaluated = self.model.evaluate_all(t, &self.y);
         evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        self.recorder_write(t)
+        self.take_row(t)?;
+        self.put_row(t);
+        Ok(())
     }
 
-    /// Records the values in the memory.
-    fn recorder_write(&mut self, t: f64) -> Result<(), Failure> {
-        self.statistics.rows += 1;
-        self.recorder.write(&self.model.instance, t, self.sink).map_err(|v| {
+    /// Takes the values in the memory as the next row.
+    fn take_row(&mut self, t: f64) -> Result<(), Failure> {
+        self.recorder.take(&self.model.instance).map_err(|v| {
             let reader = Reader::new(self.program, &self.model.instance.memory);
             Failure::numerics(t, reader.not_finite(v, Sequence::Continuous, t))
         })
+    }
+
+    fn put_row(&mut self, t: f64) {
+        self.statistics.rows += 1;
+        self.recorder.put(t, self.sink);
     }
 
     fn held_relations(&self) -> Vec<f64> {
@@ -275,11 +319,13 @@ impl<'p, 's> Simulation<'p, 's> {
             .collect()
     }
 
-    /// Relations that differ from what was held, and whether they became true.
-    fn flipped(&self, held: &[f64]) -> Vec<(u32, bool)> {
+    /// Relations that led to the event, and those that differ from what was held; with the value
+    /// that they took.
+    fn flipped(&self, held: &[f64], triggers: &[u32]) -> Vec<(u32, bool)> {
         let now = self.held_relations();
-        let pairs = now.iter().zip(held).enumerate();
-        pairs.filter(|(_, (a, b))| a != b).map(|(k, (a, _))| (k as u32, *a != 0.0)).collect()
+        let pairs = held.iter().zip(&now).enumerate();
+        let changed = pairs.filter(|(k, (a, b))| a != b || triggers.contains(&(*k as u32)));
+        changed.map(|(k, (before, _))| (k as u32, *before == 0.0)).collect()
     }
 
     /// Counts the event and tells the sink.
@@ -365,7 +411,7 @@ impl<'p, 's> Simulation<'p, 's> {
             if !std::mem::replace(&mut self.warned[k], true) {
                 let failure = self.assertion(k, t);
                 let severity = crate::base::diag::Severity::Warning;
-                self.statistics.warnings.push(Diagnostic { severity, ..failure.diagnostic });
+                self.statistics.warnings.push(Diagnostic { severity, ..*failure.diagnostic });
             }
         }
         Ok(())
@@ -377,7 +423,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let message = format!("at time {t} s: {}", self.message(guarded.assert.message));
         let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
             .label(format!("`{}` is false", reader.text(guarded.assert.condition)));
-        Failure { kind: FailureKind::Assertion, time: t, diagnostic }
+        Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
     }
 
     /// The text of a `String` expression.
@@ -423,8 +469,10 @@ fn unsettled(model: &Model<'_>, why: Unsettled, t: f64) -> Failure {
         Unsettled::Fault(fault) => of_fault(&model.instance, fault, t),
         Unsettled::Restless(variables, relations) => {
             let program = model.instance.program;
-            let mut names: Vec<String> =
-                variables.iter().map(|v| format!("`{}`", program.name(*v))).collect();
+            let hidden = |v: &&VarId| program.blocks.dae.variables[**v].hidden;
+            let all_hidden = variables.iter().all(|v| hidden(&v));
+            let shown = variables.iter().filter(|v| all_hidden || !hidden(v));
+            let mut names: Vec<String> = shown.map(|v| format!("`{}`", program.name(*v))).collect();
             names.extend(relations.iter().map(|k| format!("`{}`", relation_text(program, *k))));
             let dae = &program.blocks.dae;
             let span = match (variables.first(), relations.first()) {
@@ -464,6 +512,13 @@ fn no_start(model: &Model<'_>, why: NoStart, t: f64) -> Failure {
                 None => reader.plain("a parameter is not finite", t),
             };
             Failure::numerics(t, diagnostic)
+        }
+        NoStart::Clock(k) => {
+            let interval = model.instance.get(program.clocks[k].interval);
+            let flag = program.blocks.dae.samples[k].flag;
+            let message = format!("the interval of a `sample` is {interval} s, not positive");
+            let span = program.blocks.dae.variables[flag].span;
+            Failure::numerics(t, Diagnostic::error("MO0914", span, message))
         }
         NoStart::Unsettled(u) => unsettled(model, u, t),
     }

@@ -48,10 +48,10 @@ impl Settings {
         if !(start.is_finite() && stop.is_finite() && stop >= start) {
             return Some(format!("the run can not go from {start} s to {stop} s"));
         }
-        if !(*interval > 0.0) && stop > start {
+        if (interval.is_nan() || *interval <= 0.0) && stop > start {
             return Some(format!("the interval between rows is {interval} s, not positive"));
         }
-        if !(*tolerance > 1e-14 && *tolerance < 1.0) {
+        if !(1e-14..1.0).contains(tolerance) {
             return Some(format!("the tolerance {tolerance} is not between 1e-14 and 1"));
         }
         None

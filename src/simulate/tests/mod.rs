@@ -1,0 +1,6 @@
+//! Whole runs of small systems that are sorted by hand.
+mod builder;
+mod discrete;
+mod failures;
+mod models;
+mod smooth;
