@@ -9,7 +9,7 @@ use crate::base::render::render;
 use crate::driver::compile::Session;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Kind, Trajectory};
-use crate::report::figure::{PlotError, PlotSpec, panels_for};
+use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::report::{plot, table};
 use crate::simulate::error::FailureKind;
 use crate::simulate::run::{Run, simulate};
@@ -79,7 +79,7 @@ fn write(options: &Simulate, program: &Program, run: &Run) -> Result<Vec<PathBuf
     let picture = options.plot.clone().or_else(|| default("svg"));
     // What cannot be drawn is said before anything is written.
     let spec = match &picture {
-        Some(path) => figure(options, program, run, path).map_err(|e| e.to_string())?,
+        Some(_) => figure(options, program, run).map_err(|e| e.to_string())?,
         None => None,
     };
     if let Some(path) = options.output.clone().or_else(|| default("csv")) {
@@ -105,12 +105,8 @@ fn stem(options: &Simulate, program: &Program) -> String {
     }
 }
 
-fn figure(
-    options: &Simulate,
-    program: &Program,
-    run: &Run,
-    path: &Path,
-) -> Result<Option<PlotSpec>, PlotError> {
+/// What to draw: the variables that the user names, or those of most interest.
+fn figure(options: &Simulate, program: &Program, run: &Run) -> Result<Option<PlotSpec>, PlotError> {
     let columns = &run.trajectory.columns;
     let names: Vec<String> = match &options.show {
         Some(list) => names_in(list),
@@ -120,11 +116,17 @@ fn figure(
         return Ok(None);
     }
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let panels = panels_for(&names, columns)?;
-    let dae = &program.blocks.dae;
-    let described = dae.name.clone();
-    let _ = path;
-    Ok(Some(PlotSpec::new(described, panels)))
+    let mut panels = panels_for(&names, columns)?;
+    for panel in &mut panels {
+        // A curve alone in its panel is called what the model calls it.
+        if let [only] = panel.curves.as_slice() {
+            let description = &find(only, columns)?.description;
+            if !description.is_empty() {
+                panel.label = description.trim().to_string();
+            }
+        }
+    }
+    Ok(Some(PlotSpec::new(program.blocks.dae.name.clone(), panels)))
 }
 
 /// Names between commas; commas in subscripts do not part.

@@ -7,7 +7,7 @@ use crate::base::source::SourceMap;
 use crate::ir::blocks::{Assignment, Block, Blocks, Source, Torn};
 use crate::ir::dae::{Dae, EqId};
 use crate::ir::expr::{ExprId, VarId};
-use crate::symbolic::print as expression;
+use crate::symbolic::print::Printer;
 
 /// States, differentiated equations, dummy derivatives, and the blocks of each phase in order.
 pub fn print(blocks: &Blocks, sources: &SourceMap) -> String {
@@ -131,8 +131,14 @@ fn assignment(dae: &Dae, a: &Assignment) -> String {
 /// An expression with relations written out, cut where it gets too long to read.
 fn shown(dae: &Dae, e: ExprId) -> String {
     const LONGEST: usize = 160;
-    let names = |v: VarId| dae.variables[v].name.clone();
-    let text = expression::print(&dae.graph, e, &names);
+    let relation = |k: u32| dae.relations.get(k as usize).map(|r| (r.op, r.lhs, r.rhs));
+    let text = Printer {
+        graph: &dae.graph,
+        variable: &|v: VarId| dae.variables[v].name.clone(),
+        enumeration: &|name: &str| name.to_string(),
+        relation: &relation,
+    }
+    .print(e);
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{} ...", &text[..end]),
         None => text,

@@ -4,9 +4,30 @@ use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Type, Unary, VarId};
 
 /// Prints `e`; `names` gives each variable its name.
 pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> String {
-    let mut out = String::new();
-    write(graph, e, names, 0, &mut out);
-    out
+    let enumeration = |name: &str| name.to_string();
+    Printer { graph, variable: names, enumeration: &enumeration, relation: &|_| None }.print(e)
+}
+
+/// How names are written.
+#[derive(Clone, Copy)]
+pub struct Printer<'a> {
+    /// The expressions.
+    pub graph: &'a Graph,
+    /// The name of a variable.
+    pub variable: &'a dyn Fn(VarId) -> String,
+    /// The name of an enumeration type, from its full name.
+    pub enumeration: &'a dyn Fn(&str) -> String,
+    /// What a numbered relation compares, if it is to be written out.
+    pub relation: &'a dyn Fn(u32) -> Option<(Binary, ExprId, ExprId)>,
+}
+
+impl Printer<'_> {
+    /// Prints `e`.
+    pub fn print(&self, e: ExprId) -> String {
+        let mut out = String::new();
+        self.write(e, 0, &mut out);
+        out
+    }
 }
 
 /// A real number as a Modelica literal that reads back as the same `f64`.
@@ -28,79 +49,145 @@ const PRODUCT: u8 = 7;
 const POWER: u8 = 8;
 const PRIMARY: u8 = 9;
 
-fn write(g: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String, outer: u8, out: &mut String) {
-    let strength = strength(g, e);
-    let parenthesised = strength < outer;
-    if parenthesised {
-        out.push('(');
-    }
-    match g.node(e) {
-        Node::Const(c) => literal(g, c, out),
-        Node::Time => out.push_str("time"),
-        Node::Var(v) => out.push_str(&names(v)),
-        Node::Der(v) => call(out, "der", |out| out.push_str(&names(v))),
-        Node::Pre(v) => call(out, "pre", |out| out.push_str(&names(v))),
-        Node::Unary(Unary::Neg, a) => {
-            out.push('-');
-            write(g, a, names, PRODUCT, out);
+impl Printer<'_> {
+    fn write(&self, e: ExprId, outer: u8, out: &mut String) {
+        let g = self.graph;
+        let names = self.variable;
+        let strength = self.strength(e);
+        let parenthesised = strength < outer;
+        if parenthesised {
+            out.push('(');
         }
-        Node::Unary(Unary::Not, a) => {
-            out.push_str("not ");
-            write(g, a, names, RELATION, out);
-        }
-        Node::Unary(op, a) => call(out, op.name(), |out| write(g, a, names, 0, out)),
-        Node::Binary(op, a, b) => match operator_strengths(op) {
-            Some((_, left, right)) => {
-                write(g, a, names, left, out);
-                let spaced = !matches!(op, Binary::Pow);
-                if spaced {
-                    out.push(' ');
-                }
-                out.push_str(op.name());
-                if spaced {
-                    out.push(' ');
-                }
-                write(g, b, names, right, out);
+        match g.node(e) {
+            Node::Const(c) => self.literal(c, out),
+            Node::Time => out.push_str("time"),
+            Node::Var(v) => out.push_str(&names(v)),
+            Node::Der(v) => call(out, "der", |out| out.push_str(&names(v))),
+            Node::Pre(v) => call(out, "pre", |out| out.push_str(&names(v))),
+            Node::Unary(Unary::Neg, a) => {
+                out.push('-');
+                self.write(a, PRODUCT, out);
             }
-            None => call(out, op.name(), |out| {
-                write(g, a, names, 0, out);
-                out.push_str(", ");
-                write(g, b, names, 0, out);
-            }),
-        },
-        Node::If(..) => if_chain(g, e, names, out),
-        Node::NoEvent(a) => call(out, "noEvent", |out| write(g, a, names, 0, out)),
-        Node::Smooth(k, a) => call(out, "smooth", |out| {
-            out.push_str(&format!("{k}, "));
-            write(g, a, names, 0, out);
-        }),
-        Node::Homotopy(a, b) => call(out, "homotopy", |out| {
-            write(g, a, names, 0, out);
-            out.push_str(", ");
-            write(g, b, names, 0, out);
-        }),
-        Node::Sample(a, b) => call(out, "sample", |out| {
-            write(g, a, names, 0, out);
-            out.push_str(", ");
-            write(g, b, names, 0, out);
-        }),
-        Node::Call { function, output, args } => {
-            let name = format!("function{}_{}", function.0, output + 1);
-            call(out, &name, |out| {
-                for (i, a) in g.list(args).iter().enumerate() {
-                    if i > 0 {
-                        out.push_str(", ");
+            Node::Unary(Unary::Not, a) => {
+                out.push_str("not ");
+                self.write(a, RELATION, out);
+            }
+            Node::Unary(op, a) => call(out, op.name(), |out| self.write(a, 0, out)),
+            Node::Binary(op, a, b) => match operator_strengths(op) {
+                Some((_, left, right)) => {
+                    self.write(a, left, out);
+                    let spaced = !matches!(op, Binary::Pow);
+                    if spaced {
+                        out.push(' ');
                     }
-                    write(g, *a, names, 0, out);
+                    out.push_str(op.name());
+                    if spaced {
+                        out.push(' ');
+                    }
+                    self.write(b, right, out);
                 }
-            });
+                None => call(out, op.name(), |out| {
+                    self.write(a, 0, out);
+                    out.push_str(", ");
+                    self.write(b, 0, out);
+                }),
+            },
+            Node::If(..) => self.if_chain(e, out),
+            Node::NoEvent(a) => call(out, "noEvent", |out| self.write(a, 0, out)),
+            Node::Smooth(k, a) => call(out, "smooth", |out| {
+                out.push_str(&format!("{k}, "));
+                self.write(a, 0, out);
+            }),
+            Node::Homotopy(a, b) => call(out, "homotopy", |out| {
+                self.write(a, 0, out);
+                out.push_str(", ");
+                self.write(b, 0, out);
+            }),
+            Node::Sample(a, b) => call(out, "sample", |out| {
+                self.write(a, 0, out);
+                out.push_str(", ");
+                self.write(b, 0, out);
+            }),
+            Node::Call { function, output, args } => {
+                let name = format!("function{}_{}", function.0, output + 1);
+                call(out, &name, |out| {
+                    for (i, a) in g.list(args).iter().enumerate() {
+                        if i > 0 {
+                            out.push_str(", ");
+                        }
+                        self.write(*a, 0, out);
+                    }
+                });
+            }
+            Node::Initial => out.push_str("initial()"),
+            Node::Terminal => out.push_str("terminal()"),
+            Node::Relation(k) => match (self.relation)(k) {
+                Some((op, a, b)) => {
+                    self.write(a, SUM, out);
+                    out.push_str(&format!(" {} ", op.name()));
+                    self.write(b, SUM, out);
+                }
+                None => out.push_str(&format!("$relation[{}]", k + 1)),
+            },
         }
-        Node::Initial => out.push_str("initial()"),
-        Node::Terminal => out.push_str("terminal()"),
-        Node::Relation(k) => out.push_str(&format!("$relation[{}]", k + 1)),
+        if parenthesised {
+            out.push(')');
+        }
     }
-    if parenthesised {
-        out.push(')');
+
+    fn if_chain(&self, e: ExprId, out: &mut String) {
+        let mut rest = e;
+        let mut keyword = "if ";
+        while let Node::If(c, a, b) = self.graph.node(rest) {
+            out.push_str(keyword);
+            self.write(c, OR, out);
+            out.push_str(" then ");
+            self.write(a, OR, out);
+            keyword = " elseif ";
+            rest = b;
+        }
+        out.push_str(" else ");
+        self.write(rest, OR, out);
+    }
+
+    fn literal(&self, c: Const, out: &mut String) {
+        match c {
+            Const::Real(bits) => out.push_str(&real_literal(f64::from_bits(bits))),
+            Const::Integer(i) => out.push_str(&i.to_string()),
+            Const::Boolean(b) => out.push_str(if b { "true" } else { "false" }),
+            Const::String(s) => {
+                out.push('"');
+                for ch in s.chars() {
+                    match ch {
+                        '"' => out.push_str("\\\""),
+                        '\\' => out.push_str("\\\\"),
+                        '\n' => out.push_str("\\n"),
+                        '\t' => out.push_str("\\t"),
+                        other => out.push(other),
+                    }
+                }
+                out.push('"');
+            }
+            Const::Enumeration(e, k) => {
+                let ty = &self.graph.enumerations[e];
+                out.push_str(&(self.enumeration)(&ty.name));
+                out.push('.');
+                out.push_str(&ty.literals[k as usize - 1]);
+            }
+        }
+    }
+
+    fn strength(&self, e: ExprId) -> u8 {
+        match self.graph.node(e) {
+            Node::Const(Const::Real(bits)) if f64::from_bits(bits) < 0.0 => SUM,
+            Node::Const(Const::Integer(i)) if i < 0 => SUM,
+            Node::Unary(Unary::Neg, _) => SUM,
+            Node::Unary(Unary::Not, _) => NOT,
+            Node::Binary(op, ..) => operator_strengths(op).map_or(PRIMARY, |s| s.0),
+            Node::If(..) => IF,
+            Node::Relation(k) if (self.relation)(k).is_some() => RELATION,
+            _ => PRIMARY,
+        }
     }
 }
 
@@ -109,48 +196,6 @@ fn call(out: &mut String, name: &str, args: impl FnOnce(&mut String)) {
     out.push('(');
     args(out);
     out.push(')');
-}
-
-fn if_chain(g: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String, out: &mut String) {
-    let mut rest = e;
-    let mut keyword = "if ";
-    while let Node::If(c, a, b) = g.node(rest) {
-        out.push_str(keyword);
-        write(g, c, names, OR, out);
-        out.push_str(" then ");
-        write(g, a, names, OR, out);
-        keyword = " elseif ";
-        rest = b;
-    }
-    out.push_str(" else ");
-    write(g, rest, names, OR, out);
-}
-
-fn literal(g: &Graph, c: Const, out: &mut String) {
-    match c {
-        Const::Real(bits) => out.push_str(&real_literal(f64::from_bits(bits))),
-        Const::Integer(i) => out.push_str(&i.to_string()),
-        Const::Boolean(b) => out.push_str(if b { "true" } else { "false" }),
-        Const::String(s) => {
-            out.push('"');
-            for ch in s.chars() {
-                match ch {
-                    '"' => out.push_str("\\\""),
-                    '\\' => out.push_str("\\\\"),
-                    '\n' => out.push_str("\\n"),
-                    '\t' => out.push_str("\\t"),
-                    other => out.push(other),
-                }
-            }
-            out.push('"');
-        }
-        Const::Enumeration(e, k) => {
-            let ty = &g.enumerations[e];
-            out.push_str(&ty.name);
-            out.push('.');
-            out.push_str(&ty.literals[k as usize - 1]);
-        }
-    }
 }
 
 /// Strength of the operator and what its left and right operands must have at least.
@@ -166,18 +211,6 @@ fn operator_strengths(op: Binary) -> Option<(u8, u8, u8)> {
         _ if op.is_relation() => (RELATION, SUM, SUM),
         _ => return None,
     })
-}
-
-fn strength(g: &Graph, e: ExprId) -> u8 {
-    match g.node(e) {
-        Node::Const(Const::Real(bits)) if f64::from_bits(bits) < 0.0 => SUM,
-        Node::Const(Const::Integer(i)) if i < 0 => SUM,
-        Node::Unary(Unary::Neg, _) => SUM,
-        Node::Unary(Unary::Not, _) => NOT,
-        Node::Binary(op, ..) => operator_strengths(op).map_or(PRIMARY, |s| s.0),
-        Node::If(..) => IF,
-        _ => PRIMARY,
-    }
 }
 
 /// The name of a scalar type in flat Modelica.
