@@ -274,6 +274,8 @@ pub struct Program {
     pub blocks: Blocks,
     /// The memory before a run: literals, and NaN in the inputs.
     pub image: Vec<f64>,
+    /// The cells of literals, ascending.
+    pub literals: Vec<Slot>,
     /// The memory map.
     pub layout: Layout,
     /// Parameters, starts, nominals, and what depends on parameters only.
