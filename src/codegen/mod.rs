@@ -6,6 +6,7 @@
 //!
 //! Sources: A. Griewank, A. Walther, *Evaluating Derivatives* (2nd ed. 2008) for the Jacobian;
 //! Modelica specification 3.6, section 8.6 for the event sequence.
+pub mod block;
 pub mod emit;
 pub mod error;
 pub mod function;
@@ -13,6 +14,7 @@ pub mod interp;
 pub mod jacobian;
 pub mod layout;
 pub mod print;
+pub mod relation;
 pub mod sequence;
 pub mod solve;
 
