@@ -275,11 +275,7 @@ fn torn_failure(
 }
 
 /// The torn block of a solver inside of its outermost block.
-fn torn_of<'a>(
-    outer: &'a Block,
-    program: &Program,
-    solver: usize,
-) -> Option<&'a Torn> {
+fn torn_of<'a>(outer: &'a Block, program: &Program, solver: usize) -> Option<&'a Torn> {
     match outer {
         Block::Torn(t) => (t.unknowns == program.solvers[solver].unknowns).then_some(t),
         Block::Mixed(parts) => parts.iter().find_map(|p| torn_of(p, program, solver)),
