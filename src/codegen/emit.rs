@@ -151,6 +151,13 @@ impl Emitter {
         slot
     }
 
+    /// The cells of all literals, ascending.
+    pub fn literal_cells(&self) -> Vec<Slot> {
+        let mut cells: Vec<Slot> = self.literals.values().copied().collect();
+        cells.sort_unstable();
+        cells
+    }
+
     /// A further variable with a cell of its own.
     pub fn auxiliary(&mut self, level: Option<Level>) -> VarId {
         let slot = self.cell(0.0);

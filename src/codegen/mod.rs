@@ -6,12 +6,15 @@
 //!
 //! Sources: A. Griewank, A. Walther, *Evaluating Derivatives* (2nd ed. 2008) for the Jacobian;
 //! Modelica specification 3.6, section 8.6 for the event sequence.
+pub mod block;
 pub mod emit;
 pub mod error;
 pub mod function;
 pub mod interp;
 pub mod jacobian;
 pub mod layout;
+pub mod print;
+pub mod relation;
 pub mod sequence;
 pub mod solve;
 
@@ -39,12 +42,14 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     if emitter.problems.has_errors() {
         return Err(emitter.problems);
     }
+    let literals = emitter.literal_cells();
     let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, initial, event, continuous } = order;
     Ok(Program {
         blocks: Blocks { dae, states, dummies, initial, event, continuous, assumed_starts },
         image,
+        literals,
         layout,
         parameters,
         initial: at_start.tape,

@@ -1,18 +1,17 @@
 //! The sequences of blocks as tapes.
 
-use crate::base::index::{FastMap, FastSet, Id};
-use crate::base::source::Span;
-use crate::ir::blocks::{Assignment, Block, Source, Torn};
+use crate::base::index::{FastMap, Id};
+use crate::ir::blocks::Block;
 use crate::ir::dae::{Dae, Kind, Trigger};
-use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
+use crate::ir::expr::{ExprId, Type, VarId};
 use crate::ir::program::{
-    AssertCells, BlockPlace, Clock, Entry, Loop, Op, ReinitCells, Sequence, Slot, Solver, Tape,
-    Watch, Watched,
+    AssertCells, BlockPlace, Clock, Entry, Op, ReinitCells, Sequence, Slot, Tape,
 };
-use crate::symbolic::gradient::{Leaf, gradient};
 
+use super::block::{compile_block, compile_mixed, nominal};
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
 use super::layout::{block_unknowns, block_values, resting_value};
+use super::relation::{evaluate_relation, relations_in, watch_relations};
 use super::{Order, error, jacobian};
 
 /// The initial or the event sequence.
@@ -217,14 +216,6 @@ fn parameter_value(e: &mut Emitter, value: ExprId) -> (Slot, usize) {
     (slot, level)
 }
 
-/// The cell of the typical size of a variable; one where it has none.
-fn nominal(e: &mut Emitter, v: VarId) -> Slot {
-    match e.dae.variables[v].nominal {
-        Some(value) if e.level_of(&[value], |_| false) == PARAMETER => e.emit(value).0,
-        _ => e.literal(1.0),
-    }
-}
-
 fn assertion(e: &mut Emitter, k: usize) {
     let guarded = e.dae.asserts[k].clone();
     e.span = guarded.origin.span;
@@ -241,26 +232,6 @@ fn watched_expressions(dae: &Dae) -> Vec<ExprId> {
     let mut all: Vec<ExprId> = relations.flat_map(|r| [r.lhs, r.rhs]).collect();
     all.extend(dae.asserts.iter().filter(|a| a.active.is_none()).map(|a| a.assert.condition));
     all
-}
-
-/// Emits the truth and the distance from switching of searched relations, and instants of others.
-fn watch_relations(e: &mut Emitter) {
-    for k in 0..e.dae.relations.len() {
-        let relation = e.dae.relations[k].clone();
-        e.span = relation.origin.span;
-        let watch = match relation.trigger {
-            Trigger::Discrete => Watch::Discrete,
-            Trigger::Time { instant } => Watch::Time(e.emit(instant).0),
-            Trigger::State => {
-                let truth = e.dae.graph.binary(relation.op, relation.lhs, relation.rhs);
-                e.emit_to(e.layout.fresh + k as Slot, truth);
-                let gap = e.dae.graph.sub(relation.lhs, relation.rhs);
-                e.emit_to(e.layout.gaps + k as Slot, gap);
-                Watch::State
-            }
-        };
-        e.watches.push(watch);
-    }
 }
 
 /// Which blocks determine what.
@@ -347,188 +318,4 @@ fn with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence) -> Vec<
         evaluate_relation(e, k, sequence);
     }
     (0..count as u32).filter(|k| late[*k as usize]).collect()
-}
-
-/// The relations that `roots` read, ascending.
-fn relations_in(e: &Emitter, roots: &[ExprId]) -> Vec<u32> {
-    let nodes = e.dae.graph.postorder(roots.iter().copied());
-    let mut found: Vec<u32> = nodes
-        .into_iter()
-        .filter_map(|n| match e.dae.graph.node(n) {
-            Node::Relation(k) => Some(k),
-            _ => None,
-        })
-        .collect();
-    found.sort_unstable();
-    found
-}
-
-fn evaluate_relation(e: &mut Emitter, k: usize, sequence: Sequence) {
-    let relation = e.dae.relations[k].clone();
-    e.span = relation.origin.span;
-    let literal = e.dae.graph.binary(relation.op, relation.lhs, relation.rhs);
-    let truth = match relation.trigger {
-        Trigger::Time { instant } if sequence == Sequence::Event => {
-            right_limit(e, literal, relation.op, relation.lhs, relation.rhs, instant)
-        }
-        _ => literal,
-    };
-    e.emit_to(e.layout.relations + k as Slot, truth);
-}
-
-/// A comparison with time as it holds just after this instant, whatever the rounding: `time > t1`
-/// is true at the event at `t1` already, otherwise it would never switch.
-fn right_limit(
-    e: &mut Emitter,
-    literal: ExprId,
-    op: Binary,
-    lhs: ExprId,
-    rhs: ExprId,
-    instant: ExprId,
-) -> ExprId {
-    let g = &mut e.dae.graph;
-    let gap = g.sub(lhs, rhs);
-    let slope = gradient(g, gap, |leaf| leaf == Leaf::Time);
-    let Some(&(_, slope)) = slope.first() else { return literal };
-    let (zero, time) = (g.real(0.0), g.time());
-    let passed = g.binary(Binary::GreaterEqual, time, instant);
-    let not_passed = g.not(passed);
-    let rising = g.binary(Binary::Greater, slope, zero);
-    let (after_rise, after_fall) = if matches!(op, Binary::Greater | Binary::GreaterEqual) {
-        (passed, not_passed)
-    } else {
-        (not_passed, passed)
-    };
-    g.if_then_else(rising, after_rise, after_fall)
-}
-
-fn compile_block(e: &mut Emitter, block: &Block, place: BlockPlace) {
-    match block {
-        Block::Assign(a) => compile_assignment(e, a),
-        Block::Torn(t) => compile_torn(e, t, place),
-        Block::Mixed(parts) => compile_mixed(e, parts, &[], place),
-    }
-}
-
-fn compile_assignment(e: &mut Emitter, a: &Assignment) {
-    e.span = source_span(&e.dae, a.source);
-    if let Source::Start(v) = a.source
-        && let Some(&start) = e.starts.get(&v)
-    {
-        let dst = e.slot(a.variable);
-        e.push(HELD, Op::Copy, dst, start, start);
-        e.levels[a.variable.idx()] = Some(HELD);
-        return;
-    }
-    e.assign(a.variable, a.value);
-}
-
-fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
-    let torn = &with_start_cells(e, torn);
-    let block = Block::Torn(torn.clone());
-    let (mut own, mut values) = (Vec::new(), Vec::new());
-    block_unknowns(&block, &mut own);
-    block_values(&block, &mut values);
-    let own_set: FastSet<VarId> = own.iter().copied().collect();
-    let inputs = e.level_of(&values, |v| own_set.contains(&v));
-    let target = e.home(inputs.max(HELD));
-
-    let inside = e.push_layer();
-    for &v in &torn.unknowns {
-        e.levels[v.idx()] = Some(inside);
-    }
-    for a in &torn.explicit {
-        compile_assignment(e, a);
-    }
-    let mut residuals = Vec::new();
-    for r in &torn.residuals {
-        e.span = source_span(&e.dae, r.source);
-        residuals.push(e.emit(r.value).0);
-    }
-    let entries = jacobian::of_torn(e, torn);
-    e.push_layer();
-    let mut jacobian = Vec::new();
-    for (row, column, value) in entries {
-        jacobian.push(Entry { row, column, slot: e.emit(value).0 });
-    }
-    let jacobian_tape = e.pop_discard();
-    let residual_tape = e.pop_merge(target);
-    for &v in &own {
-        e.levels[v.idx()] = e.levels[v.idx()].map(|l| if l == inside { target } else { l });
-    }
-    let nominals = torn.unknowns.iter().map(|v| nominal(e, *v)).collect();
-    let solver = Solver {
-        slots: torn.unknowns.iter().map(|v| e.slot(*v)).collect(),
-        unknowns: torn.unknowns.clone(),
-        residual_tape,
-        residuals,
-        jacobian_tape,
-        jacobian,
-        nominals,
-        linear: torn.linear,
-        place,
-    };
-    e.solvers.push(solver);
-    e.push(target, Op::Solve, 0, (e.solvers.len() - 1) as Slot, 0);
-}
-
-/// Residuals `v - start` read the cell of the start value, which a run may set.
-fn with_start_cells(e: &mut Emitter, torn: &Torn) -> Torn {
-    let mut torn = torn.clone();
-    for r in &mut torn.residuals {
-        if let Source::Start(v) = r.source
-            && let Some(&cell) = e.starts.get(&v)
-        {
-            let start = e.auxiliary(Some(PARAMETER));
-            e.layout.variables[start.idx()] = cell;
-            let (own, start) = (e.read(v), e.dae.graph.var(start, Type::Real));
-            r.value = e.dae.graph.sub(own, start);
-        }
-    }
-    torn
-}
-
-fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], place: BlockPlace) {
-    let target = e.home(e.moving.max(HELD));
-    let inside = e.push_layer();
-    let mut own = Vec::new();
-    parts.iter().for_each(|p| block_unknowns(p, &mut own));
-    for &v in &own {
-        e.levels[v.idx()] = Some(inside);
-    }
-    for part in parts {
-        compile_block(e, part, place);
-        // What follows may change what was computed from the variables of the loop.
-        e.forget_top();
-        let mut assigned = Vec::new();
-        block_unknowns(part, &mut assigned);
-        for v in assigned {
-            e.levels[v.idx()] = Some(inside);
-        }
-    }
-    for &k in relations {
-        evaluate_relation(e, k, place.sequence);
-    }
-    let tape = e.pop_discard();
-    let mut watched = Vec::new();
-    for &v in &own {
-        e.levels[v.idx()] = Some(target);
-        if e.dae.variables[v].kind == Kind::Discrete {
-            watched.push(Watched::Variable(v, e.slot(v)));
-        }
-    }
-    let first = e.layout.relations;
-    watched.extend(relations.iter().map(|&k| Watched::Relation(k as u32, first + k as Slot)));
-    e.loops.push(Loop { tape, watched, place });
-    e.push(target, Op::Repeat, 0, (e.loops.len() - 1) as Slot, 0);
-}
-
-/// Where the equation of a block stands.
-pub fn source_span(dae: &Dae, source: Source) -> Span {
-    match source {
-        Source::Continuous(i) => dae.equations[i].origin.span,
-        Source::Discrete(i) => dae.discrete[i].origin.span,
-        Source::Initial(i) => dae.initial[i].origin.span,
-        Source::Start(v) => dae.variables[v].span,
-    }
 }

@@ -87,3 +87,43 @@ fn texts_have_no_run_time_value() {
     let problems = compile(blocks).err().unwrap();
     assert_eq!(problems.sorted()[0].code, "MO0801");
 }
+
+#[test]
+fn a_program_can_be_read() {
+    let program = compiled(
+        "parameter Real k = 2;
+        Real x(start = 1, fixed = true);
+        equation
+        der(x) = if x > 0.5 then -k * x else 1;",
+    );
+    insta::assert_snapshot!(super::print::print(&program), @r"
+    parameters:
+      k := input(k) or else 2
+      start(x) := input(start of x) or else 1
+      $28 := -k
+    initial:
+      x := start(x)
+      relation[1] := x > 0.5
+      $16 := k * x
+      $17 := -$16
+      der(x) := 1
+      der(x) := $17 if relation[1]
+    event:
+      relation[1] := x > 0.5
+      $20 := k * x
+      $21 := -$20
+      der(x) := 1
+      der(x) := $21 if relation[1]
+    held:
+      $30 := 0
+      $30 := $28 if relation[1]
+    derivatives:
+      $23 := k * x
+      $24 := -$23
+      der(x) := 1
+      der(x) := $24 if relation[1]
+    roots:
+      fresh[1] := x > 0.5
+      gap[1] := x - 0.5
+    ");
+}

@@ -14,8 +14,10 @@
 //! iteration; `held` after each event; `rhs` at each evaluation of derivatives; at the same point
 //! then `jacobian`, or `roots` and after it `rest`.
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Source};
+use super::dae::Dae;
 use super::expr::{Binary, Unary, VarId};
+use crate::base::source::Span;
 
 /// A cell of the memory.
 pub type Slot = u32;
@@ -274,6 +276,8 @@ pub struct Program {
     pub blocks: Blocks,
     /// The memory before a run: literals, and NaN in the inputs.
     pub image: Vec<f64>,
+    /// The cells of literals, ascending.
+    pub literals: Vec<Slot>,
     /// The memory map.
     pub layout: Layout,
     /// Parameters, starts, nominals, and what depends on parameters only.
@@ -390,5 +394,15 @@ impl Program {
             }
         }
         Ok(())
+    }
+}
+
+/// Where the equation of a block stands.
+pub fn source_span(dae: &Dae, source: Source) -> Span {
+    match source {
+        Source::Continuous(i) => dae.equations[i].origin.span,
+        Source::Discrete(i) => dae.discrete[i].origin.span,
+        Source::Initial(i) => dae.initial[i].origin.span,
+        Source::Start(v) => dae.variables[v].span,
     }
 }

@@ -4,9 +4,13 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::outcome::Failure as Integration;
-use crate::ir::program::{BlockPlace, Program, Watched};
+use crate::ir::blocks::{Block, Source, Torn};
+use crate::ir::expr::VarId;
+use crate::ir::program::{Program, Sequence, Watched};
 
-use super::explain::{Reader, block, source_of};
+use super::events::Unsettled;
+use super::explain::{Reader, block, first_source, relation_text, source_of};
+use super::initial::NoStart;
 
 /// What kind of failure it is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -59,7 +63,7 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
     let diagnostic = match fault {
         Fault::Derivative { state } => {
             let state = program.blocks.states[state];
-            let sequence = crate::ir::program::Sequence::Continuous;
+            let sequence = Sequence::Continuous;
             reader.not_finite(state.derivative, sequence, time)
         }
         Fault::NotFinite { solver, residual } => {
@@ -92,7 +96,8 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
                 Watched::Variable(v, _) => format!("`{}`", program.name(v)),
                 Watched::Relation(k, _) => format!("`{}`", reader.relation(k)),
             };
-            let span = first_span(program, program_loop.place);
+            let source = block(program, program_loop.place).and_then(first_source);
+            let span = source.map_or(Span::NONE, |s| reader.span(s));
             let message = format!("at time {time} s {what} does not come to rest");
             Diagnostic::error("MO0905", span, message)
                 .label("equations of this loop have no consistent solution")
@@ -162,13 +167,69 @@ pub fn of_integration(instance: &Instance<'_>, failure: Integration, time: f64) 
     }
 }
 
-fn stuck(
-    reader: &Reader<'_>,
-    program: &Program,
-    v: crate::ir::expr::VarId,
-    h: f64,
-    time: f64,
-) -> Diagnostic {
+/// An event iteration or an initialisation that did not end.
+pub fn unsettled(instance: &Instance<'_>, why: Unsettled, t: f64) -> Failure {
+    match why {
+        Unsettled::Fault(fault) => of_fault(instance, fault, t),
+        Unsettled::Restless(variables, relations) => {
+            let program = instance.program;
+            let hidden = |v: &&VarId| program.blocks.dae.variables[**v].hidden;
+            let all_hidden = variables.iter().all(|v| hidden(&v));
+            let shown = variables.iter().filter(|v| all_hidden || !hidden(v));
+            let mut names: Vec<String> = shown.map(|v| format!("`{}`", program.name(*v))).collect();
+            names.extend(relations.iter().map(|k| format!("`{}`", relation_text(program, *k))));
+            let dae = &program.blocks.dae;
+            let span = match (variables.first(), relations.first()) {
+                (Some(v), _) => {
+                    let equation = dae.discrete.iter().find(|q| q.variable == *v);
+                    equation.map_or(dae.variables[*v].span, |q| q.origin.span)
+                }
+                (None, Some(k)) => dae.relations[*k as usize].origin.span,
+                _ => Span::NONE,
+            };
+            let message = format!(
+                "at time {t} s the event iteration does not end: {} keep changing",
+                names.join(", ")
+            );
+            let diagnostic = Diagnostic::error("MO0913", span, message)
+                .help("break the circle of conditions that trigger each other by `pre`");
+            Failure::numerics(t, diagnostic)
+        }
+    }
+}
+
+/// A run that could not begin.
+pub fn no_start(instance: &Instance<'_>, why: NoStart, t: f64) -> Failure {
+    let program = instance.program;
+    match why {
+        NoStart::NotAnInput(v) => Failure::settings(format!(
+            "`{}` can not be set for a run: it is not a parameter or start value of the program",
+            program.name(v)
+        )),
+        NoStart::Parameter(v) => {
+            let reader = Reader::new(program, &instance.fault_memory);
+            let value = program.blocks.dae.parameters.iter().find(|p| p.0 == v).map(|p| p.1);
+            let diagnostic = match value {
+                Some(value) => {
+                    let source = Source::Start(v);
+                    reader.expression_not_finite(value, source, Sequence::Initial, t)
+                }
+                None => reader.plain("a parameter is not finite", t),
+            };
+            Failure::numerics(t, diagnostic)
+        }
+        NoStart::Clock(k) => {
+            let interval = instance.get(program.clocks[k].interval);
+            let flag = program.blocks.dae.samples[k].flag;
+            let message = format!("the interval of a `sample` is {interval} s, not positive");
+            let span = program.blocks.dae.variables[flag].span;
+            Failure::numerics(t, Diagnostic::error("MO0914", span, message))
+        }
+        NoStart::Unsettled(u) => unsettled(instance, u, t),
+    }
+}
+
+fn stuck(reader: &Reader<'_>, program: &Program, v: VarId, h: f64, time: f64) -> Diagnostic {
     let variable = &program.blocks.dae.variables[v];
     let derivative = program.blocks.states.iter().find(|s| s.variable == v).map(|s| s.derivative);
     let message = format!(
@@ -214,27 +275,10 @@ fn torn_failure(
 }
 
 /// The torn block of a solver inside of its outermost block.
-fn torn_of<'a>(
-    outer: &'a crate::ir::blocks::Block,
-    program: &Program,
-    solver: usize,
-) -> Option<&'a crate::ir::blocks::Torn> {
-    use crate::ir::blocks::Block;
+fn torn_of<'a>(outer: &'a Block, program: &Program, solver: usize) -> Option<&'a Torn> {
     match outer {
         Block::Torn(t) => (t.unknowns == program.solvers[solver].unknowns).then_some(t),
         Block::Mixed(parts) => parts.iter().find_map(|p| torn_of(p, program, solver)),
         Block::Assign(_) => None,
     }
-}
-
-fn first_span(program: &Program, place: BlockPlace) -> Span {
-    let mut found = Span::NONE;
-    if let Some(b) = block(program, place) {
-        crate::codegen::layout::for_each_assignment(std::slice::from_ref(b), &mut |a| {
-            if found.is_none() {
-                found = crate::codegen::sequence::source_span(&program.blocks.dae, a.source);
-            }
-        });
-    }
-    found
 }

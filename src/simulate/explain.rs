@@ -3,10 +3,9 @@
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
-use crate::codegen::sequence::source_span;
 use crate::ir::blocks::{Block, Source};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Unary, VarId};
-use crate::ir::program::{BlockPlace, Program, Sequence};
+use crate::ir::program::{BlockPlace, Program, Sequence, source_span};
 use crate::symbolic::eval;
 use crate::symbolic::print::print;
 use crate::symbolic::rewrite::Rewriter;
@@ -20,6 +19,15 @@ pub struct Reader<'a> {
 /// The outermost block at a place.
 pub fn block(program: &Program, place: BlockPlace) -> Option<&Block> {
     blocks_of(program, place.sequence).get(place.index)
+}
+
+/// An equation of a block, the first there is.
+pub fn first_source(block: &Block) -> Option<Source> {
+    match block {
+        Block::Assign(a) => Some(a.source),
+        Block::Torn(t) => t.residuals.first().map(|r| r.source),
+        Block::Mixed(parts) => parts.iter().find_map(first_source),
+    }
 }
 
 /// The equation that determines a variable between events.

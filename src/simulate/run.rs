@@ -9,15 +9,15 @@ use crate::integrate::outcome::Step;
 use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::ir::expr::{Const, ExprId, VarId};
+use crate::ir::expr::{Const, ExprId};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
 use super::clock::Clocks;
-use super::error::{Failure, FailureKind, of_fault, of_integration};
-use super::events::{Search, Settled, Unsettled, settle};
+use super::error::{Failure, FailureKind, no_start, of_fault, of_integration, unsettled};
+use super::events::{Search, Settled, settle};
 use super::explain::{Reader, relation_text};
-use super::initial::{NoStart, initialise};
+use super::initial::initialise;
 use super::record::{Recorder, Sink};
 use super::settings::Settings;
 use super::system::Model;
@@ -135,7 +135,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let mut model = Model::new(program);
         let t = settings.start;
         let begun = initialise(&mut model.instance, settings);
-        let (clocks, settled) = begun.map_err(|e| no_start(&model, e, t))?;
+        let (clocks, settled) = begun.map_err(|e| no_start(&model.instance, e, t))?;
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
         y[..program.order()].copy_from_slice(model.instance.states());
@@ -196,7 +196,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let terminal = self.program.layout.terminal;
         self.model.instance.set(terminal, 1.0);
         let outcome = settle(&mut self.model.instance, &self.clocks);
-        let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
+        let settled = outcome.map_err(|u| unsettled(&self.model.instance, u, t))?;
         if settled.changed {
             let n = self.program.order();
             self.y[..n].copy_from_slice(self.model.instance.states());
@@ -234,7 +234,7 @@ impl<'p, 's> Simulation<'p, 's> {
             triggers.extend(self.search.switched(&self.model.instance));
             ticked |= self.clocks.raise(&mut self.model.instance, t);
             let outcome = settle(&mut self.model.instance, &self.clocks);
-            let settled = outcome.map_err(|u| unsettled(&self.model, u, t))?;
+            let settled = outcome.map_err(|u| unsettled(&self.model.instance, u, t))?;
             // The event sequence may round an operand to the other side: a little later it will not.
             if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
                 break settled;
@@ -462,64 +462,4 @@ fn options(model: &Model<'_>, settings: &Settings) -> Options {
         options.max_step = settings.interval;
     }
     options
-}
-
-fn unsettled(model: &Model<'_>, why: Unsettled, t: f64) -> Failure {
-    match why {
-        Unsettled::Fault(fault) => of_fault(&model.instance, fault, t),
-        Unsettled::Restless(variables, relations) => {
-            let program = model.instance.program;
-            let hidden = |v: &&VarId| program.blocks.dae.variables[**v].hidden;
-            let all_hidden = variables.iter().all(|v| hidden(&v));
-            let shown = variables.iter().filter(|v| all_hidden || !hidden(v));
-            let mut names: Vec<String> = shown.map(|v| format!("`{}`", program.name(*v))).collect();
-            names.extend(relations.iter().map(|k| format!("`{}`", relation_text(program, *k))));
-            let dae = &program.blocks.dae;
-            let span = match (variables.first(), relations.first()) {
-                (Some(v), _) => {
-                    let equation = dae.discrete.iter().find(|q| q.variable == *v);
-                    equation.map_or(dae.variables[*v].span, |q| q.origin.span)
-                }
-                (None, Some(k)) => dae.relations[*k as usize].origin.span,
-                _ => Span::NONE,
-            };
-            let message = format!(
-                "at time {t} s the event iteration does not end: {} keep changing",
-                names.join(", ")
-            );
-            let diagnostic = Diagnostic::error("MO0913", span, message)
-                .help("break the circle of conditions that trigger each other by `pre`");
-            Failure::numerics(t, diagnostic)
-        }
-    }
-}
-
-fn no_start(model: &Model<'_>, why: NoStart, t: f64) -> Failure {
-    let program = model.instance.program;
-    match why {
-        NoStart::NotAnInput(v) => Failure::settings(format!(
-            "`{}` can not be set for a run: it is not a parameter or start value of the program",
-            program.name(v)
-        )),
-        NoStart::Parameter(v) => {
-            let reader = Reader::new(program, &model.instance.fault_memory);
-            let value = program.blocks.dae.parameters.iter().find(|p| p.0 == v).map(|p| p.1);
-            let diagnostic = match value {
-                Some(value) => {
-                    let source = crate::ir::blocks::Source::Start(v);
-                    reader.expression_not_finite(value, source, Sequence::Initial, t)
-                }
-                None => reader.plain("a parameter is not finite", t),
-            };
-            Failure::numerics(t, diagnostic)
-        }
-        NoStart::Clock(k) => {
-            let interval = model.instance.get(program.clocks[k].interval);
-            let flag = program.blocks.dae.samples[k].flag;
-            let message = format!("the interval of a `sample` is {interval} s, not positive");
-            let span = program.blocks.dae.variables[flag].span;
-            Failure::numerics(t, Diagnostic::error("MO0914", span, message))
-        }
-        NoStart::Unsettled(u) => unsettled(model, u, t),
-    }
 }
