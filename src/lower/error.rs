@@ -108,19 +108,7 @@ pub fn equality_of_reals(op: &str, origin: &Origin) -> Diagnostic {
     .note("Modelica 3.6, section 3.5: equality of Reals is allowed in functions only")
 }
 
-/// MO0310: a function with jumps outside noEvent.
-pub fn no_event_function(name: &str, origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0310",
-        origin.span,
-        format!("`{name}` of a continuous expression makes events, which is not supported yet"),
-    )
-    .label(in_component(origin))
-    .help(format!(
-        "wrap it as `noEvent({name}(...))` if its jumps do no harm, or use it in a when-clause with \
-         `sample`"
-    ))
-}
+// MO0310 is reserved: it was said of functions with jumps before they made events.
 
 /// MO0311: `sample` with arguments that vary.
 pub fn varying_sample(origin: &Origin) -> Diagnostic {

@@ -3,12 +3,13 @@
 
 use super::alias::Signed;
 use super::error;
+use super::jump::Rounding;
 use super::representative::Replacement;
 use super::variability::Variabilities;
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, IndexVec};
 use crate::base::source::Span;
-use crate::ir::dae::{Kind, Relation, Sample, Trigger, Variable};
+use crate::ir::dae::{DiscreteEquation, Kind, Relation, Sample, Trigger, Variable};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::{Origin, Variability};
 use crate::symbolic::gradient::Leaf;
@@ -30,6 +31,8 @@ pub struct Events {
     pub relations: Vec<Relation>,
     /// Clocks.
     pub samples: Vec<Sample>,
+    /// Discrete equations of functions that jump.
+    pub jumps: Vec<DiscreteEquation>,
 }
 
 /// A rewriting of all expressions of a model; each node is rewritten once per mode.
@@ -48,6 +51,9 @@ pub struct Rewriting<'a> {
     relation_ids: FastMap<(ExprId, ExprId), (u32, bool)>,
     samples: Vec<Sample>,
     sample_ids: FastMap<(ExprId, ExprId), VarId>,
+    /// Equations of the whole numbers in functions that jump, see [`super::jump`].
+    pub(super) jumps: Vec<DiscreteEquation>,
+    pub(super) jump_ids: FastMap<(ExprId, Rounding, Type), VarId>,
 }
 
 impl<'a> Rewriting<'a> {
@@ -69,12 +75,14 @@ impl<'a> Rewriting<'a> {
             relation_ids: FastMap::default(),
             samples: Vec::new(),
             sample_ids: FastMap::default(),
+            jumps: Vec::new(),
+            jump_ids: FastMap::default(),
         }
     }
 
     /// Relations and clocks found.
     pub fn finish(self) -> Events {
-        Events { relations: self.relations, samples: self.samples }
+        Events { relations: self.relations, samples: self.samples, jumps: self.jumps }
     }
 
     /// The Boolean variables of the clocks found so far.
@@ -241,20 +249,25 @@ impl<'a> Rewriting<'a> {
         }
         match self.graph.node(new) {
             Node::Binary(op, a, b) if op.is_relation() => self.relation(op, a, b, new, origin),
-            Node::Binary(op @ (Binary::Quotient | Binary::Mod | Binary::Rem), ..) => {
-                self.problems.push(error::no_event_function(op.name(), origin));
-                new
+            Node::Binary(op @ (Binary::Quotient | Binary::Mod | Binary::Rem), a, b) => {
+                self.divided(op, a, b, origin)
             }
-            Node::Unary(op @ (Unary::Floor | Unary::Ceil | Unary::ToInteger), _) => {
-                self.problems.push(error::no_event_function(op.name(), origin));
-                new
+            Node::Unary(op @ (Unary::Floor | Unary::Ceil | Unary::ToInteger), a) => {
+                self.rounded(op, a, origin)
             }
             _ => new,
         }
     }
 
     /// Numbers `a op b`. A relation and its negation share one number.
-    fn relation(&mut self, op: Binary, a: ExprId, b: ExprId, e: ExprId, origin: &Origin) -> ExprId {
+    pub(super) fn relation(
+        &mut self,
+        op: Binary,
+        a: ExprId,
+        b: ExprId,
+        e: ExprId,
+        origin: &Origin,
+    ) -> ExprId {
         let (key, negated) = match op {
             Binary::Less => ((a, b), false),
             Binary::GreaterEqual => ((a, b), true),

@@ -9,6 +9,7 @@ pub mod classify;
 pub mod error;
 pub mod event;
 pub mod initial;
+pub mod jump;
 pub mod parameter;
 pub mod representative;
 pub mod variability;
@@ -50,6 +51,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);
     classify::one_equation_each(&discrete.list, &mut rewriting);
     let events = rewriting.finish();
+    discrete.list.extend(events.jumps);
 
     (problems.error_count() == errors_before).then(|| Dae {
         name: flat.name,

@@ -1,0 +1,96 @@
+//! Functions that jump: `floor`, `ceil`, `integer`, `div`, `mod`, `rem` of continuous operands
+//! (section 3.7.2 of the Modelica specification). Between events they are constant or continuous, so
+//! the whole number in them becomes a discrete variable, and relations watch the bounds beyond which
+//! it changes.
+
+use super::event::Rewriting;
+use crate::ir::dae::{DiscreteEquation, Kind, Variable};
+use crate::ir::expr::{Binary, ExprId, Type, Unary, VarId};
+use crate::ir::flat::Origin;
+
+/// How a quotient becomes a whole number.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Rounding {
+    /// The next below.
+    Down,
+    /// The next above.
+    Up,
+    /// The next towards zero.
+    ToZero,
+}
+
+impl Rewriting<'_> {
+    /// `floor`, `ceil`, `integer` with events.
+    pub(super) fn rounded(&mut self, op: Unary, a: ExprId, origin: &Origin) -> ExprId {
+        let rounding = if op == Unary::Ceil { Rounding::Up } else { Rounding::Down };
+        let ty = if op == Unary::ToInteger { Type::Integer } else { Type::Real };
+        self.held(a, rounding, ty, origin)
+    }
+
+    /// `div`, `mod`, `rem` with events.
+    pub(super) fn divided(&mut self, op: Binary, a: ExprId, b: ExprId, origin: &Origin) -> ExprId {
+        let quotient = self.graph.div(a, b);
+        let rounding = if op == Binary::Mod { Rounding::Down } else { Rounding::ToZero };
+        let whole = self.held(quotient, rounding, Type::Real, origin);
+        if op == Binary::Quotient {
+            return whole;
+        }
+        let part = self.graph.mul(whole, b);
+        self.graph.sub(a, part)
+    }
+
+    /// A discrete variable that holds the rounded value of `a`.
+    fn held(&mut self, a: ExprId, rounding: Rounding, ty: Type, origin: &Origin) -> ExprId {
+        if let Some(known) = self.jump_ids.get(&(a, rounding, ty)) {
+            return self.graph.var(*known, ty);
+        }
+        let name = format!("$whole{}", self.jumps.len() + 1);
+        let new = Variable::new(name, ty, Kind::Discrete, origin.span);
+        let variable = self.variables.push(Variable { hidden: true, ..new });
+        self.jump_ids.insert((a, rounding, ty), variable);
+        let value = match rounding {
+            Rounding::Down if ty == Type::Integer => self.graph.unary(Unary::ToInteger, a),
+            Rounding::Down => self.graph.unary(Unary::Floor, a),
+            Rounding::Up => self.graph.unary(Unary::Ceil, a),
+            Rounding::ToZero => {
+                let one = self.graph.real(1.0);
+                self.graph.binary(Binary::Quotient, a, one)
+            }
+        };
+        self.jumps.push(DiscreteEquation { variable, value, origin: origin.clone() });
+        self.watch(a, variable, rounding, ty, origin);
+        self.graph.var(variable, ty)
+    }
+
+    /// Numbers the relations that become true where the whole number `h` must change. Rounding down
+    /// is right for `h <= a < h + 1`, up for `h - 1 < a <= h`, and towards zero as down above
+    /// zero, as up below; a bound that does not apply is out of reach.
+    fn watch(&mut self, a: ExprId, h: VarId, rounding: Rounding, ty: Type, origin: &Origin) {
+        let h = self.graph.var(h, ty);
+        let one = self.graph.real(1.0);
+        let (above, below) = (self.graph.add(h, one), self.graph.sub(h, one));
+        let bounds = match rounding {
+            Rounding::Down => {
+                vec![(Binary::GreaterEqual, above), (Binary::Less, h)]
+            }
+            Rounding::Up => vec![(Binary::Greater, h), (Binary::LessEqual, below)],
+            Rounding::ToZero => {
+                let mut bound = |op: Binary, applies: Binary, bound: ExprId, far: f64| {
+                    let (zero, far) = (self.graph.real(0.0), self.graph.real(far));
+                    let c = self.graph.binary(applies, h, zero);
+                    (op, self.graph.if_then_else(c, bound, far))
+                };
+                vec![
+                    bound(Binary::GreaterEqual, Binary::GreaterEqual, above, 1e300),
+                    bound(Binary::Less, Binary::Greater, h, -1e300),
+                    bound(Binary::LessEqual, Binary::LessEqual, below, -1e300),
+                    bound(Binary::Greater, Binary::Less, h, 1e300),
+                ]
+            }
+        };
+        for (op, bound) in bounds {
+            let literal = self.graph.binary(op, a, bound);
+            self.relation(op, a, bound, literal, origin);
+        }
+    }
+}
