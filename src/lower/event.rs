@@ -31,8 +31,6 @@ pub struct Events {
     pub relations: Vec<Relation>,
     /// Clocks.
     pub samples: Vec<Sample>,
-    /// Discrete equations of functions that jump.
-    pub jumps: Vec<DiscreteEquation>,
 }
 
 /// A rewriting of all expressions of a model; each node is rewritten once per mode.
@@ -82,7 +80,7 @@ impl<'a> Rewriting<'a> {
 
     /// Relations and clocks found.
     pub fn finish(self) -> Events {
-        Events { relations: self.relations, samples: self.samples, jumps: self.jumps }
+        Events { relations: self.relations, samples: self.samples }
     }
 
     /// The Boolean variables of the clocks found so far.

@@ -49,9 +49,9 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     rewriting.attributes();
     let eliminated = rewriting.eliminated();
     let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);
+    discrete.list.append(&mut rewriting.jumps);
     classify::one_equation_each(&discrete.list, &mut rewriting);
     let events = rewriting.finish();
-    discrete.list.extend(events.jumps);
 
     (problems.error_count() == errors_before).then(|| Dae {
         name: flat.name,
