@@ -139,7 +139,8 @@ impl Connections {
         match (kind_x, kind_y) {
             (InstanceKind::Outer(inner), _) => self.instances(cx, inner, y, pair),
             (_, InstanceKind::Outer(inner)) => self.instances(cx, x, inner, pair),
-            (InstanceKind::Absent, _) | (_, InstanceKind::Absent) => Some(()),
+            (InstanceKind::Absent | InstanceKind::Broken, _)
+            | (_, InstanceKind::Absent | InstanceKind::Broken) => Some(()),
             (InstanceKind::Variable { dims: d, .. }, InstanceKind::Variable { dims: e, .. }) => {
                 if d != e {
                     return mismatch(cx, pair, "have different sizes");

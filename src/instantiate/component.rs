@@ -59,7 +59,7 @@ impl Context<'_> {
         };
         // An error on the way may have settled it already.
         if matches!(self.instances[id].kind, InstanceKind::InProgress) {
-            self.instances[id].kind = kind.unwrap_or(InstanceKind::Absent);
+            self.instances[id].kind = kind.unwrap_or(InstanceKind::Broken);
         }
     }
 
@@ -79,7 +79,8 @@ impl Context<'_> {
         if let Some(condition) = &component.condition {
             match self.fold_boolean(condition, scope) {
                 Some(true) => {}
-                Some(false) | None => return Some(InstanceKind::Absent),
+                Some(false) => return Some(InstanceKind::Absent),
+                None => return None,
             }
         }
         let class = self.class_or_report(&clause.type_name, scope)?;

@@ -142,7 +142,13 @@ impl Context<'_> {
         .label("not found");
         d = match did_you_mean(&text, names) {
             Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help("remove the modification, or declare the element in the class"),
+            None => {
+                let names: Vec<&str> = table.entries.iter().map(|e| e.name.name.as_str()).collect();
+                match names.as_slice() {
+                    [] => d.help("remove the modification, or declare the element in the class"),
+                    names => d.help(format!("it has {}", listed(names))),
+                }
+            }
         };
         self.problems.push(d);
     }
@@ -197,7 +203,7 @@ impl Context<'_> {
             .label("needed for its own size, condition or class")
             .help("break the circle: give one of the sizes or conditions a value of its own"),
         );
-        self.instances[id].kind = InstanceKind::Absent;
+        self.instances[id].kind = InstanceKind::Broken;
     }
 
     pub(crate) fn report_no_inner(&mut self, component: ast::Ident) {
@@ -278,7 +284,7 @@ impl Context<'_> {
                     .label("a component of the class being defined")
                     .help("a model can not hold a component of its own class"),
             );
-            self.instances[id].kind = InstanceKind::Absent;
+            self.instances[id].kind = InstanceKind::Broken;
         }
     }
 }

@@ -196,8 +196,10 @@ pub enum InstanceKind {
     Pending,
     /// Being looked into: meeting it again is a cycle.
     InProgress,
-    /// Its condition is false, or an error was reported.
+    /// Its condition is false.
     Absent,
+    /// An error was reported: nothing more is said about it.
+    Broken,
     /// An `outer` component: the `inner` one it stands for.
     Outer(InstanceId),
     /// Scalar variables of a predefined type, row-major.

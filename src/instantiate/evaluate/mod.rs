@@ -15,7 +15,7 @@ pub mod value;
 use std::rc::Rc;
 
 use super::Context;
-use crate::base::diag::Diagnostic;
+use crate::base::diag::{Diagnostic, did_you_mean};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -325,7 +325,7 @@ impl Context<'_> {
         }
         let saved = self.enter_frame(false);
         let value = match self.bare_literal(e, target) {
-            Some(literal) => Some(literal),
+            Some(literal) => literal,
             None => self.evaluate(e, scope),
         };
         self.leave_frame(saved);
@@ -335,10 +335,11 @@ impl Context<'_> {
         value
     }
 
-    /// A setting from outside may name an enumeration literal without its type.
-    fn bare_literal(&mut self, e: &Expr, target: InstanceId) -> Option<Value> {
+    /// A setting from outside may name an enumeration literal without its type. `Some(None)` if the
+    /// type has no such literal, which is reported.
+    fn bare_literal(&mut self, e: &Expr, target: InstanceId) -> Option<Option<Value>> {
         let ExprKind::Ref(r) = &e.kind else { return None };
-        if e.span.file.0 == u32::MAX || !self.binding(target)?.setting {
+        if !self.binding(target)?.setting {
             return None;
         }
         let InstanceKind::Variable { ty: Type::Enumeration(id), .. } = self.instances[target].kind
@@ -346,9 +347,19 @@ impl Context<'_> {
             return None;
         };
         let wanted = r.simple()?;
-        let at = self.graph.enumerations[id].literals.iter().position(|l| *l == wanted)?;
-        let literal = Const::Enumeration(id, at as u32 + 1);
-        Some(Value::Scalar(self.graph.constant(literal)))
+        let ty = &self.graph.enumerations[id];
+        if let Some(at) = ty.literals.iter().position(|l| *l == wanted) {
+            let literal = Const::Enumeration(id, at as u32 + 1);
+            return Some(Some(Value::Scalar(self.graph.constant(literal))));
+        }
+        let names: Vec<&str> = ty.literals.iter().map(|l| l.as_str()).collect();
+        let message = format!("`{}` has no literal `{wanted}`", ty.name);
+        let help = match did_you_mean(&wanted, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("it has {}", crate::instantiate::error::listed(&names)),
+        };
+        self.problems.push(Diagnostic::error("MO0240", e.span, message).help(help));
+        Some(None)
     }
 
     /// The part of a value for one element of an array of components.

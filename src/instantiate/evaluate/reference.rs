@@ -263,7 +263,7 @@ impl Context<'_> {
                 let all = chosen.into_iter().map(|k| Selection::Element(id, k)).collect();
                 Some(many(dims, all))
             }
-            InstanceKind::Pending | InstanceKind::InProgress => None,
+            InstanceKind::Pending | InstanceKind::InProgress | InstanceKind::Broken => None,
         }
     }
 
@@ -363,7 +363,10 @@ impl Context<'_> {
                     .collect::<Option<Vec<_>>>()?;
                 Some(Value::array(dims.to_vec(), values))
             }
-            InstanceKind::Absent | InstanceKind::Pending | InstanceKind::InProgress => None,
+            InstanceKind::Absent
+            | InstanceKind::Broken
+            | InstanceKind::Pending
+            | InstanceKind::InProgress => None,
         }
     }
 
