@@ -111,14 +111,10 @@ impl Connections {
                     return mismatch(cx, pair, "have different sizes");
                 }
                 for (x, y) in left.iter().zip(&right) {
-                    match (x, y) {
-                        (Selection::Element(i, j), Selection::Element(k, l)) => {
-                            self.scalars(cx, (*i, *j), (*k, *l), pair)?;
-                        }
-                        (Selection::Element(..), _) | (_, Selection::Element(..)) => {
-                            return mismatch(cx, pair, "are not of one kind");
-                        }
-                        _ => self.pair(cx, x, y, pair)?,
+                    match (scalar(cx, x), scalar(cx, y)) {
+                        (Some(x), Some(y)) => self.scalars(cx, x, y, pair)?,
+                        (None, None) => self.pair(cx, x, y, pair)?,
+                        _ => return mismatch(cx, pair, "are not of one kind"),
                     }
                 }
                 Some(())
@@ -318,6 +314,18 @@ fn parts(cx: &Context<'_>, s: &Selection) -> Vec<Selection> {
             _ => vec![s.clone()],
         },
         other => vec![other.clone()],
+    }
+}
+
+/// A scalar variable, or one element of an array of them.
+fn scalar(cx: &mut Context<'_>, s: &Selection) -> Option<(InstanceId, usize)> {
+    match s {
+        Selection::Element(id, k) => Some((*id, *k)),
+        Selection::Whole(id) => match &cx.instances[*id].kind {
+            InstanceKind::Variable { dims, .. } if dims.is_empty() => Some((*id, 0)),
+            _ => None,
+        },
+        _ => None,
     }
 }
 

@@ -179,9 +179,7 @@ fn binary_partials(
             vec![(a, by_a), (b, by_b)]
         }
         Binary::Min | Binary::Max => {
-            let relation = if op == Binary::Min { Binary::LessEqual } else { Binary::GreaterEqual };
-            let c = g.binary(relation, a, b);
-            let c = g.no_event(c);
+            let c = chosen(g, op, a, b);
             let zero = g.real(0.0);
             let by_a = g.if_then_else(c, seed, zero);
             let by_b = g.if_then_else(c, zero, seed);
@@ -221,26 +219,54 @@ fn power_partials(
     vec![(a, by_a), (b, by_b)]
 }
 
-/// The total derivative by time: `partial time + sum(partial v * rate(v))` over the variables.
-/// `rate` gives the derivative of a variable (a zero expression for what is constant in time).
+/// The total derivative by time. `rate` gives the derivative of a variable, `None` for what is constant
+/// in time. Forward accumulation: an alternative is differentiated branch by branch, so that what is
+/// infinite in the branch not taken does not spoil the other.
 pub fn time_derivative(
     graph: &mut Graph,
-    e: ExprId,
+    root: ExprId,
     mut rate: impl FnMut(&mut Graph, Leaf) -> Option<ExprId>,
 ) -> ExprId {
-    let parts = gradient(graph, e, |_| true);
-    let mut terms = Vec::new();
-    for (leaf, partial) in parts {
-        match leaf {
-            Leaf::Time => terms.push(partial),
-            _ => {
-                if let Some(r) = rate(graph, leaf) {
-                    terms.push(graph.mul(partial, r));
-                }
+    let mut rates: FastMap<ExprId, Option<ExprId>> = FastMap::default();
+    let one = graph.real(1.0);
+    for e in graph.postorder([root]) {
+        let d = match graph.node(e) {
+            Node::Time => Some(one),
+            Node::Var(_) | Node::Der(_) => leaf(graph, e).and_then(|l| rate(graph, l)),
+            Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => rates[&a],
+            Node::If(c, a, b) => alternative(graph, c, rates[&a], rates[&b]),
+            Node::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
+                let c = chosen(graph, op, a, b);
+                alternative(graph, c, rates[&a], rates[&b])
             }
-        }
+            _ => {
+                let mut terms = Vec::new();
+                for (operand, partial) in partials(graph, e, one) {
+                    if let Some(r) = rates[&operand] {
+                        terms.push(graph.mul(partial, r));
+                    }
+                }
+                if terms.is_empty() { None } else { Some(graph.sum(terms)) }
+            }
+        };
+        rates.insert(e, d);
     }
-    graph.sum(terms)
+    rates[&root].unwrap_or_else(|| graph.real(0.0))
+}
+
+fn alternative(g: &mut Graph, c: ExprId, a: Option<ExprId>, b: Option<ExprId>) -> Option<ExprId> {
+    if a.is_none() && b.is_none() {
+        return None;
+    }
+    let zero = g.real(0.0);
+    Some(g.if_then_else(c, a.unwrap_or(zero), b.unwrap_or(zero)))
+}
+
+/// Whether `min` or `max` is its first operand.
+fn chosen(g: &mut Graph, op: Binary, a: ExprId, b: ExprId) -> ExprId {
+    let relation = if op == Binary::Min { Binary::LessEqual } else { Binary::GreaterEqual };
+    let c = g.binary(relation, a, b);
+    g.no_event(c)
 }
 
 #[cfg(test)]
@@ -320,5 +346,19 @@ mod tests {
             let difference = (value(&g, e, x0 + h) - value(&g, e, x0 - h)) / (2.0 * h);
             assert!((exact - difference).abs() < 1e-8 * (1.0 + exact.abs()), "{:?}", g.node(e));
         }
+    }
+
+    #[test]
+    fn what_is_infinite_in_the_branch_not_taken_does_not_spoil_the_rate() {
+        let mut g = Graph::new();
+        let x = g.var(VarId(0), Type::Real);
+        let zero = g.real(0.0);
+        let c = g.binary(Binary::Greater, x, zero);
+        let root = g.unary(Unary::Sqrt, x);
+        let e = g.if_then_else(c, root, x);
+        let one = g.real(1.0);
+        let d = time_derivative(&mut g, e, |_, _| Some(one));
+        assert_eq!(value(&g, d, 0.0), 1.0);
+        assert_eq!(value(&g, d, 4.0), 0.25);
     }
 }

@@ -97,8 +97,12 @@ impl Context<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<Value> {
-        let simple = function.simple();
-        if let Some(name) = simple
+        // `.sin` means the built-in where a library defines a `sin` of its own.
+        let name = match function.parts.as_slice() {
+            [one] if one.subscripts.is_empty() => Some(one.name.name),
+            _ => None,
+        };
+        if let Some(name) = name
             && let Some(result) = self.builtin(name, args, named, span, scope)
         {
             return result;
