@@ -137,7 +137,9 @@ impl Context<'_> {
                 Subscript::Expr(e) => sizes.push(self.fold_size(e, *scope)?),
                 Subscript::Colon(span) => {
                     if from_binding.is_none() {
+                        let before = std::mem::replace(&mut self.evaluation.shaping, true);
                         let value = self.binding_value(id);
+                        self.evaluation.shaping = before;
                         from_binding = Some(value.map(|v| v.dims().to_vec()).unwrap_or_default());
                     }
                     match from_binding.as_ref().and_then(|d| d.get(k)) {

@@ -4,7 +4,6 @@
 
 use super::Context;
 use super::value::{Record, Value};
-use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -128,19 +127,29 @@ impl Context<'_> {
         let after_first = self.snapshot();
         self.restore(&before);
         let second = self.run_if(rest, otherwise, scope, span)?;
-        if first != second {
-            self.problems.push(
-                Diagnostic::error(
-                    "MO0200",
-                    span,
-                    "not supported yet: leaving a loop or a function under a condition that only a run knows",
-                )
-                .help("assign in both branches instead"),
-            );
-            return None;
-        }
         self.merge(c, &after_first, span)?;
-        Some(first)
+        if first == second {
+            return Some(first);
+        }
+        // One branch leaves: what follows counts only where it was not taken.
+        let not_c = self.graph.not(c);
+        for (flow, taken) in [(first, c), (second, not_c)] {
+            let left = match flow {
+                Flow::Next => continue,
+                Flow::Break => &mut self.evaluation.broken,
+                Flow::Return => &mut self.evaluation.returned,
+            };
+            let before = *left;
+            let now = match before {
+                Some(before) => self.graph.or(before, taken),
+                None => taken,
+            };
+            match flow {
+                Flow::Break => self.evaluation.broken = Some(now),
+                _ => self.evaluation.returned = Some(now),
+            }
+        }
+        Some(Flow::Next)
     }
 
     fn snapshot(&self) -> (Vec<(Name, Value)>, FastMap<VarId, ExprId>) {
@@ -200,6 +209,8 @@ impl Context<'_> {
         let Some((first, rest)) = iterators.split_first() else {
             return self.run_statements(body, scope);
         };
+        let outer = self.evaluation.broken.take();
+        let mut end = Flow::Next;
         for value in self.fold_range(first, scope)? {
             self.evaluation.locals.push((first.name.name, value));
             let flow = self.run_for(rest, body, scope);
@@ -207,10 +218,14 @@ impl Context<'_> {
             match flow? {
                 Flow::Next => {}
                 Flow::Break => break,
-                Flow::Return => return Some(Flow::Return),
+                Flow::Return => {
+                    end = Flow::Return;
+                    break;
+                }
             }
         }
-        Some(Flow::Next)
+        self.evaluation.broken = outer;
+        Some(end)
     }
 
     fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {
@@ -248,7 +263,10 @@ impl Context<'_> {
         let at = self.evaluation.locals[frame..].iter().rposition(|(n, _)| *n == first);
         if let Some(at) = at {
             let old = self.evaluation.locals[frame + at].1.clone();
-            let new = self.updated(&old, &target.parts, value, scope, target.span)?;
+            let mut new = self.updated(&old, &target.parts, value, scope, target.span)?;
+            for left in [self.evaluation.broken, self.evaluation.returned].into_iter().flatten() {
+                new = self.if_values(left, old.clone(), new, target.span)?;
+            }
             self.evaluation.locals[frame + at].1 = new;
             return Some(());
         }

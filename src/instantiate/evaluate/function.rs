@@ -70,7 +70,9 @@ impl Context<'_> {
         }
         self.evaluation.depth += 1;
         let saved = self.enter_frame(true);
+        let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
         let result = self.run(class, &components, &mut given, span);
+        (self.evaluation.broken, self.evaluation.returned) = left;
         self.leave_frame(saved);
         self.evaluation.depth -= 1;
         result
@@ -293,18 +295,22 @@ impl Context<'_> {
         Some(Value::array(dims, elements))
     }
 
+    /// Zero, false, empty, the first literal.
+    pub(super) fn zero_of_type(&mut self, ty: Type) -> Value {
+        Value::Scalar(match ty {
+            Type::Real => self.graph.real(0.0),
+            Type::Integer => self.graph.integer(0),
+            Type::Boolean => self.graph.boolean(false),
+            Type::String => self.graph.string(""),
+            Type::Enumeration(t) => self.graph.constant(Const::Enumeration(t, 1)),
+        })
+    }
+
     /// A value of a class before anything is assigned: zero, false, empty, first literal.
     fn zero_of_class(&mut self, class: ClassId, span: Span) -> Option<Value> {
         let table = self.table(class);
         if let Some(ty) = table.scalar {
-            let constant = match ty {
-                Type::Real => Const::Real(0),
-                Type::Integer => Const::Integer(0),
-                Type::Boolean => Const::Boolean(false),
-                Type::String => return Some(Value::Scalar(self.graph.string(""))),
-                Type::Enumeration(t) => Const::Enumeration(t, 1),
-            };
-            return Some(Value::Scalar(self.graph.constant(constant)));
+            return Some(self.zero_of_type(ty));
         }
         let mut fields = Vec::new();
         for (entry, declaration) in self.components(class) {

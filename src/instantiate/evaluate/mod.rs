@@ -50,6 +50,12 @@ pub struct State {
     pub(crate) assigned: FastMap<VarId, ExprId>,
     /// Open calls.
     pub(crate) depth: usize,
+    /// The condition under which the loop, or the function, being run was left already.
+    pub(crate) broken: Option<ExprId>,
+    /// See `broken`.
+    pub(crate) returned: Option<ExprId>,
+    /// Only sizes are wanted: what has no value yet counts as zero.
+    pub(crate) shaping: bool,
     /// What each numbered flat variable is: for folding what stands in an expression.
     pub(crate) instance_of: Vec<(InstanceId, usize)>,
 }
@@ -160,9 +166,14 @@ impl Context<'_> {
         let before = std::mem::replace(&mut self.evaluation.folding, true);
         let value = self.evaluate(e, scope);
         self.evaluation.folding = before;
-        let value = value?;
         let mut known = true;
-        value.for_each_scalar(&mut |s| known &= self.graph.as_const(s).is_some());
+        let value = value?.each_scalar(&mut |s| match self.parameter_expression(s, true) {
+            Some(c) => self.graph.constant(c),
+            None => {
+                known = false;
+                s
+            }
+        });
         if !known {
             self.problems.push(
                 Diagnostic::error(
@@ -320,6 +331,7 @@ impl Context<'_> {
         target: InstanceId,
     ) -> Option<Value> {
         let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.evaluation.folding);
+        let keep = keep && !self.evaluation.shaping;
         if keep && let Some(known) = self.evaluation.bindings.get(&key) {
             return known.clone();
         }
@@ -467,6 +479,11 @@ impl Context<'_> {
     /// The value of an expression that reads parameters of discrete type only (truth values, whole
     /// numbers, choices): such parameters fix the structure, as conditions of components do.
     pub(crate) fn structural_value(&mut self, e: ExprId) -> Option<Const> {
+        self.parameter_expression(e, false)
+    }
+
+    /// The value of an expression that reads parameters only; `reals` says whether Real ones count.
+    fn parameter_expression(&mut self, e: ExprId, reals: bool) -> Option<Const> {
         if let Some(c) = self.graph.as_const(e) {
             return Some(c);
         }
@@ -479,7 +496,7 @@ impl Context<'_> {
                         self.instances[id].kind,
                         InstanceKind::Variable { ty: Type::Real, .. }
                     );
-                    if real || self.variable_variability(v) > Variability::Parameter {
+                    if (real && !reals) || self.variable_variability(v) > Variability::Parameter {
                         return None;
                     }
                 }

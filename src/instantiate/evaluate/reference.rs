@@ -388,9 +388,12 @@ impl Context<'_> {
                 }
             };
         }
-        let InstanceKind::Variable { first, .. } = self.instances[id].kind else {
+        let InstanceKind::Variable { first, ty, .. } = self.instances[id].kind else {
             return None;
         };
+        if self.evaluation.shaping {
+            return Some(Some(self.zero_of_type(ty)));
+        }
         if self.evaluation.folding || first.is_none() {
             let path = self.path(id);
             let declared = self.declared_at(id);
