@@ -209,11 +209,11 @@ fn begin(e: &mut Emitter, initialised: bool) {
 }
 
 fn parameter_value(e: &mut Emitter, value: ExprId) -> (Slot, usize) {
-    let (slot, level) = e.emit(value);
-    if level > PARAMETER {
+    if e.level_of(&[value], |_| false) > PARAMETER {
         e.problems.push(error::not_supported(e.span, "a parameter that depends on a variable"));
+        return (e.literal(0.0), PARAMETER);
     }
-    (slot, level)
+    e.emit(value)
 }
 
 fn assertion(e: &mut Emitter, k: usize) {
