@@ -13,6 +13,9 @@ use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::flat::{FlatModel, StateSelect, Variable};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
+/// Where a variable keeps an attribute.
+type Slot<T> = fn(&mut Variable) -> &mut T;
+
 /// Numbers all scalar variables, depth first.
 pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
     let mut stack = vec![(root, String::new())];
@@ -119,7 +122,7 @@ fn attributes(
         };
         Some((cx.spread(value, dims, &binding.subscripts, span)?, span))
     };
-    let numeric: [(&str, fn(&mut Variable) -> &mut Option<ExprId>); 4] = [
+    let numeric: [(&str, Slot<Option<ExprId>>); 4] = [
         ("start", |v| &mut v.start),
         ("min", |v| &mut v.min),
         ("max", |v| &mut v.max),
@@ -144,7 +147,7 @@ fn attributes(
             flat.variables[VarId(first.0 + k as u32)].fixed = fixed;
         }
     }
-    let texts: [(&str, fn(&mut Variable) -> &mut Name); 2] =
+    let texts: [(&str, Slot<Name>); 2] =
         [("unit", |v| &mut v.unit), ("displayUnit", |v| &mut v.display_unit)];
     for (text, slot) in texts {
         let Some((all, _)) = value(cx, text, true) else { continue };
@@ -229,7 +232,7 @@ fn fitted(cx: &mut Context<'_>, e: ExprId, ty: Type, span: Span, what: &str) -> 
                     span,
                     format!("the {what} must be of type {wanted}, and this is of type {given}"),
                 )
-                .label(format!("{given}")),
+                .label(given),
             );
             None
         }
