@@ -13,6 +13,9 @@ use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::flat::{FlatModel, StateSelect, Variable};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
+/// Where a variable keeps an attribute.
+type Slot<T> = fn(&mut Variable) -> &mut T;
+
 /// Numbers all scalar variables, depth first.
 pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
     let mut stack = vec![(root, String::new())];

@@ -1,0 +1,2 @@
+//! One module per question.
+mod architecture;

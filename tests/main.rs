@@ -1,0 +1,2 @@
+//! The tests that see mocc from outside, in one binary.
+mod checks;
