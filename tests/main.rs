@@ -1,0 +1,2 @@
+//! All integration tests, one binary: each further binary would link the whole crate again.
+mod checks;
