@@ -12,6 +12,9 @@ const PRESSURE: f64 = 200.0;
 const MOTION: f64 = 1e-4;
 /// Samples this close to an event of the reference are not compared, s.
 const NEAR_EVENT: f64 = 2e-4;
+/// Values of `Translational.Motion` in a trajectory.
+const FORWARD: f64 = 4.0;
+const BACKWARD: f64 = 2.0;
 /// Stroke of both valves, m.
 const S_MAX: f64 = 3.5e-3;
 
@@ -37,18 +40,10 @@ const VT52_6BAR: Reference = Reference {
     edges: VT52_EDGES,
     pressures: VT52_PRESSURES,
 };
-const VT52_3BAR: Reference = Reference {
-    file: "vt52_3bar_1h.csv",
-    p_supply: 3e5,
-    t_dwell: 3600.0,
-    ..VT52_6BAR
-};
-const VT52_9BAR: Reference = Reference {
-    file: "vt52_9bar_48h.csv",
-    p_supply: 9e5,
-    t_dwell: 172_800.0,
-    ..VT52_6BAR
-};
+const VT52_3BAR: Reference =
+    Reference { file: "vt52_3bar_1h.csv", p_supply: 3e5, t_dwell: 3600.0, ..VT52_6BAR };
+const VT52_9BAR: Reference =
+    Reference { file: "vt52_9bar_48h.csv", p_supply: 9e5, t_dwell: 172_800.0, ..VT52_6BAR };
 const VT32_6BAR: Reference = Reference {
     model: "examples/valve32.mol",
     file: "vt32_6bar_30s.csv",
@@ -100,13 +95,16 @@ fn agrees(case: &Reference) {
     }
     assert!(compared > 1100, "only {compared} samples compared");
 
-    let starts = found.times_of("> spool.f_static became true");
-    let arrivals = found.times_of("spool.s_left <= 0.0 became true");
+    let departures = found.times_of("> spool.f_static became true");
+    let mut arrivals = found.times_of("spool.s_left <= 0.0 became true");
+    arrivals.extend(found.times_of("spool.v_along < 0.0 became true"));
+    arrivals.sort_by(f64::total_cmp);
     for (name, found, expected) in [
-        ("departure", &starts, reference.departures()),
+        ("departure", &departures, reference.departures()),
         ("arrival", &arrivals, reference.arrivals()),
     ] {
-        assert_eq!(found.len(), 2, "{}: {name}s at {found:?}", case.file);
+        assert_eq!(found.len(), expected.len(), "{}: {name}s at {found:?}", case.file);
+        assert!(!found.is_empty());
         for (found, expected) in found.iter().zip(expected) {
             let difference = (found - expected).abs();
             assert!(difference <= MOTION, "{}: {name} at {found} s, not {expected} s", case.file);
@@ -222,28 +220,33 @@ fn no_setting_makes_the_valve_chatter() {
     assert!(turned_back > 5, "only {turned_back} strokes were broken off");
 }
 
-/// Checks the order of what happened; whether the spool turned back on its way.
+/// Checks that each motion leads somewhere and that the events are accounted for; whether the spool turned back
+/// between the stops.
 fn sane(run: &Trajectory, context: &str) -> bool {
-    let starts = run.times_of("> spool.f_static became true");
-    let ends = run.times_of("spool.s_left <= 0.0 became true");
-    let turns = run.times_of("spool.v_along < 0.0 became true");
-    // Between two departures the spool comes to rest once: at a stop, or where its speed passes zero.
-    let mut rests: Vec<f64> = ends.iter().chain(&turns).copied().collect();
-    rests.sort_by(f64::total_cmp);
-    assert!(starts.len() <= 4, "{context}");
-    for (k, start) in starts.iter().enumerate() {
-        assert!(rests.get(k).is_some_and(|r| r > start), "{context}");
-        assert!(starts.get(k + 1).is_none_or(|next| *next >= rests[k]), "{context}");
-    }
-    for edge in ["seal_45.s_ce", "seal_12.s_ce", "seal_14.s_ce", "seal_23.s_ce"] {
-        // Passing an edge twice takes a departure between the two.
-        let passed = run.times_of(edge);
-        assert!(passed.len() <= starts.len(), "{context}");
-        for pair in passed.windows(2) {
-            assert!(starts.iter().any(|t| pair[0] < *t && *t < pair[1]), "{context}");
+    let (mode, s, time) = (run.of("spool.mode"), run.of("spool.s"), &run.time);
+    let sliding = |m: f64| m == FORWARD || m == BACKWARD;
+    // First and last row of each motion; an event is two rows at one time.
+    let mut motions: Vec<(usize, usize)> = Vec::new();
+    for k in 1..run.rows() {
+        match motions.last_mut() {
+            Some((_, end)) if mode[k] == mode[k - 1] && sliding(mode[k]) => *end = k,
+            _ if mode[k] != mode[k - 1] && sliding(mode[k]) => motions.push((k, k)),
+            _ => {}
         }
     }
-    !turns.is_empty()
+    assert!(motions.len() <= 4, "{context}");
+    // The switch goes off, and both of its edges take effect later.
+    let mut expected = 3;
+    for (n, &(begin, end)) in motions.iter().enumerate() {
+        assert!((s[end] - s[begin]).abs() > 1e-6, "{context}");
+        assert!(time[end] - time[begin] > 5e-4, "{context}");
+        expected += VT52_EDGES.iter().filter(|e| (s[begin] < **e) != (s[end] < **e)).count();
+        // A spool that turns round ends one motion and begins the next in one event.
+        let turned = n > 0 && time[motions[n - 1].1] == time[begin];
+        expected += usize::from(!turned) + usize::from(end + 1 < run.rows());
+    }
+    assert_eq!(run.events.len(), expected, "{context}");
+    !run.times_of("spool.v_along < 0.0").is_empty()
 }
 
 /// A table of the reference.
@@ -273,26 +276,34 @@ impl Samples {
         found.unwrap_or_else(|| panic!("no column `{name}`")).1.as_slice()
     }
 
-    /// When the spool leaves each stop: its speed, extrapolated back from the first two samples in motion, is zero.
+    /// When the spool starts to move: its speed, extrapolated back from the first two samples in motion, is zero.
     fn departures(&self) -> Vec<f64> {
         let v = self.of("v_m_per_s");
         let first = |k: &usize| v[k - 1] == 0.0 && v[*k] != 0.0;
-        let back = |k: usize| {
-            let slope = (v[k + 1] - v[k]) / (self.time[k + 1] - self.time[k]);
-            (self.time[k] - v[k] / slope).max(self.time[k - 1])
-        };
+        let back = |k: usize| self.standstill(k, k + 1).max(self.time[k - 1]);
         (1..v.len()).filter(first).map(back).collect()
     }
 
-    /// When the spool reaches each stop, at the speed of the last sample in motion.
+    /// When the spool comes to rest: it reaches the stop with the speed of the last sample in motion, or its speed
+    /// fades away between the stops.
     fn arrivals(&self) -> Vec<f64> {
         let (s, v) = (self.of("s_m"), self.of("v_m_per_s"));
         let last = |k: &usize| v[k - 1] != 0.0 && v[*k] == 0.0;
         let on = |k: usize| {
-            let stop = if v[k - 1] > 0.0 { S_MAX } else { 0.0 };
-            self.time[k - 1] + (stop - s[k - 1]) / v[k - 1]
+            if s[k] == 0.0 || s[k] == S_MAX {
+                self.time[k - 1] + (s[k] - s[k - 1]) / v[k - 1]
+            } else {
+                self.standstill(k - 2, k - 1).min(self.time[k])
+            }
         };
         (1..v.len()).filter(last).map(on).collect()
+    }
+
+    /// Where a straight line through the speeds of two samples is zero, s.
+    fn standstill(&self, a: usize, b: usize) -> f64 {
+        let v = self.of("v_m_per_s");
+        let slope = (v[b] - v[a]) / (self.time[b] - self.time[a]);
+        self.time[a] - v[a] / slope
     }
 
     /// Departures, arrivals, edges passed, and the times at which the pilot is told to act and acts.
