@@ -240,8 +240,8 @@ fn sane(run: &Trajectory, context: &str) -> bool {
     // The switch goes off, and both of its edges take effect later.
     let mut expected = 3;
     for (n, &(begin, end)) in motions.iter().enumerate() {
-        assert!((s[end] - s[begin]).abs() > 1e-6, "{context}");
-        assert!(time[end] - time[begin] > 5e-4, "{context}");
+        assert!((s[end] - s[begin]).abs() > 1e-8, "{context}");
+        assert!(time[end] - time[begin] > 1e-4, "{context}");
         expected += VT52_EDGES.iter().filter(|e| (s[begin] < **e) != (s[end] < **e)).count();
         // A spool that slides on at once ends one motion and begins the next in one event.
         let at_once = n > 0 && time[motions[n - 1].1] == time[begin];
