@@ -1,6 +1,8 @@
 //! What must hold, by subject; models and data are beside this folder in `suite/` and `data/`.
 
 mod door;
+mod program;
 
+mod diagnostics;
 mod examples;
 mod reference;

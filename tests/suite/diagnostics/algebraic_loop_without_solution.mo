@@ -1,0 +1,7 @@
+// status: 3
+// error[MO0903] 6:3
+model Loop
+  Real x(start = 1);
+equation
+  x^2 = -1 - time;
+end Loop;

@@ -1,0 +1,9 @@
+// status: 1
+// error[MO0408] 4:8
+model Levels
+  Real a(start = 1, fixed = true);
+  Real b(start = 2, fixed = true);
+equation
+  der(a) = -b;
+  b = 3*a;
+end Levels;

@@ -1,0 +1,8 @@
+// status: 0
+model Base
+  Real x = 1;
+end Base;
+model Box
+  extends Base;
+  Real x = 2;
+end Box;

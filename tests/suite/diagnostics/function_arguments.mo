@@ -1,0 +1,15 @@
+// status: 1
+// error[MO0219] 11:12
+// error[MO0219] 12:12
+// error[MO0219] 13:18
+// error[MO0219] 14:12
+model Call
+  function twice
+    input Real x;
+    output Real y = 2*x;
+  end twice;
+  Real a = twice();
+  Real b = twice(1, 2);
+  Real c = twice(z = 2);
+  Real d = sin(1, 2);
+end Call;
