@@ -3,6 +3,9 @@
 mod door;
 mod program;
 
+mod closed_form;
 mod diagnostics;
 mod examples;
+mod hybrid;
+mod language;
 mod reference;
