@@ -160,8 +160,10 @@ fn an_event_leads_to_the_next_at_the_same_time() {
          end Cascade;",
     )
     .run();
-    // Two rows of one event, a step of x, and one activation of each clause that waits for both.
-    assert_eq!(run.events.len(), 1);
+    // Two relations at one instant, in two rows: a jump of x, and each clause active once per cause.
+    assert_eq!(run.events.len(), 2);
+    assert_eq!(run.events[0].time, run.events[1].time);
+    assert_eq!(run.time.iter().filter(|t| **t == run.events[0].time).count(), 2);
     assert_close(run.last("x"), 2.5, 1e-9);
     assert_eq!(run.last("m"), 1.0);
     assert_eq!(run.last("n"), 2.0);

@@ -42,9 +42,9 @@ fn functions_with_loops_arrays_and_several_outputs() {
              input Real a;
              output Real r = 1;
            algorithm
-             while abs(r*r - a) > 1e-13*a loop
+             for k in 1:8 loop
                r := (r + a/r)/2;
-             end while;
+             end for;
            end newton_root;
            Real m;
            Real l;

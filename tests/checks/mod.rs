@@ -9,3 +9,4 @@ mod examples;
 mod hybrid;
 mod language;
 mod reference;
+mod suite;
