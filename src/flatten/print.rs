@@ -7,7 +7,7 @@ use crate::ir::expr::{EnumId, ExprId, Type, VarId};
 use crate::ir::flat::{
     Action, Assert, Equation, EquationKind, FlatModel, StateSelect, Variable, WhenBranch,
 };
-use crate::symbolic::print::{print as print_expression, type_name};
+use crate::symbolic::print::{Names, print_named, type_name};
 
 /// Prints the model.
 pub fn print(flat: &FlatModel) -> String {
@@ -71,8 +71,9 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
 }
 
 fn expression(flat: &FlatModel, e: ExprId) -> String {
-    let names = |v: VarId| quoted(&flat.variables[v].name);
-    print_expression(&flat.graph, e, &names)
+    let variable = |v: VarId| quoted(&flat.variables[v].name);
+    let enumeration = |full_name: &str| quoted(full_name);
+    print_named(&flat.graph, e, &Names { variable: &variable, enumeration: &enumeration })
 }
 
 fn declaration(flat: &FlatModel, v: &Variable) -> String {

@@ -2,8 +2,21 @@
 
 use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Type, Unary, VarId};
 
+/// How what has a name is written.
+pub struct Names<'a> {
+    /// A variable.
+    pub variable: &'a dyn Fn(VarId) -> String,
+    /// The type of an enumeration literal, given its full name.
+    pub enumeration: &'a dyn Fn(&str) -> String,
+}
+
 /// Prints `e`; `names` gives each variable its name.
 pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> String {
+    print_named(graph, e, &Names { variable: names, enumeration: &str::to_string })
+}
+
+/// Prints `e` with names of variables and of types.
+pub fn print_named(graph: &Graph, e: ExprId, names: &Names<'_>) -> String {
     let mut out = String::new();
     write(graph, e, names, 0, &mut out);
     out
@@ -28,18 +41,18 @@ const PRODUCT: u8 = 7;
 const POWER: u8 = 8;
 const PRIMARY: u8 = 9;
 
-fn write(g: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String, outer: u8, out: &mut String) {
+fn write(g: &Graph, e: ExprId, names: &Names<'_>, outer: u8, out: &mut String) {
     let strength = strength(g, e);
     let parenthesised = strength < outer;
     if parenthesised {
         out.push('(');
     }
     match g.node(e) {
-        Node::Const(c) => literal(g, c, out),
+        Node::Const(c) => literal(g, c, names, out),
         Node::Time => out.push_str("time"),
-        Node::Var(v) => out.push_str(&names(v)),
-        Node::Der(v) => call(out, "der", |out| out.push_str(&names(v))),
-        Node::Pre(v) => call(out, "pre", |out| out.push_str(&names(v))),
+        Node::Var(v) => out.push_str(&(names.variable)(v)),
+        Node::Der(v) => call(out, "der", |out| out.push_str(&(names.variable)(v))),
+        Node::Pre(v) => call(out, "pre", |out| out.push_str(&(names.variable)(v))),
         Node::Unary(Unary::Neg, a) => {
             out.push('-');
             write(g, a, names, PRODUCT, out);
@@ -111,7 +124,7 @@ fn call(out: &mut String, name: &str, args: impl FnOnce(&mut String)) {
     out.push(')');
 }
 
-fn if_chain(g: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String, out: &mut String) {
+fn if_chain(g: &Graph, e: ExprId, names: &Names<'_>, out: &mut String) {
     let mut rest = e;
     let mut keyword = "if ";
     while let Node::If(c, a, b) = g.node(rest) {
@@ -126,7 +139,7 @@ fn if_chain(g: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String, out: &mut Str
     write(g, rest, names, OR, out);
 }
 
-fn literal(g: &Graph, c: Const, out: &mut String) {
+fn literal(g: &Graph, c: Const, names: &Names<'_>, out: &mut String) {
     match c {
         Const::Real(bits) => out.push_str(&real_literal(f64::from_bits(bits))),
         Const::Integer(i) => out.push_str(&i.to_string()),
@@ -146,7 +159,7 @@ fn literal(g: &Graph, c: Const, out: &mut String) {
         }
         Const::Enumeration(e, k) => {
             let ty = &g.enumerations[e];
-            out.push_str(&ty.name);
+            out.push_str(&(names.enumeration)(&ty.name));
             out.push('.');
             out.push_str(&ty.literals[k as usize - 1]);
         }

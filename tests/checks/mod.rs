@@ -3,6 +3,7 @@
 mod door;
 mod program;
 
+mod cli;
 mod closed_form;
 mod diagnostics;
 mod examples;
