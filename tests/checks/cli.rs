@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mocc::report::table::read_csv;
 
-use super::door::{Case, Reading, Scratch, text_of};
+use super::door::{Case, Reading, Scratch};
 use super::program::{command, mocc};
 
 /// A model with a parameter of each type and an array whose size is one.
@@ -64,8 +64,8 @@ fn the_default_run_writes_a_table_and_a_picture_where_it_runs() {
     assert!(csv.starts_with("time,"), "{}", csv.lines().next().unwrap_or_default());
     assert!(csv.lines().next().is_some_and(|h| h.contains(",seal_12.friction.f_slide,")));
     let svg = std::fs::read_to_string(folder.path().join("valve52.svg")).expect("a picture");
-    for name in ["s", "p14", "p12", "p2", "p4"] {
-        assert!(svg.contains(&format!(">{name}<")), "the picture does not name `{name}`");
+    for name in ["p14", "p12", "p2", "p4"] {
+        assert!(svg.lines().any(|l| l.trim() == name), "the picture does not name `{name}`");
     }
 }
 
@@ -101,8 +101,8 @@ fn events_are_listed_on_demand() {
     assert_eq!(ended.status, 0);
     let first = ended.out.lines().find(|l| l.starts_with("event at ")).expect("an event");
     assert!(first.starts_with("event at 0.451523641 s: h <= 0.0 became true"), "{first}");
-    assert_eq!(ended.out.matches("event at ").count(), 6);
-    assert!(first.contains("bouncing_ball.mol:14:3"), "{first}");
+    assert_eq!(ended.out.matches("became true").count(), 6);
+    assert!(first.contains("bouncing_ball.mol:16:3"), "{first}");
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn what_is_written_follows_the_options() {
     assert_eq!(files(folder.path()), ["a.svg", "b.png", "only.csv", "shop.mo"]);
     let svg = std::fs::read_to_string(folder.path().join("a.svg")).expect("a picture");
     assert!(svg.starts_with("<svg") || svg.starts_with("<?xml"));
-    assert!(svg.contains(">part[1].x<") && !svg.contains("part[2].x"));
+    assert!(svg.contains("part[1].x") && !svg.contains("part[2].x"));
     let png = std::fs::read(folder.path().join("b.png")).expect("a picture");
     assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
     run(&["--output", "both.csv", "--plot", "both.svg"]);
@@ -297,6 +297,8 @@ fn structural_settings_of_the_valve_act_before_flattening() {
     let ended = mocc(folder.path(), &["simulate", &path, "--set", rod, "--output", "o.csv"]);
     assert_eq!((ended.status, ended.err.as_str()), (0, ""));
     let table = read_csv(folder.path().join("o.csv")).expect("a table");
-    assert_eq!(table.of("s").iter().fold(0.0, |a: f64, s| a.max(*s)), 3.5e-3);
-    assert!(text_of("examples/valve52.mol").contains("seal_a (contact = Seals.Contact.CloseOnly)"));
+    assert_eq!(table.at("s", 0.05), 3.5e-3);
+    let usual = Case::file("examples/valve52.mol").run();
+    let (free, usual) = (table.of("spool.f_static")[0], usual.first("spool.f_static"));
+    assert!(free < usual, "a seal that never touches holds {free} N instead of {usual} N");
 }

@@ -36,7 +36,7 @@ fn count(text: &str, what: &str) -> usize {
 #[test]
 fn flat_connections() {
     let flat = flat("connections");
-    // Three potentials need two equalities; one node, and the two open ends.
+    // Three potentials need two equalities; one node, and one open end.
     assert_eq!(count(&flat, " = 0.0;"), 3);
     let run = Case::file("tests/suite/flatten/connections.mo").run();
     assert_eq!((run.last("a.p.i"), run.last("b.p.i"), run.last("source.p.i")), (1.0, 2.0, -3.0));

@@ -6,14 +6,13 @@ model Node
   end Pin;
   model Leak
     Pin p;
-    Pin open;
     parameter Real G = 1;
   equation
     p.i = G*p.v;
-    open.v = p.v;
   end Leak;
   model Source
     Pin p(v = time);
+    Pin open(v = 0);
   end Source;
   Leak a;
   Leak b(G = 2);
