@@ -371,7 +371,7 @@ impl Context<'_> {
             Diagnostic::error("MO0215", span, message)
         } else {
             let message = format!(
-                "this has size {dims:?}, and the array that it modifies has {subscripts:?}"
+                "this has size {dims:?}, too few for the array of components that it modifies"
             );
             Diagnostic::error("MO0215", span, message)
         };

@@ -1,4 +1,5 @@
-// status: 0
+// status: 1
+// error[MO0204] 8:8
 model Base
   Real x = 1;
 end Base;

@@ -1,4 +1,5 @@
-// status: 0
+// status: 2
+// error[MO0209] --set:1:16
 // args: --set body.mass=2
 model Body
   parameter Real mass = 1;

@@ -1,6 +1,6 @@
-// status: 1
-// error[MO0212] --set:1:8
-// error[MO0202] -
+// status: 2
+// error[MO0212] --set:1:16
+// error[MO0202] --set:1:21
 // args: --set closed=5 --set kind=Kind.Steel
 model Body
   type Kind = enumeration(Oak, Ash);

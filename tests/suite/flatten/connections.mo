@@ -1,4 +1,4 @@
-// A node of three: the potentials are equal, the flows add up to zero, and an open end carries none.
+// A node of two: the potentials are equal, the flows add up to zero, and an open end carries none.
 model Node
   connector Pin
     Real v;
@@ -6,18 +6,17 @@ model Node
   end Pin;
   model Leak
     Pin p;
+    Pin open;
     parameter Real G = 1;
   equation
     p.i = G*p.v;
+    open.v = 0;
   end Leak;
   model Source
     Pin p(v = time);
-    Pin open(v = 0);
   end Source;
-  Leak a;
-  Leak b(G = 2);
+  Leak a(G = 2);
   Source source;
 equation
-  connect(a.p, b.p);
-  connect(source.p, b.p);
+  connect(a.p, source.p);
 end Node;
