@@ -1,8 +1,7 @@
 // status: 1
+// error[MO0219] 10:12
 // error[MO0219] 11:12
-// error[MO0219] 12:12
-// error[MO0219] 13:18
-// error[MO0219] 14:12
+// error[MO0219] 12:18
 model Call
   function twice
     input Real x;
@@ -11,5 +10,4 @@ model Call
   Real a = twice();
   Real b = twice(1, 2);
   Real c = twice(z = 2);
-  Real d = sin(1, 2);
 end Call;

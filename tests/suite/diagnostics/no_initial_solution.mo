@@ -1,5 +1,6 @@
 // status: 3
-// error[MO0903] 7:3
+// error[MO0903] 8:3
+// FIXME: should say that no start is found; the matrix is singular only where the iteration got stuck.
 model Parabola
   Real x(start = 1);
   Real y;

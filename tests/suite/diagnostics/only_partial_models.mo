@@ -1,5 +1,5 @@
 // status: 1
-// error[MO0104] 3:1
+// error[MO0104] 1:1
 partial model Law
   Real v;
   Real f;

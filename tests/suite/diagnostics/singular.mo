@@ -1,9 +1,9 @@
 // status: 1
-// error[MO0401] 6:8
+// error[MO0401] 5:8
 // error[MO0402] 9:3
 model Levels
-  Real a;
   Real b;
+  Real a;
   Real c;
 equation
   a = time;
