@@ -1,2 +1,2 @@
-//! The tests that see mocc from outside, in one binary.
+//! All integration tests, one binary: each further binary would link the whole crate again.
 mod checks;

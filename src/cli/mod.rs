@@ -57,6 +57,19 @@ fn say(session: &Session) {
     }
 }
 
+/// Writes a result to the standard output. Who reads it may stop early: that is no failure.
+fn print(text: &str) -> Status {
+    use std::io::{ErrorKind, Write};
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(why) if why.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("error: cannot write to the standard output: {why}");
+            Status::Usage
+        }
+        _ => Status::Done,
+    }
+}
+
 fn style() -> Style {
     use std::io::IsTerminal;
     if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {

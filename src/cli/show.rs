@@ -1,7 +1,7 @@
 //! `mocc flatten` and `mocc structure`: what the compiler made of a model, as text.
 
 use super::args::Model;
-use super::{Status, say};
+use super::{Status, print, say};
 use crate::driver::compile::Session;
 
 /// Prints the flat model.
@@ -10,10 +10,7 @@ pub fn flatten(options: &Model) -> Status {
     let flat = session.flatten(&options.request());
     say(&session);
     match flat {
-        Ok(flat) => {
-            print!("{}", crate::flatten::print::print(&flat));
-            Status::Done
-        }
+        Ok(flat) => print(&crate::flatten::print::print(&flat)),
         Err(wrong) => wrong.into(),
     }
 }
@@ -24,10 +21,7 @@ pub fn structure(options: &Model) -> Status {
     let blocks = session.flatten(&options.request()).and_then(|flat| session.sort(flat));
     say(&session);
     match blocks {
-        Ok(blocks) => {
-            print!("{}", crate::structure::print::print(&blocks, &session.sources));
-            Status::Done
-        }
+        Ok(blocks) => print(&crate::structure::print::print(&blocks, &session.sources)),
         Err(wrong) => wrong.into(),
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::args::Simulate;
-use super::{Status, say, style};
+use super::{Status, print, say, style};
 use crate::base::render::render;
 use crate::driver::compile::Session;
 use crate::ir::program::Program;
@@ -63,11 +63,9 @@ pub fn run(options: &Simulate) -> Status {
             return Status::Usage;
         }
     };
-    if options.events {
-        print!("{}", events(&run.trajectory));
-    }
-    print!("{}", summary(&program, &run, compiled, begun.elapsed(), &written));
-    Status::Done
+    let mut text = if options.events { events(&run.trajectory) } else { String::new() };
+    text.push_str(&summary(&program, &run, compiled, begun.elapsed(), &written));
+    print(&text)
 }
 
 /// Writes the table and the picture; the names of the files.

@@ -70,7 +70,12 @@ impl Session {
         let class = model(&mut cx, request, file.as_deref())?;
         let flat = crate::flatten::flatten(&mut cx, class, &settings);
         self.times.push(("flatten", begun.elapsed()));
-        let only_settings = self.problems.iter().all(|d| matches!(d.code, "MO0240" | "MO0241"));
+        let sources = &self.sources;
+        let of_setting = |d: &Diagnostic| {
+            matches!(d.code, "MO0240" | "MO0241")
+                || sources.get(d.primary.0.file).is_some_and(|f| f.path == Path::new("--set"))
+        };
+        let only_settings = self.problems.iter().all(of_setting);
         self.checked(if only_settings { Wrong::Request } else { Wrong::Model })?;
         Ok(flat)
     }

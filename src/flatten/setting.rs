@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::name::name;
-use crate::base::source::{FileId, SourceMap, Span};
+use crate::base::source::{SourceMap, Span};
 use crate::instantiate::Context;
 use crate::ir::ast::{ClassBody, ElementKind, Expr, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
@@ -58,10 +58,15 @@ fn expression(
     sources: &mut SourceMap,
     problems: &mut Problems,
 ) -> Option<Expr> {
-    let before = "model S Real x =";
-    let file = format!("{before}{value}; end S;");
+    // The value stands at the same place in the text that is shown and in the one that is parsed, so that
+    // messages about any part of it show the setting itself.
+    let (declaration, place) = ("model S Real x", whole.len() - value.len());
+    let shown_from = (declaration.len() + 1).saturating_sub(place);
+    let id = sources.add("--set", format!("{:shown_from$}{whole}", ""));
+    let width = place + shown_from - 1;
+    let file = format!("{declaration:width$}={value}; end S;");
     let mut own = Problems::new();
-    let parsed = crate::parse::grammar::parse(FileId(u32::MAX), &file, &mut own);
+    let parsed = crate::parse::grammar::parse(id, &file, &mut own);
     let class = parsed.classes.first();
     let found = class.and_then(|c| match &c.body {
         ClassBody::Long(composition) => composition.elements.iter().find_map(|e| match &e.kind {
@@ -75,18 +80,7 @@ fn expression(
         _ => None,
     });
     match found {
-        Some(e) if !own.has_errors() => {
-            // Messages about the value show the setting itself.
-            let id = sources.add("--set", whole.to_string());
-            let shift = before.len() as i64 - (whole.len() - value.len()) as i64;
-            let mut e = (*e).clone();
-            e.span = Span {
-                file: id,
-                start: (i64::from(e.span.start) - shift) as u32,
-                end: (i64::from(e.span.end) - shift) as u32,
-            };
-            Some(e)
-        }
+        Some(e) if !own.has_errors() => Some((*e).clone()),
         _ => {
             problems.push(
                 Diagnostic::error(

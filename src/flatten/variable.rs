@@ -104,9 +104,6 @@ pub fn fill(cx: &mut Context<'_>, flat: &mut FlatModel) {
     }
 }
 
-/// Where an attribute is kept.
-type Slot<T> = fn(&mut Variable) -> &mut T;
-
 fn attributes(
     cx: &mut Context<'_>,
     flat: &mut FlatModel,

@@ -306,11 +306,32 @@ impl Context<'_> {
         } else if table.entries[at].class == class {
             self.report_duplicate(&entry, &table.entries[at].name);
         } else {
-            // An inherited element declared again must be identical (section 7.1); the new one
-            // stands, so that its modifications count.
+            // An inherited element declared again must be identical (section 7.3 of the
+            // specification); the new one stands.
+            if !self.identical(&table.entries[at], &entry) {
+                self.report_inherited_duplicate(&entry, &table.entries[at].name);
+            }
             let component = table.entries[at].component;
             table.entries[at] = Entry { component, ..entry };
         }
+    }
+
+    /// Whether two declarations of one name say the same: type, sizes and modification, as written.
+    fn identical(&self, a: &Entry, b: &Entry) -> bool {
+        let (EntryKind::Component(a), EntryKind::Component(b)) = (&a.kind, &b.kind) else {
+            return matches!((&a.kind, &b.kind), (EntryKind::Class(_), EntryKind::Class(_)));
+        };
+        let written = |d: &Declaration| {
+            let text = d.component().modification.as_ref().and_then(|m| self.sources.text(m.span));
+            let words = text.unwrap_or_default().split_whitespace();
+            words.collect::<String>()
+        };
+        let (of_a, of_b) = (a.clause(), b.clause());
+        of_a.type_name.to_string() == of_b.type_name.to_string()
+            && of_a.prefix == of_b.prefix
+            && of_a.type_dims.len() + a.component().dims.len()
+                == of_b.type_dims.len() + b.component().dims.len()
+            && written(a) == written(b)
     }
 
     fn enumeration(

@@ -350,7 +350,21 @@ impl Context<'_> {
         found.iter().find_map(Layer::binding)
     }
 
+    /// What is `final` inside is not bound again further outside (section 7.2.6 of the specification).
+    fn check_final(&mut self, id: InstanceId) {
+        let bindings: Vec<Binding> =
+            self.instances[id].layers.iter().filter_map(Layer::binding).collect();
+        let Some((outer, inner)) = bindings.split_first() else { return };
+        let declared_final =
+            self.instances[id].declaration.as_ref().is_some_and(|d| d.element.is_final);
+        let last = inner.last().filter(|_| declared_final);
+        if let Some(closed) = inner.iter().find(|b| b.is_final).or(last) {
+            self.report_final(id, outer.value.span, closed.value.span);
+        }
+    }
+
     fn check_attribute_names(&mut self, id: InstanceId) {
+        self.check_final(id);
         for layer in self.instances[id].layers.clone().iter() {
             if let LayerSource::Setting(s, depth) = &layer.source {
                 if s.parts.len() == *depth

@@ -133,22 +133,17 @@ impl Context<'_> {
     ) {
         let class = self.instances[id].class.map(|c| self.classes[c].full_name);
         let class = class.map_or(String::new(), |c| c.to_string());
-        let names = table.entries.iter().map(|e| e.name.name.as_str());
+        let names: Vec<&str> = table.entries.iter().map(|e| e.name.name.as_str()).collect();
         let mut d = Diagnostic::error(
             "MO0203",
             span,
             format!("class `{class}` has no element `{text}` to modify"),
         )
         .label("not found");
-        d = match did_you_mean(&text, names) {
+        d = match did_you_mean(&text, names.iter().copied()) {
             Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => {
-                let names: Vec<&str> = table.entries.iter().map(|e| e.name.name.as_str()).collect();
-                match names.as_slice() {
-                    [] => d.help("remove the modification, or declare the element in the class"),
-                    names => d.help(format!("it has {}", listed(names))),
-                }
-            }
+            None if names.is_empty() => d.help("remove the modification"),
+            None => d.help(format!("it has {}", listed(&names))),
         };
         self.problems.push(d);
     }
@@ -168,6 +163,19 @@ impl Context<'_> {
         self.problems.push(d);
     }
 
+    pub(crate) fn report_final(&mut self, id: InstanceId, span: Span, closed: Span) {
+        self.problems.push(
+            Diagnostic::error(
+                "MO0209",
+                span,
+                format!("`{}` is final: it keeps the value it has", self.path(id)),
+            )
+            .label("another value")
+            .also(closed, "its final value")
+            .help("remove this value, or `final` where it stands"),
+        );
+    }
+
     pub(crate) fn report_duplicate(&mut self, entry: &Entry, before: &ast::Ident) {
         self.problems.push(
             Diagnostic::error(
@@ -178,6 +186,22 @@ impl Context<'_> {
             .label("second declaration")
             .also(before.span, "first declaration")
             .help("rename or remove one of them"),
+        );
+    }
+
+    pub(crate) fn report_inherited_duplicate(&mut self, entry: &Entry, before: &ast::Ident) {
+        let name = entry.name.name;
+        self.problems.push(
+            Diagnostic::error(
+                "MO0204",
+                entry.name.span,
+                format!("`{name}` is inherited and declared again in another way"),
+            )
+            .label("declared again")
+            .also(before.span, "inherited from here")
+            .help(format!(
+                "modify the inherited one, as in `extends ...({name} = ...)`, or rename"
+            )),
         );
     }
 

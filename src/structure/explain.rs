@@ -40,7 +40,9 @@ pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
         return Some(());
     }
     let parts = dulmage_mendelsohn::decompose(&collapsed, &matched);
-    let counts = (rows, cols);
+    // The model's own count: what was solved for by hand has an equation and an unknown each.
+    let trivial = dae.eliminated.len();
+    let counts = (rows + trivial, cols + trivial);
     let named = |part: &Part| -> (Vec<Source>, Vec<VarId>) {
         let sources = part.rows.iter().map(|row| system.sources[*row]);
         (sources.collect(), part.cols.iter().map(|col| unknowns[col.0 as usize]).collect())

@@ -1,2 +1,14 @@
-//! One module per question.
+//! What must hold, by subject; models and data are beside this folder in `suite/` and `data/`.
+
+mod door;
+mod program;
+
 mod architecture;
+mod cli;
+mod closed_form;
+mod diagnostics;
+mod examples;
+mod hybrid;
+mod language;
+mod reference;
+mod suite;

@@ -268,6 +268,20 @@ impl Context<'_> {
             {
                 return Some(Value::Scalar(self.graph.der(x)));
             }
+            let nodes = self.graph.postorder([e]);
+            if nodes.into_iter().any(|n| matches!(self.graph.node(n), Node::Der(_))) {
+                self.problems.push(
+                    Diagnostic::error(
+                        "MO0200",
+                        span,
+                        "not supported yet: the derivative of a derivative",
+                    )
+                    .help(
+                        "give the first derivative a name, as in `v = der(x)`, and write `der(v)`",
+                    ),
+                );
+                return None;
+            }
             let continuous: Vec<VarId> = self
                 .graph
                 .variables(e)

@@ -388,18 +388,19 @@ impl Context<'_> {
         if let Some(part) = value.select(subscripts) {
             return Some(part);
         }
-        self.problems.push(
-            Diagnostic::error(
-                "MO0215",
-                span,
-                format!(
-                    "this has size {:?} and is needed for element {:?} of an array of components",
-                    value.dims(),
-                    subscripts
-                ),
-            )
-            .help("write `each` before the modification if all elements get the same value"),
-        );
+        let dims = value.dims();
+        let d = if dims.is_empty() {
+            let message = "this is one value, and it modifies an array of components";
+            Diagnostic::error("MO0215", span, message)
+        } else {
+            let message = format!(
+                "this has size {dims:?}, too few for the array of components that it modifies"
+            );
+            Diagnostic::error("MO0215", span, message)
+        };
+        self.problems.push(d.help(
+            "write `each` before the modification if all get the same, else one value for each",
+        ));
         None
     }
 

@@ -1,0 +1,304 @@
+//! The command line: options, files, exit statuses.
+
+use std::path::Path;
+
+use mocc::report::table::read_csv;
+
+use super::door::{Case, Reading, Scratch};
+use super::program::{command, mocc};
+
+/// A model with a parameter of each type and an array whose size is one.
+const MODEL: &str = "
+package Shop
+  type Kind = enumeration(Slow, Fast);
+  model Part
+    parameter Real rate = 1;
+    Real x(start = 1, fixed = true);
+  equation
+    der(x) = -rate*x;
+  end Part;
+  model Other
+    Real y = 7*time;
+  end Other;
+  model Machine
+    parameter Integer n = 2;
+    parameter Boolean running = true;
+    parameter Kind kind = Kind.Slow;
+    parameter Real gain = 1;
+    Part part[n];
+    Real out = (if running then gain else 0)*(if kind == Kind.Fast then 10 else 1);
+    annotation(experiment(StopTime = 1, Interval = 0.1, Tolerance = 1e-8));
+  end Machine;
+end Shop;
+";
+
+/// A folder with the model in it.
+fn shop() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.file("shop.mo", MODEL);
+    scratch
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let list = std::fs::read_dir(folder).expect("a folder").flatten();
+    let mut names: Vec<String> =
+        list.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+fn example(name: &str) -> String {
+    format!("{}/examples/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn the_default_run_writes_a_table_and_a_picture_where_it_runs() {
+    let folder = Scratch::new();
+    let ended = mocc(folder.path(), &["simulate", &example("valve52.mol")]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    assert_eq!(files(folder.path()), ["valve52.csv", "valve52.svg"]);
+    for word in ["13 states", "15 events", "steps", " ms", "valve52.csv", "valve52.svg"] {
+        assert!(ended.out.contains(word), "no `{word}` in:\n{}", ended.out);
+    }
+    let csv = std::fs::read_to_string(folder.path().join("valve52.csv")).expect("a table");
+    assert!(csv.starts_with("time,"), "{}", csv.lines().next().unwrap_or_default());
+    assert!(csv.lines().next().is_some_and(|h| h.contains(",seal_12.friction.f_slide,")));
+    let svg = std::fs::read_to_string(folder.path().join("valve52.svg")).expect("a picture");
+    for name in ["p14", "p12", "p2", "p4"] {
+        assert!(svg.lines().any(|l| l.trim() == name), "the picture does not name `{name}`");
+    }
+}
+
+#[test]
+fn the_table_reads_back_to_the_bit() {
+    let folder = Scratch::new();
+    let ended = mocc(folder.path(), &["simulate", &example("valve52.mol"), "--output", "v.csv"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert_eq!(files(folder.path()), ["v.csv"]);
+    let run = Case::file("examples/valve52.mol").run();
+    let table = read_csv(folder.path().join("v.csv")).expect("a table");
+    assert_eq!(table.rows(), run.rows());
+    assert_eq!(table.columns.len(), run.columns.len());
+    for (k, column) in run.columns.iter().enumerate() {
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&run.data[k]), bits(table.of(&column.name)), "{}", column.name);
+    }
+    // Each event is two rows at its time; at its grid point one row for every 0.1 ms.
+    for event in &run.events {
+        assert_eq!(table.time.iter().filter(|t| **t == event.time).count(), 2, "{event:?}");
+    }
+    for k in 0..=1200 {
+        let t = f64::from(k) * 1e-4;
+        assert!(table.time.iter().any(|x| (x - t).abs() < 1e-12), "no row at {t} s");
+    }
+}
+
+#[test]
+fn events_are_listed_on_demand() {
+    let folder = Scratch::new();
+    let path = example("bouncing_ball.mol");
+    let ended = mocc(folder.path(), &["simulate", &path, "--events", "--output", "b.csv"]);
+    assert_eq!(ended.status, 0);
+    let first = ended.out.lines().find(|l| l.starts_with("event at ")).expect("an event");
+    assert!(first.starts_with("event at 0.451523641 s: h <= 0.0 became true"), "{first}");
+    assert_eq!(ended.out.matches("became true").count(), 6);
+    assert!(first.contains("bouncing_ball.mol:16:3"), "{first}");
+}
+
+#[test]
+fn what_is_written_follows_the_options() {
+    let folder = shop();
+    let run = |arguments: &[&str]| {
+        let mut all = vec!["simulate", "shop.mo"];
+        all.extend(arguments);
+        let ended = mocc(folder.path(), &all);
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{arguments:?}");
+    };
+    run(&["--output", "only.csv"]);
+    assert_eq!(files(folder.path()), ["only.csv", "shop.mo"]);
+    run(&["--plot", "a.svg", "--show", "part[1].x,out"]);
+    run(&["--plot", "b.png"]);
+    assert_eq!(files(folder.path()), ["a.svg", "b.png", "only.csv", "shop.mo"]);
+    let svg = std::fs::read_to_string(folder.path().join("a.svg")).expect("a picture");
+    assert!(svg.starts_with("<svg") || svg.starts_with("<?xml"));
+    assert!(svg.contains("part[1].x") && !svg.contains("part[2].x"));
+    let png = std::fs::read(folder.path().join("b.png")).expect("a picture");
+    assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
+    run(&["--output", "both.csv", "--plot", "both.svg"]);
+    run(&[]);
+    assert_eq!(files(folder.path()).len(), 8);
+    assert!(folder.path().join("shop.csv").exists() && folder.path().join("shop.svg").exists());
+}
+
+#[test]
+fn settings_of_each_type() {
+    let folder = shop();
+    let run = |settings: &[&str]| {
+        let mut all = vec!["simulate", "shop.mo", "--output", "o.csv"];
+        settings.iter().for_each(|s| all.extend(["--set", s]));
+        let ended = mocc(folder.path(), &all);
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{settings:?}");
+        read_csv(folder.path().join("o.csv")).expect("a table")
+    };
+    let plain = run(&[]);
+    assert_eq!((plain.last("out"), plain.columns.len()), (1.0, 5));
+    assert_eq!(run(&["gain=2.5e-1"]).last("out"), 0.25);
+    assert_eq!(run(&["running=false"]).last("out"), 0.0);
+    assert_eq!(run(&["kind=Kind.Fast"]).last("out"), 10.0);
+    assert_eq!(run(&["kind=Shop.Kind.Fast", "gain=3"]).last("out"), 30.0);
+    let larger = run(&["n=4", "part[3].rate=2"]);
+    assert!((larger.last("part[3].x") - f64::exp(-2.0)).abs() < 1e-7);
+    assert!((larger.last("part[4].x") - f64::exp(-1.0)).abs() < 1e-7);
+}
+
+#[test]
+fn stop_interval_tolerance_and_model() {
+    let folder = shop();
+    let run = |options: &[&str]| {
+        let mut all = vec!["simulate", "shop.mo", "--output", "o.csv"];
+        all.extend(options);
+        let ended = mocc(folder.path(), &all);
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{options:?}");
+        (read_csv(folder.path().join("o.csv")).expect("a table"), ended.out)
+    };
+    assert_eq!(run(&[]).0.rows(), 11);
+    let (longer, _) = run(&["--stop", "2", "--interval", "0.5"]);
+    assert_eq!(longer.time, [0.0, 0.5, 1.0, 1.5, 2.0]);
+    let exact = f64::exp(-1.0);
+    let error = |t: &str| (run(&["--tolerance", t]).0.last("part[1].x") - exact).abs();
+    assert!(error("1e-10") < 1e-9 && error("1e-10") < error("1e-2"));
+    let (other, _) = run(&["--model", "Shop.Other"]);
+    assert_eq!(other.last("y"), 7.0);
+}
+
+#[test]
+fn libraries_are_found_by_option_and_by_environment() {
+    let folder = Scratch::new();
+    folder.file("libraries/Hall/package.mo", "within;\npackage Hall\nend Hall;\n");
+    folder.file(
+        "libraries/Hall/Lamp.mo",
+        "within Hall;\nmodel Lamp\n  parameter Real P = 60;\n  Real heat = P;\nend Lamp;\n",
+    );
+    folder.file("libraries/Single.mo", "model Single\n  Real x = 3;\nend Single;\n");
+    folder.file("use.mo", "model Use\n  Hall.Lamp lamp(P = 40);\n  Single one;\nend Use;\n");
+    let alone = mocc(folder.path(), &["flatten", "use.mo"]);
+    assert_eq!(alone.status, 1);
+    assert!(alone.err.contains("there is no class `Hall.Lamp`"), "{}", alone.err);
+    let arguments = ["simulate", "use.mo", "--output", "u.csv", "--lib", "libraries"];
+    assert_eq!(mocc(folder.path(), &arguments).status, 0);
+    let libraries = folder.path().join("libraries");
+    let ended =
+        command(folder.path(), &["flatten", "use.mo"], &[("MODELICAPATH", libraries.as_path())]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    assert!(ended.out.contains("'lamp.P' = 40"), "{}", ended.out);
+    // A model of a library needs no file.
+    let arguments = ["simulate", "--model", "Hall.Lamp", "--lib", "libraries", "--output", "l.csv"];
+    assert_eq!(mocc(folder.path(), &arguments).status, 0);
+}
+
+#[test]
+fn flat_text_and_structure_go_to_the_standard_output() {
+    let folder = shop();
+    let flat = mocc(folder.path(), &["flatten", "shop.mo", "--set", "n=3"]);
+    assert_eq!((flat.status, flat.err.as_str()), (0, ""));
+    assert!(flat.out.starts_with("model 'Shop.Machine'") && flat.out.contains("'part[3].x'"));
+    let structure = mocc(folder.path(), &["structure", "shop.mo"]);
+    assert_eq!((structure.status, structure.err.as_str()), (0, ""));
+    assert!(structure.out.contains("states (2): part[1].x, part[2].x"), "{}", structure.out);
+    assert_eq!(files(folder.path()), ["shop.mo"]);
+}
+
+#[test]
+fn exit_statuses() {
+    let folder = shop();
+    folder.file("wrong.mo", "model W\n  Real x = y;\nend W;\n");
+    folder.file("pole.mo", "model P\n  Real x = 1/(time - 0.5);\nend P;\n");
+    let status = |arguments: &[&str]| mocc(folder.path(), arguments).status;
+    assert_eq!(status(&["simulate", "shop.mo"]), 0);
+    assert_eq!(status(&["--help"]), 0);
+    assert_eq!(status(&["--version"]), 0);
+    for command in ["simulate", "flatten", "structure"] {
+        assert_eq!(status(&[command, "wrong.mo"]), 1);
+        assert_eq!(status(&[command, "shop.mo", "--model", "Shop.None"]), 1);
+        assert_eq!(status(&[command, "missing.mo"]), 2);
+        assert_eq!(status(&[command, "shop.mo", "--set", "nothing=1"]), 2);
+        assert_eq!(status(&[command, "shop.mo", "--set", "gain=true"]), 2);
+        assert_eq!(status(&[command]), 2);
+    }
+    assert_eq!(status(&["simulate", "shop.mo", "--nonsense"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--stop", "soon"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--stop", "-1"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--tolerance", "0"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--interval", "0"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--plot", "a.jpg"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--show", "part[9].x"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--output", "no/such/folder.csv"]), 2);
+    assert_eq!(status(&["simulate", "pole.mo"]), 3);
+}
+
+#[test]
+fn requests_that_cannot_be_met_are_explained() {
+    let folder = shop();
+    folder.file("latin.mo", "model A\nend A;\n");
+    std::fs::write(folder.path().join("latin.mo"), b"model A \"Gr\xf6\xdfe\"\nend A;\n")
+        .expect("a writable folder");
+    folder.file("empty.mo", "");
+    let said = |arguments: &[&str]| {
+        let ended = mocc(folder.path(), arguments);
+        format!("$ mocc {}\n{}[{}]\n", arguments.join(" "), ended.err, ended.status)
+    };
+    let all = [
+        said(&["simulate", "shpo.mo"]),
+        said(&["simulate", "elsewhere/valve.mo"]),
+        said(&["simulate", "latin.mo"]),
+        said(&["simulate", "empty.mo"]),
+        said(&["simulate", "shop.mo", "--show", "part[1].z"]),
+        said(&["simulate", "shop.mo", "--plot", "a.jpg"]),
+    ];
+    for text in &all {
+        assert!(text.contains("error"), "{text}");
+    }
+    insta::assert_snapshot!("requests", all.join("\n"));
+}
+
+#[test]
+fn a_failed_run_leaves_an_existing_result_as_it_was() {
+    let folder = Scratch::new();
+    folder.file("late.mo", "model L\n  Real x = sqrt(0.5 - time);\nend L;\n");
+    folder.file("old.csv", "time,x\n0,1\n");
+    folder.file("old.svg", "<svg/>");
+    let arguments = ["simulate", "late.mo", "--output", "old.csv", "--plot", "old.svg"];
+    assert_eq!(mocc(folder.path(), &arguments).status, 3);
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
+    assert_eq!((text("old.csv").as_str(), text("old.svg").as_str()), ("time,x\n0,1\n", "<svg/>"));
+    assert_eq!(files(folder.path()), ["late.mo", "old.csv", "old.svg"]);
+    // What cannot be drawn is refused before the table is written.
+    folder.file("fine.mo", "model F\n  Real x = time;\nend F;\n");
+    let arguments =
+        ["simulate", "fine.mo", "--output", "old.csv", "--plot", "p.svg", "--show", "y"];
+    assert_eq!(mocc(folder.path(), &arguments).status, 2);
+    assert_eq!(text("old.csv"), "time,x\n0,1\n");
+}
+
+#[test]
+fn structural_settings_of_the_valve_act_before_flattening() {
+    let folder = Scratch::new();
+    let path = example("valve52.mol");
+    let free = "seal_45.contact=Seals.Contact.CloseOnly";
+    let ended = mocc(folder.path(), &["simulate", &path, "--set", free, "--output", "o.csv"]);
+    // The library asks for a control edge where a seal opens a flow path.
+    assert_eq!(ended.status, 1, "{}", ended.err);
+    assert!(
+        ended.err.contains("a seal that opens a flow path has a control edge"),
+        "{}",
+        ended.err
+    );
+    let rod = "seal_a.contact=Seals.Contact.Free";
+    let ended = mocc(folder.path(), &["simulate", &path, "--set", rod, "--output", "o.csv"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let table = read_csv(folder.path().join("o.csv")).expect("a table");
+    assert_eq!(table.at("s", 0.05), 3.5e-3);
+    let usual = Case::file("examples/valve52.mol").run();
+    let (free, usual) = (table.of("spool.f_static")[0], usual.first("spool.f_static"));
+    assert!(free < usual, "a seal that never touches holds {free} N instead of {usual} N");
+}

@@ -1,0 +1,202 @@
+//! The language: what declarations, modifications and algorithms mean.
+
+use super::door::{Case, Reading, assert_close};
+
+#[test]
+fn enumerations_compare_in_order_and_index_arrays() {
+    let run = Case::text(
+        "model Gears
+           type Gear = enumeration(First, Second, Third);
+           parameter Gear gear = Gear.Second;
+           parameter Real ratio[Gear] = {3.5, 2.1, 1.4};
+           Real i = ratio[gear];
+           Boolean low = gear < Gear.Third;
+           Integer number = Integer(gear);
+         end Gears;",
+    );
+    let second = run.run();
+    assert_eq!((second.last("i"), second.last("low"), second.last("number")), (2.1, 1.0, 2.0));
+    let third = run.set("gear=Gear.Third").run();
+    assert_eq!((third.last("i"), third.last("low"), third.last("number")), (1.4, 0.0, 3.0));
+}
+
+#[test]
+fn functions_with_loops_arrays_and_several_outputs() {
+    let run = Case::text(
+        "model Call
+           function statistics
+             input Real x[:];
+             output Real mean = 0;
+             output Real largest = x[1];
+           protected
+             Integer n = size(x, 1);
+           algorithm
+             for k in 1:n loop
+               mean := mean + x[k]/n;
+               if x[k] > largest then
+                 largest := x[k];
+               end if;
+             end for;
+           end statistics;
+           function newton_root
+             input Real a;
+             output Real r = 1;
+           algorithm
+             for k in 1:8 loop
+               r := (r + a/r)/2;
+             end for;
+           end newton_root;
+           Real m;
+           Real l;
+           Real r = newton_root(2 + time);
+         equation
+           (m, l) = statistics({time, 2*time, 6});
+         end Call;",
+    )
+    .run();
+    assert_close(run.last("m"), 3.0, 1e-14);
+    assert_eq!(run.last("l"), 6.0);
+    assert_close(run.last("r"), f64::sqrt(3.0), 1e-13);
+}
+
+#[test]
+fn the_outermost_modification_wins() {
+    let run = Case::text(
+        "package P
+           model Base
+             parameter Real a = 1;
+             parameter Real b = 10*a;
+             Real x = a + b;
+           end Base;
+           model Middle
+             extends Base(a = 2);
+           end Middle;
+           model Holder
+             Middle one(b = 5);
+             Middle two;
+             Middle many[2](a = {7, 8}, each b = 1);
+           end Holder;
+           model Top
+             Holder h(one(a = 3));
+           end Top;
+         end P;",
+    );
+    let found = run.run();
+    let x = |name: &str| found.last(name);
+    assert_eq!((x("h.one.x"), x("h.two.x")), (8.0, 22.0));
+    assert_eq!((x("h.many[1].x"), x("h.many[2].x")), (8.0, 9.0));
+    let set = run.set("h.one.a=4").set("h.many[2].b=2").run();
+    assert_eq!((set.last("h.one.x"), set.last("h.many[2].x")), (9.0, 10.0));
+}
+
+#[test]
+fn replaceable_models_are_exchanged() {
+    let text = "package P
+           partial model Law
+             input Real v;
+             Real f;
+           end Law;
+           model Linear
+             extends Law;
+             parameter Real d = 1;
+           equation
+             f = d*v;
+           end Linear;
+           model Square
+             extends Law;
+           equation
+             f = v*abs(v);
+           end Square;
+           model Body
+             replaceable model Drag = Linear constrainedby Law;
+             Drag drag(v = v);
+             Real v(start = 1, fixed = true);
+           equation
+             der(v) = -drag.f;
+             annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+           end Body;";
+    let linear = Case::text(&format!("{text} model A = Body; end P;")).run();
+    assert_close(linear.last("v"), f64::exp(-1.0), 1e-7);
+    let square =
+        Case::text(&format!("{text} model A = Body(redeclare model Drag = Square); end P;")).run();
+    assert_close(square.last("v"), 0.5, 1e-7);
+    let tuned =
+        Case::text(&format!("{text} model A = Body(redeclare model Drag = Linear(d = 2)); end P;"))
+            .run();
+    assert_close(tuned.last("v"), f64::exp(-2.0), 1e-7);
+}
+
+#[test]
+fn matrices_and_vectors() {
+    let run = Case::text(
+        "model Linear
+           parameter Real A[2, 2] = [0, 1; -4, 0];
+           parameter Real x_0[2] = {1, 0};
+           Real x[2](start = x_0, each fixed = true);
+           Real y = {3, 4}*{1, 2} + sum(A) + max(x_0);
+           Real z[2] = transpose(A)*x_0;
+           Real w[3] = cat(1, {1}, 2*ones(2));
+         equation
+           der(x) = A*x;
+           annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+         end Linear;",
+    )
+    .run();
+    assert_close(run.last("x[1]"), f64::cos(2.0), 1e-7);
+    assert_close(run.last("x[2]"), -2.0 * f64::sin(2.0), 1e-7);
+    assert_eq!(run.last("y"), 11.0 - 3.0 + 1.0);
+    assert_eq!((run.last("z[1]"), run.last("z[2]")), (0.0, 1.0));
+    assert_eq!((run.last("w[1]"), run.last("w[3]")), (1.0, 2.0));
+}
+
+#[test]
+fn conditional_components_vanish_with_their_connections() {
+    let text = "model Optional
+           parameter Boolean damped = true;
+           Translational.Mass mass(m = 1, s_start = 1);
+           Translational.Spring spring(c = 4);
+           Translational.Damper damper(d = 4) if damped;
+           Translational.Fixed wall;
+         equation
+           connect(wall.flange, spring.flange_a);
+           connect(spring.flange_b, mass.flange);
+           connect(wall.flange, damper.flange_a);
+           connect(damper.flange_b, mass.flange);
+           annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+         end Optional;";
+    let damped = Case::text(text).run();
+    // Critical damping with 2 rad/s.
+    assert_close(damped.last("mass.s"), 3.0 * f64::exp(-2.0), 1e-7);
+    let free = Case::text(text).set("damped=false").run();
+    assert_close(free.last("mass.s"), f64::cos(2.0), 1e-7);
+    assert!(free.values("damper.f").is_none());
+}
+
+#[test]
+fn records_inner_outer_and_constants_of_packages() {
+    let run = Case::text(
+        "package P
+           constant Real g = 9.81;
+           record Point
+             Real x;
+             Real y;
+           end Point;
+           model World
+             parameter Real scale = 2;
+           end World;
+           model Part
+             outer World world;
+             Real weight = world.scale*g;
+           end Part;
+           model Top
+             inner World world(scale = 3);
+             Part part[2];
+             Point p = Point(time, 2*time);
+             Real r = p.x + p.y;
+           end Top;
+         end P;",
+    )
+    .run();
+    assert_close(run.last("part[2].weight"), 29.43, 1e-15);
+    assert_close(run.last("r"), 3.0, 1e-15);
+}

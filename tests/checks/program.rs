@@ -1,0 +1,33 @@
+//! The program itself, as a user runs it.
+
+use std::path::Path;
+use std::process::Command;
+
+/// What one command left behind.
+pub struct Ended {
+    /// Exit status.
+    pub status: i32,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+/// Runs `mocc` in a folder, without what the environment of the tests could say to it.
+pub fn mocc(folder: &Path, arguments: &[&str]) -> Ended {
+    command(folder, arguments, &[])
+}
+
+/// Runs `mocc` in a folder with variables of the environment.
+pub fn command(folder: &Path, arguments: &[&str], environment: &[(&str, &Path)]) -> Ended {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mocc"));
+    command.current_dir(folder).args(arguments).env_remove("MODELICAPATH");
+    command.envs(environment.iter().map(|(name, value)| (name, value.as_os_str())));
+    let output = command.output().expect("mocc starts");
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    Ended {
+        status: output.status.code().expect("no signal ended mocc"),
+        out: text(&output.stdout),
+        err: text(&output.stderr),
+    }
+}

@@ -1,0 +1,237 @@
+//! What the stages make of the models in `suite/<stage>/`, and what must hold whatever the model.
+
+use mocc::ir::trajectory::Trajectory;
+
+use super::door::{Case, Reading, text_of};
+
+/// A snapshot beside the model; it holds the model and what was made of it.
+fn snapshot(stage: &str, name: &str, made: &str) {
+    let text = text_of(&format!("tests/suite/{stage}/{name}.mo"));
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(format!("../suite/{stage}"));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!(name, format!("{text}----\n{made}")));
+}
+
+fn flat(name: &str) -> String {
+    let flat = Case::file(format!("tests/suite/flatten/{name}.mo")).flat();
+    snapshot("flatten", name, &flat);
+    flat
+}
+
+fn structure(name: &str) -> String {
+    let text = Case::file(format!("tests/suite/structure/{name}.mo")).structure();
+    // The blocks at events are those between events where nothing is discrete.
+    let (head, tail) = text.split_once("at events:").expect("three sequences of blocks");
+    let (_, between) = tail.split_once("between events:").expect("three sequences of blocks");
+    snapshot("structure", name, &format!("{head}between events:{between}"));
+    text
+}
+
+fn count(text: &str, what: &str) -> usize {
+    text.matches(what).count()
+}
+
+#[test]
+fn flat_connections() {
+    let flat = flat("connections");
+    // One node and one open end.
+    assert_eq!(count(&flat, " = 0.0;"), 3);
+    let run = Case::file("tests/suite/flatten/connections.mo").run();
+    assert_eq!((run.last("a.p.i"), run.last("source.p.i")), (2.0, -2.0));
+}
+
+#[test]
+fn flat_arrays() {
+    let flat = flat("arrays");
+    assert_eq!(count(&flat, "der("), 3);
+    assert_eq!(count(&flat, "fixed = true"), 3);
+}
+
+#[test]
+fn flat_inheritance() {
+    let flat = flat("inheritance");
+    assert_eq!(count(&flat, "wetness"), 0);
+    let run = Case::file("tests/suite/flatten/inheritance.mo").tolerance(1e-9).run();
+    assert!((run.last("v") - f64::exp(-2.0)).abs() < 1e-8);
+}
+
+#[test]
+fn flat_events() {
+    let flat = flat("events");
+    assert_eq!((count(&flat, "when "), count(&flat, "reinit(")), (2, 1));
+}
+
+#[test]
+fn structure_of_the_pendulum() {
+    let text = structure("pendulum");
+    assert_eq!(count(&text, "states (2): x, v"), 1);
+    assert_eq!(count(&text, "differentiated twice"), 1);
+}
+
+#[test]
+fn structure_of_a_bridge() {
+    // Potentials of the closed form: the bridge is a 2 by 2 system.
+    let text = structure("loop");
+    assert_eq!(count(&text, "linear system of 7, torn to 1: a"), 3);
+    let run = Case::file("tests/suite/structure/loop.mo").run();
+    let u = f64::sin(1.0);
+    let (g_1, g_2, g_3, g_4, g_5) = (0.1, 1.0 / 20.0, 1.0 / 30.0, 1.0 / 40.0, 1.0 / 50.0);
+    let (aa, ab, bb) = (g_1 + g_3 + g_5, -g_5, g_2 + g_4 + g_5);
+    let det = aa * bb - ab * ab;
+    let a = (bb * g_1 - ab * g_2) * u / det;
+    assert!((run.last("a") - a).abs() < 1e-12);
+}
+
+#[test]
+fn structure_of_a_sorted_system() {
+    let text = structure("explicit");
+    assert_eq!(count(&text, "(3 explicit)"), 2);
+}
+
+/// Models whose results the properties below compare.
+const MODELS: [&str; 14] = [
+    "examples/bouncing_ball.mol",
+    "examples/equalisation.mol",
+    "examples/filling.mol",
+    "examples/oscillator.mol",
+    "examples/stick_slip.mol",
+    "examples/valve32.mol",
+    "examples/valve52.mol",
+    "tests/suite/flatten/arrays.mo",
+    "tests/suite/flatten/connections.mo",
+    "tests/suite/flatten/events.mo",
+    "tests/suite/flatten/inheritance.mo",
+    "tests/suite/structure/explicit.mo",
+    "tests/suite/structure/loop.mo",
+    "tests/suite/structure/pendulum.mo",
+];
+
+#[test]
+fn the_flat_text_is_the_same_model() {
+    for model in MODELS {
+        let original = Case::file(model);
+        let text = original.flat();
+        let again = Case::text(&text);
+        // Types declared in the flat model have its name before theirs.
+        let title = text.split_whitespace().nth(1).expect("the name of the model");
+        let title = title.replace('\'', "\\'");
+        let flat = again.flat().replace(&format!("'{title}.\\'"), "'").replace("\\''", "'");
+        assert_eq!(flat, text, "{model}: the flat text of the flat text");
+        let (a, b) = (original.run(), again.run());
+        same(&a, &b, 1e-9, model);
+    }
+}
+
+#[test]
+fn runs_are_the_same_to_the_bit() {
+    for model in MODELS {
+        let (a, b) = (Case::file(model), Case::file(model));
+        assert_eq!(a.structure(), b.structure(), "{model}");
+        assert!(a.run() == b.run(), "{model}");
+        let compiled = a.compile();
+        assert!(compiled.run() == compiled.run(), "{model}: the second run of one program");
+    }
+}
+
+#[test]
+fn the_order_of_connections_does_not_matter() {
+    for model in ["oscillator", "filling", "equalisation", "stick_slip", "valve32", "valve52"] {
+        let text = text_of(&format!("examples/{model}.mol"));
+        let connection = |l: &&str| l.trim_start().starts_with("connect(");
+        let mut reversed: Vec<String> = text.lines().filter(connection).map(swapped).collect();
+        let count = reversed.len();
+        assert!(count >= 2);
+        let new: Vec<String> = text
+            .lines()
+            .map(|l| if connection(&l) { reversed.pop().expect("as many") } else { l.to_string() })
+            .collect();
+        let (a, b) = (Case::text(&text).run(), Case::text(&new.join("\n")).run());
+        same(&a, &b, 1e-4, model);
+    }
+}
+
+/// `connect(a, b)` as `connect(b, a)`, each one of a line.
+fn swapped(line: &str) -> String {
+    let mut out = String::new();
+    let mut rest = line;
+    while let Some((before, after)) = rest.split_once("connect(") {
+        let (a, tail) = after.split_once(',').expect("two connectors");
+        let (b, tail) = tail.split_once(");").expect("the end");
+        out.push_str(&format!("{before}connect({}, {a});", b.trim()));
+        rest = tail;
+    }
+    out + rest
+}
+
+#[test]
+fn the_order_of_equations_does_not_matter() {
+    for model in MODELS {
+        let text = Case::file(model).flat();
+        let (head, tail) = text.rsplit_once("\nequation\n").expect("equations");
+        // Clauses of several lines stay together.
+        let mut equations: Vec<String> = Vec::new();
+        let mut depth = 0;
+        let mut end = String::new();
+        for line in tail.lines() {
+            let word = line.trim_start();
+            if word.starts_with("annotation(") || !end.is_empty() {
+                end += &format!("{line}\n");
+                continue;
+            }
+            match equations.last_mut() {
+                Some(last) if depth > 0 => *last += &format!("{line}\n"),
+                _ if word.starts_with("end ") => end += &format!("{line}\n"),
+                _ => equations.push(format!("{line}\n")),
+            }
+            if word.starts_with("when ") {
+                depth += 1;
+            } else if word.starts_with("end when") {
+                depth -= 1;
+            }
+        }
+        equations.reverse();
+        let reversed = format!("{head}\nequation\n{}{end}", equations.concat());
+        let (a, b) = (Case::text(&text).run(), Case::text(&reversed).run());
+        same(&a, &b, 1e-4, model);
+    }
+}
+
+/// Two runs agree: the same events, and every column that both have within a part of its range, away from events.
+fn same(a: &Trajectory, b: &Trajectory, part: f64, context: &str) {
+    let what = |t: &Trajectory| t.events.iter().map(|e| plain(&e.what)).collect::<Vec<_>>();
+    let close = |x: f64, y: f64| (x - y).abs() <= part * 1e-3 * x.abs().max(1e-6);
+    assert_eq!(what(a), what(b), "{context}");
+    for (x, y) in a.events.iter().zip(&b.events) {
+        assert!(close(x.time, y.time), "{context}: {x:?} and {y:?}");
+    }
+    assert_eq!(a.rows(), b.rows(), "{context}");
+    let mut compared = 0;
+    for column in &b.columns {
+        let Some(at) = a.columns.iter().position(|c| plain(&c.name) == plain(&column.name)) else {
+            continue;
+        };
+        let (x, y) = (&a.data[at], b.of(&column.name));
+        let range = x.iter().fold(0.0, |r: f64, v| r.max(v.abs())).max(1e-12);
+        for k in 0..a.rows() {
+            let near = |e: &mocc::ir::trajectory::Event| (e.time - a.time[k]).abs() < 1e-9;
+            let off = (x[k] - y[k]).abs();
+            assert!(
+                off <= part * range || a.events.iter().any(near),
+                "{context}: `{}` is {} and {} at {} s",
+                column.name,
+                x[k],
+                y[k],
+                a.time[k]
+            );
+        }
+        compared += 1;
+    }
+    assert!(compared >= 2, "{context}: {compared} columns compared");
+}
+
+/// Without the quotes of names in flat models.
+fn plain(text: &str) -> String {
+    text.replace('\'', "")
+}

@@ -1,0 +1,10 @@
+// status: 3
+// error[MO0902] 9:3
+model Gap
+  parameter Real d_0 = 0;
+  Real s(start = 1, fixed = true);
+  Real f;
+equation
+  der(s) = -1;
+  f = 1 + 3/(d_0 + max(s, 0));
+end Gap;
