@@ -7,42 +7,46 @@
 //!    cli ──► driver  (calls the row above, then)                        report ◄── trajectory ◄──── simulate ◄── integrate
 //! ```
 //!
-//! The modules stand in reading order; ARCHITECTURE.md says what each may import.
+//! The modules stand in reading order, each with a sentence; its own page says more, and
+//! ARCHITECTURE.md what it may import.
 
-// Ground floor.
-/// Spans, diagnostics, interned names, typed indices.
+// ---- Ground floor ----
+
+// Spans, diagnostics, interned names, typed indices.
 pub mod base;
-/// The representations between the stages.
+// The representations between the stages.
 pub mod ir;
-/// Algebra on expressions.
+// Algebra on expressions.
 pub mod symbolic;
-/// Graphs of integers and arrays of floats.
+// Graphs of integers and arrays of floats.
 pub mod math;
 
-// The pipeline, front to back.
-/// Text to syntax tree.
+// ---- The pipeline, front to back ----
+
+// Text to syntax tree.
 pub mod parse;
-/// Names of classes to their texts.
+// Names of classes to their texts.
 pub mod resolve;
-/// Classes and modifications to component instances.
+// Classes and modifications to component instances.
 pub mod instantiate;
-/// Instances to scalar variables and equations.
+// Instances to scalar variables and equations.
 pub mod flatten;
-/// Flat model to hybrid differential-algebraic system.
+// Flat model to hybrid differential-algebraic system.
 pub mod lower;
-/// Index reduction, sorting, tearing.
+// Index reduction, sorting, tearing.
 pub mod structure;
-/// Sorted blocks to code.
+// Sorted blocks to code.
 pub mod codegen;
-/// Integration of semi-explicit systems in time.
+// Integration of semi-explicit systems in time.
 pub mod integrate;
-/// Initialisation, events, trajectories.
+// Initialisation, events, trajectories.
 pub mod simulate;
-/// Tables and figures.
+// Tables and figures.
 pub mod report;
 
-// The program.
-/// The recipe: from files to a compiled model.
+// ---- The program ----
+
+// The recipe: from files to a compiled model.
 pub mod driver;
-/// The command line.
+// The command line.
 pub mod cli;
