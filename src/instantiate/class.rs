@@ -276,6 +276,22 @@ impl Context<'_> {
             table.layers.extend(layers.iter().cloned());
             table.layers.extend(inherited.layers.iter().cloned());
         }
+        if inherited.scalar.is_none() {
+            for arg in layers.iter().flat_map(|(m, _)| &m.args) {
+                let names = match &arg.kind {
+                    ast::ArgumentKind::Element { path, .. } => {
+                        path.parts.first().map(|p| (p.name, p.span)).into_iter().collect()
+                    }
+                    ast::ArgumentKind::Redeclare(element) => element.names(),
+                    ast::ArgumentKind::Removal(_) => Vec::new(),
+                };
+                for (text, span) in names {
+                    if !inherited.index.contains_key(&text) {
+                        self.report_unknown_modifier(Some(base), text, span, &inherited);
+                    }
+                }
+            }
+        }
         table.dims.extend(inherited.dims.iter().cloned());
         merge_prefix(&mut table.prefix, inherited.prefix);
         for entry in &inherited.entries {

@@ -389,16 +389,11 @@ impl Context<'_> {
             {
                 s.used.set(true);
             }
-            let redeclared = layer.redeclarations().flat_map(|(element, _)| match &element.kind {
-                ElementKind::Class(c) => vec![(c.name.name, c.name.span)],
-                ElementKind::Components(clause) => {
-                    clause.components.iter().map(|c| (c.name.name, c.name.span)).collect()
-                }
-                _ => Vec::new(),
-            });
+            let redeclared = layer.redeclarations().flat_map(|(e, _)| e.names());
             for (text, span) in layer.modified_names().into_iter().chain(redeclared) {
                 if !table.index.contains_key(&text) {
-                    self.report_unknown_modifier(id, text, span, table);
+                    let class = self.instances[id].class;
+                    self.report_unknown_modifier(class, text, span, table);
                 }
             }
         }

@@ -126,12 +126,12 @@ impl Context<'_> {
 
     pub(crate) fn report_unknown_modifier(
         &mut self,
-        id: InstanceId,
+        class: Option<ClassId>,
         text: Name,
         span: Span,
         table: &ClassTable,
     ) {
-        let class = self.instances[id].class.map(|c| self.classes[c].full_name);
+        let class = class.map(|c| self.classes[c].full_name);
         let class = class.map_or(String::new(), |c| c.to_string());
         let names: Vec<&str> = table.entries.iter().map(|e| e.name.name.as_str()).collect();
         let mut d = Diagnostic::error(

@@ -185,6 +185,19 @@ pub struct Element {
     pub span: Span,
 }
 
+impl Element {
+    /// What it declares, with the places of the names.
+    pub fn names(&self) -> Vec<(Name, Span)> {
+        match &self.kind {
+            ElementKind::Class(c) => vec![(c.name.name, c.name.span)],
+            ElementKind::Components(clause) => {
+                clause.components.iter().map(|c| (c.name.name, c.name.span)).collect()
+            }
+            ElementKind::Import(_) | ElementKind::Extends(_) => Vec::new(),
+        }
+    }
+}
+
 /// `replaceable ... constrainedby PATH(...)`.
 #[derive(Clone, Debug, Default)]
 pub struct Replaceable {

@@ -28,9 +28,15 @@ pub fn too_few_equations(
         ),
     };
     let first = variables.first().map_or(Span::NONE, |v| dae.variables[*v].span);
-    let mut d = Diagnostic::error("MO0401", first, message).label("not determined");
+    // Variables of several instances share the line of their declaration: each label names its own.
+    let label = |v: &VarId| match variables.len() {
+        1 => "not determined".to_string(),
+        _ => format!("`{}` is not determined", dae.variables[*v].name),
+    };
+    let mut d = Diagnostic::error("MO0401", first, message);
+    d.primary.1 = variables.first().map_or_else(String::new, label);
     for v in variables.iter().skip(1).take(4) {
-        d = d.also(dae.variables[*v].span, "not determined");
+        d = d.also(dae.variables[*v].span, label(v));
     }
     for source in sources.iter().take(4) {
         d = d.also(origin(dae, *source).span, "determines only one of them");

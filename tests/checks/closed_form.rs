@@ -296,7 +296,7 @@ fn nonlinear_loop_solves_keplers_equation() {
 
 #[test]
 fn stiff_robertson_reaction() {
-    // y(40 s) after Hairer, Wanner, Solving ODEs II, and the CVODE example (scipy and SUNDIALS agree to 1e-6).
+    // y(40 s) to the digits commonly printed for this problem (Robertson 1966; the example of CVODE and IDA).
     let run = Case::text(
         "model Robertson
            Real y[3](start = {1, 0, 0}, each fixed = true, nominal = {1, 1e-5, 1});
