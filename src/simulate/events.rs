@@ -21,6 +21,8 @@ const ENCLOSURE: f64 = 4.0;
 pub struct Search {
     relations: Vec<u32>,
     point: Vec<f64>,
+    /// Not searched for the time being.
+    ignored: Option<u32>,
 }
 
 /// How an event iteration ended.
@@ -32,6 +34,8 @@ pub struct Settled {
     pub terminate: Option<usize>,
     /// Position of a failed assertion in a when-clause.
     pub failed: Option<usize>,
+    /// Something other than relations changed.
+    pub acted: bool,
 }
 
 /// Why an event iteration could not be finished.
@@ -55,7 +59,20 @@ impl Search {
         let relations = (0..program.watches.len() as u32)
             .filter(|k| program.watches[*k as usize] == Watch::State)
             .collect();
-        Search { relations, point: vec![0.0; program.order().max(1)] }
+        Search { relations, point: vec![0.0; program.order().max(1)], ignored: None }
+    }
+
+    /// Leaves a relation out of the search, or none.
+    pub fn ignore(&mut self, relation: Option<u32>) {
+        self.ignored = relation;
+    }
+
+    /// Searches an ignored relation again as soon as it agrees with its held value.
+    pub fn heed(&mut self, instance: &Instance<'_>) {
+        let layout = &instance.program.layout;
+        self.ignored = self
+            .ignored
+            .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k));
     }
 
     /// The first instant in the last step at which a relation has switched, enclosed from the right.
@@ -124,7 +141,7 @@ impl Search {
         } else {
             stepper.interpolate(t, &mut self.point);
         }
-        model.evaluate_roots(t, &self.point)
+        model.evaluate_roots_beyond(t, &self.point)
     }
 
     /// Relations whose value, as evaluated last, differs from the held one.
@@ -133,6 +150,7 @@ impl Search {
         self.relations
             .iter()
             .copied()
+            .filter(|k| self.ignored != Some(*k))
             .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k))
     }
 
@@ -191,7 +209,7 @@ pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, U
     let first = program.layout.relations;
     let count = program.watches.len() as Slot;
     let before: Vec<f64> = (0..count).map(|k| instance.get(first + k)).collect();
-    let mut settled = Settled { changed: false, terminate: None, failed: None };
+    let mut settled = Settled { changed: false, terminate: None, failed: None, acted: false };
     let mut ticking = program.clocks.iter().any(|c| instance.get(c.flag) != 0.0);
     settled.changed |= ticking;
     remember(instance);
@@ -219,6 +237,7 @@ pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, U
         }
         again |= !restless.is_empty();
         settled.changed |= again;
+        settled.acted |= again || ticking;
         if ticking {
             clocks.lower(instance);
             again = true;
