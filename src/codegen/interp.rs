@@ -187,9 +187,12 @@ impl<'p> Instance<'p> {
 
     fn solve(&mut self, k: usize) -> Result<(), Fault> {
         let Some(mut work) = self.solvers[k].take() else { return Ok(()) };
-        let outcome = work.solve(self, k);
+        let outcome = work.solve(self, k).map_err(|fault| self.fail(fault));
+        if outcome.is_err() {
+            work.restore(&self.program.solvers[k], &mut self.memory);
+        }
         self.solvers[k] = Some(work);
-        outcome.map_err(|fault| self.fail(fault))
+        outcome
     }
 
     fn differentiate(&mut self, k: usize) -> Result<(), Fault> {
@@ -312,6 +315,8 @@ fn step<const INSIDE: bool>(memory: &mut [f64], i: &Instr) {
         Op::Add => a + b,
         Op::Sub => a - b,
         Op::Mul => a * b,
+        // At the border of a domain a quotient may vanish above and below.
+        Op::Div if INSIDE && a == 0.0 && b == 0.0 => 0.0,
         Op::Div => a / b,
         Op::Neg => -a,
         Op::Unary(op) if INSIDE => eval::unary_inside(op, a),

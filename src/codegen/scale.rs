@@ -16,7 +16,7 @@ use super::block::nominal;
 use super::emit::{Emitter, PARAMETER};
 
 /// The part of a size that is not given at which errors become absolute.
-const CAUTION: f64 = 1e-3;
+const CAUTION: f64 = 1e-2;
 
 /// Emits the sizes of the states to the parameter tape; their cells.
 pub fn of_states(e: &mut Emitter, states: &[State]) -> Vec<Slot> {

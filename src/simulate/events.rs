@@ -14,6 +14,8 @@ use super::system::Model;
 pub const ITERATION_LIMIT: u32 = 100;
 /// Points inside of a step, as fractions, at which relations are looked at besides its end.
 const LOOKS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// Failed evaluations within one step before the search gives up.
+const TRIALS: u32 = 100;
 /// Length of the interval in which a switching is enclosed, in spacings of doubles at its time.
 const ENCLOSURE: f64 = 4.0;
 
@@ -86,20 +88,30 @@ impl Search {
         }
         let (t0, t1) = (stepper.t_previous(), stepper.t());
         let mut left = t0;
-        for right in LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter().chain([t1]) {
-            if right <= left {
-                continue;
+        let mut trials = TRIALS;
+        for target in LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter().chain([t1]) {
+            let mut right = target;
+            while left < target {
+                match self.evaluate(model, stepper, right) {
+                    Ok(()) if self.switched(&model.instance).next().is_some() => {
+                        return Ok(Some(self.enclose(model, stepper, left, right)));
+                    }
+                    Ok(()) => (left, right) = (right, target),
+                    // A held branch may end before the step does, but not before it is left.
+                    Err(fault) => {
+                        trials = trials.saturating_sub(1);
+                        right = left + 0.5 * (right - left);
+                        if trials > 0 && left < right {
+                            continue;
+                        }
+                        // Between the ends the interpolation may leave the domain; its end counts.
+                        if target < t1 {
+                            break;
+                        }
+                        return Err(fault);
+                    }
+                }
             }
-            match self.evaluate(model, stepper, right) {
-                Ok(()) => {}
-                // Between the ends the interpolation may leave the domain; its end counts.
-                Err(_) if right < t1 => continue,
-                Err(fault) => return Err(fault),
-            }
-            if self.switched(&model.instance).next().is_some() {
-                return Ok(Some(self.enclose(model, stepper, left, right)));
-            }
-            left = right;
         }
         Ok(None)
     }

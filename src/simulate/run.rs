@@ -15,14 +15,14 @@ use crate::ir::trajectory::{Event, Trajectory};
 
 use super::clock::Clocks;
 use super::error::{Failure, FailureKind, no_start, of_fault, of_integration, unsettled};
-use super::events::{Search, Settled, settle};
+use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
 use super::record::{Recorder, Sink};
-use super::selection::Selection;
+use super::selection::{LIMIT, Selection};
 use super::settings::Settings;
 use super::sliding::Sliding;
-use super::system::Model;
+use super::system::{Model, of_domain};
 
 /// So many events in so short a time are chattering, not physics.
 const CHATTER_EVENTS: usize = 64;
@@ -34,6 +34,9 @@ const CHATTER_SPAN: f64 = 1e-7;
 const MEETING_EVENTS: u32 = 4;
 /// Halvings of a step to find the end of a motion along a surface.
 const HALVINGS: u32 = 50;
+
+/// Tolerances are not sharpened beyond this.
+const SHARPEST: f64 = 1e-12;
 
 /// First shift of an event that its evaluation does not confirm, in spacings of doubles.
 const NUDGE: f64 = 8.0;
@@ -278,8 +281,7 @@ impl<'p, 's> Simulation<'p, 's> {
             self.take_row(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
             ticked |= self.clocks.raise(&mut self.model.instance, t);
-            let outcome = settle(&mut self.model.instance, &self.clocks);
-            let settled = outcome.map_err(|u| unsettled(&self.model.instance, u, t))?;
+            let settled = self.settle(t)?;
             // The event sequence may round an operand to the other side: a little later it will not.
             if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
                 break settled;
@@ -338,6 +340,20 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(changed)
     }
 
+    /// The event iteration at `t`, beyond the domain of functions where it can not be helped: new
+    /// relations and old branches meet in it.
+    fn settle(&mut self, t: f64) -> Result<Settled, Failure> {
+        let mut outcome = settle(&mut self.model.instance, &self.clocks);
+        if let Err(Unsettled::Fault(fault)) = outcome
+            && of_domain(fault)
+        {
+            self.model.instance.inside = true;
+            outcome = settle(&mut self.model.instance, &self.clocks);
+            self.model.instance.inside = false;
+        }
+        outcome.map_err(|u| unsettled(&self.model.instance, u, t))
+    }
+
     /// Evaluates everything at an instant of the last step, relations held.
     fn go_to(&mut self, t: f64) -> Result<(), Failure> {
         if t == self.stepper.t() {
@@ -345,7 +361,10 @@ impl<'p, 's> Simulation<'p, 's> {
         } else {
             self.stepper.interpolate(t, &mut self.y);
         }
-        let evaluated = self.model.evaluate_all(t, &self.y);
+        let mut evaluated = self.model.evaluate_all(t, &self.y);
+        if evaluated.is_err_and(of_domain) && self.model.beyond {
+            evaluated = self.model.evaluate_all_beyond(t, &self.y);
+        }
         evaluated.map_err(|f| of_fault(&self.model.instance, f, t))
     }
 
@@ -623,7 +642,10 @@ fn options(model: &Model<'_>, settings: &Settings) -> Options {
     });
     let mut nominals: Vec<f64> = nominals.collect();
     nominals.resize(program.order().max(1), 1.0);
-    let mut options = Options::with_nominals(settings.tolerance, &nominals);
+    // What is not selected meets the tolerance too, though it and its rate react stronger.
+    let reaction = if program.state_sets.is_empty() { 1.0 } else { LIMIT * LIMIT };
+    let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
+    let mut options = Options::with_nominals(tolerance, &nominals);
     if program.order() == 0 && settings.stop > settings.start {
         // Nothing limits the error of a resting state, but events must not be stepped over.
         options.max_step = settings.interval;

@@ -10,7 +10,7 @@ use crate::math::numeric::submatrix::Basis;
 
 /// Largest tolerated derivative of a dependent candidate by a state, both in units of their nominal
 /// value.
-const LIMIT: f64 = 2.0;
+pub const LIMIT: f64 = 2.0;
 
 /// The states in use.
 pub struct Selection {

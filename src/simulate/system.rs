@@ -46,8 +46,9 @@ impl<'p> Model<'p> {
             let n = self.instance.program.order();
             return sliding.evaluate_all(&mut self.instance, t, &y[..n]);
         }
+        let program = self.instance.program;
         self.evaluate_roots(t, y)?;
-        self.instance.run(&self.instance.program.rest)
+        self.instance.run(&program.rest)
     }
 
     /// Derivatives, searched relations and assertions at `(t, y)`.
@@ -72,9 +73,14 @@ impl<'p> Model<'p> {
         let layout = &self.instance.program.layout;
         let count = self.instance.program.watches.len() as u32;
         let gaps = (0..count).map(|k| self.instance.get(layout.gaps + k));
-        if !self.beyond || (outcome.is_ok() && gaps.into_iter().all(|gap| !gap.is_nan())) {
+        let fine = match outcome {
+            Ok(()) => !self.beyond || gaps.into_iter().all(|gap| !gap.is_nan()),
+            Err(fault) => self.strict || !of_domain(fault),
+        };
+        if fine {
             return outcome;
         }
+        self.beyond = true;
         self.instance.inside = true;
         let outcome = self.evaluate_roots(t, y);
         self.instance.inside = false;
@@ -205,7 +211,8 @@ fn derivatives(
     }
 }
 
-fn of_domain(fault: Fault) -> bool {
+/// True for a fault that moving arguments into their domain may cure.
+pub fn of_domain(fault: Fault) -> bool {
     matches!(fault, Fault::Derivative { .. } | Fault::NotFinite { .. })
 }
 

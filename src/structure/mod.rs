@@ -14,6 +14,7 @@ pub mod reduce;
 pub mod select;
 pub mod solve;
 pub mod sort;
+pub mod sums;
 pub mod tear;
 
 #[cfg(test)]
@@ -31,7 +32,7 @@ use incidence::System;
 /// a result.
 pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
     explain::check_determined(&dae, problems)?;
-    let reduce::Reduced { mut is_state, pivots } = reduce::reduce(&mut dae, problems)?;
+    let reduce::Reduced { mut is_state, pivots } = reduced(&mut dae, problems)?;
 
     let (mut system, mut matched) = matched(&dae, &is_state, problems)?;
     // The start is computed before any state is selected.
@@ -47,6 +48,25 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
     let (states, mut dummies) = split(&dae, &is_state);
     dummies.retain(|v| !state_sets.iter().any(|set| set.candidates.contains(v)));
     Some(Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts })
+}
+
+/// Reduces the index. Sums of derivatives that are tied by nonlinear constraints become states.
+fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
+    let sums = sums::find(dae);
+    if sums.is_empty() {
+        return reduce::reduce(dae, problems);
+    }
+    let original = dae.clone();
+    let mut said = Problems::new();
+    let reduced = reduce::reduce(dae, &mut said);
+    let is_nonlinear = |r: &reduce::Reduced| r.pivots.iter().any(|pivot| pivot.nonlinear);
+    if !reduced.as_ref().is_some_and(is_nonlinear) {
+        problems.extend(said);
+        return reduced;
+    }
+    *dae = original;
+    sums::gather(dae, &sums);
+    reduce::reduce(dae, problems)
 }
 
 /// The equations between events, each matched to one of the unknowns, which are all determined.

@@ -34,6 +34,8 @@ pub struct Pivot {
     pub candidates: Vec<VarId>,
     /// It might become unable to determine it.
     pub varying: bool,
+    /// Its derivatives by its candidates vary.
+    pub nonlinear: bool,
 }
 
 /// Appends the differentiated equations to the system and tells which variables are states.
@@ -85,6 +87,7 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
         determined: columns[pivot.determined],
         candidates: pivot.candidates.iter().map(|col| columns[*col]).collect(),
         varying: pivot.varying,
+        nonlinear: pivot.nonlinear,
     });
     let pivots = pivots.collect();
     Some(Reduced { is_state, pivots })

@@ -108,7 +108,10 @@ fn groups(pivots: &[Pivot]) -> Vec<Vec<&Pivot>> {
 /// False for what must stay a state.
 fn may_change(dae: &Dae, v: VarId) -> bool {
     let reinitialised = dae.reinits.iter().any(|reinit| reinit.state == v);
-    !reinitialised && dae.variables[v].state_select != StateSelect::Always
+    let Variable { state_select, hidden, .. } = dae.variables[v];
+    // Sums of derivatives were made to be states.
+    let is_sum = hidden && state_select == StateSelect::Prefer;
+    !(reinitialised || is_sum || state_select == StateSelect::Always)
 }
 
 fn append(

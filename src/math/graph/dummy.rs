@@ -56,6 +56,8 @@ pub struct Pivot {
     pub candidates: Vec<Col>,
     /// The pivot, or the block of pivots that it belongs to, varies and might become singular.
     pub varying: bool,
+    /// The derivative of the constraint by some candidate varies.
+    pub nonlinear: bool,
 }
 
 /// Chooses the dummy derivatives of a reduced system: as many as there are differentiated rows.
@@ -305,6 +307,7 @@ impl Jacobian {
                 determined: lowered(top)?,
                 candidates: all[i].iter().filter_map(|&(top, _)| lowered(top)).collect(),
                 varying: varying[i],
+                nonlinear: all[i].iter().any(|&(_, varying)| varying),
             })
         });
         pivots.collect()
