@@ -211,6 +211,9 @@ fn summary(
         ms(s.elapsed),
         ms(writing)
     ));
+    if s.selections > 0 {
+        out.push_str(&format!("  states selected anew {} times\n", s.selections));
+    }
     if let Some(message) = &s.terminated {
         out.push_str(&format!("  terminated by the model: {message}\n"));
     }

@@ -72,6 +72,8 @@ pub struct Instance<'p> {
     pub fault_memory: Vec<f64>,
     /// The last fault.
     pub fault: Option<Fault>,
+    /// Arguments outside of the domain of a function are moved to its border.
+    pub inside: bool,
     solvers: Vec<Option<Box<SolverWork>>>,
     implicits: Vec<Option<Box<ImplicitWork>>>,
     resting: Vec<Vec<f64>>,
@@ -86,6 +88,7 @@ impl<'p> Instance<'p> {
             memory: program.image.clone(),
             fault_memory: program.image.clone(),
             fault: None,
+            inside: false,
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
                 .implicits
@@ -166,13 +169,17 @@ impl<'p> Instance<'p> {
 
     /// Runs a tape.
     pub fn run(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
+        if self.inside { self.run_in::<true>(tape) } else { self.run_in::<false>(tape) }
+    }
+
+    fn run_in<const INSIDE: bool>(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
         for i in tape {
             match i.op {
                 Op::Solve => self.solve(i.a as usize)?,
                 Op::Implicit => self.differentiate(i.a as usize)?,
                 Op::Repeat => self.repeat(i.a as usize)?,
                 Op::Call => self.call(i.a as usize)?,
-                _ => step(&mut self.memory, i),
+                _ => step::<INSIDE>(&mut self.memory, i),
             }
         }
         Ok(())
@@ -180,9 +187,12 @@ impl<'p> Instance<'p> {
 
     fn solve(&mut self, k: usize) -> Result<(), Fault> {
         let Some(mut work) = self.solvers[k].take() else { return Ok(()) };
-        let outcome = work.solve(self, k);
+        let outcome = work.solve(self, k).map_err(|fault| self.fail(fault));
+        if outcome.is_err() {
+            work.restore(&self.program.solvers[k], &mut self.memory);
+        }
         self.solvers[k] = Some(work);
-        outcome.map_err(|fault| self.fail(fault))
+        outcome
     }
 
     fn differentiate(&mut self, k: usize) -> Result<(), Fault> {
@@ -263,7 +273,8 @@ impl<'p> Instance<'p> {
                     }
                 }
                 Op::Call => self.call(i.a as usize)?,
-                _ => step(&mut self.memory, i),
+                _ if self.inside => step::<true>(&mut self.memory, i),
+                _ => step::<false>(&mut self.memory, i),
             }
             jumps += u32::from(i.op == Op::Jump);
             if jumps > JUMP_LIMIT {
@@ -283,7 +294,7 @@ pub fn watched_slot(w: Watched) -> Slot {
 
 /// An instruction that only computes.
 #[inline]
-fn step(memory: &mut [f64], i: &Instr) {
+fn step<const INSIDE: bool>(memory: &mut [f64], i: &Instr) {
     let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
     memory[i.dst as usize] = match i.op {
         Op::Copy => a,
@@ -304,8 +315,12 @@ fn step(memory: &mut [f64], i: &Instr) {
         Op::Add => a + b,
         Op::Sub => a - b,
         Op::Mul => a * b,
+        // At the border of a domain a quotient may vanish above and below.
+        Op::Div if INSIDE && a == 0.0 && b == 0.0 => 0.0,
         Op::Div => a / b,
         Op::Neg => -a,
+        Op::Unary(op) if INSIDE => eval::unary_inside(op, a),
+        Op::Binary(op) if INSIDE => eval::binary_inside(op, a, b),
         Op::Unary(op) => eval::unary(op, a),
         Op::Binary(op) => eval::binary(op, a, b),
         // Handled by the callers.

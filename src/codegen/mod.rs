@@ -15,6 +15,8 @@ pub mod jacobian;
 pub mod layout;
 pub mod print;
 pub mod relation;
+pub mod scale;
+pub mod selection;
 pub mod sequence;
 pub mod solve;
 
@@ -30,7 +32,8 @@ use emit::Emitter;
 ///
 /// Errors are diagnostics of codes `MO0801` and following.
 pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
-    let Blocks { dae, states, dummies, initial, event, continuous, assumed_starts } = blocks;
+    let Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts } =
+        blocks;
     let order = Order { states, initial, event, continuous };
     let mut emitter = Emitter::new(dae);
     layout::allocate(&mut emitter, &order);
@@ -39,6 +42,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let at_start = sequence::initial(&mut emitter, &order);
     let at_events = sequence::event(&mut emitter, &order);
     let between = sequence::continuous(&mut emitter, &order);
+    let (selection, set_cells) = selection::compile(&mut emitter, &state_sets);
     if emitter.problems.has_errors() {
         return Err(emitter.problems);
     }
@@ -47,7 +51,16 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, initial, event, continuous } = order;
     Ok(Program {
-        blocks: Blocks { dae, states, dummies, initial, event, continuous, assumed_starts },
+        blocks: Blocks {
+            dae,
+            states,
+            dummies,
+            state_sets,
+            initial,
+            event,
+            continuous,
+            assumed_starts,
+        },
         image,
         literals,
         layout,
@@ -62,6 +75,8 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         rest: between.rest,
         jacobian: between.jacobian,
         jacobian_entries: between.jacobian_entries,
+        selection,
+        state_sets: set_cells,
         solvers,
         implicits,
         loops,

@@ -8,11 +8,11 @@ use crate::ir::program::{
     AssertCells, BlockPlace, Clock, Entry, Op, ReinitCells, Sequence, Slot, Tape,
 };
 
-use super::block::{compile_block, compile_mixed, nominal};
+use super::block::{compile_block, compile_mixed};
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
 use super::layout::{block_unknowns, block_values, resting_value};
 use super::relation::{evaluate_relation, relations_in, watch_relations};
-use super::{Order, error, jacobian};
+use super::{Order, error, jacobian, scale};
 
 /// The initial or the event sequence.
 pub struct Discrete {
@@ -74,7 +74,7 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         e.push(PARAMETER, Op::Input, start, default, input);
         e.layout.starts.push((v, input, start));
     }
-    e.layout.nominals = blocks.states.iter().map(|s| nominal(e, s.variable)).collect();
+    e.layout.nominals = scale::of_states(e, &blocks.states);
     for k in 0..e.dae.samples.len() {
         let sample = e.dae.samples[k].clone();
         let (start, _) = parameter_value(e, sample.start);

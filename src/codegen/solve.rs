@@ -13,6 +13,7 @@ use super::interp::{Fault, Instance};
 pub struct SolverWork {
     method: Method,
     z: Vec<f64>,
+    start: Vec<f64>,
     nominal: Vec<f64>,
 }
 
@@ -40,7 +41,7 @@ impl SolverWork {
         } else {
             Method::Newton(Newton::new(n))
         };
-        SolverWork { method, z: vec![0.0; n], nominal: vec![1.0; n] }
+        SolverWork { method, z: vec![0.0; n], start: vec![0.0; n], nominal: vec![1.0; n] }
     }
 
     /// Solves block `k` and leaves all its variables in the memory.
@@ -51,6 +52,7 @@ impl SolverWork {
             Method::Newton(newton) => {
                 for (j, slot) in solver.slots.iter().enumerate() {
                     self.z[j] = instance.get(*slot);
+                    self.start[j] = self.z[j];
                     let size = instance.get(solver.nominals[j]).abs();
                     self.nominal[j] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
                 }
@@ -67,6 +69,18 @@ impl SolverWork {
             instance.set(*slot, *z);
         }
         instance.run(&solver.residual_tape)
+    }
+}
+
+impl SolverWork {
+    /// After a failure: the next attempt starts from the last solution, not from where this one got
+    /// lost.
+    pub fn restore(&self, solver: &Solver, memory: &mut [f64]) {
+        if let Method::Newton(_) = self.method {
+            for (slot, z) in solver.slots.iter().zip(&self.start) {
+                memory[*slot as usize] = *z;
+            }
+        }
     }
 }
 

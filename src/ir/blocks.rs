@@ -15,8 +15,10 @@ pub struct Blocks {
     pub dae: Dae,
     /// Selected states with their derivatives, in order of declaration.
     pub states: Vec<State>,
-    /// Differentiated variables that are not states: their derivatives are dummy derivatives.
+    /// Differentiated variables that are never states: their derivatives are dummy derivatives.
     pub dummies: Vec<VarId>,
+    /// States that are chosen anew while the model runs.
+    pub state_sets: Vec<StateSet>,
     /// Determines every variable at the start: states (fixed or not), derivatives, algebraic,
     /// discrete variables and parameters with `fixed = false`.
     pub initial: Vec<Block>,
@@ -35,6 +37,31 @@ pub struct State {
     pub variable: VarId,
     /// Its derivative.
     pub derivative: VarId,
+}
+
+/// Variables among which the states are chosen while the model runs: `states = selection *
+/// candidates`, where each row of `selection` has a single one. What is not selected follows from
+/// the constraints, as long as their derivatives by it stay regular.
+///
+/// S. E. Mattsson, H. Olsson, H. Elmqvist, "Dynamic Selection of States in Dymola", Modelica
+/// Workshop 2000.
+#[derive(Clone, Debug)]
+pub struct StateSet {
+    /// What may be a state.
+    pub candidates: Vec<VarId>,
+    /// Positions of the candidates that are no states if the constraints can be solved for them at
+    /// the start.
+    pub dependent: Vec<usize>,
+    /// What the modeller wants as states counts this much more than its nominal value.
+    pub wishes: Vec<f64>,
+    /// The states, as variables of their own: as many as candidates less constraints.
+    pub states: Vec<VarId>,
+    /// The coefficients, state by state, `candidates.len()` each. Held between selections.
+    pub selection: Vec<VarId>,
+    /// The constraints.
+    pub constraints: Vec<EqId>,
+    /// Derivatives of the constraints by the candidates: constraint, candidate, value.
+    pub jacobian: Vec<(usize, usize, ExprId)>,
 }
 
 /// Which equation a block comes from.

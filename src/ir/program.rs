@@ -12,7 +12,7 @@
 //!
 //! Order of running, from rare to frequent: `parameters` once; `initial` once; `event` in each event
 //! iteration; `held` after each event; `rhs` at each evaluation of derivatives; at the same point
-//! then `jacobian`, or `roots` and after it `rest`.
+//! then `jacobian`, or `roots` and after it `rest`; `selection` after each step.
 
 use super::blocks::{Blocks, Source};
 use super::dae::Dae;
@@ -238,6 +238,21 @@ pub struct AssertCells {
     pub at_events: bool,
 }
 
+/// States that are chosen while the model runs.
+#[derive(Clone, Debug)]
+pub struct StateSetCells {
+    /// Cells of the candidates.
+    pub candidates: Vec<Slot>,
+    /// Cells of their typical sizes.
+    pub nominals: Vec<Slot>,
+    /// Cells of the states.
+    pub states: Vec<Slot>,
+    /// Cells of the selection, state by state.
+    pub selection: Vec<Slot>,
+    /// Derivatives of the constraints by the candidates, which [`Program::selection`] computes.
+    pub jacobian: Vec<Entry>,
+}
+
 /// Where everything lies in the memory.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
@@ -253,7 +268,7 @@ pub struct Layout {
     pub states: Slot,
     /// Derivative of each state.
     pub derivatives: Vec<Slot>,
-    /// Typical size of each state.
+    /// The size of each state at which its error becomes absolute.
     pub nominals: Vec<Slot>,
     /// Discrete and other variables whose `pre` is read: variable, its cell, cell of `pre`.
     pub pre: Vec<(VarId, Slot, Slot)>,
@@ -298,6 +313,10 @@ pub struct Program {
     pub jacobian: Tape,
     /// Its entries that can differ from zero, by row, then column.
     pub jacobian_entries: Vec<Entry>,
+    /// What the selection of states is judged by; all variables must be in the memory.
+    pub selection: Tape,
+    /// One for each of `blocks.state_sets`.
+    pub state_sets: Vec<StateSetCells>,
     /// Torn blocks.
     pub solvers: Vec<Solver>,
     /// Derivatives of torn blocks.
@@ -353,6 +372,7 @@ impl Program {
             ("roots", &self.roots),
             ("rest", &self.rest),
             ("jacobian", &self.jacobian),
+            ("selection", &self.selection),
         ];
         for (name, tape) in tapes {
             self.verify_tape(name, tape)?;

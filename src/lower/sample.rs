@@ -338,6 +338,7 @@ impl Reader {
                 let function = FunctionId(0);
                 g.intern(Node::Call { function, output: 0, args }, Type::Real)
             }
+            ("sqrt", &[a]) => g.unary(Unary::Sqrt, a),
             ("initial", []) => g.intern(Node::Initial, Type::Boolean),
             ("terminal", []) => g.intern(Node::Terminal, Type::Boolean),
             other => panic!("{other:?}"),

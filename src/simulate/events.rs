@@ -14,6 +14,8 @@ use super::system::Model;
 pub const ITERATION_LIMIT: u32 = 100;
 /// Points inside of a step, as fractions, at which relations are looked at besides its end.
 const LOOKS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// Failed evaluations within one step before the search gives up.
+const TRIALS: u32 = 100;
 /// Length of the interval in which a switching is enclosed, in spacings of doubles at its time.
 const ENCLOSURE: f64 = 4.0;
 
@@ -21,6 +23,8 @@ const ENCLOSURE: f64 = 4.0;
 pub struct Search {
     relations: Vec<u32>,
     point: Vec<f64>,
+    /// Not searched for the time being.
+    ignored: Option<u32>,
 }
 
 /// How an event iteration ended.
@@ -32,6 +36,8 @@ pub struct Settled {
     pub terminate: Option<usize>,
     /// Position of a failed assertion in a when-clause.
     pub failed: Option<usize>,
+    /// Something other than relations changed.
+    pub acted: bool,
 }
 
 /// Why an event iteration could not be finished.
@@ -55,7 +61,20 @@ impl Search {
         let relations = (0..program.watches.len() as u32)
             .filter(|k| program.watches[*k as usize] == Watch::State)
             .collect();
-        Search { relations, point: vec![0.0; program.order().max(1)] }
+        Search { relations, point: vec![0.0; program.order().max(1)], ignored: None }
+    }
+
+    /// Leaves a relation out of the search, or none.
+    pub fn ignore(&mut self, relation: Option<u32>) {
+        self.ignored = relation;
+    }
+
+    /// Searches an ignored relation again as soon as it agrees with its held value.
+    pub fn heed(&mut self, instance: &Instance<'_>) {
+        let layout = &instance.program.layout;
+        self.ignored = self
+            .ignored
+            .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k));
     }
 
     /// The first instant in the last step at which a relation has switched, enclosed from the right.
@@ -69,20 +88,30 @@ impl Search {
         }
         let (t0, t1) = (stepper.t_previous(), stepper.t());
         let mut left = t0;
-        for right in LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter().chain([t1]) {
-            if right <= left {
-                continue;
+        let mut trials = TRIALS;
+        for target in LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter().chain([t1]) {
+            let mut right = target;
+            while left < target {
+                match self.evaluate(model, stepper, right) {
+                    Ok(()) if self.switched(&model.instance).next().is_some() => {
+                        return Ok(Some(self.enclose(model, stepper, left, right)));
+                    }
+                    Ok(()) => (left, right) = (right, target),
+                    // A held branch may end before the step does, but not before it is left.
+                    Err(fault) => {
+                        trials = trials.saturating_sub(1);
+                        right = left + 0.5 * (right - left);
+                        if trials > 0 && left < right {
+                            continue;
+                        }
+                        // Between the ends the interpolation may leave the domain; its end counts.
+                        if target < t1 {
+                            break;
+                        }
+                        return Err(fault);
+                    }
+                }
             }
-            match self.evaluate(model, stepper, right) {
-                Ok(()) => {}
-                // Between the ends the interpolation may leave the domain; its end counts.
-                Err(_) if right < t1 => continue,
-                Err(fault) => return Err(fault),
-            }
-            if self.switched(&model.instance).next().is_some() {
-                return Ok(Some(self.enclose(model, stepper, left, right)));
-            }
-            left = right;
         }
         Ok(None)
     }
@@ -124,7 +153,7 @@ impl Search {
         } else {
             stepper.interpolate(t, &mut self.point);
         }
-        model.evaluate_roots(t, &self.point)
+        model.evaluate_roots_beyond(t, &self.point)
     }
 
     /// Relations whose value, as evaluated last, differs from the held one.
@@ -133,6 +162,7 @@ impl Search {
         self.relations
             .iter()
             .copied()
+            .filter(|k| self.ignored != Some(*k))
             .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k))
     }
 
@@ -191,7 +221,7 @@ pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, U
     let first = program.layout.relations;
     let count = program.watches.len() as Slot;
     let before: Vec<f64> = (0..count).map(|k| instance.get(first + k)).collect();
-    let mut settled = Settled { changed: false, terminate: None, failed: None };
+    let mut settled = Settled { changed: false, terminate: None, failed: None, acted: false };
     let mut ticking = program.clocks.iter().any(|c| instance.get(c.flag) != 0.0);
     settled.changed |= ticking;
     remember(instance);
@@ -219,6 +249,7 @@ pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, U
         }
         again |= !restless.is_empty();
         settled.changed |= again;
+        settled.acted |= again || ticking;
         if ticking {
             clocks.lower(instance);
             again = true;

@@ -6,6 +6,7 @@ use crate::ir::expr::VarId;
 
 use super::clock::Clocks;
 use super::events::{Settled, Unsettled, remember, settle, sweep};
+use super::selection::Selection;
 use super::settings::Settings;
 
 /// What went wrong before the run began.
@@ -31,7 +32,7 @@ impl From<Unsettled> for NoStart {
 pub fn initialise(
     instance: &mut Instance<'_>,
     settings: &Settings,
-) -> Result<(Clocks, Settled), NoStart> {
+) -> Result<(Clocks, Selection, Settled), NoStart> {
     let program = instance.program;
     for &(v, value) in &settings.parameters {
         if !instance.set_parameter(v, value) {
@@ -64,9 +65,10 @@ pub fn initialise(
     }
     remember(instance);
     sweep(instance, &program.initial, &program.late_initial)?;
+    let selection = Selection::begin(instance).map_err(Unsettled::Fault)?;
     instance.set(program.layout.initial, 0.0);
     let mut clocks = Clocks::new(instance, settings.start);
     clocks.raise(instance, settings.start);
     let settled = settle(instance, &clocks)?;
-    Ok((clocks, settled))
+    Ok((clocks, selection, settled))
 }

@@ -14,7 +14,9 @@ pub mod explain;
 pub mod initial;
 pub mod record;
 pub mod run;
+pub mod selection;
 pub mod settings;
+pub mod sliding;
 pub mod system;
 
 #[cfg(test)]

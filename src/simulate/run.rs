@@ -9,23 +9,34 @@ use crate::integrate::outcome::Step;
 use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::ir::expr::{Const, ExprId};
+use crate::ir::expr::{Binary, Const, ExprId};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
 use super::clock::Clocks;
 use super::error::{Failure, FailureKind, no_start, of_fault, of_integration, unsettled};
-use super::events::{Search, Settled, settle};
+use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
 use super::record::{Recorder, Sink};
+use super::selection::{LIMIT, Selection};
 use super::settings::Settings;
-use super::system::Model;
+use super::sliding::Sliding;
+use super::system::{Model, of_domain};
 
 /// So many events in so short a time are chattering, not physics.
 const CHATTER_EVENTS: usize = 64;
 /// The short time, as a part of the whole run.
 const CHATTER_SPAN: f64 = 1e-7;
+
+/// So many events of one relation alone in the short time, and its two sides are asked whether they
+/// meet.
+const MEETING_EVENTS: u32 = 4;
+/// Halvings of a step to find the end of a motion along a surface.
+const HALVINGS: u32 = 50;
+
+/// Tolerances are not sharpened beyond this.
+const SHARPEST: f64 = 1e-12;
 
 /// First shift of an event that its evaluation does not confirm, in spacings of doubles.
 const NUDGE: f64 = 8.0;
@@ -39,6 +50,8 @@ pub struct Statistics {
     pub state_events: u64,
     /// Instants known in advance: comparisons with time, and clocks.
     pub time_events: u64,
+    /// How often other variables became states.
+    pub selections: u64,
     /// Rows recorded.
     pub rows: u64,
     /// Time spent.
@@ -99,9 +112,11 @@ struct Simulation<'p, 's> {
     model: Model<'p>,
     stepper: Radau,
     clocks: Clocks,
+    selection: Selection,
     search: Search,
     recorder: Recorder,
     statistics: Statistics,
+    start: f64,
     stop: f64,
     t: f64,
     y: Vec<f64>,
@@ -116,6 +131,8 @@ struct Recent {
     times: [f64; CHATTER_EVENTS],
     at: usize,
     span: f64,
+    /// The last relation that switched alone, how often in a row, and since when.
+    alone: Option<(u32, u32, f64)>,
 }
 
 /// What leads to an event.
@@ -135,7 +152,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let mut model = Model::new(program);
         let t = settings.start;
         let begun = initialise(&mut model.instance, settings);
-        let (clocks, settled) = begun.map_err(|e| no_start(&model.instance, e, t))?;
+        let (clocks, selection, settled) = begun.map_err(|e| no_start(&model.instance, e, t))?;
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
         y[..program.order()].copy_from_slice(model.instance.states());
@@ -151,15 +168,17 @@ impl<'p, 's> Simulation<'p, 's> {
             model,
             stepper,
             clocks,
+            selection,
             search: Search::new(program),
             recorder,
             statistics: Statistics::default(),
+            start: settings.start,
             stop: settings.stop,
             t,
             y,
             warned: vec![false; program.asserts.len()],
             texts: vec![None; program.watches.len()],
-            recent: Recent { times: [f64::NEG_INFINITY; CHATTER_EVENTS], at: 0, span },
+            recent: Recent { times: [f64::NEG_INFINITY; CHATTER_EVENTS], at: 0, span, alone: None },
             ended: false,
         };
         simulation.record(t)?;
@@ -173,16 +192,30 @@ impl<'p, 's> Simulation<'p, 's> {
         while self.t < self.stop && !self.ended {
             let instant = self.clocks.next_instant(&self.model.instance, self.t);
             let t_stop = instant.min(self.stop);
-            let reached = self.step(t_stop)?;
-            let switched = self.search.first_switch(&mut self.model, &self.stepper);
-            match switched.map_err(|f| of_fault(&self.model.instance, f, self.stepper.t()))? {
+            let mut reached = self.step(t_stop)?;
+            let mut switched = self.first_switch()?;
+            if self.model.beyond && switched.is_none() && self.has_left_the_domain() {
+                // No relation would have kept the step inside: so must the step itself.
+                self.stepper.interpolate(self.t, &mut self.y);
+                self.model.strict = true;
+                let repeated = self.restart().and_then(|()| self.step(t_stop));
+                self.model.strict = false;
+                reached = repeated?;
+                switched = self.first_switch()?;
+            }
+            match switched {
                 Some(at) => self.event(at, Cause::State)?,
                 None if reached && t_stop == instant => self.event(t_stop, Cause::Time)?,
+                None if self.end_of_sliding()?.is_some() => {}
                 None => {
                     let t = self.stepper.t();
+                    self.search.heed(&self.model.instance);
                     self.check_assertions(t)?;
                     self.record_grid(t, true)?;
                     self.t = t;
+                    if self.select()? {
+                        self.restart()?;
+                    }
                 }
             }
         }
@@ -205,8 +238,20 @@ impl<'p, 's> Simulation<'p, 's> {
         self.act_on(settled, t)
     }
 
+    fn first_switch(&mut self) -> Result<Option<f64>, Failure> {
+        let switched = self.search.first_switch(&mut self.model, &self.stepper);
+        switched.map_err(|f| of_fault(&self.model.instance, f, self.stepper.t()))
+    }
+
+    fn has_left_the_domain(&mut self) -> bool {
+        let left = !self.model.is_inside(self.stepper.t(), self.stepper.y());
+        self.model.instance.fault = None;
+        left
+    }
+
     /// One accepted step; true if it ends at `t_stop`.
     fn step(&mut self, t_stop: f64) -> Result<bool, Failure> {
+        self.model.beyond = false;
         let outcome = self.stepper.step(&mut self.model, t_stop);
         let step =
             outcome.map_err(|e| of_integration(&self.model.instance, e, self.stepper.t()))?;
@@ -223,6 +268,9 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Everything that happens at one instant of the last step.
     fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
         self.record_grid(t, false)?;
+        // Whatever happens, both sides are looked at anew.
+        self.model.sliding = None;
+        self.search.ignore(None);
         let held = self.held_relations();
         let mut nudge =
             NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
@@ -233,8 +281,7 @@ impl<'p, 's> Simulation<'p, 's> {
             self.take_row(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
             ticked |= self.clocks.raise(&mut self.model.instance, t);
-            let outcome = settle(&mut self.model.instance, &self.clocks);
-            let settled = outcome.map_err(|u| unsettled(&self.model.instance, u, t))?;
+            let settled = self.settle(t)?;
             // The event sequence may round an operand to the other side: a little later it will not.
             if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
                 break settled;
@@ -257,15 +304,54 @@ impl<'p, 's> Simulation<'p, 's> {
         }
         let flipped = self.flipped(&held, &triggers);
         self.announce(t, cause, ticked, &flipped, settled);
-        if !ticked {
+        if !ticked && !self.slides(t, &flipped, settled)? {
             self.guard_against_chattering(t, &flipped)?;
         }
         self.check_assertions(t)?;
         self.act_on(settled, t)?;
         if !self.ended && t < self.stop {
+            if !self.selection.is_empty() {
+                let evaluated = self.model.evaluate_all(t, &self.y);
+                evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+                self.renew()?;
+            }
             self.restart()?;
         }
         Ok(())
+    }
+
+    /// Selects states anew at the end of a step if necessary; true if they changed.
+    fn select(&mut self) -> Result<bool, Failure> {
+        if self.selection.is_empty() {
+            return Ok(false);
+        }
+        self.go_to(self.stepper.t())?;
+        self.renew()
+    }
+
+    /// Selects states anew, if necessary, where the variables are in the memory.
+    fn renew(&mut self) -> Result<bool, Failure> {
+        let renewed = self.selection.renew(&mut self.model.instance);
+        let changed = renewed.map_err(|f| of_fault(&self.model.instance, f, self.t))?;
+        if changed {
+            self.statistics.selections += 1;
+            self.y.copy_from_slice(self.model.instance.states());
+        }
+        Ok(changed)
+    }
+
+    /// The event iteration at `t`, beyond the domain of functions where it can not be helped: new
+    /// relations and old branches meet in it.
+    fn settle(&mut self, t: f64) -> Result<Settled, Failure> {
+        let mut outcome = settle(&mut self.model.instance, &self.clocks);
+        if let Err(Unsettled::Fault(fault)) = outcome
+            && of_domain(fault)
+        {
+            self.model.instance.inside = true;
+            outcome = settle(&mut self.model.instance, &self.clocks);
+            self.model.instance.inside = false;
+        }
+        outcome.map_err(|u| unsettled(&self.model.instance, u, t))
     }
 
     /// Evaluates everything at an instant of the last step, relations held.
@@ -275,7 +361,10 @@ impl<'p, 's> Simulation<'p, 's> {
         } else {
             self.stepper.interpolate(t, &mut self.y);
         }
-        let evaluated = self.model.evaluate_all(t, &self.y);
+        let mut evaluated = self.model.evaluate_all(t, &self.y);
+        if evaluated.is_err_and(of_domain) && self.model.beyond {
+            evaluated = self.model.evaluate_all_beyond(t, &self.y);
+        }
         evaluated.map_err(|f| of_fault(&self.model.instance, f, t))
     }
 
@@ -301,7 +390,13 @@ impl<'p, 's> Simulation<'p, 's> {
 
     /// Takes the values in the memory as the next row.
     fn take_row(&mut self, t: f64) -> Result<(), Failure> {
-        self.recorder.take(&self.model.instance).map_err(|v| {
+        let mut taken = self.recorder.take(&self.model.instance);
+        if taken.is_err() && self.model.beyond {
+            let evaluated = self.model.evaluate_all_beyond(t, &self.y);
+            evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+            taken = self.recorder.take(&self.model.instance);
+        }
+        taken.map_err(|v| {
             let reader = Reader::new(self.program, &self.model.instance.memory);
             Failure::numerics(t, reader.not_finite(v, Sequence::Continuous, t))
         })
@@ -373,6 +468,97 @@ impl<'p, 's> Simulation<'p, 's> {
 
     fn place(&self, span: Span) -> String {
         self.sources.place(span).unwrap_or_default()
+    }
+
+    /// Stays on the surface of a relation that switched alone several times in no time, if its two
+    /// sides meet there; true if so.
+    fn slides(
+        &mut self,
+        t: f64,
+        flipped: &[(u32, bool)],
+        settled: Settled,
+    ) -> Result<bool, Failure> {
+        let &[(k, truth)] = flipped else {
+            self.recent.alone = None;
+            return Ok(false);
+        };
+        if settled.acted || self.program.watches[k as usize] != Watch::State {
+            self.recent.alone = None;
+            return Ok(false);
+        }
+        let (times, since) = match self.recent.alone {
+            Some((last, times, since)) if last == k && t - since <= self.recent.span => {
+                (times + 1, since)
+            }
+            _ => (1, t),
+        };
+        self.recent.alone = Some((k, times, since));
+        if times < MEETING_EVENTS {
+            return Ok(false);
+        }
+        let op = self.program.blocks.dae.relations[k as usize].op;
+        let rising = matches!(op, Binary::Greater | Binary::GreaterEqual);
+        let instance = &mut self.model.instance;
+        let mut sliding = Sliding::along(k, instance, self.stop - self.start);
+        let n = self.program.order();
+        let rates = sliding.rates(instance, t, &self.y[..n]);
+        if !rates.is_ok_and(|rates| rates.meet(rising)) {
+            let back = sliding.switch(instance, usize::from(truth));
+            back.map_err(|f| of_fault(&self.model.instance, f, t))?;
+            return Ok(false);
+        }
+        self.model.sliding = Some(sliding);
+        self.search.ignore(Some(k));
+        self.recent.alone = None;
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        self.tell_of_sliding(t, k, "stays where it switches");
+        Ok(true)
+    }
+
+    /// Leaves a surface that the last step should not have followed to its end; where it left.
+    fn end_of_sliding(&mut self) -> Result<Option<f64>, Failure> {
+        let Some(mut sliding) = self.model.sliding.take() else { return Ok(None) };
+        let (mut inside, mut outside) = (self.stepper.t_previous(), self.stepper.t());
+        let n = self.program.order();
+        let mut part_at = |s: &mut Self, t: f64| {
+            s.stepper.interpolate(t, &mut s.y);
+            let rates = sliding.rates(&mut s.model.instance, t, &s.y[..n]);
+            rates.map(|r| r.part()).map_err(|f| of_fault(&s.model.instance, f, t))
+        };
+        let is_inside = |part: f64| (0.0..=1.0).contains(&part);
+        let mut part = part_at(self, outside)?;
+        if is_inside(part) {
+            self.model.sliding = Some(sliding);
+            return Ok(None);
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            let there = part_at(self, middle)?;
+            if is_inside(there) {
+                inside = middle;
+            } else {
+                (outside, part) = (middle, there);
+            }
+        }
+        let (t, k) = (outside, sliding.relation());
+        self.model.sliding = Some(sliding);
+        self.record_grid(t, true)?;
+        self.stepper.interpolate(t, &mut self.y);
+        if let Some(sliding) = self.model.sliding.take() {
+            let left = sliding.switch(&mut self.model.instance, usize::from(part > 0.5));
+            left.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        }
+        self.t = t;
+        self.tell_of_sliding(t, k, "switches again");
+        self.restart()?;
+        Ok(Some(t))
+    }
+
+    fn tell_of_sliding(&mut self, t: f64, k: u32, what: &str) {
+        let what = format!("{} {what}", self.relation_text(k));
+        let place = self.place(self.relation_span(k));
+        self.sink.event(Event { time: t, what, place });
     }
 
     fn guard_against_chattering(&mut self, t: f64, flipped: &[(u32, bool)]) -> Result<(), Failure> {
@@ -456,7 +642,10 @@ fn options(model: &Model<'_>, settings: &Settings) -> Options {
     });
     let mut nominals: Vec<f64> = nominals.collect();
     nominals.resize(program.order().max(1), 1.0);
-    let mut options = Options::with_nominals(settings.tolerance, &nominals);
+    // What is not selected meets the tolerance too, though it and its rate react stronger.
+    let reaction = if program.state_sets.is_empty() { 1.0 } else { LIMIT * LIMIT };
+    let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
+    let mut options = Options::with_nominals(tolerance, &nominals);
     if program.order() == 0 && settings.stop > settings.start {
         // Nothing limits the error of a resting state, but events must not be stepped over.
         options.max_step = settings.interval;

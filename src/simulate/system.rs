@@ -4,11 +4,19 @@ use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::system::{EvalError, System};
 use crate::ir::program::Program;
 
+use super::sliding::Sliding;
+
 /// The derivatives of the states. A model without states has one that rests, so that events of its
 /// algebraic variables are found by the same loop.
 pub struct Model<'p> {
     /// The run.
     pub instance: Instance<'p>,
+    /// Since this was reset, a function was evaluated beyond its domain.
+    pub beyond: bool,
+    /// Nothing is evaluated beyond its domain.
+    pub strict: bool,
+    /// The surface that the solution stays on, if any.
+    pub sliding: Option<Sliding>,
     differential: Vec<bool>,
     moved: Vec<f64>,
     base: Vec<f64>,
@@ -22,6 +30,9 @@ impl<'p> Model<'p> {
         let zeros = || vec![0.0; n];
         Model {
             instance: Instance::new(program),
+            beyond: false,
+            strict: false,
+            sliding: None,
             differential: vec![true; n],
             moved: zeros(),
             base: zeros(),
@@ -31,8 +42,13 @@ impl<'p> Model<'p> {
 
     /// Everything at `(t, y)`, relations held.
     pub fn evaluate_all(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+        if let Some(sliding) = &mut self.sliding {
+            let n = self.instance.program.order();
+            return sliding.evaluate_all(&mut self.instance, t, &y[..n]);
+        }
+        let program = self.instance.program;
         self.evaluate_roots(t, y)?;
-        self.instance.run(&self.instance.program.rest)
+        self.instance.run(&program.rest)
     }
 
     /// Derivatives, searched relations and assertions at `(t, y)`.
@@ -41,6 +57,40 @@ impl<'p> Model<'p> {
         self.instance.place(t, &y[..program.order()]);
         self.instance.run(&program.rhs)?;
         self.instance.run(&program.roots)
+    }
+
+    /// As [`Model::evaluate_all`], beyond the domain of functions too.
+    pub fn evaluate_all_beyond(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+        self.instance.inside = true;
+        let outcome = self.evaluate_all(t, y);
+        self.instance.inside = false;
+        outcome
+    }
+
+    /// As [`Model::evaluate_roots`], beyond the domain of functions if the step went there.
+    pub fn evaluate_roots_beyond(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+        let outcome = self.evaluate_roots(t, y);
+        let layout = &self.instance.program.layout;
+        let count = self.instance.program.watches.len() as u32;
+        let gaps = (0..count).map(|k| self.instance.get(layout.gaps + k));
+        let fine = match outcome {
+            Ok(()) => !self.beyond || gaps.into_iter().all(|gap| !gap.is_nan()),
+            Err(fault) => self.strict || !of_domain(fault),
+        };
+        if fine {
+            return outcome;
+        }
+        self.beyond = true;
+        self.instance.inside = true;
+        let outcome = self.evaluate_roots(t, y);
+        self.instance.inside = false;
+        outcome
+    }
+
+    /// True if the derivatives at `(t, y)` exist.
+    pub fn is_inside(&mut self, t: f64, y: &[f64]) -> bool {
+        let n = self.instance.program.order();
+        self.instance.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
     }
 
     /// Replaces column `j` of the Jacobian by a one-sided difference: where the exact derivative is
@@ -55,18 +105,38 @@ impl<'p> Model<'p> {
         let n = self.instance.program.order();
         self.moved.copy_from_slice(y);
         let h = f64::EPSILON.sqrt() * y[column].abs().max(1e-3);
-        self.instance.derivatives(t, &y[..n], &mut self.base[..n])?;
+        let Model { instance, beyond, strict, base, slope, moved, .. } = self;
+        derivatives(instance, beyond, *strict, t, &y[..n], &mut base[..n])?;
         for step in [h, -h] {
-            self.moved[column] = y[column] + step;
-            let moved = &self.moved[..n];
-            if self.instance.derivatives(t, moved, &mut self.slope[..n]).is_ok() {
+            moved[column] = y[column] + step;
+            if instance.derivatives(t, &moved[..n], &mut slope[..n]).is_ok() {
                 for (i, d) in out.iter_mut().enumerate().take(n) {
-                    *d = (self.slope[i] - self.base[i]) / step;
+                    *d = (slope[i] - base[i]) / step;
                 }
                 return Ok(());
             }
         }
         out.fill(0.0);
+        Ok(())
+    }
+}
+
+impl Model<'_> {
+    /// The Jacobian by one-sided differences.
+    fn differences(&mut self, t: f64, y: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
+        let (n, dim) = (self.instance.program.order(), self.dim());
+        let (mut base, mut slope) = (vec![0.0; dim], vec![0.0; dim]);
+        let mut moved = y.to_vec();
+        self.rhs(t, y, &mut base)?;
+        for column in 0..n {
+            let h = f64::EPSILON.sqrt() * y[column].abs().max(1e-3);
+            moved[column] = y[column] + h;
+            self.rhs(t, &moved, &mut slope)?;
+            moved[column] = y[column];
+            for i in 0..n {
+                j[i + dim * column] = (slope[i] - base[i]) / h;
+            }
+        }
         Ok(())
     }
 }
@@ -83,14 +153,26 @@ impl System for Model<'_> {
     fn rhs(&mut self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
         let n = self.instance.program.order();
         f[n..].fill(0.0);
-        self.instance.derivatives(t, &y[..n], &mut f[..n]).map_err(recoverable)
+        if let Some(sliding) = &mut self.sliding {
+            let slid = sliding.derivatives(&mut self.instance, t, &y[..n], &mut f[..n]);
+            return slid.map_err(recoverable);
+        }
+        derivatives(&mut self.instance, &mut self.beyond, self.strict, t, &y[..n], &mut f[..n])
+            .map_err(recoverable)
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
         let program = self.instance.program;
         let (n, dim) = (program.order(), self.dim());
+        if self.sliding.is_some() {
+            return self.differences(t, y, j);
+        }
         self.instance.place(t, &y[..n]);
-        self.instance.run(&program.rhs).map_err(recoverable)?;
+        if let Err(fault) = self.instance.run(&program.rhs) {
+            let Model { instance, beyond, strict, base, .. } = self;
+            derivatives(instance, beyond, *strict || !of_domain(fault), t, &y[..n], &mut base[..n])
+                .map_err(recoverable)?;
+        }
         // A torn block whose derivative does not exist is no reason to fail: differences do.
         let exact = self.instance.run(&program.jacobian).is_ok();
         for e in &program.jacobian_entries {
@@ -105,6 +187,33 @@ impl System for Model<'_> {
         }
         Ok(())
     }
+}
+
+/// The derivatives, beyond the domain of functions where nothing else is possible: while a relation
+/// is held its branch must go on a little beyond the point at which it switches.
+fn derivatives(
+    instance: &mut Instance<'_>,
+    beyond: &mut bool,
+    strict: bool,
+    t: f64,
+    states: &[f64],
+    out: &mut [f64],
+) -> Result<(), Fault> {
+    match instance.derivatives(t, states, out) {
+        Err(fault) if !strict && of_domain(fault) => {
+            *beyond = true;
+            instance.inside = true;
+            let outcome = instance.derivatives(t, states, out);
+            instance.inside = false;
+            outcome
+        }
+        outcome => outcome,
+    }
+}
+
+/// True for a fault that moving arguments into their domain may cure.
+pub fn of_domain(fault: Fault) -> bool {
+    matches!(fault, Fault::Derivative { .. } | Fault::NotFinite { .. })
 }
 
 /// The fault itself stays with the instance.

@@ -73,7 +73,14 @@ fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &System) -> V
         let variable = &dae.variables[v];
         let is_differentiated = matches!(variable.kind, Kind::Differentiated { .. });
         let priority = reduce::priority(variable);
-        std::cmp::Reverse((is_state[v], is_differentiated, priority, std::cmp::Reverse(v)))
+        // What the compiler made has no start of its own.
+        let is_state = is_state[v] && !variable.hidden;
+        std::cmp::Reverse((
+            is_state,
+            is_differentiated && !variable.hidden,
+            priority,
+            std::cmp::Reverse(v),
+        ))
     });
     candidates
 }

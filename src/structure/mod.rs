@@ -1,7 +1,8 @@
 //! System of equations to blocks in order of evaluation.
 //!
 //! In comes a [`Dae`], out go [`Blocks`]: constraints are differentiated (Pantelides 1988), states are
-//! chosen (Mattsson and Söderlind 1993), and the equations of each phase are matched, sorted into
+//! chosen (Mattsson and Söderlind 1993), some of them again and again while the model runs (Mattsson,
+//! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into
 //! blocks (Tarjan 1972) and torn. What can not be solved is explained in the user's names.
 pub mod apply;
 pub mod error;
@@ -10,8 +11,10 @@ pub mod incidence;
 pub mod initial;
 pub mod print;
 pub mod reduce;
+pub mod select;
 pub mod solve;
 pub mod sort;
+pub mod sums;
 pub mod tear;
 
 #[cfg(test)]
@@ -29,21 +32,56 @@ use incidence::System;
 /// a result.
 pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
     explain::check_determined(&dae, problems)?;
-    let is_state = reduce::reduce(&mut dae, problems)?;
+    let reduce::Reduced { mut is_state, pivots } = reduced(&mut dae, problems)?;
 
-    let system = running(&dae, &is_state);
-    let matched = matching::maximum(&system.graph, |_, _| true, Matching::empty(&system.graph));
-    if matched.cardinality() < system.sources.len().max(system.unknowns.len()) {
-        problems.push(explain::lost_rank(&dae, &system, &matched));
-        return None;
+    let (mut system, mut matched) = matched(&dae, &is_state, problems)?;
+    // The start is computed before any state is selected.
+    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, problems)?;
+    let state_sets = select::state_sets(&mut dae, &pivots, &mut is_state);
+    if !state_sets.is_empty() {
+        (system, matched) = self::matched(&dae, &is_state, problems)?;
     }
     let continuous = sort::sequence(&mut dae, &system, &matched);
     let (system, matched) = system.with_discrete(&dae, matched);
     let event = sort::sequence(&mut dae, &system, &matched);
-    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, problems)?;
 
-    let (states, dummies) = split(&dae, &is_state);
-    Some(Blocks { dae, states, dummies, initial, event, continuous, assumed_starts })
+    let (states, mut dummies) = split(&dae, &is_state);
+    dummies.retain(|v| !state_sets.iter().any(|set| set.candidates.contains(v)));
+    Some(Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts })
+}
+
+/// Reduces the index. Sums of derivatives that are tied by nonlinear constraints become states.
+fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
+    let sums = sums::find(dae);
+    if sums.is_empty() {
+        return reduce::reduce(dae, problems);
+    }
+    let original = dae.clone();
+    let mut said = Problems::new();
+    let reduced = reduce::reduce(dae, &mut said);
+    let is_nonlinear = |r: &reduce::Reduced| r.pivots.iter().any(|pivot| pivot.nonlinear);
+    if !reduced.as_ref().is_some_and(is_nonlinear) {
+        problems.extend(said);
+        return reduced;
+    }
+    *dae = original;
+    sums::gather(dae, &sums);
+    reduce::reduce(dae, problems)
+}
+
+/// The equations between events, each matched to one of the unknowns, which are all determined.
+fn matched(
+    dae: &Dae,
+    is_state: &IndexVec<VarId, bool>,
+    problems: &mut Problems,
+) -> Option<(System, Matching)> {
+    let system = running(dae, is_state);
+    let matched = matching::maximum(&system.graph, |_, _| true, Matching::empty(&system.graph));
+    if matched.cardinality() < system.sources.len().max(system.unknowns.len()) {
+        problems.push(explain::lost_rank(dae, &system, &matched));
+        return None;
+    }
+    Some((system, matched))
 }
 
 /// The equations between events, with the states known.

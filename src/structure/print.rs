@@ -14,8 +14,14 @@ pub fn print(blocks: &Blocks, sources: &SourceMap) -> String {
     let mut out = String::new();
     let dae = &blocks.dae;
     let _ = writeln!(out, "{}", dae.name);
-    let states: Vec<VarId> = blocks.states.iter().map(|s| s.variable).collect();
+    let selected = |v: &VarId| blocks.state_sets.iter().any(|set| set.states.contains(v));
+    let states: Vec<VarId> =
+        blocks.states.iter().map(|s| s.variable).filter(|v| !selected(v)).collect();
     names(&mut out, "states", dae, &states);
+    for set in &blocks.state_sets {
+        let title = format!("selected while running, {} of", set.states.len());
+        names(&mut out, &title, dae, &set.candidates);
+    }
     let dummies: Vec<VarId> = blocks.dummies.clone();
     names(&mut out, "differentiated but not states", dae, &dummies);
     differentiated(&mut out, dae, sources);

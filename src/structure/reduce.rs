@@ -14,9 +14,33 @@ use crate::math::graph::pantelides::{self, Reduction, Singular};
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 
+/// Which variables are states, and how that came about.
+pub struct Reduced {
+    /// The choice made once for all.
+    pub is_state: IndexVec<VarId, bool>,
+    /// Constraints with what they determine.
+    pub pivots: Vec<Pivot>,
+}
+
+/// A constraint and the variable that it determines, see [`dummy::Pivot`].
+pub struct Pivot {
+    /// Constraints of different rounds are independent.
+    pub round: usize,
+    /// The constraint.
+    pub constraint: EqId,
+    /// What it determines.
+    pub determined: VarId,
+    /// What it might determine.
+    pub candidates: Vec<VarId>,
+    /// It might become unable to determine it.
+    pub varying: bool,
+    /// Its derivatives by its candidates vary.
+    pub nonlinear: bool,
+}
+
 /// Appends the differentiated equations to the system and tells which variables are states.
 /// The structure must be determined (see [`super::explain::check_determined`]).
-pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<IndexVec<VarId, bool>> {
+pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
     // Of equals, what is declared later becomes a dummy first: columns count backwards.
     let sources = dae.equations.ids().map(Source::Continuous).collect();
     let unknowns = dae.variables.ids().rev().filter(|v| is_continuous(dae, *v)).collect();
@@ -57,7 +81,16 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<IndexVec<VarId, 
         is_state[columns[col]] = true;
     }
     check_wishes(dae, &is_state, problems);
-    Some(is_state)
+    let pivots = choice.pivots.into_iter().map(|pivot| Pivot {
+        round: pivot.round,
+        constraint: EqId(pivot.constraint.0),
+        determined: columns[pivot.determined],
+        candidates: pivot.candidates.iter().map(|col| columns[*col]).collect(),
+        varying: pivot.varying,
+        nonlinear: pivot.nonlinear,
+    });
+    let pivots = pivots.collect();
+    Some(Reduced { is_state, pivots })
 }
 
 /// All continuous equations in all continuous variables, states and derivatives included.

@@ -43,6 +43,14 @@ fn verify(blocks: &Blocks) {
     let discrete: FastSet<VarId> = dae.discrete.iter().map(|d| d.variable).collect();
     let initial_parameter = |v: &VarId| dae.variables[*v].kind == Kind::InitialParameter;
     let states: FastSet<VarId> = blocks.states.iter().map(|s| s.variable).collect();
+    // The start is computed before any state is selected.
+    let of_sets = blocks.state_sets.iter().flat_map(|set| &set.states);
+    let selected: FastSet<VarId> = (of_sets.copied())
+        .flat_map(|v| match dae.variables[v].kind {
+            Kind::Differentiated { derivative } => [v, derivative],
+            _ => [v, v],
+        })
+        .collect();
     for (sequence, is_known, is_unknown) in [
         (
             &blocks.continuous,
@@ -53,7 +61,7 @@ fn verify(blocks: &Blocks) {
         (&blocks.event, &|v: &VarId| states.contains(v) || initial_parameter(v), &|v: &VarId| {
             continuous(v) || discrete.contains(v)
         }),
-        (&blocks.initial, &|_: &VarId| false, &|v: &VarId| {
+        (&blocks.initial, &|v: &VarId| selected.contains(v), &|v: &VarId| {
             continuous(v) || discrete.contains(v) || initial_parameter(v)
         }),
     ] {

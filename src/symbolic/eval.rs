@@ -76,6 +76,27 @@ pub fn power(a: f64, b: f64) -> f64 {
     }
 }
 
+/// The value of a unary operator, with an argument outside of its domain moved to the border: how a
+/// branch goes on, for a moment, beyond the point at which it will be left.
+pub fn unary_inside(op: Unary, a: f64) -> f64 {
+    let inside = match op {
+        Unary::Sqrt => a.max(0.0),
+        Unary::Log | Unary::Log10 => a.max(f64::MIN_POSITIVE),
+        Unary::Asin | Unary::Acos => a.clamp(-1.0, 1.0),
+        _ => a,
+    };
+    // What is not a number stays so.
+    unary(op, if a.is_nan() { a } else { inside })
+}
+
+/// The value of a binary operator, with arguments outside of its domain moved to the border.
+pub fn binary_inside(op: Binary, a: f64, b: f64) -> f64 {
+    match op {
+        Binary::Pow if a < 0.0 && b.fract() != 0.0 => power(0.0, b),
+        _ => binary(op, a, b),
+    }
+}
+
 #[inline]
 fn truth(b: bool) -> f64 {
     f64::from(u8::from(b))

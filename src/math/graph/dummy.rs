@@ -39,6 +39,25 @@ pub struct StateChoice {
     /// How many dummies had to be taken although their columns depend on the others: not zero if
     /// constraints repeat or contradict each other for all values of the unknowns.
     pub dependent: usize,
+    /// The rows that the dummies balance, round by round.
+    pub pivots: Vec<Pivot>,
+}
+
+/// A constraint and the variable that it determines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pivot {
+    /// How far below the highest derivatives: constraints of different rounds are independent.
+    pub round: usize,
+    /// The constraint, an original or a differentiated row.
+    pub constraint: Row,
+    /// The column that it determines: its derivative is a dummy.
+    pub determined: Col,
+    /// All columns that it might determine, with a derivative each.
+    pub candidates: Vec<Col>,
+    /// The pivot, or the block of pivots that it belongs to, varies and might become singular.
+    pub varying: bool,
+    /// The derivative of the constraint by some candidate varies.
+    pub nonlinear: bool,
 }
 
 /// Chooses the dummy derivatives of a reduced system: as many as there are differentiated rows.
@@ -62,6 +81,7 @@ pub fn choose(
     let jacobian = Jacobian::of(reduction, &chains, coefficient);
     let mut is_dummy = IndexVec::filled(false, reduction.derivative.len());
     let mut dependent = 0;
+    let mut pivots = Vec::new();
 
     let mut candidates: Vec<Candidate> = (jacobian.graph.rows())
         .filter(|&top| !jacobian.graph.cols(top).is_empty())
@@ -83,13 +103,14 @@ pub fn choose(
         for candidate in &candidates {
             is_dummy[candidate.dummy] = true;
         }
+        pivots.extend(jacobian.pivots(&greedy.matching, round, &chains));
         candidates = candidates.iter().filter_map(|candidate| candidate.lowered(&chains)).collect();
     }
     let is_state = |(col, derivative): (Col, &Option<Col>)| {
         derivative.filter(|&derivative| !is_dummy[derivative]).map(|_| col)
     };
     let states = reduction.derivative.enumerate().filter_map(is_state).collect();
-    StateChoice { is_dummy, states, dependent }
+    StateChoice { is_dummy, states, dependent, pivots }
 }
 
 /// A derivative that may become a dummy in this round.
@@ -115,6 +136,8 @@ impl Candidate {
 struct Chains {
     /// What each column is the derivative of.
     integral: IndexVec<Col, Option<Col>>,
+    /// What each row is the derivative of.
+    constraint: IndexVec<Row, Option<Row>>,
     /// The original row of each row.
     origin: IndexVec<Row, Row>,
     /// How many times the original row was differentiated to give each row.
@@ -131,14 +154,16 @@ impl Chains {
         }
         let mut origin: IndexVec<Row, Row> = reduction.incidence.rows().collect();
         let mut times = IndexVec::filled(0, origin.len());
+        let mut constraint = IndexVec::filled(None, origin.len());
         // A differentiated row has a higher number than the row it comes from.
         for (row, &differentiated) in reduction.differentiated.enumerate() {
             if let Some(differentiated) = differentiated {
                 origin[differentiated] = origin[row];
                 times[differentiated] = times[row] + 1;
+                constraint[differentiated] = Some(row);
             }
         }
-        Chains { integral, origin, times }
+        Chains { integral, constraint, origin, times }
     }
 
     /// How much a column is wanted as a state.
@@ -171,6 +196,7 @@ struct Jacobian {
 struct Entry {
     stage: Stage,
     value: Residue,
+    varying: bool,
 }
 
 /// The order in which edges are tried.
@@ -226,6 +252,66 @@ impl Jacobian {
         stages.dedup();
         Jacobian { graph, entries, stages, rows }
     }
+
+    /// The rows of a round with the columns they are matched to, in the numbers of that round.
+    fn pivots(&self, matching: &Matching<Col, Row>, round: usize, chains: &Chains) -> Vec<Pivot> {
+        let rows: Vec<Row> =
+            self.rows.iter().copied().filter(|r| chains.times[*r] >= round).collect();
+        let mut local = IndexVec::filled(None, self.graph.col_count());
+        let mut tops = Vec::new();
+        for &row in &rows {
+            if let Some(top) = matching.col_to_row[row] {
+                local[row] = Some(Row(tops.len() as u32));
+                tops.push((row, top));
+            }
+        }
+        // The regular matrix of the round, row by row, and all entries of its rows.
+        let mut chosen: Vec<Vec<Col>> = vec![Vec::new(); tops.len()];
+        let mut all: Vec<Vec<(Col, bool)>> = vec![Vec::new(); tops.len()];
+        let mut place = IndexVec::filled(None, self.graph.row_count());
+        for (i, &(_, top)) in tops.iter().enumerate() {
+            place[top] = Some(Col(i as u32));
+        }
+        for top in self.graph.rows() {
+            for edge in self.graph.edges(top) {
+                if let Some(row) = local[self.graph.col(edge)] {
+                    all[row.0 as usize].push((top, self.entries[edge.0 as usize].varying));
+                    chosen[row.0 as usize].extend(place[top]);
+                }
+            }
+        }
+        let square = Bipartite::from_rows(tops.len(), chosen);
+        let mut diagonal = Matching::empty(&square);
+        for i in 0..tops.len() as u32 {
+            diagonal.join(Row(i), Col(i));
+        }
+        let mut varying = vec![false; tops.len()];
+        let mut block_of = vec![usize::MAX; tops.len()];
+        for (number, block) in scc::blocks(&square, &diagonal).iter().enumerate() {
+            for (row, _) in block {
+                block_of[row.0 as usize] = number;
+            }
+            let inside = |top: Col| place[top].is_some_and(|c| block_of[c.0 as usize] == number);
+            let varies = block.iter().any(|(row, _)| {
+                all[row.0 as usize].iter().any(|&(top, varying)| varying && inside(top))
+            });
+            for (row, _) in block {
+                varying[row.0 as usize] = varies;
+            }
+        }
+        let lowered = |top: Col| (0..round).try_fold(top, |col, _| chains.integral[col]);
+        let pivots = tops.iter().enumerate().filter_map(|(i, &(row, top))| {
+            Some(Pivot {
+                round,
+                constraint: (0..round).try_fold(row, |row, _| chains.constraint[row])?,
+                determined: lowered(top)?,
+                candidates: all[i].iter().filter_map(|&(top, _)| lowered(top)).collect(),
+                varying: varying[i],
+                nonlinear: all[i].iter().any(|&(_, varying)| varying),
+            })
+        });
+        pivots.collect()
+    }
 }
 
 impl Entry {
@@ -246,7 +332,7 @@ impl Entry {
             Stage::Constant | Stage::Parameter => Stage::Across,
             _ => Stage::LastResort,
         };
-        Entry { stage, value }
+        Entry { stage, value, varying: coefficient == Coefficient::Varying }
     }
 }
 

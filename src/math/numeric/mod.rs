@@ -14,3 +14,4 @@ pub mod norm;
 pub mod pattern;
 pub mod root;
 pub mod small_lu;
+pub mod submatrix;

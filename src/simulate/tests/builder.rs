@@ -44,6 +44,7 @@ impl Builder {
             dae,
             states: Vec::new(),
             dummies: Vec::new(),
+            state_sets: Vec::new(),
             initial: Vec::new(),
             event: Vec::new(),
             continuous: Vec::new(),

@@ -59,8 +59,11 @@ fn chattering_is_reported() {
     let (_, x, dx) = b.state("x", 0.1);
     let zero = b.real(0.0);
     let positive = b.relation(x, Binary::Greater, zero, Trigger::State);
-    let (one, minus) = (b.real(1.0), b.real(-1.0));
-    let slope = b.g().if_then_else(positive, minus, one);
+    // Two relations: there is no combination of two sides that keeps both.
+    let negative = b.relation(x, Binary::Less, zero, Trigger::State);
+    let (one, two, minus) = (b.real(1.0), b.real(2.0), b.real(-1.0));
+    let below = b.g().if_then_else(negative, one, two);
+    let slope = b.g().if_then_else(positive, minus, below);
     b.assign(dx, slope);
     let failure = b.run(1.0, 1e-6).unwrap_err();
     let message = &failure.diagnostic.message;

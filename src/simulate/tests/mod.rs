@@ -2,5 +2,7 @@
 mod builder;
 mod discrete;
 mod failures;
+mod hard;
+mod selection;
 mod models;
 mod smooth;

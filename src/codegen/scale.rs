@@ -1,0 +1,113 @@
+//! The sizes at which the error of a state counts, where the modeller does not give them.
+//!
+//! A nominal value that is given is taken. Otherwise the size follows from equations such as
+//! `q = c * u`, by the sizes of what stands on the other side, or from the start value; and since
+//! neither of them is certain, errors count from a small part of it on.
+
+use crate::base::index::FastMap;
+use crate::ir::blocks::State;
+use crate::ir::dae::{EqId, Kind};
+use crate::ir::expr::{Binary, ExprId, Unary, VarId};
+use crate::ir::program::Slot;
+use crate::symbolic::gradient::{Leaf, gradient};
+use crate::symbolic::linear;
+
+use super::block::nominal;
+use super::emit::{Emitter, PARAMETER};
+
+/// The part of a size that is not given at which errors become absolute.
+const CAUTION: f64 = 1e-2;
+
+/// Emits the sizes of the states to the parameter tape; their cells.
+pub fn of_states(e: &mut Emitter, states: &[State]) -> Vec<Slot> {
+    let mut equations: FastMap<VarId, Vec<EqId>> = FastMap::default();
+    let open = states.iter().map(|s| s.variable).filter(|v| e.dae.variables[*v].nominal.is_none());
+    equations.extend(open.map(|v| (v, Vec::new())));
+    if !equations.is_empty() {
+        for (id, equation) in e.dae.equations.enumerate() {
+            if equation.derivative_of.is_none() {
+                for v in e.dae.graph.variables(equation.residual) {
+                    if let Some(list) = equations.get_mut(&v) {
+                        list.push(id);
+                    }
+                }
+            }
+        }
+    }
+    let size = |s: &State| match equations.get(&s.variable) {
+        None => nominal(e, s.variable),
+        Some(list) => estimate(e, s.variable, list),
+    };
+    states.iter().map(size).collect()
+}
+
+fn estimate(e: &mut Emitter, v: VarId, equations: &[EqId]) -> Slot {
+    let sizes: Vec<ExprId> = equations
+        .iter()
+        .filter_map(|id| by_equation(e, v, e.dae.equations[*id].residual))
+        .collect();
+    let inferred = sizes.into_iter().reduce(|a, b| e.dae.graph.binary(Binary::Max, a, b));
+    let start = e.dae.variables[v].start.filter(|s| e.level_of(&[*s], |_| false) == PARAMETER);
+    let start = start.map(|s| e.dae.graph.unary(Unary::Abs, s));
+    let g = &mut e.dae.graph;
+    let size = match (inferred, start) {
+        (Some(a), Some(b)) => g.binary(Binary::Max, a, b),
+        (Some(a), None) => a,
+        (None, Some(b)) => {
+            let (zero, one) = (g.real(0.0), g.real(1.0));
+            let starts = g.binary(Binary::Greater, b, zero);
+            g.if_then_else(starts, b, one)
+        }
+        (None, None) => g.real(1.0),
+    };
+    let caution = g.real(CAUTION);
+    let size = g.mul(caution, size);
+    e.emit(size).0
+}
+
+/// The size of `v` if an equation is linear in it and something in the equation tells of sizes: a
+/// nominal value, or a coefficient other than one.
+fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
+    let (coefficient, rest) = linear::split(&mut e.dae.graph, residual, Leaf::Var(v))?;
+    let is_fixed = |e: &Emitter, x| e.level_of(&[x], |_| false) == PARAMETER;
+    if !is_fixed(e, coefficient) {
+        return None;
+    }
+    let moves = |e: &Emitter, v: VarId| {
+        let kind = e.dae.variables.get(v).map(|x| x.kind);
+        !matches!(kind, None | Some(Kind::Parameter | Kind::InitialParameter))
+    };
+    let partials = gradient(&mut e.dae.graph, rest, |_| true);
+    let mut telling = is_telling(e, coefficient);
+    let mut terms = Vec::new();
+    for (leaf, partial) in partials {
+        let Leaf::Var(z) = leaf else { return None };
+        if !moves(e, z) {
+            continue;
+        }
+        if e.dae.variables[z].derivative_of.is_some() || !is_fixed(e, partial) {
+            return None;
+        }
+        let given = e.dae.variables[z].nominal.filter(|n| is_fixed(e, *n));
+        telling |= given.is_some() || is_telling(e, partial);
+        let term = e.dae.graph.unary(Unary::Abs, partial);
+        terms.push(match given {
+            Some(size) => {
+                let size = e.dae.graph.unary(Unary::Abs, size);
+                e.dae.graph.mul(term, size)
+            }
+            None => term,
+        });
+    }
+    if terms.is_empty() || !telling {
+        return None;
+    }
+    let g = &mut e.dae.graph;
+    let sum = g.sum(terms);
+    let coefficient = g.unary(Unary::Abs, coefficient);
+    Some(g.div(sum, coefficient))
+}
+
+fn is_telling(e: &Emitter, coefficient: ExprId) -> bool {
+    e.dae.graph.as_number(coefficient).is_none_or(|c| c.abs() != 1.0)
+}

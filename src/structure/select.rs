@@ -1,0 +1,217 @@
+//! Choices of states that one point of the trajectory can not settle for all.
+//!
+//! S. E. Mattsson, H. Olsson, H. Elmqvist, "Dynamic Selection of States in Dymola", Modelica
+//! Workshop 2000. Where the pivots of a choice of dummy derivatives vary, they may vanish: those of
+//! a pendulum in Cartesian coordinates do at its turning points. The states of such constraints
+//! become variables of their own, `states = selection * candidates` and
+//! `der(states) = selection * der(candidates)`, and the selection is made while the model runs.
+
+use super::reduce::Pivot;
+use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::base::source::Span;
+use crate::ir::blocks::StateSet;
+use crate::ir::dae::{Dae, EqId, Equation, Kind, Variable};
+use crate::ir::expr::{Binary, ExprId, Type, VarId};
+use crate::ir::flat::StateSelect;
+use crate::symbolic::gradient::{Leaf, gradient};
+
+/// What a wish for a state adds to the size of a pivot.
+const PREFERENCE: f64 = 10.0;
+
+/// Finds the choices with varying pivots and appends their states, derivatives and equations to the
+/// system. Their candidates are states no more.
+pub fn state_sets(
+    dae: &mut Dae,
+    pivots: &[Pivot],
+    is_state: &mut IndexVec<VarId, bool>,
+) -> Vec<StateSet> {
+    let mut sets = Vec::new();
+    if !pivots.iter().any(|pivot| pivot.varying) {
+        return sets;
+    }
+    let pivots = open(dae, pivots);
+    for group in groups(&pivots) {
+        let mut candidates: Vec<VarId> =
+            group.iter().flat_map(|pivot| pivot.candidates.iter().copied()).collect();
+        candidates.sort_unstable();
+        candidates.dedup();
+        let determined: FastSet<VarId> = group.iter().map(|pivot| pivot.determined).collect();
+        let free = candidates.iter().filter(|v| is_state[**v]).count();
+        // What must be a state whatever happens may leave no choice.
+        if free > 0 && free + group.len() == candidates.len() {
+            let set = append(dae, &group, candidates, &determined, sets.len() + 1);
+            is_state.resize(dae.variables.len(), false);
+            set.candidates.iter().for_each(|v| is_state[*v] = false);
+            set.states.iter().for_each(|v| is_state[*v] = true);
+            sets.push(set);
+        }
+    }
+    sets
+}
+
+/// The constraints and candidates between which there is a choice: without what must stay a state,
+/// and without what a constraint determines by itself, such as a motion given in time.
+fn open(dae: &Dae, pivots: &[Pivot]) -> Vec<Pivot> {
+    let mut settled: FastSet<(usize, VarId)> = FastSet::default();
+    let is_open = |settled: &FastSet<(usize, VarId)>, round: usize, v: VarId| {
+        may_change(dae, v) && !settled.contains(&(round, v))
+    };
+    loop {
+        let before = settled.len();
+        for pivot in pivots.iter().filter(|pivot| !pivot.varying) {
+            let alone = |v: &VarId| *v == pivot.determined || !is_open(&settled, pivot.round, *v);
+            if pivot.candidates.iter().all(alone) {
+                settled.insert((pivot.round, pivot.determined));
+            }
+        }
+        if settled.len() == before {
+            break;
+        }
+    }
+    let rest = pivots.iter().filter(|p| !settled.contains(&(p.round, p.determined)));
+    let opened = rest.map(|pivot| Pivot {
+        candidates: (pivot.candidates.iter().copied())
+            .filter(|v| is_open(&settled, pivot.round, *v))
+            .collect(),
+        ..*pivot
+    });
+    opened.collect()
+}
+
+/// The constraints whose pivots vary, with those that determine some of their candidates, parted by
+/// what they share.
+fn groups(pivots: &[Pivot]) -> Vec<Vec<&Pivot>> {
+    let maker: FastMap<(usize, VarId), usize> =
+        pivots.iter().enumerate().map(|(i, p)| ((p.round, p.determined), i)).collect();
+    let mut pending: Vec<usize> = (0..pivots.len()).filter(|i| pivots[*i].varying).collect();
+    let mut included = vec![false; pivots.len()];
+    while let Some(i) = pending.pop() {
+        if !std::mem::replace(&mut included[i], true) {
+            let of = pivots[i].candidates.iter().map(|v| (pivots[i].round, *v));
+            pending.extend(of.filter_map(|key| maker.get(&key)));
+        }
+    }
+    let mut groups: Vec<Vec<&Pivot>> = Vec::new();
+    for pivot in pivots.iter().enumerate().filter(|(i, _)| included[*i]).map(|(_, pivot)| pivot) {
+        let shares = |other: &&Pivot| {
+            other.round == pivot.round
+                && pivot.candidates.iter().any(|v| other.candidates.contains(v))
+        };
+        let (joined, apart): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group| group.iter().any(shares));
+        groups = apart;
+        groups.push(joined.into_iter().flatten().chain([pivot]).collect());
+    }
+    groups
+}
+
+/// False for what must stay a state.
+fn may_change(dae: &Dae, v: VarId) -> bool {
+    let reinitialised = dae.reinits.iter().any(|reinit| reinit.state == v);
+    let Variable { state_select, hidden, .. } = dae.variables[v];
+    // Sums of derivatives were made to be states.
+    let is_sum = hidden && state_select == StateSelect::Prefer;
+    !(reinitialised || is_sum || state_select == StateSelect::Always)
+}
+
+fn append(
+    dae: &mut Dae,
+    group: &[&Pivot],
+    candidates: Vec<VarId>,
+    determined: &FastSet<VarId>,
+    number: usize,
+) -> StateSet {
+    let jacobian = jacobian(dae, group, &candidates);
+    let count = candidates.len() - group.len();
+    let first = group[0].constraint;
+    let nominal = nominal(dae, &candidates);
+    let (mut states, mut selection) = (Vec::new(), Vec::new());
+    for i in 1..=count {
+        let row: Vec<VarId> = (1..=candidates.len())
+            .map(|j| hidden(dae, format!("$selection{number}[{i},{j}]"), Kind::Input))
+            .collect();
+        let state = hidden(dae, format!("$state{number}[{i}]"), Kind::Algebraic);
+        let derivative = Variable::derivative(state, &dae.variables[state], Kind::Algebraic);
+        let derivative = dae.variables.push(derivative);
+        dae.variables[state].kind = Kind::Differentiated { derivative };
+        dae.variables[state].nominal = nominal;
+        let rates: Vec<VarId> = candidates.iter().map(|v| rate(dae, *v)).collect();
+        select(dae, first, state, &row, &candidates);
+        select(dae, first, derivative, &row, &rates);
+        states.push(state);
+        selection.extend(row);
+    }
+    let position = |(i, v): (usize, &VarId)| determined.contains(v).then_some(i);
+    StateSet {
+        dependent: candidates.iter().enumerate().filter_map(position).collect(),
+        wishes: candidates.iter().map(|v| wish(&dae.variables[*v])).collect(),
+        constraints: group.iter().map(|pivot| pivot.constraint).collect(),
+        candidates,
+        states,
+        selection,
+        jacobian,
+    }
+}
+
+/// The derivatives of the constraints by the candidates.
+fn jacobian(dae: &mut Dae, group: &[&Pivot], candidates: &[VarId]) -> Vec<(usize, usize, ExprId)> {
+    let place: FastMap<VarId, usize> =
+        candidates.iter().enumerate().map(|(j, v)| (*v, j)).collect();
+    let mut entries = Vec::new();
+    for (i, pivot) in group.iter().enumerate() {
+        let residual = dae.equations[pivot.constraint].residual;
+        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if place.contains_key(&v));
+        for (leaf, value) in gradient(&mut dae.graph, residual, wanted) {
+            if let Leaf::Var(v) = leaf {
+                entries.push((i, place[&v], value));
+            }
+        }
+    }
+    entries.sort_unstable_by_key(|(i, j, _)| (*i, *j));
+    entries
+}
+
+/// Appends `v = sum of coefficients times terms`.
+fn select(dae: &mut Dae, of: EqId, v: VarId, coefficients: &[VarId], terms: &[VarId]) {
+    let products: Vec<ExprId> = coefficients
+        .iter()
+        .zip(terms)
+        .map(|(a, x)| {
+            let (a, x) = (dae.graph.var(*a, Type::Real), dae.graph.var(*x, Type::Real));
+            dae.graph.mul(a, x)
+        })
+        .collect();
+    let rhs = dae.graph.sum(products);
+    let lhs = dae.graph.var(v, Type::Real);
+    let residual = dae.graph.sub(lhs, rhs);
+    let origin = dae.equations[of].origin.clone();
+    dae.equations.push(Equation { lhs, rhs, residual, origin, derivative_of: None });
+}
+
+fn hidden(dae: &mut Dae, name: String, kind: Kind) -> VarId {
+    let variable = Variable { hidden: true, ..Variable::new(name, Type::Real, kind, Span::NONE) };
+    dae.variables.push(variable)
+}
+
+fn rate(dae: &Dae, v: VarId) -> VarId {
+    match dae.variables[v].kind {
+        Kind::Differentiated { derivative } => derivative,
+        // Candidates are differentiated.
+        _ => v,
+    }
+}
+
+/// The smallest nominal value of the candidates, if all have one.
+fn nominal(dae: &mut Dae, candidates: &[VarId]) -> Option<ExprId> {
+    let given: Option<Vec<ExprId>> = candidates.iter().map(|v| dae.variables[*v].nominal).collect();
+    let smaller = |a, b| dae.graph.binary(Binary::Min, a, b);
+    given?.into_iter().reduce(smaller)
+}
+
+fn wish(variable: &Variable) -> f64 {
+    match variable.state_select {
+        StateSelect::Never | StateSelect::Avoid => 1.0 / PREFERENCE,
+        StateSelect::Default => 1.0,
+        StateSelect::Prefer | StateSelect::Always => PREFERENCE,
+    }
+}

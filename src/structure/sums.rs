@@ -1,0 +1,98 @@
+//! Sums of derivatives: `c1 * der(x1) + c2 * der(x2) = f` is `der(w) = f` with `w = c1 * x1 + c2 * x2`.
+//!
+//! The balance of a node with several charges is written like that. Where its derivatives occur in
+//! no other equation, constraints tie the terms to each other; with `w` as the state these are
+//! solved as they are, instead of following their derivatives, which may be steep or jump.
+
+use super::solve;
+use crate::base::index::FastMap;
+use crate::ir::dae::{Dae, EqId, Equation, Kind, Variable};
+use crate::ir::expr::{ExprId, Type, VarId};
+use crate::ir::flat::StateSelect;
+use crate::symbolic::gradient::Leaf;
+use crate::symbolic::linear;
+
+/// An equation with a sum of derivatives that occur nowhere else.
+pub struct Sum {
+    equation: EqId,
+    rates: Vec<VarId>,
+}
+
+/// The sums of a system.
+pub fn find(dae: &Dae) -> Vec<Sum> {
+    // How often each derivative occurs.
+    let mut occurrences: FastMap<VarId, usize> = FastMap::default();
+    let mut sums: Vec<Sum> = Vec::new();
+    for (equation, e) in dae.equations.enumerate() {
+        let mut rates = dae.graph.variables(e.residual);
+        rates.retain(|v| dae.variables[*v].derivative_of.is_some());
+        for v in &rates {
+            *occurrences.entry(*v).or_insert(0) += 1;
+        }
+        if rates.len() > 1 {
+            rates.sort_unstable();
+            sums.push(Sum { equation, rates });
+        }
+    }
+    let is_algebraic = |v: VarId| dae.variables[v].kind == Kind::Algebraic;
+    sums.retain(|sum| sum.rates.iter().all(|v| occurrences[v] == 1 && is_algebraic(*v)));
+    sums
+}
+
+/// Gives every sum with constant coefficients a state of its own.
+pub fn gather(dae: &mut Dae, sums: &[Sum]) {
+    for Sum { equation, rates } in sums {
+        if let Some((coefficients, rest)) = split(dae, *equation, rates) {
+            replace(dae, *equation, rates, &coefficients, rest);
+        }
+    }
+}
+
+/// The coefficients of the derivatives if they do not vary, and the rest of the equation.
+fn split(dae: &mut Dae, id: EqId, rates: &[VarId]) -> Option<(Vec<ExprId>, ExprId)> {
+    let mut rest = dae.equations[id].residual;
+    let mut coefficients = Vec::with_capacity(rates.len());
+    for v in rates {
+        let (coefficient, without) = linear::split(&mut dae.graph, rest, Leaf::Var(*v))?;
+        if !solve::is_never_zero(dae, coefficient) {
+            return None;
+        }
+        coefficients.push(coefficient);
+        rest = without;
+    }
+    Some((coefficients, rest))
+}
+
+fn replace(dae: &mut Dae, id: EqId, rates: &[VarId], coefficients: &[ExprId], rest: ExprId) {
+    let name = format!("$sum{}", id.0 + 1);
+    let mut sum = Variable::new(name, Type::Real, Kind::Algebraic, dae.equations[id].origin.span);
+    sum.hidden = true;
+    sum.state_select = StateSelect::Prefer;
+    let sum = dae.variables.push(sum);
+    let rate = Variable::derivative(sum, &dae.variables[sum], Kind::Algebraic);
+    let rate = dae.variables.push(rate);
+    dae.variables[sum].kind = Kind::Differentiated { derivative: rate };
+
+    let mut terms = Vec::with_capacity(rates.len());
+    for (v, coefficient) in rates.iter().zip(coefficients) {
+        if let Some(of) = dae.variables[*v].derivative_of {
+            let of = dae.graph.var(of, Type::Real);
+            terms.push(dae.graph.mul(*coefficient, of));
+        }
+    }
+    let value = dae.graph.sum(terms);
+    let origin = dae.equations[id].origin.clone();
+    let lhs = dae.graph.var(sum, Type::Real);
+    let residual = dae.graph.sub(lhs, value);
+    dae.equations.push(Equation {
+        lhs,
+        rhs: value,
+        residual,
+        origin: origin.clone(),
+        derivative_of: None,
+    });
+    let lhs = dae.graph.var(rate, Type::Real);
+    let rhs = dae.graph.neg(rest);
+    let residual = dae.graph.add(lhs, rest);
+    dae.equations[id] = Equation { lhs, rhs, residual, origin, derivative_of: None };
+}
