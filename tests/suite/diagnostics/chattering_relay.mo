@@ -4,6 +4,6 @@ model Relay
   Real x(start = 0.5, fixed = true);
   Real u;
 equation
-  u = if x > 0 then -1 else 1;
+  u = if x > 0 then -1 else if x < 0 then 1 else 2;
   der(x) = u;
 end Relay;
