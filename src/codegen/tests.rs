@@ -100,28 +100,28 @@ fn a_program_can_be_read() {
     parameters:
       k := input(k) or else 2
       start(x) := input(start of x) or else 1
-      $28 := -k
+      $29 := -k
     initial:
       x := start(x)
       relation[1] := x > 0.5
-      $16 := k * x
-      $17 := -$16
+      $17 := k * x
+      $18 := -$17
       der(x) := 1
-      der(x) := $17 if relation[1]
+      der(x) := $18 if relation[1]
     event:
       relation[1] := x > 0.5
-      $20 := k * x
-      $21 := -$20
+      $21 := k * x
+      $22 := -$21
       der(x) := 1
-      der(x) := $21 if relation[1]
+      der(x) := $22 if relation[1]
     held:
-      $30 := 0
-      $30 := $28 if relation[1]
+      $31 := 0
+      $31 := $29 if relation[1]
     derivatives:
-      $23 := k * x
-      $24 := -$23
+      $24 := k * x
+      $25 := -$24
       der(x) := 1
-      der(x) := $24 if relation[1]
+      der(x) := $25 if relation[1]
     roots:
       fresh[1] := x > 0.5
       gap[1] := x - 0.5

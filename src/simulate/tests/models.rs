@@ -340,7 +340,7 @@ der(x) = if x > 0 then -1 else if x < 0 then 1 else 2;
     );
     // The digits of the time in the first line depend on rounding.
     assert!(shown.starts_with("error[MO0911]: at time 0.1"), "{shown}");
-    assert!(shown.contains("s `x > 0.0` switches without end: 64 events within"), "{shown}");
+    assert!(shown.contains("0.0` switches without end: 64 events within"), "{shown}");
     let place = shown.lines().skip(1).take(4).collect::<Vec<_>>().join("\n");
     insta::assert_snapshot!(place, @r"
      --> model.mo:3:1
