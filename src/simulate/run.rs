@@ -281,7 +281,17 @@ impl<'p, 's> Simulation<'p, 's> {
             self.take_row(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
             ticked |= self.clocks.raise(&mut self.model.instance, t);
-            let settled = self.settle(t)?;
+            let before = self.model.instance.memory.clone();
+            let settled = match self.settle() {
+                // Where relations meet, rounding may turn one by the other: a little later it will not.
+                Err(Unsettled::Restless(..)) if cause == Cause::State && t < self.stepper.t() => {
+                    self.model.instance.memory.copy_from_slice(&before);
+                    t = (t + nudge).min(self.stepper.t());
+                    nudge *= 4.0;
+                    continue;
+                }
+                outcome => outcome.map_err(|u| unsettled(&self.model.instance, u, t))?,
+            };
             // The event sequence may round an operand to the other side: a little later it will not.
             if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
                 break settled;
@@ -340,9 +350,9 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(changed)
     }
 
-    /// The event iteration at `t`, beyond the domain of functions where it can not be helped: new
+    /// The event iteration, beyond the domain of functions where it can not be helped: new
     /// relations and old branches meet in it.
-    fn settle(&mut self, t: f64) -> Result<Settled, Failure> {
+    fn settle(&mut self) -> Result<Settled, Unsettled> {
         let mut outcome = settle(&mut self.model.instance, &self.clocks);
         if let Err(Unsettled::Fault(fault)) = outcome
             && of_domain(fault)
@@ -351,7 +361,7 @@ impl<'p, 's> Simulation<'p, 's> {
             outcome = settle(&mut self.model.instance, &self.clocks);
             self.model.instance.inside = false;
         }
-        outcome.map_err(|u| unsettled(&self.model.instance, u, t))
+        outcome
     }
 
     /// Evaluates everything at an instant of the last step, relations held.

@@ -97,9 +97,9 @@ fn the_first_selection_suits_the_start() {
 #[test]
 fn a_sum_of_charges_is_a_state() {
     let text = "parameter Real c = 0.000000000001;
-        Real u(start = 0.1);
+        Real u(start = 0, fixed = true);
         Real q1;
-        Real q2(start = 0, fixed = true);
+        Real q2;
         equation
         q1 = c * u;
         q2 = c * u ^ 3;
