@@ -139,7 +139,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
         y[..program.order()].copy_from_slice(model.instance.states());
-        let stepper = Radau::new(n, options(&model, settings))
+        let stepper = Radau::for_system(&model, options(&model, settings))
             .map_err(|e| Failure::settings(e.to_string()))?;
         let recorder = Recorder::new(program, t, settings.stop, settings.interval);
         sink.begin(recorder.columns(program));

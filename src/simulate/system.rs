@@ -2,7 +2,8 @@
 
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::system::{EvalError, System};
-use crate::ir::program::Program;
+use crate::ir::program::{Entry, Program};
+use crate::math::numeric::pattern::Pattern;
 
 /// The derivatives of the states. A model without states has one that rests, so that events of its
 /// algebraic variables are found by the same loop.
@@ -10,6 +11,9 @@ pub struct Model<'p> {
     /// The run.
     pub instance: Instance<'p>,
     differential: Vec<bool>,
+    pattern: Pattern,
+    /// For each entry of the program its place in the pattern.
+    places: Vec<usize>,
     moved: Vec<f64>,
     base: Vec<f64>,
     slope: Vec<f64>,
@@ -20,9 +24,15 @@ impl<'p> Model<'p> {
     pub fn new(program: &'p Program) -> Self {
         let n = program.order().max(1);
         let zeros = || vec![0.0; n];
+        let position = |e: &Entry| (e.row as usize, e.column as usize);
+        let entries: Vec<_> = program.jacobian_entries.iter().map(position).collect();
+        let pattern = Pattern::from_entries(n, n, &entries);
+        let places = entries.iter().filter_map(|&(i, j)| pattern.position(i, j)).collect();
         Model {
             instance: Instance::new(program),
             differential: vec![true; n],
+            pattern,
+            places,
             moved: zeros(),
             base: zeros(),
             slope: zeros(),
@@ -43,15 +53,18 @@ impl<'p> Model<'p> {
         self.instance.run(&program.roots)
     }
 
-    /// Replaces column `j` of the Jacobian by a one-sided difference: where the exact derivative is
-    /// infinite, as that of a root at zero.
-    fn difference(
-        &mut self,
-        t: f64,
-        y: &[f64],
-        column: usize,
-        out: &mut [f64],
-    ) -> Result<(), Fault> {
+    /// Runs the tape of the Jacobian; false if a torn block has no derivative there. That is no reason
+    /// to fail: differences do.
+    fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<bool, EvalError> {
+        let program = self.instance.program;
+        self.instance.place(t, &y[..program.order()]);
+        self.instance.run(&program.rhs).map_err(recoverable)?;
+        Ok(self.instance.run(&program.jacobian).is_ok())
+    }
+
+    /// Writes a column of the Jacobian as one-sided difference quotients to `slope`, for where the exact
+    /// derivative is infinite, as that of a root at zero.
+    fn difference(&mut self, t: f64, y: &[f64], column: usize) -> Result<(), Fault> {
         let n = self.instance.program.order();
         self.moved.copy_from_slice(y);
         let h = f64::EPSILON.sqrt() * y[column].abs().max(1e-3);
@@ -60,13 +73,13 @@ impl<'p> Model<'p> {
             self.moved[column] = y[column] + step;
             let moved = &self.moved[..n];
             if self.instance.derivatives(t, moved, &mut self.slope[..n]).is_ok() {
-                for (i, d) in out.iter_mut().enumerate().take(n) {
-                    *d = (self.slope[i] - self.base[i]) / step;
+                for (slope, base) in self.slope.iter_mut().zip(&self.base).take(n) {
+                    *slope = (*slope - base) / step;
                 }
                 return Ok(());
             }
         }
-        out.fill(0.0);
+        self.slope.fill(0.0);
         Ok(())
     }
 }
@@ -89,10 +102,7 @@ impl System for Model<'_> {
     fn jacobian(&mut self, t: f64, y: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
         let program = self.instance.program;
         let (n, dim) = (program.order(), self.dim());
-        self.instance.place(t, &y[..n]);
-        self.instance.run(&program.rhs).map_err(recoverable)?;
-        // A torn block whose derivative does not exist is no reason to fail: differences do.
-        let exact = self.instance.run(&program.jacobian).is_ok();
+        let exact = self.differentiate(t, y)?;
         for e in &program.jacobian_entries {
             let value = if exact { self.instance.get(e.slot) } else { f64::NAN };
             j[e.row as usize + dim * e.column as usize] = value;
@@ -100,7 +110,32 @@ impl System for Model<'_> {
         for column in 0..n {
             let range = column * dim..(column + 1) * dim;
             if j[range.clone()].iter().any(|d| !d.is_finite()) {
-                self.difference(t, y, column, &mut j[range]).map_err(recoverable)?;
+                self.difference(t, y, column).map_err(recoverable)?;
+                j[range].copy_from_slice(&self.slope);
+            }
+        }
+        Ok(())
+    }
+
+    fn pattern(&self) -> Option<&Pattern> {
+        Some(&self.pattern)
+    }
+
+    fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
+        let program = self.instance.program;
+        let exact = self.differentiate(t, y)?;
+        for (e, &place) in program.jacobian_entries.iter().zip(&self.places) {
+            values[place] = if exact { self.instance.get(e.slot) } else { f64::NAN };
+        }
+        for column in 0..program.order() {
+            let starts = self.pattern.column_starts();
+            let range = starts[column]..starts[column + 1];
+            if values[range.clone()].iter().any(|d| !d.is_finite()) {
+                self.difference(t, y, column).map_err(recoverable)?;
+                let rows = self.pattern.column(column);
+                for (value, &i) in values[range].iter_mut().zip(rows) {
+                    *value = self.slope[i];
+                }
             }
         }
         Ok(())
