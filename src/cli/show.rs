@@ -12,6 +12,8 @@ pub fn flatten(options: &Model) -> Status {
     match flat {
         Ok(flat) => {
             print!("{}", crate::flatten::print::print(&flat));
+            // The process ends: a large model need not be given back piece by piece.
+            std::mem::forget(flat);
             Status::Done
         }
         Err(wrong) => wrong.into(),
@@ -26,6 +28,7 @@ pub fn structure(options: &Model) -> Status {
     match blocks {
         Ok(blocks) => {
             print!("{}", crate::structure::print::print(&blocks, &session.sources));
+            std::mem::forget(blocks);
             Status::Done
         }
         Err(wrong) => wrong.into(),

@@ -44,14 +44,14 @@ pub struct Shift {
 
 /// The Jacobian and the decompositions.
 enum Parts {
-    Dense(DenseParts),
+    Dense(Box<DenseParts>),
     Sparse(Box<SparseParts>),
 }
 
 impl IterationMatrix {
     /// For systems of `n` components without a pattern.
     pub fn dense(n: usize) -> Self {
-        IterationMatrix::new(n, n * n, Parts::Dense(DenseParts::new(n)))
+        IterationMatrix::new(n, n * n, Parts::Dense(Box::new(DenseParts::new(n))))
     }
 
     /// For systems whose Jacobian has this pattern.
