@@ -1,8 +1,9 @@
-//! Arguments, help and usage errors. Sole user of `clap`.
+//! Arguments, help and usage errors. Sole user of `clap` and `regex-lite`.
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use regex_lite::Regex;
 
 use crate::driver::compile::Request;
 
@@ -66,6 +67,9 @@ pub struct Simulate {
     /// Variables to draw, separated by commas.
     #[arg(long, value_name = "NAME,...")]
     pub show: Option<String>,
+    /// Record only variables in whose names this regular expression is found.
+    #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
+    pub variables: Option<Regex>,
     /// List the events.
     #[arg(long)]
     pub events: bool,

@@ -2,6 +2,7 @@
 pub mod args;
 pub mod show;
 pub mod simulate;
+pub mod stream;
 
 use std::process::ExitCode;
 

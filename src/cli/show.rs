@@ -10,7 +10,12 @@ pub fn flatten(options: &Model) -> Status {
     let flat = session.flatten(&options.request());
     say(&session);
     match flat {
-        Ok(flat) => print(&crate::flatten::print::print(&flat)),
+        Ok(flat) => {
+            let status = print(&crate::flatten::print::print(&flat));
+            // The process ends: a large model need not be given back piece by piece.
+            std::mem::forget(flat);
+            status
+        }
         Err(wrong) => wrong.into(),
     }
 }
@@ -21,7 +26,11 @@ pub fn structure(options: &Model) -> Status {
     let blocks = session.flatten(&options.request()).and_then(|flat| session.sort(flat));
     say(&session);
     match blocks {
-        Ok(blocks) => print(&crate::structure::print::print(&blocks, &session.sources)),
+        Ok(blocks) => {
+            let status = print(&crate::structure::print::print(&blocks, &session.sources));
+            std::mem::forget(blocks);
+            status
+        }
         Err(wrong) => wrong.into(),
     }
 }

@@ -4,15 +4,18 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::args::Simulate;
+use super::stream::{Stream, drawable};
 use super::{Status, print, say, style};
 use crate::base::render::render;
+use crate::codegen::record;
 use crate::driver::compile::Session;
 use crate::ir::program::Program;
-use crate::ir::trajectory::{Kind, Trajectory};
+use crate::ir::trajectory::{Column, Kind, Trajectory, position};
 use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
-use crate::report::{plot, table};
+use crate::report::plot;
 use crate::simulate::error::FailureKind;
-use crate::simulate::run::{Run, simulate};
+use crate::simulate::record::columns;
+use crate::simulate::run::{Run, simulate_to};
 use crate::simulate::settings::Settings;
 
 /// At most so many curves are drawn unless the user names them.
@@ -24,10 +27,17 @@ pub fn run(options: &Simulate) -> Status {
     let mut session = Session::default();
     let program = session.compile(&options.model.request());
     say(&session);
-    let program = match program {
+    let mut program = match program {
         Ok(program) => program,
         Err(wrong) => return wrong.into(),
     };
+    if let Some(wanted) = &options.variables {
+        record::only(&mut program, |name| wanted.is_match(name));
+        if program.recorded.is_empty() {
+            eprintln!("error: no variable has a name that `{wanted}` matches");
+            return Status::Usage;
+        }
+    }
     let compiled = begun.elapsed();
 
     let mut settings = Settings::of(&program.blocks.dae.experiment);
@@ -41,8 +51,16 @@ pub fn run(options: &Simulate) -> Status {
     settings.interval = options.interval.unwrap_or(settings.interval);
     settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
 
-    let run = match simulate(&program, &settings, &session.sources) {
-        Ok(run) => run,
+    let files = Files::of(options, &program);
+    let mut stream = match files.stream(options, &columns(&program)) {
+        Ok(stream) => stream,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
+    };
+    let statistics = match simulate_to(&program, &settings, &session.sources, &mut stream) {
+        Ok(statistics) => statistics,
         Err(failure) => {
             eprintln!("{}", render(&failure.diagnostic, &session.sources, style()));
             return match failure.kind {
@@ -52,12 +70,15 @@ pub fn run(options: &Simulate) -> Status {
             };
         }
     };
-    for warning in &run.statistics.warnings {
+    for warning in &statistics.warnings {
         eprintln!("{}\n", render(warning, &session.sources, style()));
     }
     let begun = Instant::now();
-    let written = match write(options, &program, &run) {
-        Ok(written) => written,
+    let table = stream.finish().map_err(|e| e.to_string());
+    let run = Run { trajectory: stream.trajectory, statistics };
+    let picture = files.draw(options, &program, &run);
+    let written: Vec<PathBuf> = match table.and_then(|t| Ok((t, picture?))) {
+        Ok((table, picture)) => table.into_iter().chain(picture).collect(),
         Err(why) => {
             eprintln!("error: {why}");
             return Status::Usage;
@@ -65,30 +86,64 @@ pub fn run(options: &Simulate) -> Status {
     };
     let mut text = if options.events { events(&run.trajectory) } else { String::new() };
     text.push_str(&summary(&program, &run, compiled, begun.elapsed(), &written));
-    print(&text)
+    let status = print(&text);
+    // Gigabytes of a large model need not be given back piece by piece at the end.
+    std::mem::forget(program);
+    status
 }
 
-/// Writes the table and the picture; the names of the files.
-fn write(options: &Simulate, program: &Program, run: &Run) -> Result<Vec<PathBuf>, String> {
-    let neither = options.output.is_none() && options.plot.is_none();
-    let stem = stem(options, program);
-    let default = |extension: &str| neither.then(|| PathBuf::from(format!("{stem}.{extension}")));
-    let mut written = Vec::new();
-    let picture = options.plot.clone().or_else(|| default("svg"));
-    // What cannot be drawn is said before anything is written.
-    let spec = match &picture {
-        Some(_) => figure(options, program, run).map_err(|e| e.to_string())?,
-        None => None,
-    };
-    if let Some(path) = options.output.clone().or_else(|| default("csv")) {
-        table::write_csv(&run.trajectory, &path).map_err(|e| e.to_string())?;
-        written.push(path);
+/// The files that a run makes.
+struct Files {
+    table: Option<PathBuf>,
+    picture: Option<PathBuf>,
+}
+
+impl Files {
+    /// Those that the user names, or else both, called after the model.
+    fn of(options: &Simulate, program: &Program) -> Files {
+        let neither = options.output.is_none() && options.plot.is_none();
+        let stem = stem(options, program);
+        let default =
+            |extension: &str| neither.then(|| PathBuf::from(format!("{stem}.{extension}")));
+        Files {
+            table: options.output.clone().or_else(|| default("csv")),
+            picture: options.plot.clone().or_else(|| default("svg")),
+        }
     }
-    if let (Some(path), Some(spec)) = (picture, spec) {
-        plot::plot(&run.trajectory, &spec, &path).map_err(|e| e.to_string())?;
-        written.push(path);
+
+    /// Takes the rows; what cannot be drawn is said before anything is run.
+    fn stream(&self, options: &Simulate, columns: &[Column]) -> Result<Stream, String> {
+        let kept = match (&self.picture, &options.show) {
+            (None, _) => Vec::new(),
+            (Some(_), None) => drawable(columns),
+            (Some(_), Some(list)) => {
+                let names = names_in(list);
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                panels_for(&names, columns).map_err(|e| e.to_string())?;
+                let mut kept: Vec<usize> =
+                    names.iter().filter_map(|n| position(columns, n)).collect();
+                kept.sort_unstable();
+                kept.dedup();
+                kept
+            }
+        };
+        Stream::new(columns, self.table.as_deref(), kept).map_err(|e| e.to_string())
     }
-    Ok(written)
+
+    /// Draws the picture; the name of its file if there is anything to draw.
+    fn draw(
+        &self,
+        options: &Simulate,
+        program: &Program,
+        run: &Run,
+    ) -> Result<Option<PathBuf>, String> {
+        let Some(path) = &self.picture else { return Ok(None) };
+        let Some(spec) = figure(options, program, run).map_err(|e| e.to_string())? else {
+            return Ok(None);
+        };
+        plot::plot(&run.trajectory, &spec, path).map_err(|e| e.to_string())?;
+        Ok(Some(path.clone()))
+    }
 }
 
 /// `valve52` for `examples/valve52.mol`, the last part of the model's name without a file.

@@ -14,6 +14,7 @@ pub mod interp;
 pub mod jacobian;
 pub mod layout;
 pub mod print;
+pub mod record;
 pub mod relation;
 pub mod scale;
 pub mod selection;
@@ -51,6 +52,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, initial, event, continuous } = order;
     Ok(Program {
+        recorded: record::all(&dae),
         blocks: Blocks {
             dae,
             states,

@@ -160,7 +160,7 @@ impl Connections {
                         return None;
                     }
                 }
-                for child in &children {
+                for child in children.iter() {
                     let name = cx.instances[*child].name;
                     match others.iter().find(|o| cx.instances[**o].name == name) {
                         Some(other) => self.instances(cx, *child, *other, pair)?,

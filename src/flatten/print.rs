@@ -43,7 +43,18 @@ pub fn quoted(name: &str) -> String {
         && name.ends_with('\'')
         && name.len() > 1
         && !name[1..name.len() - 1].contains('\'');
-    if plain || already { name.to_string() } else { format!("'{}'", name.replace('\'', "\\'")) }
+    if plain || already {
+        return name.to_string();
+    }
+    let mut text = String::with_capacity(name.len() + 2);
+    text.push('\'');
+    if name.contains('\'') {
+        text.push_str(&name.replace('\'', "\\'"));
+    } else {
+        text.push_str(name);
+    }
+    text.push('\'');
+    text
 }
 
 fn description(text: Option<&str>) -> String {

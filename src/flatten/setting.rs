@@ -99,12 +99,12 @@ fn expression(
 pub(super) fn report_unused(cx: &mut Context<'_>, root: InstanceId, settings: &[Rc<Setting>]) {
     let mut parameters: Option<Vec<(String, bool)>> = None;
     for s in settings {
+        if s.used.get() && settable(cx, root, s) != Some(false) {
+            continue;
+        }
         let all = parameters.get_or_insert_with(|| scalar_names(cx, root));
         let plain = s.text.replace(' ', "");
         let known = all.iter().find(|(n, _)| *n == plain);
-        if s.used.get() && known.is_none_or(|(_, settable)| *settable) {
-            continue;
-        }
         let mut d = if known.is_some() {
             Diagnostic::error(
                 "MO0241",
@@ -127,6 +127,26 @@ pub(super) fn report_unused(cx: &mut Context<'_>, root: InstanceId, settings: &[
         }
         cx.problems.push(d);
     }
+}
+
+/// Whether the variable of this name is a parameter, if there is one of exactly this name.
+fn settable(cx: &mut Context<'_>, root: InstanceId, s: &Setting) -> Option<bool> {
+    let mut at = root;
+    for (part, subscripts) in &s.parts {
+        if !matches!(cx.instances[at].kind, InstanceKind::Object(_)) {
+            return None;
+        }
+        at = cx.child(at, *part)?;
+        if let InstanceKind::Array { elements, .. } = &cx.instances[at].kind {
+            let mut elements = elements.iter();
+            at = *elements.find(|e| *cx.instances[**e].subscripts == **subscripts)?;
+        } else if !subscripts.is_empty() {
+            return None;
+        }
+    }
+    let instance = &cx.instances[at];
+    matches!(instance.kind, InstanceKind::Variable { .. })
+        .then_some(instance.prefix.variability == Some(Variability::Parameter))
 }
 
 /// Names of variables and whether they are parameters.

@@ -18,15 +18,14 @@ type Slot<T> = fn(&mut Variable) -> &mut T;
 
 /// Numbers all scalar variables, depth first.
 pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
-    let mut stack = vec![(root, String::new())];
+    let nothing = name("");
+    let mut stack: Vec<(InstanceId, Rc<str>)> = vec![(root, Rc::from(""))];
     while let Some((id, path)) = stack.pop() {
         let own = own_path(cx, id, &path);
         match cx.instances[id].kind.clone() {
-            InstanceKind::Object(children) => {
-                stack.extend(children.iter().rev().map(|c| (*c, own.clone())));
-            }
-            InstanceKind::Array { elements, .. } => {
-                stack.extend(elements.iter().rev().map(|e| (*e, own.clone())));
+            InstanceKind::Object(parts) | InstanceKind::Array { elements: parts, .. } => {
+                let own: Rc<str> = own.into();
+                stack.extend(parts.iter().rev().map(|part| (*part, own.clone())));
             }
             InstanceKind::Variable { ty, dims, .. } => {
                 let first = flat.variables.next_id();
@@ -37,7 +36,7 @@ pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
                     } else {
                         format!("{own}{}", subscript_text(&subscripts))
                     };
-                    flat.variables.push(bare(cx, id, ty, text, root));
+                    flat.variables.push(bare(cx, id, ty, text, root, nothing));
                     cx.evaluation.instance_of.push((id, k));
                     advance(&mut subscripts, &dims);
                 }
@@ -53,16 +52,24 @@ pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
 fn own_path(cx: &Context<'_>, id: InstanceId, around: &str) -> String {
     let instance = &cx.instances[id];
     if !instance.subscripts.is_empty() {
-        return format!("{around}{}", subscript_text(&instance.subscripts));
+        return [around, &subscript_text(&instance.subscripts)].concat();
     }
     match (around.is_empty(), instance.name.is_empty()) {
         (_, true) => around.to_string(),
         (true, false) => instance.name.to_string(),
-        (false, false) => format!("{around}.{}", instance.name),
+        (false, false) => [around, ".", instance.name.as_str()].concat(),
     }
 }
 
-fn bare(cx: &Context<'_>, id: InstanceId, ty: Type, text: String, root: InstanceId) -> Variable {
+/// A variable without attributes; `nothing` is the empty name.
+fn bare(
+    cx: &Context<'_>,
+    id: InstanceId,
+    ty: Type,
+    text: String,
+    root: InstanceId,
+    nothing: Name,
+) -> Variable {
     let instance = &cx.instances[id];
     let component = instance.declaration.as_ref().map(|d| d.component());
     let slowest = if ty == Type::Real { Variability::Continuous } else { Variability::Discrete };
@@ -78,8 +85,8 @@ fn bare(cx: &Context<'_>, id: InstanceId, ty: Type, text: String, root: Instance
         min: None,
         max: None,
         nominal: None,
-        unit: name(""),
-        display_unit: name(""),
+        unit: nothing,
+        display_unit: nothing,
         state_select: StateSelect::Default,
         description: component.and_then(|c| c.description.clone()),
         protected: instance.protected,
@@ -90,6 +97,7 @@ fn bare(cx: &Context<'_>, id: InstanceId, ty: Type, text: String, root: Instance
 
 /// Evaluates attributes and bindings of all variables.
 pub fn fill(cx: &mut Context<'_>, flat: &mut FlatModel) {
+    let names = AttributeNames::default();
     let mut at = 0;
     while at < cx.evaluation.instance_of.len() {
         let (id, _) = cx.evaluation.instance_of[at];
@@ -98,9 +106,36 @@ pub fn fill(cx: &mut Context<'_>, flat: &mut FlatModel) {
         };
         let count: usize = dims.iter().product();
         let first = VarId(at as u32);
-        attributes(cx, flat, id, first, ty, &dims);
+        attributes(cx, flat, id, first, (ty, &dims), &names);
         binding(cx, flat, id, first, ty, &dims);
         at += count;
+    }
+}
+
+/// The names of attributes, looked up once.
+struct AttributeNames {
+    start: Name,
+    min: Name,
+    max: Name,
+    nominal: Name,
+    fixed: Name,
+    unit: Name,
+    display_unit: Name,
+    state_select: Name,
+}
+
+impl Default for AttributeNames {
+    fn default() -> Self {
+        AttributeNames {
+            start: name("start"),
+            min: name("min"),
+            max: name("max"),
+            nominal: name("nominal"),
+            fixed: name("fixed"),
+            unit: name("unit"),
+            display_unit: name("displayUnit"),
+            state_select: name("stateSelect"),
+        }
     }
 }
 
@@ -109,11 +144,11 @@ fn attributes(
     flat: &mut FlatModel,
     id: InstanceId,
     first: VarId,
-    ty: Type,
-    dims: &Rc<[usize]>,
+    (ty, dims): (Type, &Rc<[usize]>),
+    names: &AttributeNames,
 ) {
-    let value = |cx: &mut Context<'_>, text: &str, fold: bool| -> Option<(Value, Span)> {
-        let binding = cx.attribute(id, name(text))?;
+    let value = |cx: &mut Context<'_>, attribute: Name, fold: bool| -> Option<(Value, Span)> {
+        let binding = cx.attribute(id, attribute)?;
         let span = binding.value.span;
         let value = if fold {
             cx.fold(&binding.value, binding.scope)?
@@ -122,22 +157,22 @@ fn attributes(
         };
         Some((cx.spread(value, dims, &binding.subscripts, span)?, span))
     };
-    let numeric: [(&str, Slot<Option<ExprId>>); 4] = [
-        ("start", |v| &mut v.start),
-        ("min", |v| &mut v.min),
-        ("max", |v| &mut v.max),
-        ("nominal", |v| &mut v.nominal),
+    let numeric: [(Name, Slot<Option<ExprId>>); 4] = [
+        (names.start, |v| &mut v.start),
+        (names.min, |v| &mut v.min),
+        (names.max, |v| &mut v.max),
+        (names.nominal, |v| &mut v.nominal),
     ];
     for (text, slot) in numeric {
         let Some((all, span)) = value(cx, text, false) else { continue };
         for (k, e) in all.elements().iter().enumerate() {
             let v = VarId(first.0 + k as u32);
             let Some(e) = e.scalar() else { continue };
-            let e = fitted(cx, e, ty, span, text);
+            let e = fitted(cx, e, ty, span, &text);
             *slot(&mut flat.variables[v]) = e;
         }
     }
-    if let Some((all, _)) = value(cx, "fixed", true) {
+    if let Some((all, _)) = value(cx, names.fixed, true) {
         for (k, e) in all.elements().iter().enumerate() {
             let constant = e.scalar().and_then(|e| cx.graph.as_const(e));
             let fixed = match constant {
@@ -147,8 +182,8 @@ fn attributes(
             flat.variables[VarId(first.0 + k as u32)].fixed = fixed;
         }
     }
-    let texts: [(&str, Slot<Name>); 2] =
-        [("unit", |v| &mut v.unit), ("displayUnit", |v| &mut v.display_unit)];
+    let texts: [(Name, Slot<Name>); 2] =
+        [(names.unit, |v| &mut v.unit), (names.display_unit, |v| &mut v.display_unit)];
     for (text, slot) in texts {
         let Some((all, _)) = value(cx, text, true) else { continue };
         for (k, e) in all.elements().iter().enumerate() {
@@ -157,7 +192,7 @@ fn attributes(
             }
         }
     }
-    if let Some((all, _)) = value(cx, "stateSelect", true) {
+    if let Some((all, _)) = value(cx, names.state_select, true) {
         for (k, e) in all.elements().iter().enumerate() {
             if let Some(Const::Enumeration(_, n)) = e.scalar().and_then(|e| cx.graph.as_const(e)) {
                 flat.variables[VarId(first.0 + k as u32)].state_select = match n {

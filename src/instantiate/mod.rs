@@ -73,7 +73,7 @@ impl<'a> Context<'a> {
         let root = cx.add_class(ClassText::Root, name(""), None, ROOT.instance, Rc::from([]));
         debug_assert_eq!(root, ROOT.class);
         cx.instances.push(Instance {
-            kind: InstanceKind::Object(Box::new([])),
+            kind: InstanceKind::Object(Rc::from([])),
             ..package_like(ROOT.class, name(""))
         });
         cx.package_instances.insert(ROOT.class, ROOT.instance);
@@ -172,8 +172,15 @@ impl<'a> Context<'a> {
 
 /// `[1,2]`
 pub fn subscript_text(subscripts: &[usize]) -> String {
-    let list: Vec<String> = subscripts.iter().map(usize::to_string).collect();
-    format!("[{}]", list.join(","))
+    let mut text = String::from("[");
+    for (k, subscript) in subscripts.iter().enumerate() {
+        if k > 0 {
+            text.push(',');
+        }
+        text.push_str(&subscript.to_string());
+    }
+    text.push(']');
+    text
 }
 
 /// An instance without declaration: a package, or the model itself.

@@ -24,6 +24,13 @@ pub trait System {
     fn pattern(&self) -> Option<&Pattern> {
         None
     }
+
+    /// Writes `df_i/dy_j (t, y)` for each entry `(i, j)` of `pattern`, in its order: all of them.
+    /// Only asked of a system that provides a pattern.
+    fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
+        let _ = (t, y, values);
+        Err(EvalError::Fatal(u32::MAX))
+    }
 }
 
 /// A right side or a Jacobian that could not be evaluated. The code is the system's own; it comes

@@ -212,12 +212,12 @@ pub enum InstanceKind {
         first: Option<VarId>,
     },
     /// A component with components.
-    Object(Box<[InstanceId]>),
+    Object(Rc<[InstanceId]>),
     /// An array of components with components, row-major.
     Array {
         /// Sizes.
         dims: Rc<[usize]>,
         /// Its elements.
-        elements: Box<[InstanceId]>,
+        elements: Rc<[InstanceId]>,
     },
 }

@@ -295,6 +295,8 @@ pub struct Program {
     pub literals: Vec<Slot>,
     /// The memory map.
     pub layout: Layout,
+    /// The variables that a run records, in order of declaration.
+    pub recorded: Vec<VarId>,
     /// Parameters, starts, nominals, and what depends on parameters only.
     pub parameters: Tape,
     /// The initial sequence.

@@ -1,6 +1,5 @@
 //! Rows and events on their way out.
 
-use crate::base::index::Id;
 use crate::codegen::interp::Instance;
 use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{Type, VarId};
@@ -41,23 +40,14 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Records all variables that the user declared and that are not constant, with this grid.
+    /// Records what the program says, with this grid.
     pub fn new(program: &Program, start: f64, stop: f64, interval: f64) -> Self {
-        let variables = &program.blocks.dae.variables;
-        let cells: Vec<(VarId, Slot)> = variables
-            .enumerate()
-            .filter(|(_, v)| is_recorded(v))
-            .map(|(v, _)| (v, program.layout.variables[v.idx()]))
-            .collect();
+        let cells: Vec<(VarId, Slot)> =
+            program.recorded.iter().map(|&v| (v, program.slot(v))).collect();
         // A last interval that is only rounding is none.
         let intervals = (stop - start) / interval;
         let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
         Recorder { row: vec![0.0; cells.len()], cells, next: 1, count, start, stop, interval }
-    }
-
-    /// The columns of the result.
-    pub fn columns(&self, program: &Program) -> Vec<Column> {
-        self.cells.iter().map(|(v, _)| column(&program.blocks.dae.variables[*v])).collect()
     }
 
     /// The next instant of the grid if it lies before `end`, or at it if `inclusive`.
@@ -92,9 +82,9 @@ impl Recorder {
     }
 }
 
-fn is_recorded(v: &Variable) -> bool {
-    let constant = matches!(v.kind, Kind::Parameter | Kind::InitialParameter);
-    !(v.hidden || constant || v.ty == Type::String)
+/// The columns of what a run of the program records.
+pub fn columns(program: &Program) -> Vec<Column> {
+    program.recorded.iter().map(|v| column(&program.blocks.dae.variables[*v])).collect()
 }
 
 fn column(v: &Variable) -> Column {

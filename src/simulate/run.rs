@@ -18,7 +18,7 @@ use super::error::{Failure, FailureKind, no_start, of_fault, of_integration, uns
 use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
-use super::record::{Recorder, Sink};
+use super::record::{Recorder, Sink, columns};
 use super::selection::{LIMIT, Selection};
 use super::settings::Settings;
 use super::sliding::Sliding;
@@ -156,10 +156,10 @@ impl<'p, 's> Simulation<'p, 's> {
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
         y[..program.order()].copy_from_slice(model.instance.states());
-        let stepper = Radau::new(n, options(&model, settings))
+        let stepper = Radau::for_system(&model, options(&model, settings))
             .map_err(|e| Failure::settings(e.to_string()))?;
         let recorder = Recorder::new(program, t, settings.stop, settings.interval);
-        sink.begin(recorder.columns(program));
+        sink.begin(columns(program));
         let span = CHATTER_SPAN * (settings.stop - settings.start);
         let mut simulation = Simulation {
             program,

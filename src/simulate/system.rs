@@ -2,7 +2,8 @@
 
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::system::{EvalError, System};
-use crate::ir::program::Program;
+use crate::ir::program::{Entry, Program};
+use crate::math::numeric::pattern::Pattern;
 
 use super::sliding::Sliding;
 
@@ -18,6 +19,9 @@ pub struct Model<'p> {
     /// The surface that the solution stays on, if any.
     pub sliding: Option<Sliding>,
     differential: Vec<bool>,
+    pattern: Pattern,
+    /// For each entry of the program its place in the pattern.
+    places: Vec<usize>,
     moved: Vec<f64>,
     base: Vec<f64>,
     slope: Vec<f64>,
@@ -28,12 +32,18 @@ impl<'p> Model<'p> {
     pub fn new(program: &'p Program) -> Self {
         let n = program.order().max(1);
         let zeros = || vec![0.0; n];
+        let position = |e: &Entry| (e.row as usize, e.column as usize);
+        let entries: Vec<_> = program.jacobian_entries.iter().map(position).collect();
+        let pattern = Pattern::from_entries(n, n, &entries);
+        let places = entries.iter().filter_map(|&(i, j)| pattern.position(i, j)).collect();
         Model {
             instance: Instance::new(program),
             beyond: false,
             strict: false,
             sliding: None,
             differential: vec![true; n],
+            pattern,
+            places,
             moved: zeros(),
             base: zeros(),
             slope: zeros(),
@@ -93,15 +103,23 @@ impl<'p> Model<'p> {
         self.instance.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
     }
 
-    /// Replaces column `j` of the Jacobian by a one-sided difference: where the exact derivative is
-    /// infinite, as that of a root at zero.
-    fn difference(
-        &mut self,
-        t: f64,
-        y: &[f64],
-        column: usize,
-        out: &mut [f64],
-    ) -> Result<(), Fault> {
+    /// Runs the tape of the Jacobian; false if a torn block has no derivative there. That is no reason
+    /// to fail: differences do.
+    fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<bool, EvalError> {
+        let program = self.instance.program;
+        let n = program.order();
+        self.instance.place(t, &y[..n]);
+        if let Err(fault) = self.instance.run(&program.rhs) {
+            let Model { instance, beyond, strict, base, .. } = self;
+            derivatives(instance, beyond, *strict || !of_domain(fault), t, &y[..n], &mut base[..n])
+                .map_err(recoverable)?;
+        }
+        Ok(self.instance.run(&program.jacobian).is_ok())
+    }
+
+    /// Writes a column of the Jacobian as one-sided difference quotients to `slope`, for where the exact
+    /// derivative is infinite, as that of a root at zero.
+    fn difference(&mut self, t: f64, y: &[f64], column: usize) -> Result<(), Fault> {
         let n = self.instance.program.order();
         self.moved.copy_from_slice(y);
         let h = f64::EPSILON.sqrt() * y[column].abs().max(1e-3);
@@ -110,13 +128,13 @@ impl<'p> Model<'p> {
         for step in [h, -h] {
             moved[column] = y[column] + step;
             if instance.derivatives(t, &moved[..n], &mut slope[..n]).is_ok() {
-                for (i, d) in out.iter_mut().enumerate().take(n) {
-                    *d = (slope[i] - base[i]) / step;
+                for (slope, base) in slope.iter_mut().zip(&*base).take(n) {
+                    *slope = (*slope - base) / step;
                 }
                 return Ok(());
             }
         }
-        out.fill(0.0);
+        slope.fill(0.0);
         Ok(())
     }
 }
@@ -167,14 +185,7 @@ impl System for Model<'_> {
         if self.sliding.is_some() {
             return self.differences(t, y, j);
         }
-        self.instance.place(t, &y[..n]);
-        if let Err(fault) = self.instance.run(&program.rhs) {
-            let Model { instance, beyond, strict, base, .. } = self;
-            derivatives(instance, beyond, *strict || !of_domain(fault), t, &y[..n], &mut base[..n])
-                .map_err(recoverable)?;
-        }
-        // A torn block whose derivative does not exist is no reason to fail: differences do.
-        let exact = self.instance.run(&program.jacobian).is_ok();
+        let exact = self.differentiate(t, y)?;
         for e in &program.jacobian_entries {
             let value = if exact { self.instance.get(e.slot) } else { f64::NAN };
             j[e.row as usize + dim * e.column as usize] = value;
@@ -182,7 +193,33 @@ impl System for Model<'_> {
         for column in 0..n {
             let range = column * dim..(column + 1) * dim;
             if j[range.clone()].iter().any(|d| !d.is_finite()) {
-                self.difference(t, y, column, &mut j[range]).map_err(recoverable)?;
+                self.difference(t, y, column).map_err(recoverable)?;
+                j[range].copy_from_slice(&self.slope);
+            }
+        }
+        Ok(())
+    }
+
+    fn pattern(&self) -> Option<&Pattern> {
+        Some(&self.pattern)
+    }
+
+    fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
+        // On a sliding surface this is the Jacobian beside it: near enough for Newton's method.
+        let program = self.instance.program;
+        let exact = self.differentiate(t, y)?;
+        for (e, &place) in program.jacobian_entries.iter().zip(&self.places) {
+            values[place] = if exact { self.instance.get(e.slot) } else { f64::NAN };
+        }
+        for column in 0..program.order() {
+            let starts = self.pattern.column_starts();
+            let range = starts[column]..starts[column + 1];
+            if values[range.clone()].iter().any(|d| !d.is_finite()) {
+                self.difference(t, y, column).map_err(recoverable)?;
+                let rows = self.pattern.column(column);
+                for (value, &i) in values[range].iter_mut().zip(rows) {
+                    *value = self.slope[i];
+                }
             }
         }
         Ok(())

@@ -398,9 +398,9 @@ error[MO0401]: one equation can not determine 2 unknowns: `y` and `z`
  --> model.mo:2:1
   |
 2 | Real y;
-  | ^^^^^^ not determined
+  | ^^^^^^ `y` is not determined
 3 | Real z;
-  | ------ not determined
+  | ------ `z` is not determined
 ...
 7 | y + z = 2 * x;
   | ------------- determines only one of them
@@ -456,9 +456,9 @@ error[MO0401]: one equation can not determine 2 unknowns: `b` and `c`
  --> model.mo:2:1
   |
 2 | Real b;
-  | ^^^^^^ not determined
+  | ^^^^^^ `b` is not determined
 3 | Real c;
-  | ------ not determined
+  | ------ `c` is not determined
 ...
 7 | b + c = a * 2;
   | ------------- determines only one of them

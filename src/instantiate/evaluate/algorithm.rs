@@ -297,18 +297,18 @@ impl Context<'_> {
     ) -> Option<Vec<VarId>> {
         let mut out = Vec::new();
         match selection {
-            Selection::Whole(id) => match &self.instances[*id].kind {
+            Selection::Whole(id) => match self.instances[*id].kind.clone() {
                 InstanceKind::Variable { dims, first: Some(first), .. } => {
                     let n: usize = dims.iter().product();
                     out.extend((0..n as u32).map(|k| VarId(first.0 + k)));
                 }
                 InstanceKind::Object(children) => {
-                    for child in children.clone() {
+                    for &child in children.iter() {
                         out.extend(self.selected_variables(&Selection::Whole(child), span)?);
                     }
                 }
                 InstanceKind::Array { elements, .. } => {
-                    for element in elements.clone() {
+                    for &element in elements.iter() {
                         out.extend(self.selected_variables(&Selection::Whole(element), span)?);
                     }
                 }

@@ -78,7 +78,7 @@ impl Context<'_> {
                 self.error("MO0212", r.span, "a component is needed here");
                 None
             }
-            Start::Instance(id, used) => self.walk(id, &r.parts[used - 1..], scope, r.span),
+            Start::Instance(id, used) => self.walk(id, &r.parts[used - 1..], true, scope, r.span),
         }
     }
 
@@ -212,24 +212,27 @@ impl Context<'_> {
         self.table(class).scalar
     }
 
-    /// Follows the parts of a reference; the first part belongs to `id` itself.
+    /// Follows the parts of a reference; the first part belongs to `id` itself, whose subscripts are
+    /// dealt with unless they are `open`.
     fn walk(
         &mut self,
         id: InstanceId,
         parts: &[RefPart],
+        open: bool,
         scope: Scope,
         span: Span,
     ) -> Option<Selection> {
         self.complete(id);
         let (part, rest) = parts.split_first()?;
+        let subscripts: &[Subscript] = if open { &part.subscripts } else { &[] };
         match self.instances[id].kind.clone() {
-            InstanceKind::Outer(inner) => self.walk(inner, parts, scope, span),
+            InstanceKind::Outer(inner) => self.walk(inner, parts, open, scope, span),
             InstanceKind::Absent => Some(Selection::Absent),
             InstanceKind::Object(_) => {
-                self.no_subscripts(part)?;
+                self.no_subscripts(part, subscripts)?;
                 let Some(next) = rest.first() else { return Some(Selection::Whole(id)) };
                 match self.child(id, next.name.name) {
-                    Some(child) => self.walk(child, rest, scope, span),
+                    Some(child) => self.walk(child, rest, true, scope, span),
                     None => {
                         self.report_unknown_member(id, &next.name);
                         None
@@ -237,17 +240,14 @@ impl Context<'_> {
                 }
             }
             InstanceKind::Array { dims, elements } => {
-                if part.subscripts.is_empty() && rest.is_empty() {
+                if subscripts.is_empty() && rest.is_empty() {
                     return Some(Selection::Whole(id));
                 }
-                let (dims, chosen) = self.chosen(&dims, &part.subscripts, scope, span)?;
+                let (dims, chosen) = self.chosen(&dims, subscripts, scope, span)?;
                 let mut all = Vec::with_capacity(chosen.len());
                 for k in chosen {
                     // The subscripts are dealt with: the element follows the rest of the name.
-                    let bare = RefPart { name: part.name, subscripts: Vec::new() };
-                    let parts: Vec<RefPart> =
-                        std::iter::once(bare).chain(rest.iter().cloned()).collect();
-                    all.push(self.walk(elements[k], &parts, scope, span)?);
+                    all.push(self.walk(elements[k], parts, false, scope, span)?);
                 }
                 Some(many(dims, all))
             }
@@ -256,10 +256,10 @@ impl Context<'_> {
                     self.report_unknown_member(id, &next.name);
                     return None;
                 }
-                if part.subscripts.is_empty() {
+                if subscripts.is_empty() {
                     return Some(Selection::Whole(id));
                 }
-                let (dims, chosen) = self.chosen(&dims, &part.subscripts, scope, span)?;
+                let (dims, chosen) = self.chosen(&dims, subscripts, scope, span)?;
                 let all = chosen.into_iter().map(|k| Selection::Element(id, k)).collect();
                 Some(many(dims, all))
             }
@@ -267,8 +267,8 @@ impl Context<'_> {
         }
     }
 
-    fn no_subscripts(&mut self, part: &RefPart) -> Option<()> {
-        if part.subscripts.is_empty() {
+    fn no_subscripts(&mut self, part: &RefPart, subscripts: &[Subscript]) -> Option<()> {
+        if subscripts.is_empty() {
             return Some(());
         }
         let message = format!("`{}` is no array", part.name.name);
@@ -296,7 +296,7 @@ impl Context<'_> {
                 }
             }
         }
-        let selection = self.walk(id, parts, scope, span)?;
+        let selection = self.walk(id, parts, true, scope, span)?;
         self.selection_value(&selection, span)
     }
 
@@ -338,6 +338,9 @@ impl Context<'_> {
                 if let Some(value) = self.known_value(id, span)? {
                     return self.spread(value, &dims, &Rc::from([]), span);
                 }
+                if dims.is_empty() {
+                    return self.variable_element(id, 0, span).map(Value::Scalar);
+                }
                 let n: usize = dims.iter().product();
                 let elements = (0..n)
                     .map(|k| self.variable_element(id, k, span).map(Value::Scalar))
@@ -346,7 +349,7 @@ impl Context<'_> {
             }
             InstanceKind::Object(children) => {
                 let mut fields = Vec::with_capacity(children.len());
-                for child in children {
+                for &child in children.iter() {
                     let name = self.instances[child].name;
                     self.complete(child);
                     if !matches!(self.instances[child].kind, InstanceKind::Absent) {

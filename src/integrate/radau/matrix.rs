@@ -5,18 +5,18 @@
 //! a component whose equation is `y' = 0` is then never mixed with others by pivoting, so that its
 //! correction is exactly zero, and a locked mass stays where it is to the bit.
 
+use crate::integrate::radau::sparse::SparseParts;
+use crate::integrate::radau::split::{Columns, Split};
+use crate::integrate::system::{EvalError, System};
 use crate::math::numeric::linear::{ComplexLu, DenseLu, Singular};
+use crate::math::numeric::pattern::Pattern;
 
 /// The Jacobian, the split into substituted and decomposed rows, and the decompositions.
 pub struct IterationMatrix {
-    n: usize,
-    /// Column-major Jacobian.
-    jacobian: Vec<f64>,
     /// Diagonal of `M` as numbers.
     mass: Vec<f64>,
     split: Split,
-    real: DenseLu,
-    complex: ComplexLu,
+    parts: Parts,
     /// Multiples of `M` in the two matrices.
     shift: Shift,
     /// Reciprocals of the substituted pivots, real and complex.
@@ -42,50 +42,29 @@ pub struct Shift {
     pub im: f64,
 }
 
-/// Which rows are substituted, in which order, and what remains.
-#[derive(Default)]
-struct Split {
-    /// Substituted unknowns in order.
-    substituted: Vec<Substitution>,
-    /// Entries below the substituted pivots, for each substitution in turn.
-    couplings: Vec<Coupling>,
-    /// Rows and columns of the core that is decomposed.
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    /// Work: unknowns left in each row and the exclusive-or of their columns.
-    unknowns: Vec<usize>,
-    which: Vec<usize>,
-    row_done: Vec<bool>,
-    column_done: Vec<bool>,
-}
-
-/// Row `row` determines unknown `column`.
-#[derive(Clone, Copy)]
-struct Substitution {
-    row: usize,
-    column: usize,
-    /// End of its couplings.
-    end: usize,
-}
-
-/// The entry `mass * shift - jacobian` of a later row in a substituted column.
-#[derive(Clone, Copy)]
-struct Coupling {
-    row: usize,
-    jacobian: f64,
-    mass: f64,
+/// The Jacobian and the decompositions.
+enum Parts {
+    Dense(Box<DenseParts>),
+    Sparse(Box<SparseParts>),
 }
 
 impl IterationMatrix {
-    /// For systems of `n` components.
-    pub fn new(n: usize) -> Self {
+    /// For systems of `n` components without a pattern.
+    pub fn dense(n: usize) -> Self {
+        IterationMatrix::new(n, n * n, Parts::Dense(Box::new(DenseParts::new(n))))
+    }
+
+    /// For systems whose Jacobian has this pattern.
+    pub fn sparse(pattern: &Pattern) -> Self {
+        let parts = SparseParts::new(pattern);
+        IterationMatrix::new(pattern.columns(), parts.count(), Parts::Sparse(Box::new(parts)))
+    }
+
+    fn new(n: usize, entries: usize, parts: Parts) -> Self {
         IterationMatrix {
-            n,
-            jacobian: vec![0.0; n * n],
             mass: vec![1.0; n],
-            split: Split::new(n),
-            real: DenseLu::new(n),
-            complex: ComplexLu::new(n),
+            split: Split::new(n, entries),
+            parts,
             shift: Shift::default(),
             pivots: vec![0.0; n],
             pivots_re: vec![0.0; n],
@@ -113,35 +92,34 @@ impl IterationMatrix {
         &self.mass
     }
 
-    /// The Jacobian to be written by the system, all zeros. Call `analyze` afterwards.
-    pub fn jacobian_mut(&mut self) -> &mut [f64] {
-        self.jacobian.fill(0.0);
-        &mut self.jacobian
+    /// Evaluates the Jacobian of the system. Call `analyze` afterwards.
+    pub fn evaluate(
+        &mut self,
+        system: &mut dyn System,
+        t: f64,
+        y: &[f64],
+    ) -> Result<(), EvalError> {
+        match &mut self.parts {
+            Parts::Dense(parts) => parts.evaluate(system, t, y),
+            Parts::Sparse(parts) => parts.evaluate(system, t, y),
+        }
     }
 
     /// Splits rows by the zeros of the new Jacobian. `Err` is the first row that is not finite.
     pub fn analyze(&mut self) -> Result<(), usize> {
-        if let Some(entry) = self.jacobian.iter().position(|x| !x.is_finite()) {
-            return Err(entry % self.n);
+        match &mut self.parts {
+            Parts::Dense(parts) => parts.analyze(&mut self.split, &self.mass),
+            Parts::Sparse(parts) => parts.analyze(&mut self.split, &self.mass),
         }
-        if self.n == 0 {
-            return Ok(());
-        }
-        self.split.find(self.n, &self.jacobian, &self.mass);
-        self.real.set_order(self.split.rows.len());
-        self.complex.set_order(self.split.rows.len());
-        Ok(())
     }
 
     /// Decomposes both matrices for this shift; the error names a component.
     pub fn factor(&mut self, shift: Shift) -> Result<(), Singular> {
         self.shift = shift;
-        let (n, jacobian, mass, split) = (self.n, &self.jacobian, &self.mass, &self.split);
+        let (mass, split) = (&self.mass, &self.split);
         for (k, s) in split.substituted.iter().enumerate() {
-            let j = jacobian[s.row + n * s.column];
-            let m = if s.row == s.column { mass[s.row] } else { 0.0 };
-            let real = m * shift.real - j;
-            let (re, im) = (m * shift.re - j, m * shift.im);
+            let real = s.mass * shift.real - s.jacobian;
+            let (re, im) = (s.mass * shift.re - s.jacobian, s.mass * shift.im);
             if real == 0.0 || (re == 0.0 && im == 0.0) {
                 return Err(Singular { column: s.column });
             }
@@ -150,28 +128,18 @@ impl IterationMatrix {
             self.pivots_re[k] = re / modulus;
             self.pivots_im[k] = -im / modulus;
         }
-        let name = |error: Singular| Singular { column: split.columns[error.column] };
-        self.real
-            .factor_with(|matrix| {
-                split.core(n, jacobian, matrix);
-                split.add_mass(mass, shift.real, matrix);
-            })
-            .map_err(name)?;
-        self.complex
-            .factor_with(|re, im| {
-                split.core(n, jacobian, re);
-                im.fill(0.0);
-                split.add_mass(mass, shift.re, re);
-                split.add_mass(mass, shift.im, im);
-            })
-            .map_err(name)
+        let outcome = match &mut self.parts {
+            Parts::Dense(parts) => parts.factor(split, mass, shift),
+            Parts::Sparse(parts) => parts.factor(mass, shift),
+        };
+        outcome.map_err(|error| Singular { column: split.columns[error.column] })
     }
 
     /// Solves with the real matrix, in place.
     pub fn solve_real(&mut self, b: &mut [f64]) {
         let split = &self.split;
         if split.substituted.is_empty() {
-            return self.real.solve_in_place(b);
+            return self.parts.solve_real(b);
         }
         let mut start = 0;
         for (k, s) in split.substituted.iter().enumerate() {
@@ -186,7 +154,7 @@ impl IterationMatrix {
         }
         let core = &mut self.core_re[..split.rows.len()];
         gather(&split.rows, b, core);
-        self.real.solve_in_place(core);
+        self.parts.solve_real(core);
         scatter(&split.columns, core, b);
         for (s, x) in split.substituted.iter().zip(&self.solved_re) {
             b[s.column] = *x;
@@ -197,7 +165,7 @@ impl IterationMatrix {
     pub fn solve_complex(&mut self, b_re: &mut [f64], b_im: &mut [f64]) {
         let split = &self.split;
         if split.substituted.is_empty() {
-            return self.complex.solve_in_place(b_re, b_im);
+            return self.parts.solve_complex(b_re, b_im);
         }
         let mut start = 0;
         for (k, s) in split.substituted.iter().enumerate() {
@@ -217,7 +185,7 @@ impl IterationMatrix {
         let (core_re, core_im) = (&mut self.core_re[..order], &mut self.core_im[..order]);
         gather(&split.rows, b_re, core_re);
         gather(&split.rows, b_im, core_im);
-        self.complex.solve_in_place(core_re, core_im);
+        self.parts.solve_complex(core_re, core_im);
         scatter(&split.columns, core_re, b_re);
         scatter(&split.columns, core_im, b_im);
         for (k, s) in split.substituted.iter().enumerate() {
@@ -227,64 +195,92 @@ impl IterationMatrix {
     }
 }
 
-impl Split {
+impl Parts {
+    /// Solves with the core of the real matrix.
+    fn solve_real(&mut self, b: &mut [f64]) {
+        match self {
+            Parts::Dense(parts) => parts.real.solve_in_place(b),
+            Parts::Sparse(parts) => parts.solve_real(b),
+        }
+    }
+
+    /// Solves with the core of the complex matrix.
+    fn solve_complex(&mut self, b_re: &mut [f64], b_im: &mut [f64]) {
+        match self {
+            Parts::Dense(parts) => parts.complex.solve_in_place(b_re, b_im),
+            Parts::Sparse(parts) => parts.solve_complex(b_re, b_im),
+        }
+    }
+}
+
+/// A dense Jacobian, column-major, and the decompositions of the part that is not substituted.
+struct DenseParts {
+    jacobian: DenseJacobian,
+    real: DenseLu,
+    complex: ComplexLu,
+}
+
+struct DenseJacobian {
+    n: usize,
+    values: Vec<f64>,
+}
+
+impl Columns for DenseJacobian {
+    fn visit(&self, j: usize, visit: &mut impl FnMut(usize, f64)) {
+        for (i, value) in self.values[self.n * j..self.n * (j + 1)].iter().enumerate() {
+            visit(i, *value);
+        }
+    }
+}
+
+impl DenseParts {
     fn new(n: usize) -> Self {
-        Split {
-            substituted: Vec::with_capacity(n),
-            couplings: Vec::with_capacity(n * n),
-            rows: Vec::with_capacity(n),
-            columns: Vec::with_capacity(n),
-            unknowns: vec![0; n],
-            which: vec![0; n],
-            row_done: vec![false; n],
-            column_done: vec![false; n],
+        DenseParts {
+            jacobian: DenseJacobian { n, values: vec![0.0; n * n] },
+            real: DenseLu::new(n),
+            complex: ComplexLu::new(n),
         }
     }
 
-    /// Repeatedly takes a row that has a single unknown left.
-    fn find(&mut self, n: usize, jacobian: &[f64], mass: &[f64]) {
-        self.substituted.clear();
-        self.couplings.clear();
-        self.unknowns.fill(0);
-        self.which.fill(0);
-        self.row_done.fill(false);
-        self.column_done.fill(false);
-        for (j, column) in jacobian.chunks_exact(n).enumerate() {
-            for (i, value) in column.iter().enumerate() {
-                if *value != 0.0 || (i == j && mass[i] != 0.0) {
-                    self.unknowns[i] += 1;
-                    self.which[i] ^= j;
-                }
-            }
-        }
-        while let Some(row) = (0..n).find(|&i| self.unknowns[i] == 1) {
-            let column = self.which[row];
-            self.row_done[row] = true;
-            self.column_done[column] = true;
-            for i in 0..n {
-                let value = jacobian[i + n * column];
-                let m = if i == column { mass[i] } else { 0.0 };
-                if value != 0.0 || m != 0.0 {
-                    self.unknowns[i] -= 1;
-                    self.which[i] ^= column;
-                    if !self.row_done[i] {
-                        self.couplings.push(Coupling { row: i, jacobian: value, mass: m });
-                    }
-                }
-            }
-            self.substituted.push(Substitution { row, column, end: self.couplings.len() });
-        }
-        self.rows.clear();
-        self.rows.extend((0..n).filter(|&i| !self.row_done[i]));
-        self.columns.clear();
-        self.columns.extend((0..n).filter(|&j| !self.column_done[j]));
+    fn evaluate(&mut self, system: &mut dyn System, t: f64, y: &[f64]) -> Result<(), EvalError> {
+        self.jacobian.values.fill(0.0);
+        system.jacobian(t, y, &mut self.jacobian.values)
     }
 
+    fn analyze(&mut self, split: &mut Split, mass: &[f64]) -> Result<(), usize> {
+        if let Some(entry) = self.jacobian.values.iter().position(|x| !x.is_finite()) {
+            return Err(entry % self.jacobian.n);
+        }
+        if self.jacobian.n == 0 {
+            return Ok(());
+        }
+        split.find(&self.jacobian, mass);
+        self.real.set_order(split.rows.len());
+        self.complex.set_order(split.rows.len());
+        Ok(())
+    }
+
+    fn factor(&mut self, split: &Split, mass: &[f64], shift: Shift) -> Result<(), Singular> {
+        let jacobian = &self.jacobian;
+        self.real.factor_with(|matrix| {
+            jacobian.core(split, matrix);
+            add_mass(split, mass, shift.real, matrix);
+        })?;
+        self.complex.factor_with(|re, im| {
+            jacobian.core(split, re);
+            im.fill(0.0);
+            add_mass(split, mass, shift.re, re);
+            add_mass(split, mass, shift.im, im);
+        })
+    }
+}
+
+impl DenseJacobian {
     /// Copies `-J` restricted to the core.
-    fn core(&self, n: usize, jacobian: &[f64], matrix: &mut [f64]) {
-        let order = self.rows.len();
-        if order == n {
-            for (to, from) in matrix.iter_mut().zip(jacobian) {
+    fn core(&self, split: &Split, matrix: &mut [f64]) {
+        let order = split.rows.len();
+        if order == self.n {
+            for (to, from) in matrix.iter_mut().zip(&self.values) {
                 *to = -from;
             }
             return;
@@ -292,25 +288,25 @@ impl Split {
         if order == 0 {
             return;
         }
-        for (to, &j) in matrix.chunks_exact_mut(order).zip(&self.columns) {
-            let from = &jacobian[n * j..n * (j + 1)];
-            for (to, &i) in to.iter_mut().zip(&self.rows) {
+        for (to, &j) in matrix.chunks_exact_mut(order).zip(&split.columns) {
+            let from = &self.values[self.n * j..self.n * (j + 1)];
+            for (to, &i) in to.iter_mut().zip(&split.rows) {
                 *to = -from[i];
             }
         }
     }
+}
 
-    /// Adds `shift` where a row of the core meets its own column.
-    fn add_mass(&self, mass: &[f64], shift: f64, matrix: &mut [f64]) {
-        let order = self.rows.len();
-        let mut a = 0;
-        for (b, &j) in self.columns.iter().enumerate() {
-            while a < order && self.rows[a] < j {
-                a += 1;
-            }
-            if a < order && self.rows[a] == j {
-                matrix[a + order * b] += mass[j] * shift;
-            }
+/// Adds `shift` where a row of the core meets its own column.
+fn add_mass(split: &Split, mass: &[f64], shift: f64, matrix: &mut [f64]) {
+    let order = split.rows.len();
+    let mut a = 0;
+    for (b, &j) in split.columns.iter().enumerate() {
+        while a < order && split.rows[a] < j {
+            a += 1;
+        }
+        if a < order && split.rows[a] == j {
+            matrix[a + order * b] += mass[j] * shift;
         }
     }
 }
@@ -331,13 +327,66 @@ fn scatter(indices: &[usize], from: &[f64], to: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// Solves with `J` and `M` and checks the residual of both systems.
+    /// `y' = J y`; every entry is in the pattern, or only the nonzero ones.
+    struct Linear {
+        jacobian: Vec<f64>,
+        differential: Vec<bool>,
+        pattern: Pattern,
+    }
+
+    impl Linear {
+        fn new(jacobian: &[f64], differential: &[bool]) -> Self {
+            let n = differential.len();
+            let places = (0..n * n).filter(|k| jacobian[*k] != 0.0).map(|k| (k % n, k / n));
+            let pattern = Pattern::from_entries(n, n, &places.collect::<Vec<_>>());
+            let (jacobian, differential) = (jacobian.to_vec(), differential.to_vec());
+            Linear { jacobian, differential, pattern }
+        }
+    }
+
+    impl System for Linear {
+        fn dim(&self) -> usize {
+            self.differential.len()
+        }
+        fn differential(&self) -> &[bool] {
+            &self.differential
+        }
+        fn rhs(&mut self, _: f64, y: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
+            let n = y.len();
+            for (i, f) in f.iter_mut().enumerate() {
+                *f = (0..n).map(|j| self.jacobian[i + n * j] * y[j]).sum();
+            }
+            Ok(())
+        }
+        fn jacobian(&mut self, _: f64, _: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
+            j.copy_from_slice(&self.jacobian);
+            Ok(())
+        }
+        fn pattern(&self) -> Option<&Pattern> {
+            Some(&self.pattern)
+        }
+        fn jacobian_entries(&mut self, _: f64, _: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
+            let nonzero = self.jacobian.iter().filter(|x| **x != 0.0);
+            j.iter_mut().zip(nonzero).for_each(|(to, from)| *to = *from);
+            Ok(())
+        }
+    }
+
+    /// Solves with `J` and `M` and checks the residual of both systems, dense and sparse.
     fn check(n: usize, jacobian: &[f64], differential: &[bool], substituted: usize) {
-        let mut matrix = IterationMatrix::new(n);
-        matrix.set_mass(differential);
-        matrix.jacobian_mut().copy_from_slice(jacobian);
-        matrix.analyze().unwrap();
-        assert_eq!(matrix.split.substituted.len(), substituted);
+        let mut system = Linear::new(jacobian, differential);
+        let matrices =
+            [IterationMatrix::dense(n), IterationMatrix::sparse(&system.pattern.clone())];
+        for mut matrix in matrices {
+            matrix.set_mass(differential);
+            matrix.evaluate(&mut system, 0.0, &vec![0.0; n]).unwrap();
+            matrix.analyze().unwrap();
+            assert_eq!(matrix.split.substituted.len(), substituted);
+            residuals(&mut matrix, n, jacobian, differential);
+        }
+    }
+
+    fn residuals(matrix: &mut IterationMatrix, n: usize, jacobian: &[f64], differential: &[bool]) {
         let shift = Shift { real: 3.0, re: 2.0, im: 5.0 };
         matrix.factor(shift).unwrap();
 

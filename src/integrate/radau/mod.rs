@@ -7,6 +7,8 @@
 pub mod estimate;
 pub mod matrix;
 pub mod polynomial;
+pub mod sparse;
+pub mod split;
 pub mod stages;
 pub mod tableau;
 
@@ -120,8 +122,26 @@ struct Success {
 }
 
 impl Radau {
-    /// A stepper for systems of `n` components. All memory is allocated here.
+    /// A stepper for systems of `n` components, with dense matrices. All memory is allocated here.
     pub fn new(n: usize, options: Options) -> Result<Self, OptionError> {
+        Radau::with_matrix(n, IterationMatrix::dense(n), options)
+    }
+
+    /// A stepper for this system: with sparse matrices if it is large and says which entries of its
+    /// Jacobian can be nonzero, else with dense ones. The memory of sparse decompositions is allocated
+    /// at the first one, and again where the zeros of the Jacobian change.
+    pub fn for_system(system: &dyn System, options: Options) -> Result<Self, OptionError> {
+        match system.pattern().filter(|p| sparse::pays(p)) {
+            Some(p) => Radau::with_matrix(system.dim(), IterationMatrix::sparse(p), options),
+            None => Radau::new(system.dim(), options),
+        }
+    }
+
+    fn with_matrix(
+        n: usize,
+        matrix: IterationMatrix,
+        options: Options,
+    ) -> Result<Self, OptionError> {
         options.validate(n)?;
         Ok(Radau {
             now: Point::new(n),
@@ -130,7 +150,7 @@ impl Radau {
             weights: vec![1.0; n],
             polynomial: Polynomial::new(n),
             stages: Stages::new(n, &options),
-            matrix: IterationMatrix::new(n),
+            matrix,
             jacobian: JacobianAge::Outdated,
             decomposed: None,
             history: History { h: 0.0, last: None, continued: false },
@@ -149,8 +169,8 @@ impl Radau {
     fn prepare(&mut self, system: &mut dyn System, h: f64) -> Result<(), Trouble> {
         if self.jacobian == JacobianAge::Outdated {
             self.stats.jacobians += 1;
-            system
-                .jacobian(self.now.t, &self.now.y, self.matrix.jacobian_mut())
+            self.matrix
+                .evaluate(system, self.now.t, &self.now.y)
                 .map_err(|error| Trouble::Hopeless(Hopeless::Eval(error)))?;
             self.decomposed = None;
             self.matrix

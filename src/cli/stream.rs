@@ -1,0 +1,112 @@
+//! Rows of a run on their way to the table, and the few curves that a picture may need.
+
+use std::path::{Path, PathBuf};
+
+use crate::ir::trajectory::{Column, Event, Kind, Trajectory};
+use crate::report::table::{TableError, TableWriter};
+use crate::report::write::AtomicFile;
+use crate::simulate::record::Sink;
+
+/// So many curves are kept for a picture whose curves the user has not named.
+const MOST_KEPT: usize = 2000;
+
+/// Writes rows as they come and keeps what may be drawn, so that the memory of a large model's run is
+/// that of a few curves.
+pub struct Stream {
+    table: Option<(TableWriter<AtomicFile>, PathBuf)>,
+    /// The first trouble with the table; nothing is written after it.
+    trouble: Option<TableError>,
+    kept: Vec<usize>,
+    row: Vec<f64>,
+    /// The kept columns, and all events.
+    pub trajectory: Trajectory,
+}
+
+impl Stream {
+    /// Of a run that records `columns`: to the table at `output`, keeping the columns at `kept`.
+    pub fn new(
+        columns: &[Column],
+        output: Option<&Path>,
+        kept: Vec<usize>,
+    ) -> Result<Self, TableError> {
+        let table = match output {
+            Some(path) => {
+                let writer = TableWriter::new(AtomicFile::create(path)?, columns)?;
+                Some((writer, path.to_owned()))
+            }
+            None => None,
+        };
+        let trajectory = Trajectory::new(kept.iter().map(|&k| columns[k].clone()).collect());
+        let row = vec![0.0; kept.len()];
+        Ok(Stream { table, trouble: None, kept, row, trajectory })
+    }
+
+    /// Gives the table its name, if there is one; that name.
+    pub fn finish(&mut self) -> Result<Option<PathBuf>, TableError> {
+        if let Some(trouble) = self.trouble.take() {
+            return Err(trouble);
+        }
+        let Some((table, path)) = self.table.take() else { return Ok(None) };
+        table.finish()?.finish()?;
+        Ok(Some(path))
+    }
+}
+
+impl Sink for Stream {
+    /// The columns are known since `new`.
+    fn begin(&mut self, _: Vec<Column>) {}
+
+    fn row(&mut self, time: f64, values: &[f64]) {
+        if let (Some((table, _)), None) = (&mut self.table, &self.trouble) {
+            self.trouble = table.row(time, values).err();
+        }
+        for (to, &k) in self.row.iter_mut().zip(&self.kept) {
+            *to = values[k];
+        }
+        self.trajectory.push(time, &self.row);
+    }
+
+    fn event(&mut self, event: Event) {
+        self.trajectory.events.push(event);
+    }
+}
+
+/// Columns of which a picture may be made by itself: those of the model before those of its
+/// components, in order of declaration.
+pub fn drawable(columns: &[Column]) -> Vec<usize> {
+    let drawn = |c: &Column| c.kind == Kind::Continuous && !c.name.starts_with("der(");
+    let of = |top: bool| {
+        let wanted = move |c: &Column| drawn(c) && c.name.contains('.') != top;
+        columns.iter().enumerate().filter(move |(_, c)| wanted(c)).map(|(k, _)| k)
+    };
+    let mut kept: Vec<usize> = of(true).chain(of(false)).take(MOST_KEPT).collect();
+    kept.sort_unstable();
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_of_the_model_itself_are_kept_first() {
+        let mut columns: Vec<Column> =
+            (0..MOST_KEPT).map(|k| Column::new(format!("part.x[{k}]"), "m")).collect();
+        columns.push(Column::new("x", "m"));
+        columns.push(Column::new("der(x)", "m/s"));
+        let kept = drawable(&columns);
+        assert_eq!(kept.len(), MOST_KEPT);
+        assert_eq!(kept.last(), Some(&MOST_KEPT));
+        assert_eq!(kept[MOST_KEPT - 2], MOST_KEPT - 2);
+    }
+
+    #[test]
+    fn rows_reach_the_kept_columns() {
+        let columns = [Column::new("a", ""), Column::new("b", ""), Column::new("c", "")];
+        let mut stream = Stream::new(&columns, None, vec![0, 2]).unwrap();
+        stream.row(0.5, &[1.0, 2.0, 3.0]);
+        assert_eq!(stream.trajectory.values("c"), Some(&[3.0][..]));
+        assert_eq!(stream.trajectory.values("b"), None);
+        assert_eq!(stream.finish().unwrap(), None);
+    }
+}
