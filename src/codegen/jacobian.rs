@@ -26,18 +26,21 @@ pub type Row = Vec<(u32, ExprId)>;
 pub struct Rows {
     variables: FastMap<VarId, Row>,
     lifted: FastMap<ExprId, VarId>,
+    /// Variables that got a row since the last torn block began.
+    recent: Vec<VarId>,
 }
 
 impl Rows {
     /// Makes `v` the seed `seed`.
     pub fn seed(&mut self, e: &mut Emitter, v: VarId, seed: u32) {
         let one = e.dae.graph.real(1.0);
-        self.variables.insert(v, vec![(seed, one)]);
+        self.set(v, vec![(seed, one)]);
     }
 
     /// Sets the row of a variable.
     pub fn set(&mut self, v: VarId, row: Row) {
         self.variables.insert(v, row);
+        self.recent.push(v);
     }
 
     /// The row of an expression.
@@ -80,7 +83,7 @@ impl Rows {
         for v in e.dae.graph.variables(value) {
             if let (Some(&r), None) = (e.replaced.get(&v), self.variables.get(&v)) {
                 let row = self.of(e, r);
-                self.variables.insert(v, row);
+                self.set(v, row);
             }
             any |= self.variables.get(&v).is_some_and(|row| !row.is_empty());
         }
@@ -107,7 +110,7 @@ impl Rows {
                 let row = self.of(e, n);
                 let name = e.auxiliary(None);
                 e.replaced.insert(name, n);
-                self.variables.insert(name, row);
+                self.set(name, row);
                 self.lifted.insert(n, name);
             }
         }
@@ -237,6 +240,7 @@ pub fn of_system(
 /// Rows of the variables of a torn block: `J dz = -B`, where `B` is the derivative of the residuals
 /// at constant `z`.
 fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, first_seed: u32) {
+    rows.recent.clear();
     for (k, &z) in torn.unknowns.iter().enumerate() {
         rows.seed(e, z, first_seed + k as u32);
     }
@@ -277,7 +281,12 @@ fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, firs
     }
     // Names of selections inside the block hold rows by its unknowns: they must not be used again.
     rows.lifted.clear();
-    rows.variables.retain(|_, row| row.iter().all(|(seed, _)| *seed < first_seed));
+    for v in std::mem::take(&mut rows.recent) {
+        let inside = |row: &Row| row.iter().any(|(seed, _)| *seed >= first_seed);
+        if rows.variables.get(&v).is_some_and(inside) {
+            rows.variables.remove(&v);
+        }
+    }
 }
 
 /// The derivatives of the unknowns; solved at run time unless there is a single one.
