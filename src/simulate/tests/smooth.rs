@@ -1,6 +1,7 @@
 //! Systems without events, against closed forms, and the exact Jacobian.
 
 use super::builder::Builder;
+use crate::codegen::record::only;
 use crate::integrate::system::System;
 use crate::ir::expr::{Binary, Unary};
 use crate::simulate::run::simulate;
@@ -255,4 +256,61 @@ fn one_program_serves_many_threads() {
             assert_eq!(other.join().unwrap().unwrap(), alone);
         }
     });
+}
+
+/// A ring of 80 masses, each coupled to its neighbours.
+fn ring() -> Builder {
+    let n = 80;
+    let mut b = Builder::new();
+    let states: Vec<_> =
+        (0..n).map(|k| b.state(&format!("x[{}]", k + 1), (k % 7) as f64)).collect();
+    for k in 0..n {
+        let (before, own, after) = (states[(k + n - 1) % n].1, states[k].1, states[(k + 1) % n].1);
+        let both = b.g().add(before, after);
+        let square = b.g().mul(own, own);
+        let change = b.g().sub(both, square);
+        b.assign(states[k].2, change);
+        let (double, _) = b.algebraic(&format!("double[{}]", k + 1));
+        let sum = b.g().add(own, own);
+        b.assign(double, sum);
+    }
+    b
+}
+
+#[test]
+fn entries_by_pattern_are_those_of_the_dense_jacobian() {
+    let program = ring().program();
+    let mut model = Model::new(&program);
+    let n = model.dim();
+    let y: Vec<f64> = (0..n).map(|k| 0.1 + k as f64).collect();
+    let mut dense = vec![0.0; n * n];
+    model.jacobian(0.0, &y, &mut dense).unwrap();
+    let pattern = model.pattern().unwrap().clone();
+    assert_eq!(pattern.entries(), 3 * n);
+    let mut entries = vec![0.0; pattern.entries()];
+    model.jacobian_entries(0.0, &y, &mut entries).unwrap();
+    for j in 0..n {
+        assert_eq!(dense[j + n * j], -2.0 * y[j]);
+        for i in 0..n {
+            let sparse = pattern.position(i, j).map_or(0.0, |k| entries[k]);
+            assert_eq!(dense[i + n * j], sparse, "({i}, {j})");
+        }
+    }
+}
+
+#[test]
+fn recording_less_changes_nothing_but_the_work() {
+    let b = ring();
+    let settings = Settings { tolerance: 1e-8, ..Settings::of(&Default::default()) };
+    let whole = b.program();
+    let all = simulate(&whole, &settings, &b.sources).unwrap().trajectory;
+    let mut part = b.program();
+    only(&mut part, |name| name == "x[3]" || name == "double[7]");
+    assert!(whole.rest.len() >= 80 && part.rest.len() <= 2, "{}", part.rest.len());
+    let some = simulate(&part, &settings, &b.sources).unwrap().trajectory;
+    let names: Vec<&str> = some.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["x[3]", "double[7]"]);
+    for name in names {
+        assert_eq!(some.values(name), all.values(name));
+    }
 }
