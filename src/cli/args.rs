@@ -58,7 +58,7 @@ pub struct Simulate {
     /// Relative tolerance [default: from the annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Table of the results [default: MODEL.csv; nothing if only --plot is given].
+    /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
     #[arg(long, value_name = "PATH")]
     pub output: Option<PathBuf>,
     /// Picture, .svg or .png [default: MODEL.svg; nothing if only --output is given].

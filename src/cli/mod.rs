@@ -1,5 +1,7 @@
 //! The command line: arguments in, exit status out.
 pub mod args;
+pub mod interrupt;
+pub mod progress;
 pub mod show;
 pub mod simulate;
 pub mod stream;
@@ -22,6 +24,8 @@ pub enum Status {
     Numerics = 3,
     /// mocc is wrong.
     Bug = 4,
+    /// Ctrl-C ended the run; what was computed is written. 128 and the number of the signal.
+    Interrupted = 130,
 }
 
 impl From<Status> for ExitCode {

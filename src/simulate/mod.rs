@@ -8,6 +8,7 @@
 //! Sources: Modelica specification 3.6, appendix B (the hybrid system), section 8.6 (initialisation),
 //! section 3.7.5 (`sample`, `pre`, `edge`).
 pub mod clock;
+pub mod columns;
 pub mod error;
 pub mod events;
 pub mod explain;

@@ -14,11 +14,12 @@ use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
 use super::clock::Clocks;
+use super::columns::{columns, constants};
 use super::error::{Failure, FailureKind, no_start, of_fault, of_integration, unsettled};
 use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
-use super::record::{Recorder, Sink, columns};
+use super::record::{Recorder, Sink};
 use super::selection::{LIMIT, Selection};
 use super::settings::Settings;
 use super::sliding::Sliding;
@@ -60,6 +61,8 @@ pub struct Statistics {
     pub end: f64,
     /// The text of the `terminate` that ended it.
     pub terminated: Option<String>,
+    /// The sink ended it.
+    pub interrupted: bool,
     /// Assertions of level warning that were violated, each once.
     pub warnings: Vec<Diagnostic>,
 }
@@ -160,6 +163,7 @@ impl<'p, 's> Simulation<'p, 's> {
             .map_err(|e| Failure::settings(e.to_string()))?;
         let recorder = Recorder::new(program, t, settings.stop, settings.interval);
         sink.begin(columns(program));
+        sink.constants(constants(&model.instance));
         let span = CHATTER_SPAN * (settings.stop - settings.start);
         let mut simulation = Simulation {
             program,
@@ -190,6 +194,11 @@ impl<'p, 's> Simulation<'p, 's> {
     fn run(&mut self) -> Result<(), Failure> {
         self.restart()?;
         while self.t < self.stop && !self.ended {
+            if !self.sink.goes_on(self.t) {
+                self.statistics.interrupted = true;
+                self.ended = true;
+                break;
+            }
             let instant = self.clocks.next_instant(&self.model.instance, self.t);
             let t_stop = instant.min(self.stop);
             let mut reached = self.step(t_stop)?;
@@ -220,7 +229,8 @@ impl<'p, 's> Simulation<'p, 's> {
             }
         }
         self.statistics.end = self.t;
-        if self.program.reads_terminal { self.finish() } else { Ok(()) }
+        let ends_by_itself = !self.statistics.interrupted;
+        if self.program.reads_terminal && ends_by_itself { self.finish() } else { Ok(()) }
     }
 
     /// The event at the end of the run, for what happens `when terminal()`.
