@@ -15,8 +15,8 @@ use crate::ir::trajectory::{Kind, Trajectory, position};
 use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::report::plot;
 use crate::report::results::Format;
-use crate::simulate::error::FailureKind;
 use crate::simulate::columns::{columns, courses};
+use crate::simulate::error::FailureKind;
 use crate::simulate::run::{Run, simulate_to};
 use crate::simulate::settings::Settings;
 
@@ -273,13 +273,12 @@ fn summary(
         dae.eliminated.len(),
         s.end
     );
-    out.push_str(&format!(
-        "  {} events, {} steps ({} rejected), {} rows\n",
-        run.trajectory.events.len(),
-        i.steps,
-        i.rejected,
-        s.rows
-    ));
+    // Without states nothing is integrated: the steps are those of the table.
+    let steps = match program.order() {
+        0 => String::new(),
+        _ => format!(" {} steps ({} rejected),", i.steps, i.rejected),
+    };
+    out.push_str(&format!("  {} events,{steps} {} rows\n", run.trajectory.events.len(), s.rows));
     out.push_str(&format!(
         "  compiled in {}, simulated in {}, written in {}\n",
         ms(compiled),

@@ -266,9 +266,8 @@ mod tests {
         assert_eq!(names, ["Aclass", "name", "description", "dataInfo", "data_1", "data_2"]);
         let (_, kind, rows, width, class) = &found[0];
         assert_eq!((*kind, *rows, *width), (TEXT, 4, 11));
-        let row = |i: usize| -> String {
-            (0..*width).map(|j| char::from(class[j * rows + i])).collect()
-        };
+        let row =
+            |i: usize| -> String { (0..*width).map(|j| char::from(class[j * rows + i])).collect() };
         assert_eq!(
             (0..4).map(row).collect::<Vec<_>>(),
             ["Atrajectory", "1.1        ", "           ", "binTrans   "]
@@ -278,10 +277,7 @@ mod tests {
             found[m].4.chunks(found[m].2).map(text).collect()
         };
         assert_eq!(texts(1), ["time", "m", "p", "x[1]", "y", "k", "z"]);
-        assert_eq!(
-            texts(2),
-            ["Time in [s]", "[kg]", "Pressure [Pa|bar]", "[m]", "[m]", "", ""]
-        );
+        assert_eq!(texts(2), ["Time in [s]", "[kg]", "Pressure [Pa|bar]", "[m]", "[m]", "", ""]);
         let words: Vec<i32> =
             found[3].4.chunks(4).map(|b| i32::from_le_bytes(b.try_into().unwrap())).collect();
         let places: Vec<&[i32]> = words.chunks(4).collect();

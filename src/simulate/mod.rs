@@ -9,10 +9,12 @@
 //! section 3.7.5 (`sample`, `pre`, `edge`).
 pub mod clock;
 pub mod columns;
+pub mod echo;
 pub mod error;
 pub mod events;
 pub mod explain;
 pub mod initial;
+pub mod precondition;
 pub mod record;
 pub mod run;
 pub mod selection;

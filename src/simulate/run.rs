@@ -15,7 +15,8 @@ use crate::ir::trajectory::{Event, Trajectory};
 
 use super::clock::Clocks;
 use super::columns::{columns, constants};
-use super::error::{Failure, FailureKind, no_start, of_fault, of_integration, unsettled};
+use super::echo::{Echo, nothing_moved};
+use super::error::{Failure, assertion, no_start, of_fault, of_integration, unsettled};
 use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
@@ -126,6 +127,7 @@ struct Simulation<'p, 's> {
     warned: Vec<bool>,
     texts: Vec<Option<String>>,
     recent: Recent,
+    echo: Echo,
     ended: bool,
 }
 
@@ -183,6 +185,7 @@ impl<'p, 's> Simulation<'p, 's> {
             warned: vec![false; program.asserts.len()],
             texts: vec![None; program.watches.len()],
             recent: Recent { times: [f64::NEG_INFINITY; CHATTER_EVENTS], at: 0, span, alone: None },
+            echo: Echo::new(settings.stop - settings.start),
             ended: false,
         };
         simulation.record(t)?;
@@ -286,7 +289,7 @@ impl<'p, 's> Simulation<'p, 's> {
             NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
         let (mut t, mut ticked) = (t, false);
         let mut triggers: Vec<u32> = Vec::new();
-        let settled = loop {
+        let (settled, before) = loop {
             self.go_to(t)?;
             self.take_row(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
@@ -304,7 +307,7 @@ impl<'p, 's> Simulation<'p, 's> {
             };
             // The event sequence may round an operand to the other side: a little later it will not.
             if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
-                break settled;
+                break (settled, before);
             }
             t = (t + nudge).min(self.stepper.t());
             nudge *= 4.0;
@@ -312,7 +315,9 @@ impl<'p, 's> Simulation<'p, 's> {
         self.t = t;
         let n = self.program.order();
         self.y[..n].copy_from_slice(self.model.instance.states());
-        if settled.changed {
+        let flipped = self.flipped(&held, &triggers);
+        let echoes = cause == Cause::State && self.echoes(t, &flipped, settled, &before)?;
+        if settled.changed && !echoes {
             self.put_row(t);
             self.record(t)?;
             while self.recorder.due(t, true).is_some() {
@@ -322,8 +327,10 @@ impl<'p, 's> Simulation<'p, 's> {
             self.record_grid(t, true)?;
             self.go_to(t)?;
         }
-        let flipped = self.flipped(&held, &triggers);
-        self.announce(t, cause, ticked, &flipped, settled);
+        if !echoes {
+            self.echo.remember(t, &flipped);
+            self.announce(t, cause, ticked, &flipped, settled);
+        }
         if !ticked && !self.slides(t, &flipped, settled)? {
             self.guard_against_chattering(t, &flipped)?;
         }
@@ -441,6 +448,22 @@ impl<'p, 's> Simulation<'p, 's> {
         let pairs = held.iter().zip(&now).enumerate();
         let changed = pairs.filter(|(k, (a, b))| a != b || triggers.contains(&(*k as u32)));
         changed.map(|(k, (before, _))| (k as u32, *before == 0.0)).collect()
+    }
+
+    /// Whether this event only turns back what the one before turned, and nothing moves by it.
+    fn echoes(
+        &mut self,
+        t: f64,
+        flipped: &[(u32, bool)],
+        settled: Settled,
+        before: &[f64],
+    ) -> Result<bool, Failure> {
+        if !settled.changed || settled.acted || !self.echo.may_be(t, flipped) {
+            return Ok(false);
+        }
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        Ok(nothing_moved(self.program, before, &self.model.instance.memory))
     }
 
     /// Counts the event and tells the sink.
@@ -624,12 +647,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     fn assertion(&self, k: usize, t: f64) -> Failure {
-        let guarded = &self.program.blocks.dae.asserts[k];
-        let reader = Reader::new(self.program, &self.model.instance.memory);
-        let message = format!("at time {t} s: {}", self.message(guarded.assert.message));
-        let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
-            .label(format!("`{}` is false", reader.text(guarded.assert.condition)));
-        Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
+        assertion(self.program, &self.model.instance.memory, k, t)
     }
 
     /// The text of a `String` expression.
