@@ -23,7 +23,7 @@ pub enum Command {
     /// Print the flat model: all variables and equations as one Modelica model.
     Flatten(Model),
     /// Print how the model is solved: states, blocks in order, what was differentiated.
-    Structure(Model),
+    Structure(Structure),
 }
 
 /// Which model, with which settings.
@@ -41,6 +41,20 @@ pub struct Model {
     /// Folder with libraries, besides those of MODELICAPATH and the shipped ones.
     #[arg(long = "lib", value_name = "DIR")]
     pub folders: Vec<PathBuf>,
+}
+
+/// What to make of the block structure.
+#[derive(Args, Debug)]
+pub struct Structure {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// Draw the incidence matrix in block lower triangular order, .svg or .png, and print nothing.
+    #[arg(long, value_name = "PATH")]
+    pub svg: Option<PathBuf>,
+    /// Write the blocks and their dependencies as a graph for Graphviz, and print nothing.
+    #[arg(long, value_name = "PATH")]
+    pub dot: Option<PathBuf>,
 }
 
 /// A run.

@@ -6,7 +6,9 @@
 
 pub mod axis;
 pub mod decimate;
+pub mod dot;
 pub mod figure;
+pub mod incidence;
 pub mod layout;
 pub mod mat;
 pub mod parquet;

@@ -316,7 +316,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let n = self.program.order();
         self.y[..n].copy_from_slice(self.model.instance.states());
         let flipped = self.flipped(&held, &triggers);
-        let echoes = cause == Cause::State && self.echoes(t, &flipped, settled, &before)?;
+        let echoes = !ticked && self.echoes(t, &flipped, settled, &before)?;
         if settled.changed && !echoes {
             self.put_row(t);
             self.record(t)?;
@@ -458,7 +458,8 @@ impl<'p, 's> Simulation<'p, 's> {
         settled: Settled,
         before: &[f64],
     ) -> Result<bool, Failure> {
-        if !settled.changed || settled.acted || !self.echo.may_be(t, flipped) {
+        let speaks = settled.failed.is_some() || settled.terminate.is_some();
+        if !settled.changed || speaks || !self.echo.may_be(t, flipped) {
             return Ok(false);
         }
         let evaluated = self.model.evaluate_all(t, &self.y);
