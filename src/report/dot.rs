@@ -115,6 +115,16 @@ mod tests {
                 Part { method: Method::Explicit, first: 3, size: 1 },
             ],
         };
-        insta::assert_snapshot!(dot(&diagram), @r#""#);
+        insta::assert_snapshot!(dot(&diagram), @r##"
+        digraph blocks {
+          graph [label="M, between events", labelloc=t, fontname="sans-serif"];
+          node [shape=box, style=filled, fontname="sans-serif", fontsize=12];
+          b1 [fillcolor="#f2f2f2", label="1. a := x\l"];
+          b2 [fillcolor="#cfe3f2", label="2. linear, 2 unknowns, torn to 1\lb := a + c\lc: 0 = \"b\" - c\l"];
+          b3 [fillcolor="#f2f2f2", label="3. d := b\l"];
+          b1 -> b2;
+          b2 -> b3;
+        }
+        "##);
     }
 }

@@ -14,7 +14,9 @@ use crate::ir::diagram::{Diagram, Method, Part};
 
 /// Side of a cell in a small system, and side of the matrix where cells get smaller, px.
 const CELL: f64 = 18.0;
-const LARGEST: f64 = 1080.0;
+const LARGEST: f64 = 1600.0;
+/// So many lines lie between two guides, for the eye to follow a row or a column.
+const GUIDE: usize = 5;
 /// Up to so many lines the equations are written beside the matrix.
 const MOST_EQUATIONS: usize = 60;
 /// Height of a line of names, and their size, px.
@@ -156,7 +158,9 @@ impl<'a> Picture<'a> {
             let (area, diagonal) = colours(method);
             let text = match (method, of_method().map(|p| p.size).max()) {
                 (Method::Explicit, _) | (_, None) => format!("{number} {}", method.name()),
-                (_, Some(size)) if number == 1 => format!("1 {} of {size}", method.name()),
+                (_, Some(size)) if number == 1 || size == 1 => {
+                    format!("{number} {} of {size}", method.name())
+                }
                 (_, Some(size)) => format!("{number} {}, up to {size}", method.name()),
             };
             let mark = |x: f64| {
@@ -193,6 +197,15 @@ impl<'a> Picture<'a> {
             "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" \
              fill=\"none\" stroke=\"#d9d9d9\"/>"
         );
+        if self.cell >= 6.0 {
+            let mut guides = String::new();
+            for k in (GUIDE..self.diagram.lines.len()).step_by(GUIDE) {
+                let at = self.at(k);
+                let _ = write!(guides, "M{left:.1} {:.1}h{side:.1}", top + at);
+                let _ = write!(guides, "M{:.1} {top:.1}v{side:.1}", left + at);
+            }
+            let _ = writeln!(out, "<path d=\"{guides}\" fill=\"none\" stroke=\"#ececec\"/>");
+        }
         for (k, part) in self.diagram.parts.iter().enumerate() {
             // One equation in a large system is a mark on the diagonal and no area.
             if part.size == 1 && self.cell < 4.0 {
@@ -401,7 +414,7 @@ mod tests {
         let cell = LARGEST / 5000.0;
         let named = named(&diagram, cell);
         assert!(named.windows(2).all(|w| (w[1] - w[0]) as f64 * cell >= LINE));
-        assert!(named.contains(&4999) && named.len() > 40, "{}", named.len());
+        assert!(named.contains(&4999) && named.len() > 60, "{}", named.len());
         let picture = svg(&diagram);
         assert!(picture.len() < 200_000, "{}", picture.len());
         assert!(super::super::raster::png(&picture, 1).is_ok());
