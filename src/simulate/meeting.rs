@@ -79,6 +79,14 @@ impl Simulation<'_, '_> {
             back.map_err(|f| of_fault(&self.model.instance, f, t))?;
             return Ok(false);
         }
+        if self.sensitivity.is_some() {
+            let span = self.relation_span(k);
+            let what = self.relation_text(k);
+            let message = format!(
+                "at time {t} s the solution begins to slide along the surface where `{what}` switches, and has no derivatives by the inputs there"
+            );
+            return Err(Failure::numerics(t, Diagnostic::error("MO0914", span, message)));
+        }
         self.model.sliding = Some(sliding);
         self.search.ignore(Some(k));
         self.recent.alone = None;

@@ -17,6 +17,7 @@ pub mod meeting;
 pub mod record;
 pub mod run;
 pub mod selection;
+pub mod sensitivity;
 pub mod settings;
 pub mod sliding;
 pub mod system;

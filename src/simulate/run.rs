@@ -20,6 +20,7 @@ use super::initial::initialise;
 use super::meeting::Recent;
 use super::record::{Recorder, Sink, columns};
 use super::selection::{LIMIT, Selection};
+use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
 use super::system::{Model, of_domain};
 
@@ -80,11 +81,40 @@ pub fn simulate_to(
     sources: &SourceMap,
     sink: &mut dyn Sink,
 ) -> Result<Statistics, Failure> {
+    run_to(program, settings, &[], sources, sink)
+}
+
+/// As [`simulate_to`], and after each row hands over the derivatives of its values by the inputs
+/// ([`Sink::slopes`]). They are right across events; a solution that slides along the surface of a
+/// relation has none here, which is a failure.
+pub fn simulate_with_sensitivities(
+    program: &Program,
+    settings: &Settings,
+    inputs: &[Input],
+    sources: &SourceMap,
+    sink: &mut dyn Sink,
+) -> Result<Statistics, Failure> {
+    let Some(settings) = with_inputs(program, settings, inputs) else {
+        return Err(Failure::settings(
+            "a run can be differentiated by its inputs only: parameters and starts that are no constants"
+                .to_owned(),
+        ));
+    };
+    run_to(program, &settings, inputs, sources, sink)
+}
+
+fn run_to(
+    program: &Program,
+    settings: &Settings,
+    inputs: &[Input],
+    sources: &SourceMap,
+    sink: &mut dyn Sink,
+) -> Result<Statistics, Failure> {
     if let Some(what) = settings.fault() {
         return Err(Failure::settings(what));
     }
     let begun = Instant::now();
-    let mut simulation = Simulation::begin(program, settings, sources, sink)?;
+    let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
     simulation.run()?;
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
@@ -112,12 +142,15 @@ pub struct Simulation<'p, 's> {
     pub(super) texts: Vec<Option<String>>,
     pub(super) recent: Recent,
     pub(super) ended: bool,
+    pub(super) sensitivity: Option<Box<Sensitivity>>,
 }
 
 /// What leads to an event.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Cause {
+pub enum Cause {
+    /// A relation on the trajectory switches.
     State,
+    /// An instant known in advance.
     Time,
 }
 
@@ -125,12 +158,24 @@ impl<'p, 's> Simulation<'p, 's> {
     fn begin(
         program: &'p Program,
         settings: &Settings,
+        inputs: &[Input],
         sources: &'s SourceMap,
         sink: &'s mut dyn Sink,
     ) -> Result<Self, Failure> {
         let mut model = Model::new(program);
         let t = settings.start;
+        let mut sensitivity = None;
+        if !inputs.is_empty() {
+            sensitivity = Sensitivity::new(&model, inputs).map(Box::new);
+        }
+        if let Some(s) = &mut sensitivity {
+            s.attach(&mut model.instance);
+        }
         let begun = initialise(&mut model.instance, settings);
+        if let Some(s) = &mut sensitivity {
+            s.detach(&mut model.instance);
+            s.stand(program, t);
+        }
         let (clocks, selection, settled) = begun.map_err(|e| no_start(&model.instance, e, t))?;
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
@@ -158,6 +203,7 @@ impl<'p, 's> Simulation<'p, 's> {
             texts: vec![None; program.watches.len()],
             recent: Recent::new(settings.stop - settings.start),
             ended: false,
+            sensitivity,
         };
         simulation.record(t)?;
         simulation.check_assertions(t)?;
@@ -175,6 +221,9 @@ impl<'p, 's> Simulation<'p, 's> {
             if self.model.beyond && switched.is_none() && self.has_left_the_domain() {
                 // No relation would have kept the step inside: so must the step itself.
                 self.stepper.interpolate(self.t, &mut self.y);
+                if let Some(s) = &mut self.sensitivity {
+                    s.restart(self.t);
+                }
                 self.model.strict = true;
                 let repeated = self.restart().and_then(|()| self.step(t_stop));
                 self.model.strict = false;
@@ -189,6 +238,7 @@ impl<'p, 's> Simulation<'p, 's> {
                     let t = self.stepper.t();
                     self.search.heed(&self.model.instance);
                     self.check_assertions(t)?;
+                    self.vary()?;
                     self.record_grid(t, true)?;
                     self.t = t;
                     if self.select()? {
@@ -245,6 +295,7 @@ impl<'p, 's> Simulation<'p, 's> {
 
     /// Everything that happens at one instant of the last step.
     fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
+        self.vary()?;
         self.record_grid(t, false)?;
         // Whatever happens, both sides are looked at anew.
         self.model.sliding = None;
@@ -258,12 +309,20 @@ impl<'p, 's> Simulation<'p, 's> {
             self.go_to(t)?;
             self.take_row(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
+            let derivatives = self.arrive(t, cause);
             ticked |= self.clocks.raise(&mut self.model.instance, t);
             let before = self.model.instance.memory.clone();
-            let settled = match self.settle() {
+            let settled = self.settle();
+            if let Some(s) = &mut self.sensitivity {
+                s.detach(&mut self.model.instance);
+            }
+            let settled = match settled {
                 // Where relations meet, rounding may turn one by the other: a little later it will not.
                 Err(Unsettled::Restless(..)) if cause == Cause::State && t < self.stepper.t() => {
                     self.model.instance.memory.copy_from_slice(&before);
+                    if let Some(s) = &mut self.sensitivity {
+                        s.restore(derivatives.as_ref());
+                    }
                     t = (t + nudge).min(self.stepper.t());
                     nudge *= 4.0;
                     continue;
@@ -282,6 +341,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.y[..n].copy_from_slice(self.model.instance.states());
         if settled.changed {
             self.put_row(t);
+            self.depart(t)?;
             self.record(t)?;
             while self.recorder.due(t, true).is_some() {
                 self.recorder.advance();
@@ -289,6 +349,7 @@ impl<'p, 's> Simulation<'p, 's> {
         } else {
             self.record_grid(t, true)?;
             self.go_to(t)?;
+            self.depart(t)?;
         }
         let flipped = self.flipped(&held, &triggers);
         self.announce(t, cause, ticked, &flipped, settled);
@@ -301,7 +362,7 @@ impl<'p, 's> Simulation<'p, 's> {
             if !self.selection.is_empty() {
                 let evaluated = self.model.evaluate_all(t, &self.y);
                 evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-                self.renew()?;
+                self.renew(t)?;
             }
             self.restart()?;
         }
@@ -313,17 +374,28 @@ impl<'p, 's> Simulation<'p, 's> {
         if self.selection.is_empty() {
             return Ok(false);
         }
-        self.go_to(self.stepper.t())?;
-        self.renew()
+        let t = self.stepper.t();
+        self.go_to(t)?;
+        self.renew(t)
     }
 
     /// Selects states anew, if necessary, where the variables are in the memory.
-    fn renew(&mut self) -> Result<bool, Failure> {
+    fn renew(&mut self, t: f64) -> Result<bool, Failure> {
+        self.look(t)?;
+        if let Some(s) = &mut self.sensitivity {
+            s.attach(&mut self.model.instance);
+        }
         let renewed = self.selection.renew(&mut self.model.instance);
+        if let Some(s) = &mut self.sensitivity {
+            s.detach(&mut self.model.instance);
+        }
         let changed = renewed.map_err(|f| of_fault(&self.model.instance, f, self.t))?;
         if changed {
             self.statistics.selections += 1;
             self.y.copy_from_slice(self.model.instance.states());
+            if let Some(s) = &mut self.sensitivity {
+                s.stand(self.program, t);
+            }
         }
         Ok(changed)
     }
@@ -384,6 +456,9 @@ impl<'p, 's> Simulation<'p, 's> {
             evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
             taken = self.recorder.take(&self.model.instance);
         }
+        if taken.is_ok() {
+            self.look(t)?;
+        }
         taken.map_err(|v| {
             let reader = Reader::new(self.program, &self.model.instance.memory);
             Failure::numerics(t, reader.not_finite(v, Sequence::Continuous, t))
@@ -393,6 +468,9 @@ impl<'p, 's> Simulation<'p, 's> {
     fn put_row(&mut self, t: f64) {
         self.statistics.rows += 1;
         self.recorder.put(t, self.sink);
+        if let Some(s) = &self.sensitivity {
+            self.sink.slopes(s.slopes());
+        }
     }
 
     fn held_relations(&self) -> Vec<f64> {

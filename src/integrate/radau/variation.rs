@@ -231,8 +231,8 @@ impl Whole {
         let [slope, base, _] = memory;
         for (stage, row) in inverse.iter().enumerate() {
             for (other, a) in row.iter().enumerate() {
-                for i in 0..n {
-                    self.matrix[stage * n + i + 3 * n * (other * n + i)] += a / h * mass[i];
+                for (i, mass) in mass.iter().enumerate() {
+                    self.matrix[stage * n + i + 3 * n * (other * n + i)] += a / h * mass;
                 }
             }
             unit.fill(0.0);
