@@ -12,4 +12,5 @@ mod hybrid;
 mod language;
 mod reference;
 mod sensitivity;
+mod start;
 mod suite;
