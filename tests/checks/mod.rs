@@ -8,6 +8,7 @@ mod cli;
 mod closed_form;
 mod diagnostics;
 mod examples;
+mod hard;
 mod hybrid;
 mod language;
 mod reference;
