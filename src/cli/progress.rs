@@ -7,9 +7,9 @@ use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{JoinHandle, park_timeout, spawn};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Runs that are shorter show nothing.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -64,20 +64,27 @@ impl Drop for Progress {
 
 fn draw(shared: &Shared, start: f64, stop: f64) {
     let is_done = || shared.done.load(Ordering::Acquire);
+    let begun = Instant::now();
     park_timeout(PATIENCE);
     if is_done() {
         return;
     }
     let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr());
-    let style = "{bar:30} {percent:>3} %  {msg}  {eta} left";
+    let style = "{bar:30} {percent:>3} %  {msg}";
     if let Ok(style) = ProgressStyle::with_template(style) {
         bar.set_style(style);
     }
-    bar.reset_eta();
+    // Four digits of the duration.
+    let digits = (3.0 - (stop - start).log10().floor()).clamp(0.0, 15.0) as usize;
     while !is_done() {
         let time = f64::from_bits(shared.reached.load(Ordering::Relaxed));
-        bar.set_message(format!("{time:.6} s"));
-        bar.set_position(part(time, start, stop));
+        let part = part(time, start, stop);
+        let left = match left(begun.elapsed(), part) {
+            Some(left) => format!(", {} left", HumanDuration(left)),
+            None => String::new(),
+        };
+        bar.set_message(format!("{time:.digits$} s{left}"));
+        bar.set_position(part);
         park_timeout(PERIOD);
     }
     bar.finish_and_clear();
@@ -86,6 +93,12 @@ fn draw(shared: &Shared, start: f64, stop: f64) {
 /// The part of the run that is behind it, of [`PARTS`].
 fn part(time: f64, start: f64, stop: f64) -> u64 {
     ((time - start) / (stop - start) * PARTS as f64).clamp(0.0, PARTS as f64) as u64
+}
+
+/// The time that the rest takes if it is as slow as what is behind; none at the begin.
+fn left(elapsed: Duration, part: u64) -> Option<Duration> {
+    let share = part as f64 / PARTS as f64;
+    (part > 0).then(|| elapsed.mul_f64((1.0 - share) / share))
 }
 
 #[cfg(test)]
@@ -98,6 +111,13 @@ mod tests {
         assert_eq!(part(1.0, 2.0, 4.0), 0);
         assert_eq!(part(9.0, 2.0, 4.0), PARTS);
         assert_eq!(part(f64::NAN, 2.0, 4.0), 0);
+    }
+
+    #[test]
+    fn the_rest_is_as_slow_as_what_is_behind() {
+        assert_eq!(left(Duration::from_secs(3), PARTS / 4), Some(Duration::from_secs(9)));
+        assert_eq!(left(Duration::from_secs(3), PARTS), Some(Duration::ZERO));
+        assert_eq!(left(Duration::from_secs(3), 0), None);
     }
 
     #[test]

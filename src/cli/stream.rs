@@ -77,6 +77,9 @@ impl Sink for Stream {
         if let (Some((results, _)), None) = (&mut self.results, &self.trouble) {
             self.trouble = results.row(time, values).err();
         }
+        if self.kept.is_empty() {
+            return;
+        }
         for (to, &k) in self.row.iter_mut().zip(&self.kept) {
             *to = values[k];
         }

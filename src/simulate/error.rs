@@ -5,9 +5,10 @@ use crate::base::source::Span;
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::outcome::Failure as Integration;
 use crate::ir::blocks::{Block, Source, Torn};
-use crate::ir::expr::{Const, VarId};
+use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Sequence, Watched};
 
+use super::assertion::violated;
 use super::events::Unsettled;
 use super::explain::{Reader, block, first_source, relation_text, source_of};
 use super::initial::NoStart;
@@ -225,24 +226,9 @@ pub fn no_start(instance: &Instance<'_>, why: NoStart, t: f64) -> Failure {
             let span = program.blocks.dae.variables[flag].span;
             Failure::numerics(t, Diagnostic::error("MO0914", span, message))
         }
-        NoStart::Assertion(k) => assertion(program, &instance.memory, k, t),
+        NoStart::Assertion(k) => violated(program, &instance.memory, k, t),
         NoStart::Unsettled(u) => unsettled(instance, u, t),
     }
-}
-
-/// A violated assertion of the model; `k` is its position.
-pub fn assertion(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure {
-    let dae = &program.blocks.dae;
-    let guarded = &dae.asserts[k];
-    let reader = Reader::new(program, memory);
-    let text = match dae.graph.as_const(guarded.assert.message) {
-        Some(Const::String(text)) => text.to_string(),
-        _ => reader.text(guarded.assert.message),
-    };
-    let diagnostic =
-        Diagnostic::error("MO0912", guarded.origin.span, format!("at time {t} s: {text}"))
-            .label(format!("`{}` is false", reader.text(guarded.assert.condition)));
-    Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
 }
 
 /// Whether the residuals of a torn block vanish: then it is no solution that is missing, but what

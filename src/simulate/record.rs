@@ -13,6 +13,8 @@ pub trait Sink {
     fn constants(&mut self, _: Vec<Constant>) {}
     /// One value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
+    /// The derivatives of the last row, if the run is differentiated: value by value, input by input.
+    fn slopes(&mut self, _slopes: &[f64]) {}
     /// Something happened.
     fn event(&mut self, event: Event);
     /// Called after each step with the time that it reached, s. False ends the run there.

@@ -1,0 +1,68 @@
+//! What the model itself says about its run: assertions and terminations.
+
+use crate::base::diag::{Diagnostic, Severity};
+use crate::ir::expr::{Const, ExprId};
+use crate::ir::program::Program;
+
+use super::error::{Failure, FailureKind};
+use super::events::Settled;
+use super::explain::Reader;
+use super::run::Simulation;
+
+impl Simulation<'_, '_> {
+    /// Assertions outside of when-clauses, as evaluated last.
+    pub(super) fn check_assertions(&mut self, t: f64) -> Result<(), Failure> {
+        for k in 0..self.program.asserts.len() {
+            let cells = self.program.asserts[k];
+            if cells.at_events || self.model.instance.get(cells.condition) != 0.0 {
+                continue;
+            }
+            let warning = self.program.blocks.dae.asserts[k].assert.warning;
+            if !warning {
+                return Err(self.assertion(k, t));
+            }
+            if !std::mem::replace(&mut self.warned[k], true) {
+                let failure = self.assertion(k, t);
+                let severity = Severity::Warning;
+                self.statistics.warnings.push(Diagnostic { severity, ..*failure.diagnostic });
+            }
+        }
+        Ok(())
+    }
+
+    fn assertion(&self, k: usize, t: f64) -> Failure {
+        violated(self.program, &self.model.instance.memory, k, t)
+    }
+
+    /// Failed assertions and terminations of an event iteration.
+    pub(super) fn act_on(&mut self, settled: Settled, t: f64) -> Result<(), Failure> {
+        if let Some(k) = settled.failed {
+            return Err(self.assertion(k, t));
+        }
+        if let Some(k) = settled.terminate {
+            let message = self.program.blocks.dae.terminates[k].message;
+            self.statistics.terminated =
+                Some(text_of(self.program, &self.model.instance.memory, message));
+            self.ended = true;
+        }
+        Ok(())
+    }
+}
+
+/// A violated assertion of the model; `k` is its position.
+pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure {
+    let guarded = &program.blocks.dae.asserts[k];
+    let condition = Reader::new(program, memory).text(guarded.assert.condition);
+    let message = format!("at time {t} s: {}", text_of(program, memory, guarded.assert.message));
+    let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
+        .label(format!("`{condition}` is false"));
+    Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
+}
+
+/// The text of a `String` expression.
+fn text_of(program: &Program, memory: &[f64], e: ExprId) -> String {
+    match program.blocks.dae.graph.as_const(e) {
+        Some(Const::String(text)) => text.to_string(),
+        _ => Reader::new(program, memory).text(e),
+    }
+}
