@@ -319,7 +319,14 @@ impl Context<'_> {
             return;
         };
         if redeclare {
-            if table.entries[at].element.replaceable.is_none() {
+            // The type that it has already may always be written again.
+            let same = match (&table.entries[at].kind, &entry.kind) {
+                (EntryKind::Component(a), EntryKind::Component(b)) => {
+                    a.clause().type_name.to_string() == b.clause().type_name.to_string()
+                }
+                _ => false,
+            };
+            if table.entries[at].element.replaceable.is_none() && !same {
                 let old = table.entries[at].name.span;
                 self.report_not_replaceable(entry.name.name, entry.name.span, old);
             }

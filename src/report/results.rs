@@ -44,7 +44,7 @@ impl Format {
 /// A file of results under construction. Dropped without [`Results::finish`] it leaves nothing.
 pub enum Results {
     /// A table as text.
-    Csv(TableWriter<AtomicFile>),
+    Csv(Box<TableWriter<AtomicFile>>),
     /// Columns.
     Parquet(Box<ParquetWriter>),
     /// Matrices.
@@ -61,7 +61,7 @@ impl Results {
     ) -> Result<Self, TableError> {
         let file = AtomicFile::create(path)?;
         Ok(match format {
-            Format::Csv => Results::Csv(TableWriter::new(file, columns)?),
+            Format::Csv => Results::Csv(Box::new(TableWriter::new(file, columns)?)),
             Format::Parquet => Results::Parquet(Box::new(ParquetWriter::new(file, columns)?)),
             Format::Mat => Results::Mat(Box::new(MatWriter::new(file, columns, courses))),
         })
