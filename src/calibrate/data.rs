@@ -161,14 +161,15 @@ fn measured(
     let at = at?;
     let mut time: Vec<f64> = Vec::with_capacity(table.rows.len());
     let mut signals = vec![Vec::with_capacity(table.rows.len()); columns.len()];
-    let (mut dropped, mut missing, mut first) = (0usize, 0usize, None);
+    let (mut dropped, mut missing) = (0usize, 0usize);
+    let (mut first_dropped, mut first_missing) = (None, None);
     for (line, row) in &table.rows {
         let number = |k: usize| row[k].parse::<f64>().ok().filter(|x| x.is_finite());
         let t = number(at).map(|t| plan.time_unit.to_si(t));
         let rises = |t: &f64| time.last().is_none_or(|last| t > last);
         let Some(t) = t.filter(rises) else {
             dropped += 1;
-            first = first.or(Some(*line));
+            first_dropped = first_dropped.or(Some(*line));
             continue;
         };
         time.push(t);
@@ -176,7 +177,7 @@ fn measured(
             let value = number(*k);
             if value.is_none() {
                 missing += 1;
-                first = first.or(Some(*line));
+                first_missing = first_missing.or(Some(*line));
             }
             signal.push(value.unwrap_or(f64::NAN));
         }
@@ -186,7 +187,7 @@ fn measured(
     if time.len() < 2 || dropped as f64 > REPAIRABLE * rows as f64 {
         let message = format!(
             "{}: the time does not rise in {dropped} of {rows} rows, from here on",
-            place(first)
+            place(first_dropped)
         );
         problems
             .push(Diagnostic::error("MO1011", Span::NONE, message).help(
@@ -195,15 +196,19 @@ fn measured(
         return None;
     }
     if missing as f64 > 0.5 * (rows * columns.len()) as f64 {
-        let message = format!("{}: more than half of the values are no numbers", place(first));
+        let message =
+            format!("{}: more than half of the values are no numbers", place(first_missing));
         problems.push(Diagnostic::error("MO1011", Span::NONE, message));
         return None;
     }
+    let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     if dropped > 0 {
-        repairs.push(format!("{}: {dropped} rows left out whose time does not rise", place(first)));
+        let (rows, place) = (counted(dropped, "row"), place(first_dropped));
+        repairs.push(format!("{place}: {rows} left out because the time does not rise"));
     }
     if missing > 0 {
-        repairs.push(format!("{}: {missing} values left out that are no numbers", place(first)));
+        let (values, place) = (counted(missing, "value"), place(first_missing));
+        repairs.push(format!("{place}: {values} left out, not numbers"));
     }
     if let Some(gap) = gap(&time) {
         repairs.push(format!("{}: nothing was recorded for {gap:.3e} s", path.display()));

@@ -100,6 +100,9 @@ pub struct Calibrate {
     /// Folder of recordings, instead of the plan's.
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// Take the intervals from the standard errors, without following the profiles.
+    #[arg(long)]
+    pub no_profiles: bool,
     /// Folder for the results [default: PLAN-calibration].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

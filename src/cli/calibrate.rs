@@ -62,7 +62,7 @@ pub fn run(options: &Calibrate) -> Status {
     }
     interrupt::listen();
     let working = Working::new();
-    let found = search(&mut problem, &working);
+    let found = search(&mut problem, &working, options.no_profiles);
     let found = found.and_then(|(fit, statistics, intervals, complete)| {
         let seconds = begun.elapsed().as_secs_f64();
         let Fit { iterations, converged, .. } = fit;
@@ -132,8 +132,10 @@ type Found = (Fit, Statistics, Vec<Interval>, bool);
 fn search(problem: &mut Problem<'_>, working: &Working) -> Result<Found, Failure> {
     let count = problem.count(Split::Train);
     let free = problem.parameters.len();
-    let mut heed = |step: u32, cost: f64| {
-        working.say(format!("step {step}: reduced chi-square {:.4}", reduced(cost, count, free)));
+    let mut steps = 0;
+    let mut heed = |_: u32, cost: f64| {
+        steps += 1;
+        working.say(format!("step {steps}: reduced chi-square {:.4}", reduced(cost, count, free)));
         !interrupt::asked()
     };
     let mut fit = match fit::fit(problem, &mut heed) {
@@ -148,9 +150,10 @@ fn search(problem: &mut Problem<'_>, working: &Working) -> Result<Found, Failure
     let names: Vec<String> = problem.parameters.iter().map(|p| p.name.clone()).collect();
     for _ in 0..=RETURNS {
         let statistics = Statistics::new(&fit.normal, &problem.parameters, &fit.x);
-        if interrupt::asked() {
+        if no_profiles || interrupt::asked() {
             let intervals = profile::quadratic(problem, &fit, &statistics);
-            return Ok((fit, statistics, intervals, false));
+            fit.iterations = steps;
+            return Ok((fit, statistics, intervals, !interrupt::asked()));
         }
         let mut goes_on = |i: usize| {
             let name = &names[i];
@@ -159,19 +162,20 @@ fn search(problem: &mut Problem<'_>, working: &Working) -> Result<Found, Failure
         };
         match profile::profile(problem, &fit, &statistics, &mut goes_on) {
             Profiles::Intervals(intervals) => {
+                fit.iterations = steps;
                 return Ok((fit, statistics, intervals, !interrupt::asked()));
             }
             Profiles::Better(x) => {
                 let Some(better) = fit::search(problem, &x, &fit::STOPPING, &mut heed) else {
                     break;
                 };
-                let iterations = fit.iterations + better.iterations;
-                fit = Fit { iterations, ..better };
+                fit = better;
             }
         }
     }
     let statistics = Statistics::new(&fit.normal, &problem.parameters, &fit.x);
     let intervals = profile::quadratic(problem, &fit, &statistics);
+    fit.iterations = steps;
     Ok((fit, statistics, intervals, !interrupt::asked()))
 }
 

@@ -4,6 +4,7 @@ mod door;
 mod program;
 
 mod architecture;
+mod calibrate;
 mod cli;
 mod closed_form;
 mod diagnostics;
