@@ -78,7 +78,8 @@ fn comment(e: &Estimate) -> String {
     if e.undetermined {
         return "not determined by the data".to_owned();
     }
-    format!("+- {} {}", shown(e.error, 10.0 * e.error), e.unit).trim_end().to_owned()
+    let unit = if e.unit == "1" { "" } else { &e.unit };
+    format!("+- {} {unit}", shown(e.error, 10.0 * e.error)).trim_end().to_owned()
 }
 
 /// `{v1, v2, ...}` for an element of an array with one subscript: what is not free keeps its value.

@@ -129,7 +129,11 @@ fn failing(problem: &Problem<'_>) -> Option<(String, Failure)> {
 type Found = (Fit, Statistics, Vec<Interval>, bool);
 
 /// Fits, then follows the profiles; a better minimum that these meet is where it begins anew.
-fn search(problem: &mut Problem<'_>, working: &Working) -> Result<Found, Failure> {
+fn search(
+    problem: &mut Problem<'_>,
+    working: &Working,
+    no_profiles: bool,
+) -> Result<Found, Failure> {
     let count = problem.count(Split::Train);
     let free = problem.parameters.len();
     let mut steps = 0;
