@@ -56,8 +56,10 @@ pub fn run(options: &Calibrate) -> Status {
         return Status::Usage;
     }
     if let Some((recording, failure)) = failing(&problem) {
-        eprintln!("{}", render(&failure.diagnostic, &session.sources, super::style()));
-        eprintln!("error: recording {recording} can not be simulated with the start values");
+        let said = (*failure.diagnostic).clone();
+        let said =
+            said.note(format!("so recording `{recording}` can not be simulated at the start"));
+        eprintln!("{}", render(&said, &session.sources, super::style()));
         return status_of(&failure);
     }
     interrupt::listen();
