@@ -311,7 +311,7 @@ impl Calibration {
             let mut row = vec![split.name().to_owned()];
             row.extend(self.channels.iter().enumerate().map(|(k, c)| {
                 let q = self.quality(split, Some(k));
-                format!("{} ({:.3})", shown(q.rmse(c.sigma), 0.0), q.reduced())
+                format!("{} ({:.3})", rmse_shown(q.rmse(c.sigma)), q.reduced())
             }));
             let chi = if split == Split::Train { self.reduced_train() } else { all.reduced() };
             row.push(format!("({chi:.4})"));
@@ -363,6 +363,7 @@ pub fn shown(value: f64, error: f64) -> String {
         return format!("{sign}inf");
     }
     let size = value.abs().log10().floor();
+    // Digits after the first one.
     let digits = if error > 0.0 && error.is_finite() {
         (size - error.log10().floor() + 1.0).clamp(1.0, 9.0) as usize
     } else {
@@ -377,6 +378,11 @@ pub fn shown(value: f64, error: f64) -> String {
     } else {
         text
     }
+}
+
+/// The root of a mean square, in four digits.
+pub fn rmse_shown(rmse: f64) -> String {
+    shown(rmse, 0.01 * rmse)
 }
 
 /// Columns of equal width; those from the second on to the right, but for the `left` last ones.

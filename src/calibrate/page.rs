@@ -5,7 +5,7 @@ use crate::ir::trajectory::{Column, Trajectory};
 use crate::report::figure::{Panel, PlotError, PlotSpec};
 use crate::report::plot;
 
-use super::calibration::{Calibration, Comparison, Estimate, Quality, remark, shown};
+use super::calibration::{Calibration, Comparison, Estimate, Quality, remark, rmse_shown, shown};
 use super::data::Split;
 
 /// Height of a panel of a recording, px.
@@ -14,6 +14,9 @@ const PANEL: u32 = 165;
 const NOTICEABLE: f64 = 1.1;
 /// Correlations whose size is below this are shown pale.
 const PALE: f64 = 0.3;
+
+/// Width of the picture of an interval, px.
+const WIDTH: f64 = 190.0;
 
 const STYLE: &str = "\
 body{font:15px/1.5 system-ui,-apple-system,'Segoe UI',sans-serif;color:#1a1a1a;background:#f6f7f9;margin:0}
@@ -100,7 +103,9 @@ fn facts(found: &Calibration, out: &mut String) {
 fn parameters(found: &Calibration, out: &mut String) {
     out.push_str("<table><tr><th>parameter</th><th>value</th><th>std. error</th>");
     out.push_str("<th>95 % interval</th><th class=\"l\">unit</th><th>start</th>");
-    out.push_str("<th class=\"l\">interval (value = 1)</th><th class=\"l\"></th></tr>\n");
+    out.push_str(
+        "<th class=\"l\">start / 2 &hellip; start &middot; 2</th><th class=\"l\"></th></tr>\n",
+    );
     for e in &found.estimates {
         out.push_str(&format!(
             "<tr><td><code>{}</code></td><td><b>{}</b></td><td>{}</td><td>{}</td>\
@@ -122,18 +127,20 @@ fn parameters(found: &Calibration, out: &mut String) {
     }
 }
 
-/// The interval in parts of the value, from half of it to one and a half.
+/// The interval beside the start, from half of the start to twice as much.
 fn range(e: &Estimate) -> String {
-    let part = |x: f64| (190.0 * (x / e.value - 0.5)).clamp(0.0, 190.0);
+    let part = |x: f64| 0.5 * WIDTH * ((x / e.start).log2() + 1.0);
     let (a, b) = (part(e.interval.low), part(e.interval.high));
-    if !(a.is_finite() && b.is_finite()) {
+    let (left, right) = (a.min(b).clamp(0.0, WIDTH), a.max(b).clamp(0.0, WIDTH));
+    if !(left.is_finite() && right.is_finite()) {
         return String::new();
     }
-    let (left, width) = (a.min(b), (b - a).abs().max(2.0));
+    let (middle, wide) = (0.5 * WIDTH, (right - left).max(3.0));
     format!(
-        "<svg width=\"190\" height=\"14\"><path d=\"M0 7H190\" stroke=\"#dde1e6\"/>\
-         <rect x=\"{left:.1}\" y=\"3\" width=\"{width:.1}\" height=\"8\" rx=\"2\" fill=\"#5b9bd0\"/>\
-         <path d=\"M95 0V14\" stroke=\"#0072b2\" stroke-width=\"2\"/></svg>"
+        "<svg width=\"{WIDTH}\" height=\"14\"><path d=\"M0 7H{WIDTH}\" stroke=\"#dde1e6\"/>\
+         <path d=\"M{middle} 1V13\" stroke=\"#99a\"/>\
+         <rect x=\"{:.1}\" y=\"2\" width=\"{wide:.1}\" height=\"10\" rx=\"1\" fill=\"#0072b2\"/></svg>",
+        0.5 * (left + right - wide)
     )
 }
 
@@ -145,7 +152,7 @@ fn quality(found: &Calibration, out: &mut String) {
     }
     out.push_str("<th>all</th></tr>\n");
     let cell = |q: Quality, k: usize| {
-        let rmse = shown(q.rmse(found.channels[k].sigma), 0.0);
+        let rmse = rmse_shown(q.rmse(found.channels[k].sigma));
         format!("<td{}>{rmse} ({:.3})</td>", mark(q), q.reduced())
     };
     for split in Split::ALL {

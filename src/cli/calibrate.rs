@@ -49,6 +49,8 @@ pub fn run(options: &Calibrate) -> Status {
     let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
     say(&session);
     let Some(mut problem) = problem else { return Status::Usage };
+    // From here on an end is asked for, not forced: what was found is to be written.
+    interrupt::listen();
     // Half a minute later it would be late to say this.
     let folder = folder(options);
     if let Err(why) = create_folder(&folder) {
@@ -62,7 +64,6 @@ pub fn run(options: &Calibrate) -> Status {
         eprintln!("{}", render(&said, &session.sources, super::style()));
         return status_of(&failure);
     }
-    interrupt::listen();
     let working = Working::new();
     let found = search(&mut problem, &working, options.no_profiles);
     let found = found.and_then(|(fit, statistics, intervals, complete)| {
@@ -219,7 +220,8 @@ fn summary(found: &Calibration, written: &[PathBuf]) -> String {
     for repair in &found.repairs {
         out.push_str(&format!("repaired: {repair}\n"));
     }
-    out.push_str(&format!("{ended} after {} steps, {:.1} s\n", s.iterations, s.seconds));
+    let steps = if s.iterations == 1 { "step" } else { "steps" };
+    out.push_str(&format!("{ended} after {} {steps}, {:.1} s\n", s.iterations, s.seconds));
     out.push_str(&format!("wrote {}\n", names.join(", ")));
     out
 }

@@ -359,6 +359,38 @@ fn the_smaller_valve_is_explained_to_the_noise_of_its_sensors() {
     assert!(train <= 1.02 && validation <= 1.10, "{train} {validation}");
 }
 
+/// SIGINT ends the search after its step; what was found is written.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_search_writes_what_it_has() {
+    use std::process::{Command, Stdio};
+    use std::time::Duration;
+
+    let scratch = Scratch::new();
+    let plan = format!("{}/examples/valve32.toml", env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mocc"));
+    command.current_dir(scratch.path()).args(["calibrate", &plan, "--out", "out"]);
+    let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let running = running.expect("mocc starts");
+    // The folder is made after the handler.
+    while !scratch.path().join("out").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let pid = running.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &pid]).status().expect("kill is there");
+    assert!(sent.success());
+    let ended = running.wait_with_output().expect("an end");
+    let out = String::from_utf8_lossy(&ended.stdout);
+    assert_eq!(ended.status.code(), Some(130), "{out}");
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
+    assert!(out.contains("interrupted after 1 step"), "{out}");
+    let found = json(scratch.path(), "out");
+    assert_eq!((&found["complete"], &found["converged"]), (&false.into(), &false.into()));
+    assert_eq!(found["parameters"].as_array().map(Vec::len), Some(12));
+    let model = std::fs::read_to_string(scratch.path().join("out/valve32_calibrated.mol"));
+    assert!(model.expect("a model").contains("the search was interrupted"));
+}
+
 /// `cargo test --release the_larger_valve -- --ignored`
 #[test]
 #[ignore = "takes minutes without optimisation"]
