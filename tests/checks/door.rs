@@ -35,6 +35,11 @@ impl Case {
         let file = scratch.file("model.mo", text);
         Case { _scratch: Some(scratch), ..Case::file(file) }
     }
+    /// A model of the file by its full name, instead of the last.
+    pub fn model(mut self, name: impl Into<String>) -> Case {
+        self.request.model = Some(name.into());
+        self
+    }
     /// `NAME=VALUE`, as with `--set`.
     pub fn set(mut self, setting: impl Into<String>) -> Case {
         self.request.settings.push(setting.into());
