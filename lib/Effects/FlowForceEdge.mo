@@ -1,6 +1,6 @@
 within Effects;
 model FlowForceEdge "Force of the air flowing through the gap of a seal: momentum of the jet"
-  // f = k |m_flow| w: what flows through the gap leaves it as a jet with the speed w (jetSpeed), and the spool takes up the
+  // f = k |m_flow| w: what flows through the gap leaves it as a jet with the speed w (Pneumatics.jetSpeed), and the spool takes up the
   // axial part of its momentum, k = cos(angle of the jet), whichever way the air flows. At a metering edge it pulls the spool
   // towards closing. Merritt (1967), "Hydraulic Control Systems", section 5.6; for air with the isentropic speed.
   extends PartialSealForce;
@@ -9,7 +9,7 @@ model FlowForceEdge "Force of the air flowing through the gap of a seal: momentu
   input Units.MassFlowRate m_flow "Mass flow through the gap";
   Units.Velocity           w      "Speed of the jet";
 equation
-  w = jetSpeed(p_a, p_b);
+  w = Pneumatics.jetSpeed(p_a, p_b);
   f = k*noEvent(abs(m_flow))*w;
 
   annotation(__mocc(

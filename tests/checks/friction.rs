@@ -116,7 +116,8 @@ fn a_law_chosen_is_the_law_declared() {
         let chosen = Case::file("examples/valve32.mol").set(format!("friction_law=Friction.Kind.{law}"));
         let chosen = chosen.stop(0.04).interval(1e-4).run();
         let declared = format!(
-            "{valve}\nmodel Declared = Valve32(redeclare model SealFriction = Friction.{law}({parameters}));"
+            "{valve}\nmodel Declared\n  extends Valve32(redeclare model SealFriction = Friction.{law}({parameters}));\n\
+             end Declared;"
         );
         let declared = Case::text(&declared).stop(0.04).interval(1e-4).run();
         assert!(chosen.last("s") > 3.4e-3, "{law}: the valve has switched");

@@ -1,8 +1,8 @@
-within Effects;
+within Pneumatics;
 function jetSpeed "Speed of the air in the narrowest section between two pressures, isentropic from rest"
   // De Saint-Venant and Wantzel: w = sqrt(2 kappa/(kappa - 1) R T (1 - r^((kappa - 1)/kappa))), r = p_2/p_1, and not more
   // than at the critical ratio r* = (2/(kappa + 1))^(kappa/(kappa - 1)), where it is sqrt(2 kappa/(kappa + 1) R T).
-  // Near r = 1 it falls linearly to 0 as the flow function of Pneumatics.iso6358 does, so the momentum of the jet is
+  // Near r = 1 it falls linearly to 0 as the flow function of iso6358 does, so the momentum of the jet is
   // smooth.
   input  Units.AbsolutePressure p_a "Pressure on one side";
   input  Units.AbsolutePressure p_b "Pressure on the other side";
@@ -15,5 +15,5 @@ protected
   Units.Fraction r "Pressure ratio";
 algorithm
   r := if p_a >= p_b then p_b/p_a else p_a/p_b;
-  w := sqrt(2/e*Pneumatics.Air.R*Pneumatics.Air.T*(1 - min(max(r, r_star), r_linear)^e))*(if r <= r_linear then 1 else (1 - r)/(1 - r_linear));
+  w := sqrt(2/e*Air.R*Air.T*(1 - min(max(r, r_star), r_linear)^e))*(if r <= r_linear then 1 else (1 - r)/(1 - r_linear));
 end jetSpeed;
