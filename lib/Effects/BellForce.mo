@@ -1,6 +1,7 @@
 within Effects;
 model BellForce "Force around one position"
-  // f = F exp(-((s - s_0)/w)^2): an edge, a burr, a groove, as the push-in force of the spool valve paper (section 4.2).
+  // f = F exp(-((s - s_0)/w)^2): an edge, a burr, a groove, as the push-in force of the spool valve paper (section
+  // 4.2).
   extends PartialForce;
   parameter Units.Force    F   = 0      "Peak of the force, positive towards +s";
   parameter Units.Position s_0 = 0      "Position of the peak";

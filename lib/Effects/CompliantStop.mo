@@ -1,8 +1,8 @@
 within Effects;
 model CompliantStop "Elastic, damped contact in the last part of the stroke"
-  // f = x_c (c + d v_in) away from the end, x_c = max(0, w - x) the depth of penetration: a rubber pad of thickness w before
-  // the stop. With the depth as a factor of the damping the force starts and ends at 0.
-  // Hunt, Crossley (1975), "Coefficient of restitution interpreted as damping in vibroimpact", J. Applied Mechanics 42(2).
+  // f = x_c (c + d v_in) away from the end, x_c = max(0, w - x) the depth of penetration: a rubber pad of thickness w
+  // before the stop. With the depth as a factor of the damping the force starts and ends at 0. Hunt, Crossley (1975),
+  // "Coefficient of restitution interpreted as damping in vibroimpact", J. Applied Mechanics 42(2).
   extends PartialEnd;
   parameter Units.SpringStiffness c = 0      "Stiffness";
   parameter Units.ContactDamping  d = 0      "Damping per depth";

@@ -1,7 +1,7 @@
 within Effects;
 model CoulombDrag "Dry friction, always and everywhere the same"
-  // F against the motion, and up to F at rest. Alone on a mass m its speed falls with F/m until it locks, after the way
-  // m v_0^2/(2 F). It adds to what the spool's seals can hold, so locking stays exact.
+  // F against the motion, and up to F at rest. Alone on a mass m its speed falls with F/m until it locks, after the
+  // way m v_0^2/(2 F). It adds to what the spool's seals can hold, so locking stays exact.
   extends PartialFriction;
   parameter Units.Force F = 0 "The friction";
 equation

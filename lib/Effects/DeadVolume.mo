@@ -1,7 +1,7 @@
 within Effects;
 model DeadVolume "Volume that the sheet does not know"
-  // m_flow = V/(R T) dp/dt: isothermal air. It has no state of its own, so the port must belong to a volume, whose pressure it
-  // shares from the start.
+  // m_flow = V/(R T) dp/dt: isothermal air. It has no state of its own, so the port must belong to a volume, whose
+  // pressure it shares from the start.
   extends PartialStorage;
   parameter Units.Volume V = 0 "Additional volume";
 equation

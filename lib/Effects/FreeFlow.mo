@@ -1,7 +1,8 @@
 within Effects;
 model FreeFlow "Flow between two ports as a free curve over their pressure difference"
-  // The flow runs smoothly through 0 at dp = 0 and the n amplitudes Q at dp_hi/n, 2 dp_hi/n, ..., dp_hi (knotWeights), and the
-  // same the other way round. For flows of which nothing is known but that a pressure difference drives them.
+  // The flow runs smoothly through 0 at dp = 0 and the n amplitudes Q at dp_hi/n, 2 dp_hi/n, ..., dp_hi
+  // (knotWeights), and the same the other way round. For flows of which nothing is known but that a pressure
+  // difference drives them.
   extends PartialLeak;
   parameter Integer                  n     = 6        "Number of knots beside that at dp = 0";
   parameter Units.MassFlowRate       Q[n]  = zeros(n) "Mass flow at each knot";

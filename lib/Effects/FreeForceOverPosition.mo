@@ -1,7 +1,7 @@
 within Effects;
 model FreeForceOverPosition "Force over the position as a free curve"
-  // f runs smoothly through the n amplitudes F at n positions, equally spaced from s_lo to s_hi (knotWeights). For effects of
-  // which nothing is known but that they depend on the position: what comes out shows what to look for.
+  // f runs smoothly through the n amplitudes F at n positions, equally spaced from s_lo to s_hi (knotWeights). For
+  // effects of which nothing is known but that they depend on the position: what comes out shows what to look for.
   extends PartialForce;
   parameter Integer        n    = 8        "Number of knots";
   parameter Units.Force    F[n] = zeros(n) "Force at each knot, positive towards +s";

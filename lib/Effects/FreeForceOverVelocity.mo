@@ -1,7 +1,7 @@
 within Effects;
 model FreeForceOverVelocity "Friction over the speed as a free curve"
-  // The friction runs smoothly through the n amplitudes F at n speeds, equally spaced from 0 to v_hi (knotWeights); the first
-  // can also be mobilised at rest. For effects of which nothing is known but that they depend on the speed.
+  // The friction runs smoothly through the n amplitudes F at n speeds, equally spaced from 0 to v_hi (knotWeights);
+  // the first can also be mobilised at rest. For effects of which nothing is known but that they depend on the speed.
   extends PartialFriction;
   parameter Integer        n    = 8        "Number of knots";
   parameter Units.Force    F[n] = zeros(n) "Friction at each knot";

@@ -1,9 +1,9 @@
 within Effects;
 model LuGrePresliding "Friction of elastic bristles with Stribeck effect and damping (Lund-Grenoble)"
-  // f = -F (z + tau_z exp(-(v/v_d)^2) dz/dt), delta dz/dt = v - |v| z/g, g = 1 + r exp(-(v/v_s)^2). In the symbols of LuGre: sigma_0 = F/delta,
-  // sigma_1 = F tau_z/delta, F_C = F, F_S = (1 + r) F. At constant speed f = -F g(v) sgn(v). The state z is of order 1 and does
-  // not know F: with F = 0 nothing is divided by 0.
-  // Canudas de Wit, Olsson, Åström, Lischinsky (1995), IEEE Trans. Automatic Control 40(3).
+  // f = -F (z + tau_z exp(-(v/v_d)^2) dz/dt), delta dz/dt = v - |v| z/g, g = 1 + r exp(-(v/v_s)^2). In the symbols of
+  // LuGre: sigma_0 = F/delta, sigma_1 = F tau_z/delta, F_C = F, F_S = (1 + r) F. At constant speed f = -F g(v)
+  // sgn(v). The state z is of order 1 and does not know F: with F = 0 nothing is divided by 0. Canudas de Wit,
+  // Olsson, Åström, Lischinsky (1995), IEEE Trans. Automatic Control 40(3).
   extends PartialDrag;
   parameter Units.Force    F     = 0     "Coulomb friction of the bristles";
   parameter Units.Length   delta = 10e-6 "Deflection of the bristles at which they slip";

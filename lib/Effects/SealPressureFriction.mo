@@ -1,6 +1,7 @@
 within Effects;
 model SealPressureFriction "Friction that grows with the pressure difference of one seal"
-  // A |p_a - p_b| against the motion, and as much at rest: the pressure presses the lip on the housing, over the whole stroke.
+  // A |p_a - p_b| against the motion, and as much at rest: the pressure presses the lip on the housing, over the
+  // whole stroke.
   parameter Units.EffectiveArea A = 0 "Friction per pressure difference";
 
   Units.PressureDifference dp "Pressure difference, as a magnitude";

@@ -1,7 +1,7 @@
 within Effects;
 block SensorHysteresis "Sensor that reads too little on the way up and too much on the way down"
-  // y = u - h z, w dz/dt = du/dt - |du/dt| z: after a way long against w, z is +1 upwards and -1 downwards, so up and down are
-  // 2 h apart. Duhem's form of hysteresis, with the slope of Dahl's friction. u must be continuous.
+  // y = u - h z, w dz/dt = du/dt - |du/dt| z: after a way long against w, z is +1 upwards and -1 downwards, so up and
+  // down are 2 h apart. Duhem's form of hysteresis, with the slope of Dahl's friction. u must be continuous.
   parameter Real h = 0 "Half the distance of the two branches, in the unit of u";
   parameter Real w = 1 "Way in which 63 % of the branch are reached, in the unit of u";
 

@@ -1,7 +1,8 @@
 within Effects;
 block SensorLag "Sensor that follows gradually"
-  // y = u - T (u - x)/tau, tau dx/dt = u - x: a slow change is read T late. With T = tau, y = x is the first-order lag; with
-  // another T, a part of the signal passes at once. Transfer function 1 - T s/(1 + tau s), regular at T = 0.
+  // y = u - T (u - x)/tau, tau dx/dt = u - x: a slow change is read T late. With T = tau, y = x is the first-order
+  // lag; with another T, a part of the signal passes at once. Transfer function 1 - T s/(1 + tau s), regular at
+  // T = 0.
   parameter Units.Time T   = 0    "How late a slow change is read";
   parameter Units.Time tau = 1e-3 "Time constant";
 

@@ -1,9 +1,9 @@
 within;
 package Effects "Physical effects that a model may lack, each ready to be attached to what is there"
   // An effect is an ordinary component. It is connected to connectors that exist already, and nothing is taken away.
-  // With its amplitudes at 0, the values in the text, it changes nothing, and the model stays regular; what it adds is
-  // linear in its amplitudes. So the derivative of a run by an amplitude at 0 says how much the effect could explain, at
-  // the cost of one run, before any fit.
+  // With its amplitudes at 0, the values in the text, it changes nothing, and the model stays regular; what it adds
+  // is linear in its amplitudes. So the derivative of a run by an amplitude at 0 says how much the effect could
+  // explain, at the cost of one run, before any fit.
   //
   // The annotation __mocc(effect = "...", explains = "...") says how a class is used; entries are separated by `;`:
   //   amplitude=F           parameters that are 0 without the effect, separated by commas; `F>0` if only positive values
@@ -12,9 +12,9 @@ package Effects "Physical effects that a model may lack, each ready to be attach
   //   s_0=s(15)             the same: 15 values spread evenly over the range of the effect's variable s in the base run
   //   s_lo=min(s)           the same: the least (max: the greatest) value of the effect's variable s in the base run
   //   w=0.02*span(u)        the same: a multiple of max(u) - min(u)
-  //   host=port_a,port_b    attached to one component that has connectors of these names and classes, each to its namesake;
-  //                         otherwise to every connection set of a flange's class, to every pair of ports that a component
-  //                         with two ports bridges, and from every volume to ambient
+  //   host=port_a,port_b    attached to one component that has connectors of these names and classes, each to its
+  //                         namesake; otherwise to every connection set of a flange's class, to every pair of ports
+  //                         that a component with two ports bridges, and from every volume to ambient
   //   bind V=V|gap.V        an input of the effect, and the variable of the host it is bound to: the first that exists.
   //                         An input without such an entry is bound to the host's variable of the same name
   //   with has_line=true    for a class that has the effect built in, a setting that makes it part of the model

@@ -1,7 +1,7 @@
 within Friction;
 model Chosen "The law that a parameter chooses, all laws given the parameters of one data sheet"
-  // Only the law chosen is part of the model: of each there is an array of one instance or of none, and the sum over none
-  // is 0. Laws without dwell have the Stribeck force of infinite rest, those without pressure that of dp = 0.
+  // Only the law chosen is part of the model: of each there is an array of one instance or of none, and the sum over
+  // none is 0. Laws without dwell have the Stribeck force of infinite rest, those without pressure that of dp = 0.
   extends Law(f_signed = sum(lugre.f_signed) + sum(lugre_dwell_pressure.f_signed) + sum(dahl.f_signed));
   parameter Kind                     kind           "Which law";
   parameter Units.Force              F_Coulomb      "Coulomb friction without pressure";
