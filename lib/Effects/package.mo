@@ -18,6 +18,7 @@ package Effects "Physical effects that a model may lack, each ready to be attach
   //   bind V=V|gap.V        an input of the effect, and the variable of the host it is bound to: the first that exists.
   //                         An input without such an entry is bound to the host's variable of the same name
   //   with has_line=true    for a class that has the effect built in, a setting that makes it part of the model
+  // A block Sensor... has no connector: it stands between what is measured, u, and what was recorded, y.
   // `explains` says it in a sentence; %at stands for the place.
   //
   // An effect sees positions from min(s) to max(s) of a run; `side` chooses an end: +1 the upper, -1 the lower.

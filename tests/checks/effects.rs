@@ -26,7 +26,11 @@ impl Effect {
     }
     /// The component that is the effect in its models under `Absent`.
     fn component(&self) -> &str {
-        if self.name == "Source" { "supply" } else { "effect" }
+        match self.name.as_str() {
+            "Source" => "supply",
+            "PilotValve" => "pilot",
+            _ => "effect",
+        }
     }
 }
 
@@ -56,7 +60,7 @@ fn effects() -> Vec<Effect> {
 /// The valve without any effect, or with one whose amplitudes are 0.
 fn absent(model: &str) -> Compiled {
     let case = Case::file(MODELS).model(format!("EffectTests.{model}"));
-    case.stop(0.05).interval(1e-4).tolerance(1e-9).compile()
+    case.stop(0.08).interval(1e-4).tolerance(1e-9).compile()
 }
 
 #[test]

@@ -134,7 +134,10 @@ fn a_closed_air_spring_settles_where_it_bears_the_load() {
 #[test]
 fn valves_do_what_their_symbols_say() {
     let open = Case::file("examples/valve22.mol").run();
-    assert!(open.at("p2", 0.09) > 6e5 && open.last("p2") < 1.1e5, "filled, then emptied by the consumer");
+    assert!(
+        open.at("p2", 0.09) > 6e5 && open.last("p2") < 1.1e5,
+        "filled, then emptied by the consumer"
+    );
 
     let double = Case::file("examples/valve52_double.mol").run();
     // No coil is on and chamber 14 is losing its air: the spool stays where it is.

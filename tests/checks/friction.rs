@@ -103,7 +103,10 @@ fn a_law_chosen_is_the_law_declared() {
         ("Stribeck", format!("F_Coulomb = F_Coulomb, F_Stribeck = F_Stribeck_max, {curve}")),
         ("StribeckDwell", format!("F_Coulomb = F_Coulomb, {dwell}, {curve}")),
         ("StribeckDwellPressure", format!("F_Coulomb = F_Coulomb, {pressure}, {dwell}, {curve}")),
-        ("LuGre", format!("F_Coulomb = F_Coulomb, F_Stribeck = F_Stribeck_max, {curve}, {bristles}")),
+        (
+            "LuGre",
+            format!("F_Coulomb = F_Coulomb, F_Stribeck = F_Stribeck_max, {curve}, {bristles}"),
+        ),
         (
             "LuGreDwellPressure",
             format!("F_Coulomb = F_Coulomb, {pressure}, {dwell}, {curve}, {bristles}"),
@@ -113,7 +116,8 @@ fn a_law_chosen_is_the_law_declared() {
     ];
     let valve = text_of("examples/valve32.mol");
     for (law, parameters) in laws {
-        let chosen = Case::file("examples/valve32.mol").set(format!("friction_law=Friction.Kind.{law}"));
+        let chosen =
+            Case::file("examples/valve32.mol").set(format!("friction_law=Friction.Kind.{law}"));
         let chosen = chosen.stop(0.04).interval(1e-4).run();
         let declared = format!(
             "{valve}\nmodel Declared\n  extends Valve32(redeclare model SealFriction = Friction.{law}({parameters}));\n\

@@ -363,6 +363,52 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end WallHeat;
 
+    model DirectionalFriction
+      // With as much friction both ways: twice one way, none the other.
+      extends OnSpool(n = 2);
+      Effects.DirectionalFriction effect(F = 3, v_0 = 1e-6);
+      Effects.CoulombDrag drag(F = 3);
+      Translational.StopMass back(m = m, s_min = -10, s_max = 10, s_start = 0, v_start = -1,
+        mode_start = Translational.Motion.Backward);
+      Effects.DirectionalFriction effect_back(F = 3, v_0 = 1e-6);
+      Effects.CoulombDrag drag_back(F = 3);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(drag.spool, spool.seals);
+      connect(effect_back.spool, back.seals);
+      connect(drag_back.spool, back.seals);
+      found = {v, back.v};
+      exact = {1 - 6/m*time, -1};
+      annotation(experiment(StopTime = 0.3, Tolerance = 1e-9));
+    end DirectionalFriction;
+
+    model FreeLeakOverPosition
+      // Values on a straight line under a spool at constant speed: choked, the pressure falls with the square of time.
+      extends OnVessel(compared = p > 4e5);
+      Pneumatics.Ambient ambient;
+      Translational.GuidedSpool spool(s = 0.1*time);
+      Effects.FreeLeakOverPosition effect(n = 5, C = {0, 1e-9, 2e-9, 3e-9, 4e-9}, b = 0.25, s_lo = 0, s_hi = 1);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, vessel.port);  connect(effect.port_b, ambient.port);
+      found = {p};
+      exact = {1e6*exp(-4e-9*rho_0*RT/V*0.1*time^2/2)};
+      annotation(experiment(StopTime = 8, Tolerance = 1e-9));
+    end FreeLeakOverPosition;
+
+    model PilotValve
+      // It opens at 0.1 s with tau = 0.05 s, and closes from 0.1 + 0.02 s after the switch on with 0.08 s.
+      extends Check;
+      Signals.SwitchSignal switch(t_off = 1);
+      Signals.PilotValve effect(on = switch.on, t_delay = 0.1, tau = 0.05, t_off_more = 0.02, tau_off_more = 0.03);
+      Real t_close = 1 + 0.1 + 0.02;
+    equation
+      found = {effect.x};
+      exact = {if time < 0.1 then 0 elseif time < t_close then 1 - exp(-(time - 0.1)/0.05)
+        else (1 - exp(-(t_close - 0.1)/0.05))*exp(-(time - t_close)/0.08)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end PilotValve;
+
     model Source
       extends Check;
       // A choked hole draws in proportion to the pressure before it, C rho_0 p: K = R C rho_0.
@@ -432,24 +478,27 @@ package EffectTests
     end SensorHysteresis;
   end Present;
 
-  model Base "A piston, a seal at an edge, and a working volume"
-    Translational.StopMass     spool(m = 0.03, s_max = 3.5e-3, t_no_start = 1);
-    Translational.Spring       spring(c = 3e3, f_0 = 8);
-    Translational.Fixed        housing;
-    Seals.FlowSeal             seal(contact = Seals.Contact.CloseToOpen, s_ce = 1.8e-3, F_ce = 1.2, w = 0.16e-3, C = 2e-8,
-                                 w_t = 0.12e-3, redeclare model FrictionLaw = Rubber);
-    Pneumatics.Source          supply(p = 7e5);
-    Pneumatics.Ambient         ambient;
-    Pneumatics.Restriction     fill(C = 5e-10);
-    Pneumatics.CylinderChamber chamber(A = 2e-4, V_dead = 1e-6);
-    Pneumatics.Volume          work(V_0 = 20e-6);
+  model Base "A piston, a pilot, a seal at an edge, and a working volume"
+    Translational.StopMass         spool(m = 0.03, s_max = 3.5e-3, t_no_start = 1);
+    Translational.Spring           spring(c = 3e3, f_0 = 8);
+    Translational.Fixed            housing;
+    Seals.FlowSeal                 seal(contact = Seals.Contact.CloseToOpen, s_ce = 1.8e-3, F_ce = 1.2, w = 0.16e-3,
+                                     C = 2e-8, w_t = 0.12e-3, redeclare model FrictionLaw = Rubber);
+    Pneumatics.Source              supply(p = 7e5);
+    Pneumatics.Ambient             ambient;
+    Signals.SwitchSignal           switch(t_off = 0.02);
+    Signals.PilotValve             pilot(on = switch.on, t_delay = 1e-3, tau = 1e-3);
+    Pneumatics.VariableRestriction fill(C = 5e-10, x = pilot.x);
+    Pneumatics.VariableRestriction vent(C = 5e-10, x = 1 - pilot.x);
+    Pneumatics.CylinderChamber     chamber(A = 2e-4, V_dead = 1e-6);
+    Pneumatics.Volume              work(V_0 = 20e-6);
     Units.Position         s   = spool.s;
     Units.Velocity         v   = spool.v;
     Units.AbsolutePressure p   = chamber.p;
     Units.AbsolutePressure p_2 = work.p;
 
-    model Rubber = Friction.StribeckDwellPressure(F_Coulomb = 4, k_C = 0.2e-5, F_Stribeck_max = 10, k_S = 0.12e-5, tau = 1500,
-        n = 0.3, F_prop = 6, f_exp = 6);
+    model Rubber = Friction.StribeckDwellPressure(F_Coulomb = 4, k_C = 0.2e-5, F_Stribeck_max = 10, k_S = 0.12e-5,
+        tau = 1500, n = 0.3, F_prop = 6, f_exp = 6);
   equation
     connect(chamber.flange, spool.flange);
     connect(spring.flange_a, housing.flange);
@@ -457,10 +506,12 @@ package EffectTests
     connect(seal.spool, spool.seals);
     connect(supply.port, fill.port_a);
     connect(fill.port_b, chamber.port);
+    connect(vent.port_a, chamber.port);
+    connect(vent.port_b, ambient.port);
     connect(supply.port, seal.port_a);
     connect(seal.port_b, work.port);
 
-    annotation(experiment(StopTime = 0.05, Interval = 1e-4, Tolerance = 1e-9));
+    annotation(experiment(StopTime = 0.08, Interval = 1e-4, Tolerance = 1e-9));
   end Base;
 
   package Absent
@@ -670,6 +721,24 @@ package EffectTests
       extends Base;
       Effects.SensorHysteresis effect(u = s, w = 1e-4);
     end SensorHysteresis;
+
+    model DirectionalFriction
+      extends Base;
+      Effects.DirectionalFriction effect;
+    equation
+      connect(effect.spool, spool.seals);
+    end DirectionalFriction;
+
+    model FreeLeakOverPosition
+      extends Base;
+      Effects.FreeLeakOverPosition effect(s_lo = 0, s_hi = 3.5e-3);
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end FreeLeakOverPosition;
+
+    model PilotValve
+      extends Base;
+    end PilotValve;
 
     model Source
       extends Base(supply(has_line = true));
