@@ -13,10 +13,11 @@ model Source "Air supply that holds its pressure, at its port or at the far end 
 
   Port port;
 equation
-  port.p = p - p_lost;
   if has_line then
+    port.p = p - p_lost;
     tau_line*der(p_lost) = -R_line*port.m_flow - p_lost;
   else
+    port.p = p;
     p_lost = 0;
   end if;
 
