@@ -1,5 +1,11 @@
-//! The search for the parameters: a look around first, then Levenberg and Marquardt's method from the
-//! best places.
+//! The search for the parameters: Levenberg and Marquardt's method, and ways out of where it gets caught.
+//!
+//! The sum of squares of a machine with dry friction jumps: a body that comes to rest for a moment and
+//! one that only slows down go on differently. A recording that stands on the wrong side of such a jump
+//! feels no slope towards the right one, and pulls the others away. So the recordings that fit worst
+//! are left out for a while (least trimmed squares: P. J. Rousseeuw, K. Van Driessen, *Computing LTS
+//! regression for large data sets*, Data Mining and Knowledge Discovery 12, 2006): the others lead to
+//! where it comes right by itself.
 
 use crate::math::numeric::least_squares::{Minimum, Normal, Residuals, Stopping, minimise};
 use crate::math::numeric::sequence::Halton;
@@ -7,15 +13,23 @@ use crate::math::numeric::sequence::Halton;
 use super::data::Split;
 use super::problem::Problem;
 
-/// Places that are looked at before the search.
+/// Places that are looked at if the start of the plan leads nowhere.
 const PLACES: usize = 12;
-/// Spread of these places around the start, in units of the search: factors of up to two.
-const SPREAD: f64 = 0.7;
-/// Reduced sums of squares closer than this are one minimum.
-const SAME: f64 = 1e-3;
+/// Spread of these places around the start, in units of the search: factors of about two.
+const SPREAD: f64 = 0.6;
+/// Reduced sum of squares below which nothing is wrong with a fit.
+const FINE: f64 = 1.05;
+/// A recording that fits worse than the others by this factor may stand on the wrong side of a jump.
+const OUTLYING: f64 = 1.3;
+/// Rounds of leaving out.
+const ROUNDS: usize = 4;
+/// A sum of squares must fall by this part to count as better.
+const BETTER: f64 = 1e-3;
 
 /// When the search stops.
 pub const STOPPING: Stopping = Stopping { decrease: 1e-7, step: 1e-7, iterations: 60, reach: 1.0 };
+/// The same while recordings are left out: the way is what counts.
+const ON_THE_WAY: Stopping = Stopping { decrease: 1e-4, step: 1e-5, iterations: 15, reach: 1.0 };
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -30,67 +44,113 @@ pub struct Fit {
     pub converged: bool,
 }
 
-/// Fits from the start of the plan, and from elsewhere if other places look better. `None` if the model
-/// can not be run anywhere.
-pub fn fit(problem: &mut Problem<'_>, heed: &mut dyn FnMut(u32, f64) -> bool) -> Option<Fit> {
-    let (start, bounds) = (problem.start(), problem.bounds());
-    let from_start = search(problem, &start, &bounds, heed);
-    let count = problem.sums(Split::Train, &start).map_or(1, |s| s.count()) as f64;
-    let good = |f: &Fit| f.normal.cost / count < 1.5;
-    if from_start.as_ref().is_some_and(good) {
+/// Told after each step: steps so far and the sum of squares. False ends the search.
+pub type Heed<'a> = dyn FnMut(u32, f64) -> bool + 'a;
+
+/// Fits from the start of the plan, and from elsewhere if that leads nowhere. `None` if the model can not
+/// be run anywhere.
+pub fn fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
+    let start = problem.start();
+    let from_start = fit_from(problem, &start, heed);
+    if from_start.as_ref().is_some_and(|f| reduced(problem, f) < FINE) {
         return from_start;
     }
-    let mut places = Vec::new();
+    let bounds = problem.bounds();
     let mut halton = Halton::new(start.len());
+    let mut places: Vec<(f64, Vec<f64>)> = Vec::new();
     for _ in 0..PLACES {
-        let point: Vec<f64> = halton
-            .next_point()
-            .iter()
-            .zip(&start)
-            .zip(&bounds)
-            .map(|((u, s), b)| (s + SPREAD * (2.0 * u - 1.0)).max(b.0).min(b.1))
-            .collect();
+        let around = halton.next_point().into_iter().zip(&start).zip(&bounds);
+        let point: Vec<f64> =
+            around.map(|((u, s), b)| (s + SPREAD * (2.0 * u - 1.0)).max(b.0).min(b.1)).collect();
         if let Ok(sums) = problem.sums(Split::Train, &point) {
             places.push((sums.total(), point));
         }
     }
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = from_start;
-    for (_, place) in places.iter().take(2) {
-        let Some(found) = search(problem, place, &bounds, heed) else { continue };
-        let better = best.as_ref().is_none_or(|b| found.normal.cost < b.normal.cost);
-        let same = best
-            .as_ref()
-            .is_some_and(|b| (found.normal.cost - b.normal.cost).abs() < SAME * b.normal.cost);
-        if better {
+    for (_, place) in places.into_iter().take(2) {
+        let Some(found) = fit_from(problem, &place, heed) else { continue };
+        if best.as_ref().is_none_or(|b| found.normal.cost < b.normal.cost) {
             best = Some(found);
         }
-        if same {
+        if best.as_ref().is_some_and(|b| reduced(problem, b) < FINE) {
             break;
         }
     }
     best
 }
 
+/// Fits from one place, leaving out what fits worst as long as that helps.
+pub fn fit_from(problem: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>) -> Option<Fit> {
+    let mut best = search(problem, start, &STOPPING, heed)?;
+    for _ in 0..ROUNDS {
+        let by_recording = problem.sums(Split::Train, &best.x).ok()?.by_recording();
+        let mut better = None;
+        for left_out in suspects(&by_recording) {
+            problem.left_out = left_out;
+            let others = search(problem, &best.x, &ON_THE_WAY, heed);
+            problem.left_out = Vec::new();
+            let Some(others) = others else { continue };
+            let Some(found) = search(problem, &others.x, &STOPPING, heed) else { continue };
+            if found.normal.cost < (1.0 - BETTER) * best.normal.cost {
+                better = Some(found);
+                break;
+            }
+        }
+        match better {
+            Some(found) => best = found,
+            None => break,
+        }
+        if reduced(problem, &best) < FINE {
+            break;
+        }
+    }
+    Some(best)
+}
+
+/// Sets of recordings to leave out, most promising first.
+fn suspects(by_recording: &[f64]) -> Vec<Vec<usize>> {
+    let n = by_recording.len();
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|a, b| by_recording[*b].total_cmp(&by_recording[*a]));
+    let typical = by_recording[order[n / 2]];
+    let outlying =
+        order.iter().filter(|i| by_recording[**i] > (OUTLYING * typical).max(FINE)).count();
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for count in [1, 2, n / 2, outlying] {
+        let set: Vec<usize> = order.iter().copied().take(count.min(n.saturating_sub(2))).collect();
+        if outlying > 0 && !set.is_empty() && !sets.contains(&set) {
+            sets.push(set);
+        }
+    }
+    sets
+}
+
 /// One search from one place.
 pub fn search(
     problem: &mut Problem<'_>,
     start: &[f64],
-    bounds: &[(f64, f64)],
-    heed: &mut dyn FnMut(u32, f64) -> bool,
+    stopping: &Stopping,
+    heed: &mut Heed<'_>,
 ) -> Option<Fit> {
+    let bounds = problem.bounds();
     let mut heeded = Heeded { problem, heed };
     let Minimum { x, normal, iterations, converged } =
-        minimise(&mut heeded, start, bounds, &STOPPING)?;
+        minimise(&mut heeded, start, &bounds, stopping)?;
     Some(Fit { x, normal, iterations, converged })
 }
 
-struct Heeded<'a, 'p> {
-    problem: &'a mut Problem<'p>,
-    heed: &'a mut dyn FnMut(u32, f64) -> bool,
+fn reduced(problem: &Problem<'_>, fit: &Fit) -> f64 {
+    let count = problem.count(Split::Train).saturating_sub(fit.x.len()).max(1);
+    fit.normal.cost / count as f64
 }
 
-impl Residuals for Heeded<'_, '_> {
+struct Heeded<'a, 'p, 'h> {
+    problem: &'a mut Problem<'p>,
+    heed: &'a mut Heed<'h>,
+}
+
+impl Residuals for Heeded<'_, '_, '_> {
     fn normal(&mut self, x: &[f64]) -> Option<Normal> {
         Residuals::normal(self.problem, x)
     }

@@ -34,9 +34,10 @@ const DISPLACEMENT: f64 = 1e-2;
 /// How a parameter is searched.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Scale {
-    /// `value = size * exp(x)`: positive parameters.
-    Logarithmic {
-        /// Value at `x = 0`.
+    /// Positive parameters: `value = size * x` below `x = 1`, so that a value that was taken to nearly
+    /// nothing still feels the data, and `value = size * exp(x - 1)` above.
+    Positive {
+        /// Value at `x = 1`.
         size: f64,
     },
     /// `value = size * x`
@@ -50,24 +51,24 @@ impl Scale {
     /// The value at `x`.
     pub fn value(self, x: f64) -> f64 {
         match self {
-            Scale::Logarithmic { size } => size * x.exp(),
-            Scale::Linear { size } => size * x,
+            Scale::Positive { size } if x > 1.0 => size * (x - 1.0).exp(),
+            Scale::Positive { size } | Scale::Linear { size } => size * x,
         }
     }
 
     /// Where the value is found.
     pub fn place(self, value: f64) -> f64 {
         match self {
-            Scale::Logarithmic { size } => (value / size).ln(),
-            Scale::Linear { size } => value / size,
+            Scale::Positive { size } if value > size => 1.0 + (value / size).ln(),
+            Scale::Positive { size } | Scale::Linear { size } => value / size,
         }
     }
 
     /// Derivative of the value by `x`, where the value is this.
     pub fn slope(self, value: f64) -> f64 {
         match self {
-            Scale::Logarithmic { .. } => value,
-            Scale::Linear { size } => size,
+            Scale::Positive { size } if value > size => value,
+            Scale::Positive { size } | Scale::Linear { size } => size,
         }
     }
 }
@@ -92,11 +93,7 @@ pub struct Parameter {
 impl Parameter {
     /// Its bounds as the search sees them.
     pub fn range(&self) -> (f64, f64) {
-        let place = |value: f64| match self.scale {
-            Scale::Logarithmic { .. } if value <= 0.0 => f64::NEG_INFINITY,
-            scale => scale.place(value),
-        };
-        (place(self.bounds.0), place(self.bounds.1))
+        (self.scale.place(self.bounds.0), self.scale.place(self.bounds.1))
     }
 }
 
@@ -120,6 +117,8 @@ pub struct Problem<'a> {
     conditions: Vec<VarId>,
     channels: Vec<Channel>,
     settings: Settings,
+    /// Training recordings that are left out for the time being, by position.
+    pub left_out: Vec<usize>,
     /// Threads.
     pub jobs: usize,
 }
@@ -142,6 +141,14 @@ impl Sums {
     /// Number of all residuals.
     pub fn count(&self) -> usize {
         self.counts.iter().flatten().sum()
+    }
+
+    /// Reduced sum of squares of each recording.
+    pub fn by_recording(&self) -> Vec<f64> {
+        let mean = |(s, c): (&Vec<f64>, &Vec<usize>)| {
+            s.iter().sum::<f64>() / c.iter().sum::<usize>().max(1) as f64
+        };
+        self.squares.iter().zip(&self.counts).map(mean).collect()
     }
 
     /// Root of the mean square of a signal, in units of the noise.
@@ -201,7 +208,17 @@ impl<'a> Problem<'a> {
         }
         let settings = Settings::of(&program.blocks.dae.experiment);
         let jobs = parallel::cores();
-        Some(Problem { program, sources, data, parameters, conditions, channels, settings, jobs })
+        Some(Problem {
+            program,
+            sources,
+            data,
+            parameters,
+            conditions,
+            channels,
+            settings,
+            left_out: Vec::new(),
+            jobs,
+        })
     }
 
     /// The values of the parameters at `x`.
@@ -222,6 +239,12 @@ impl<'a> Problem<'a> {
     /// The recordings of one kind.
     pub fn recordings(&self, split: Split) -> Vec<&'a Recording> {
         self.data.of(split).collect()
+    }
+
+    /// Number of residuals of one kind of recordings.
+    pub fn count(&self, split: Split) -> usize {
+        let values = self.data.of(split).flat_map(|r| r.signals.iter().flatten());
+        values.filter(|v| !v.is_nan()).count()
     }
 
     /// Standard deviations of the signals' noise, in the units of their columns.
@@ -289,9 +312,26 @@ impl<'a> Problem<'a> {
         Ok(sums)
     }
 
-    /// The normal equations of the training recordings.
+    /// The training recordings that are not left out.
+    fn fitted(&self) -> Vec<&'a Recording> {
+        let all = self.data.of(Split::Train).enumerate();
+        all.filter(|(i, _)| !self.left_out.contains(i)).map(|(_, r)| r).collect()
+    }
+
+    /// The sum of squares over the training recordings that are not left out.
+    fn cost_of_fitted(&self, x: &[f64]) -> Result<f64, Failure> {
+        let recordings = self.fitted();
+        let all = parallel::map(self.jobs, recordings.len(), |i| self.residuals(recordings[i], x));
+        let mut sum = 0.0;
+        for residuals in all {
+            sum += residuals?.iter().flatten().filter(|r| !r.is_nan()).map(|r| r * r).sum::<f64>();
+        }
+        Ok(sum)
+    }
+
+    /// The normal equations of the training recordings that are not left out.
     pub fn normal(&self, x: &[f64]) -> Result<Normal, Failure> {
-        let recordings = self.recordings(Split::Train);
+        let recordings = self.fitted();
         let each = parallel::map(self.jobs, recordings.len(), |i| self.normal_of(recordings[i], x));
         let mut sum = Normal::new(self.parameters.len());
         for normal in each {
@@ -392,7 +432,7 @@ impl Residuals for Problem<'_> {
     }
 
     fn cost(&mut self, x: &[f64]) -> Option<f64> {
-        self.sums(Split::Train, x).ok().map(|s| s.total())
+        self.cost_of_fitted(x).ok()
     }
 }
 
@@ -449,7 +489,7 @@ fn parameter(
     let start = free.start.unwrap_or(declared);
     let positive = start > 0.0 && free.min.is_none_or(|m| m >= 0.0);
     let (scale, wide) = if positive {
-        (Scale::Logarithmic { size: start }, (start / WIDE, start * WIDE))
+        (Scale::Positive { size: start }, (start / WIDE, start * WIDE))
     } else {
         let span = free.max.zip(free.min).map_or(1.0, |(a, b)| 0.25 * (a - b));
         let size = if start == 0.0 { span } else { start.abs() };

@@ -66,6 +66,13 @@ fn calibrate(options: &Calibrate, session: &mut Session) -> Status {
     for split in Split::ALL {
         let Ok(sums) = problem.sums(split, &found.x) else { continue };
         eprintln!("{} {}", split.name(), sums.total() / sums.count() as f64);
+        for (r, (s, c)) in
+            problem.recordings(split).iter().zip(sums.squares.iter().zip(&sums.counts))
+        {
+            let each: Vec<String> =
+                s.iter().zip(c).map(|(s, c)| format!("{:.2}", s / *c as f64)).collect();
+            eprintln!("  {} {:?} {}", r.name, r.conditions, each.join(" "));
+        }
     }
     for (p, v) in problem.parameters.iter().zip(problem.values(&found.x)) {
         eprintln!("{} = {v} {}", p.name, p.unit);

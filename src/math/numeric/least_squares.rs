@@ -110,17 +110,15 @@ pub fn minimise(
         let free = free(&x, &normal.gradient, bounds);
         let mut accepted = None;
         while accepted.is_none() {
-            let Some(step) = step(&normal, &free, damping) else {
+            let Some(mut moved) = step(&normal, &free, damping, &x, bounds) else {
                 damping = damping.max(1e-12) * 10.0;
                 continue;
             };
-            let longest = step.iter().fold(0.0f64, |m, s| m.max(s.abs()));
-            let shorter = (stopping.reach / longest).min(1.0);
-            let mut trial = x.clone();
-            for ((trial, s), b) in trial.iter_mut().zip(&step).zip(bounds) {
-                *trial = (*trial + shorter * s).max(b.0).min(b.1);
+            let longest = moved.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+            if longest > stopping.reach {
+                moved.iter_mut().for_each(|s| *s *= stopping.reach / longest);
             }
-            let moved: Vec<f64> = trial.iter().zip(&x).map(|(a, b)| a - b).collect();
+            let trial: Vec<f64> = x.iter().zip(&moved).map(|(x, m)| x + m).collect();
             let predicted = predicted(&normal, &moved);
             let small = moved.iter().all(|m| m.abs() <= stopping.step);
             if small || predicted <= stopping.decrease * normal.cost {
@@ -162,31 +160,59 @@ fn free(x: &[f64], gradient: &[f64], bounds: &[(f64, f64)]) -> Vec<usize> {
     (0..x.len()).filter(|i| !held(i)).collect()
 }
 
-/// `(G + damping diag G) step = -gradient` for the free parameters.
-fn step(normal: &Normal, free: &[usize], damping: f64) -> Option<Vec<f64>> {
-    let (n, m) = (normal.n, free.len());
-    let mut step = vec![0.0; n];
-    if m == 0 {
-        return Some(step);
-    }
+/// `(G + damping diag G) step = -gradient` for the free parameters. One that would cross its bound goes
+/// there, and the others are asked again.
+fn step(
+    normal: &Normal,
+    free: &[usize],
+    damping: f64,
+    x: &[f64],
+    bounds: &[(f64, f64)],
+) -> Option<Vec<f64>> {
+    let n = normal.n;
     let largest = (0..n).map(|i| normal.gram[i * n + i]).fold(0.0, f64::max);
-    let mut matrix = vec![0.0; m * m];
-    let mut right = vec![0.0; m];
-    for (a, &i) in free.iter().enumerate() {
-        for (b, &j) in free.iter().enumerate() {
-            matrix[a + m * b] = normal.gram[i + n * j];
+    let mut step = vec![0.0; n];
+    let mut free = free.to_vec();
+    while !free.is_empty() {
+        let m = free.len();
+        let mut matrix = vec![0.0; m * m];
+        let mut right = vec![0.0; m];
+        for (a, &i) in free.iter().enumerate() {
+            for (b, &j) in free.iter().enumerate() {
+                matrix[a + m * b] = normal.gram[i + n * j];
+            }
+            // What the data do not determine at all must not run away.
+            matrix[a + m * a] += damping * normal.gram[i + n * i].max(1e-12 * largest);
+            let by_the_others: f64 = (0..n)
+                .filter(|j| !free.contains(j))
+                .map(|j| normal.gram[i + n * j] * step[j])
+                .sum();
+            right[a] = -normal.gradient[i] - by_the_others;
         }
-        // What the data do not determine at all must not run away.
-        matrix[a + m * a] += damping * normal.gram[i + n * i].max(1e-12 * largest);
-        right[a] = -normal.gradient[i];
+        let mut lu = DenseLu::new(m);
+        lu.factor(&matrix).ok()?;
+        lu.solve_in_place(&mut right);
+        if right.iter().any(|s| !s.is_finite()) {
+            return None;
+        }
+        let mut inside = Vec::with_capacity(m);
+        for (s, &i) in right.iter().zip(&free) {
+            let (low, high) = (bounds[i].0 - x[i], bounds[i].1 - x[i]);
+            if (low..=high).contains(s) {
+                inside.push(i);
+            } else {
+                step[i] = s.max(low).min(high);
+            }
+        }
+        if inside.len() == m {
+            for (s, &i) in right.iter().zip(&free) {
+                step[i] = *s;
+            }
+            break;
+        }
+        free = inside;
     }
-    let mut lu = DenseLu::new(m);
-    lu.factor(&matrix).ok()?;
-    lu.solve_in_place(&mut right);
-    for (s, &i) in right.iter().zip(free) {
-        step[i] = *s;
-    }
-    step.iter().all(|s| s.is_finite()).then_some(step)
+    Some(step)
 }
 
 /// Decrease of the cost that the linearised residuals promise.
