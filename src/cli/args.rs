@@ -111,6 +111,7 @@ impl Model {
         Request {
             file: self.file.clone(),
             model: self.model.clone(),
+            appended: None,
             settings: self.settings.clone(),
             folders: self.folders.clone(),
             modelica_path: std::env::var_os("MODELICAPATH"),

@@ -36,6 +36,7 @@ fn calibrate(options: &Calibrate, session: &mut Session) -> Status {
     let request = Request {
         file: Some(plan.model.clone()),
         model: plan.name.clone(),
+        appended: None,
         settings: plan.fixed.clone(),
         folders: plan.libraries.clone(),
         modelica_path: std::env::var_os("MODELICAPATH"),

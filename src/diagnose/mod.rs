@@ -1,0 +1,5 @@
+//! Finding what a model lacks.
+pub mod effect;
+pub mod place;
+pub mod score;
+pub mod text;
