@@ -17,6 +17,7 @@
 
 pub mod control;
 pub mod explicit;
+pub mod matrix;
 pub mod options;
 pub mod outcome;
 pub mod radau;
