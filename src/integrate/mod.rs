@@ -15,6 +15,7 @@
     reason = "`!(a < b)` is how a NaN is made to count as a failed test"
 )]
 
+pub mod bdf;
 pub mod control;
 pub mod explicit;
 pub mod matrix;
