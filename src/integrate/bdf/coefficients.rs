@@ -29,6 +29,27 @@ pub struct Coefficients {
     pub comparison: f64,
 }
 
+/// The formula of the last step, which serves again while order and step stay the same.
+#[derive(Clone, Copy, Default)]
+pub struct Formula {
+    last: Option<((usize, f64, Steps), Coefficients)>,
+}
+
+impl Formula {
+    /// As [`coefficients`].
+    pub fn of(&mut self, q: usize, h: f64, steps: &Steps) -> Coefficients {
+        let wanted = (q, h, *steps);
+        match self.last {
+            Some((key, formula)) if key == wanted => formula,
+            _ => {
+                let formula = coefficients(q, h, steps);
+                self.last = Some((wanted, formula));
+                formula
+            }
+        }
+    }
+}
+
 /// The formula of order `q` (1 to 5) for a step of length `h` after these steps. `l` has the roots
 /// `-1` and the distances of the earlier points, except for the oldest, which is moved so that `l_1` is
 /// that of equal steps: `1 + 1/2 + ... + 1/q`.

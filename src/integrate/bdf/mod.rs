@@ -17,7 +17,7 @@ pub mod order;
 #[cfg(test)]
 mod tests;
 
-use crate::integrate::bdf::coefficients::{Coefficients, coefficients};
+use crate::integrate::bdf::coefficients::{Coefficients, Formula};
 use crate::integrate::bdf::corrector::{Corrector, Equations};
 use crate::integrate::bdf::nordsieck::Nordsieck;
 use crate::integrate::bdf::order::{Change, OrderControl, growth};
@@ -65,6 +65,7 @@ pub struct Bdf {
     taken_back_end: Option<f64>,
     /// `other` is the array before the last step.
     whole: bool,
+    formula: Formula,
     corrector: Corrector,
     matrix: IterationMatrix,
     jacobian: Jacobian,
@@ -141,6 +142,7 @@ impl Bdf {
             taken_back: Nordsieck::new(n),
             taken_back_end: None,
             whole: false,
+            formula: Formula::default(),
             corrector: Corrector::new(n),
             matrix,
             jacobian: Jacobian::Outdated,
@@ -165,7 +167,7 @@ impl Bdf {
         span: Span,
     ) -> Result<(Coefficients, f64), Trouble> {
         self.whole = false;
-        let formula = coefficients(self.array.order, span.h, &self.array.steps);
+        let formula = self.formula.of(self.array.order, span.h, &self.array.steps);
         self.other.predict(&self.array, span.h, &mut self.next_y);
         let shift = formula.l[1] / span.h;
         let staleness = self.prepare(system, span.end, shift)?;
@@ -323,7 +325,8 @@ impl Bdf {
     fn after_slow(&mut self, span: Span) -> f64 {
         let fresh = self.jacobian == Jacobian::Fresh;
         let Some(Decomposed { shift, .. }) = self.decomposed.take() else { return NOT_SOLVED };
-        let wanted = coefficients(self.array.order, span.h, &self.array.steps).l[1] / span.h;
+        let formula = self.formula.of(self.array.order, span.h, &self.array.steps);
+        let wanted = formula.l[1] / span.h;
         let stale = (wanted / shift - 1.0).abs();
         if !fresh && stale < SHIFT_TO_BLAME {
             self.jacobian = Jacobian::Outdated;

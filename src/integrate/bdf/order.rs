@@ -44,6 +44,16 @@ pub fn growth(size: f64, order: usize) -> f64 {
     1.0 / (size.powf(1.0 / order as f64) + 1e-6)
 }
 
+/// [`growth`], or zero if it is not worth it, which costs no root.
+fn worthwhile_growth(size: f64, order: usize) -> f64 {
+    const LARGEST: f64 = 1.0 / WORTHWHILE;
+    if size > LARGEST.powi(order as i32) {
+        return 0.0;
+    }
+    let factor = growth(size, order);
+    if factor < WORTHWHILE { 0.0 } else { factor }
+}
+
 impl OrderControl {
     /// For `n` components.
     pub fn new(n: usize) -> Self {
@@ -98,16 +108,16 @@ impl OrderControl {
             self.wait = self.wait.max(2);
             return 1.0;
         }
-        let same = growth(CAUTION * error, array.order + 1);
+        let same = worthwhile_growth(CAUTION * error, array.order + 1);
         if self.wait > 0 {
-            return worthwhile(same, limit);
+            return if same > 0.0 { same.min(limit) } else { 1.0 };
         }
         // Asked again two steps later if nothing changes.
         self.wait = 2;
         let lower = self.lower(formula, array, weights);
         let higher = self.higher(formula, array, corrections, weights);
         let best = same.max(lower).max(higher);
-        if best < WORTHWHILE {
+        if best == 0.0 {
             return 1.0;
         }
         if best != same {
@@ -123,7 +133,7 @@ impl OrderControl {
             return 0.0;
         }
         let size = rms(array.highest(), weights);
-        growth(CAUTION_LOWER * size * formula.error_lower, array.order)
+        worthwhile_growth(CAUTION_LOWER * size * formula.error_lower, array.order)
     }
 
     fn higher(
@@ -140,12 +150,8 @@ impl OrderControl {
         let scale = formula.comparison / earlier * ratio.powi(array.order as i32 + 1);
         let difference = corrections.iter().zip(&self.earlier).map(|(now, e)| now - scale * e);
         let size = rms(difference, weights);
-        growth(CAUTION_HIGHER * size * formula.error_higher, array.order + 2)
+        worthwhile_growth(CAUTION_HIGHER * size * formula.error_higher, array.order + 2)
     }
-}
-
-fn worthwhile(factor: f64, limit: f64) -> f64 {
-    if factor < WORTHWHILE { 1.0 } else { factor.min(limit) }
 }
 
 fn rms(values: impl Iterator<Item = f64>, weights: &[f64]) -> f64 {
