@@ -6,6 +6,7 @@ use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Watched};
 use crate::symbolic::eval;
 
 use super::solve::{ImplicitWork, SolverWork};
+use super::tangent::Tangents;
 
 /// Repetitions of a mixed block before it is given up.
 pub const LOOP_LIMIT: u32 = 100;
@@ -74,6 +75,8 @@ pub struct Instance<'p> {
     pub fault: Option<Fault>,
     /// Arguments outside of the domain of a function are moved to its border.
     pub inside: bool,
+    /// While it is here, every tape that runs is followed by its derivatives.
+    pub tangents: Option<Box<Tangents>>,
     solvers: Vec<Option<Box<SolverWork>>>,
     implicits: Vec<Option<Box<ImplicitWork>>>,
     resting: Vec<Vec<f64>>,
@@ -89,6 +92,7 @@ impl<'p> Instance<'p> {
             fault_memory: program.image.clone(),
             fault: None,
             inside: false,
+            tangents: None,
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
                 .implicits
@@ -125,6 +129,15 @@ impl<'p> Instance<'p> {
     #[inline]
     pub fn set(&mut self, slot: Slot, value: f64) {
         self.memory[slot as usize] = value;
+    }
+
+    /// Copies a cell, and its derivatives if they are followed.
+    #[inline]
+    pub fn copy(&mut self, to: Slot, from: Slot) {
+        self.memory[to as usize] = self.memory[from as usize];
+        if let Some(tangents) = &mut self.tangents {
+            tangents.copy(to, from);
+        }
     }
 
     /// The value of a variable.
@@ -167,8 +180,13 @@ impl<'p> Instance<'p> {
         fault
     }
 
-    /// Runs a tape.
+    /// Runs a tape, and after it its derivatives if they are followed.
     pub fn run(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
+        if let Some(mut tangents) = self.tangents.take() {
+            let outcome = self.run(tape).and_then(|()| tangents.follow(self, tape));
+            self.tangents = Some(tangents);
+            return outcome;
+        }
         if self.inside { self.run_in::<true>(tape) } else { self.run_in::<false>(tape) }
     }
 
@@ -294,7 +312,7 @@ pub fn watched_slot(w: Watched) -> Slot {
 
 /// An instruction that only computes.
 #[inline]
-fn step<const INSIDE: bool>(memory: &mut [f64], i: &Instr) {
+pub fn step<const INSIDE: bool>(memory: &mut [f64], i: &Instr) {
     let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
     memory[i.dst as usize] = match i.op {
         Op::Copy => a,

@@ -20,6 +20,7 @@ pub mod scale;
 pub mod selection;
 pub mod sequence;
 pub mod solve;
+pub mod tangent;
 
 #[cfg(test)]
 mod tests;

@@ -25,6 +25,7 @@ pub mod radau;
 pub mod stats;
 pub mod stepper;
 pub mod system;
+pub mod variational;
 
 #[cfg(test)]
 mod problems;

@@ -61,7 +61,7 @@ pub fn initialise(
     }
     // Start values are the guesses of iterations, and what `pre` is before the first event.
     for &(v, _, start) in &program.layout.starts {
-        instance.set(program.slot(v), instance.get(start));
+        instance.copy(program.slot(v), start);
     }
     remember(instance);
     sweep(instance, &program.initial, &program.late_initial)?;

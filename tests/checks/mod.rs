@@ -11,4 +11,5 @@ mod examples;
 mod hybrid;
 mod language;
 mod reference;
+mod sensitivity;
 mod suite;
