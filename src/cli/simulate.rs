@@ -50,6 +50,7 @@ pub fn run(options: &Simulate) -> Status {
     }
     settings.interval = options.interval.unwrap_or(settings.interval);
     settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
+    settings.method = options.method.into();
 
     let files = Files::of(options, &program);
     let mut stream = match files.stream(options, &columns(&program)) {
@@ -254,10 +255,11 @@ fn summary(
         s.end
     );
     out.push_str(&format!(
-        "  {} events, {} steps ({} rejected), {} rows\n",
+        "  {} events, {} steps ({} rejected) by {}, {} rows\n",
         run.trajectory.events.len(),
         i.steps,
         i.rejected,
+        s.method,
         s.rows
     ));
     out.push_str(&format!(

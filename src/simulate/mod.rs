@@ -14,6 +14,7 @@ pub mod events;
 pub mod explain;
 pub mod initial;
 pub mod meeting;
+pub mod method;
 pub mod record;
 pub mod run;
 pub mod selection;
