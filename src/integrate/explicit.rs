@@ -60,6 +60,9 @@ const OUT_OF_DOMAIN: f64 = 0.25;
 
 /// Where the stability region of the method ends on the negative real axis, nearly.
 const STABILITY: f64 = 3.25;
+/// A component that follows the others slowly, though its eigenvalue is large, limits steps for the
+/// sake of its accuracy too, to products with that eigenvalue from here on.
+const FOLLOWING: f64 = 1.0;
 /// So many steps on that border make a system stiff.
 const STIFF_STEPS: u32 = 15;
 /// So many steps off it in a row, and the count begins anew.
@@ -85,6 +88,8 @@ pub struct DormandPrince {
     /// Argument of stage 6, which like stage 7 stands at the end of the step.
     sixth: Vec<f64>,
     stiffness: Stiffness,
+    /// Product of step and eigenvalue from which on the system is stiff, see [`border`].
+    border: f64,
     h: f64,
     error_last: f64,
     stats: Stats,
@@ -101,8 +106,8 @@ struct Stiffness {
 impl Stiffness {
     /// Heeds the product of an accepted step with the dominant eigenvalue: Hairer & Wanner II,
     /// sec. IV.2, "automatic stiffness detection", with the counts of DOPRI5.
-    fn heed(&mut self, product: f64) {
-        if product > STABILITY {
+    fn heed(&mut self, product: f64, border: f64) {
+        if product > border {
             self.free = 0;
             self.limited += 1;
             self.found |= self.limited >= STIFF_STEPS;
@@ -127,7 +132,6 @@ impl DormandPrince {
         options.validate(n)?;
         let zeros = || vec![0.0; n];
         Ok(DormandPrince {
-            options,
             now: Point::new(n),
             t_previous: 0.0,
             y_previous: zeros(),
@@ -140,9 +144,11 @@ impl DormandPrince {
             trial: zeros(),
             sixth: zeros(),
             stiffness: Stiffness::default(),
+            border: border(options.rtol),
             h: 0.0,
             error_last: 1e-4,
             stats: Stats::default(),
+            options,
         })
     }
 
@@ -203,7 +209,7 @@ impl DormandPrince {
 
     fn complete(&mut self, span: Span, error: f64, repeated: bool) {
         self.stats.steps += 1;
-        self.stiffness.heed(self.spectral_step(span.h));
+        self.stiffness.heed(self.spectral_step(span.h), self.border);
         self.set_dense(span.h);
         self.advance_to(span.end);
         let exponent = 0.2 - 0.75 * BETA;
@@ -273,6 +279,13 @@ impl DormandPrince {
             Trouble::Eval(error) => Failure::Eval { t, error },
         }
     }
+}
+
+/// The product of step and dominant eigenvalue above which accuracy can not be what limits the step of
+/// the solution itself: three times that of `y' = lambda y` with a local error of `rtol`, whose constant is
+/// about 1e-4; never beyond the border of stability.
+fn border(rtol: f64) -> f64 {
+    (3.0 * (1e4 * rtol).powf(0.2)).clamp(FOLLOWING, STABILITY)
 }
 
 impl Stepper for DormandPrince {
