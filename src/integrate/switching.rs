@@ -25,11 +25,16 @@ pub struct Switching {
 
 impl Switching {
     /// A stepper for this system, with the matrices of
-    /// [`IterationMatrix::for_system`](crate::integrate::matrix::IterationMatrix::for_system).
-    pub fn for_system(system: &dyn System, options: Options) -> Result<Self, OptionError> {
+    /// [`IterationMatrix::for_system`](crate::integrate::matrix::IterationMatrix::for_system). Each of
+    /// the methods has its own options.
+    pub fn for_system(
+        system: &dyn System,
+        explicit: Options,
+        implicit: Options,
+    ) -> Result<Self, OptionError> {
         Ok(Switching {
-            explicit: DormandPrince::new(system.dim(), options.clone())?,
-            implicit: Radau::for_system(system, options)?,
+            explicit: DormandPrince::new(system.dim(), explicit)?,
+            implicit: Radau::for_system(system, implicit)?,
             stiff_since: None,
             stands: false,
             stats: Stats::default(),
@@ -137,7 +142,7 @@ mod tests {
 
     fn end(system: &mut dyn System, start: &[f64], t_stop: f64) -> (Vec<f64>, Switching) {
         let options = Options::with_nominals(1e-6, &vec![1.0; start.len()]);
-        let mut stepper = Switching::for_system(system, options).unwrap();
+        let mut stepper = Switching::for_system(system, options.clone(), options).unwrap();
         let y = run(&mut stepper, system, (0.0, start), t_stop).unwrap();
         (y, stepper)
     }
@@ -168,7 +173,7 @@ mod tests {
     fn the_solution_is_continuous_across_the_switch() {
         let mut system = van_der_pol(1e-3);
         let options = Options::with_nominals(1e-8, &[1.0; 2]);
-        let mut stepper = Switching::for_system(&system, options).unwrap();
+        let mut stepper = Switching::for_system(&system, options.clone(), options).unwrap();
         stepper.restart(&mut system, 0.0, &[2.0, 0.0], JacobianMemory::Forget).unwrap();
         let (mut out, mut last) = ([0.0; 2], vec![2.0, 0.0]);
         while !(stepper.is_stiff() && stepper.t() > 0.5) {
@@ -183,6 +188,7 @@ mod tests {
     #[test]
     fn a_shortened_step_is_as_accurate_as_a_whole_one() {
         let options = Options::with_nominals(1e-8, &[1.0; 2]);
-        check_shortening(&mut Switching::for_system(&oscillator(), options).unwrap(), 1e-8);
+        let mut stepper = Switching::for_system(&oscillator(), options.clone(), options).unwrap();
+        check_shortening(&mut stepper, 1e-8);
     }
 }

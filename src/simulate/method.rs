@@ -4,12 +4,16 @@
 //!
 //! - Radau wherever something can happen to the smooth course of a run: relations, changes of states,
 //!   derivatives by inputs. It restarts at its full order, where a multistep method begins anew with
-//!   order 1, and its dense output is what events are found on.
-//! - BDF for large systems without events. Its one real matrix costs a fifth of the real and the complex
-//!   one of Radau, and decompositions rule there; at small orders Radau is ahead at equal error, or else
-//!   meets the tolerance with a digit or two to spare.
+//!   order 1.
+//! - BDF for large systems without events, where decompositions rule: it has one real matrix to
+//!   decompose, not a real and a complex one, and does so more rarely. At equal error it takes half the
+//!   time of Radau on a plate of 400 to 3600 cells, and a quarter more on a rod, whose matrices are
+//!   decomposed in no time.
 //! - Otherwise Dormand-Prince for as long as the system does not turn out to be stiff, and Radau from
 //!   there on ([`Switching`]).
+//!
+//! The same tolerance should mean about the same error whichever method it is: Radau meets it with
+//! digits to spare, the others do not, and are given a smaller one.
 
 use crate::integrate::bdf::Bdf;
 use crate::integrate::explicit::DormandPrince;
@@ -26,6 +30,12 @@ use super::settings::Method;
 
 /// States from which on BDF is chosen for a system without events.
 const MANY_STATES: usize = 150;
+/// Part of the tolerance that Dormand-Prince is given.
+const SHARPER_DOPRI: f64 = 0.1;
+/// Part of the tolerance that BDF is given: the errors of its many steps add up.
+const SHARPER_BDF: f64 = 0.01;
+/// Relative tolerances are not sharpened beyond this.
+const SHARPEST: f64 = 1e-13;
 
 /// The stepper of a run.
 pub enum Integrator {
@@ -68,8 +78,12 @@ impl Integrator {
         };
         let integrator = match method {
             Method::Radau => Integrator::Radau(Box::new(Radau::for_system(system, options)?)),
-            Method::Bdf => Integrator::Bdf(Box::new(Bdf::for_system(system, options)?)),
+            Method::Bdf => {
+                let options = sharpened(&options, SHARPER_BDF);
+                Integrator::Bdf(Box::new(Bdf::for_system(system, options)?))
+            }
             Method::Dopri => {
+                let options = sharpened(&options, SHARPER_DOPRI);
                 Integrator::DormandPrince(Box::new(DormandPrince::new(system.dim(), options)?))
             }
             Method::Auto => {
@@ -128,6 +142,15 @@ impl Integrator {
             Integrator::Switching(s) => &mut **s,
         }
     }
+}
+
+/// The same options with this part of the tolerances.
+fn sharpened(options: &Options, part: f64) -> Options {
+    let mut options = options.clone();
+    let part = part.max(SHARPEST / options.rtol).min(1.0);
+    options.rtol *= part;
+    options.atol.iter_mut().for_each(|a| *a *= part);
+    options
 }
 
 /// [`Method::Auto`] as the answer stands for: explicit until it is stiff.
