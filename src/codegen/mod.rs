@@ -91,6 +91,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         asserts: emitter.asserts,
         terminates: emitter.terminates,
         reads_terminal: emitter.reads_terminal,
+        continuation: None,
     })
 }
 

@@ -12,6 +12,7 @@ pub mod clock;
 pub mod error;
 pub mod events;
 pub mod explain;
+pub mod homotopy;
 pub mod initial;
 pub mod meeting;
 pub mod method;
