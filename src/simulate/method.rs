@@ -87,7 +87,8 @@ impl Integrator {
                 Integrator::DormandPrince(Box::new(DormandPrince::new(system.dim(), options)?))
             }
             Method::Auto => {
-                Integrator::Switching(Box::new(Switching::for_system(system, options)?))
+                let explicit = sharpened(&options, SHARPER_DOPRI);
+                Integrator::Switching(Box::new(Switching::for_system(system, explicit, options)?))
             }
         };
         let choice = Choice { method: integrator.name(), because };
