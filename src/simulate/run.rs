@@ -241,7 +241,7 @@ impl<'p, 's> Simulation<'p, 's> {
                 None => {
                     let t = self.stepper.t();
                     self.search.heed(&self.model.instance);
-                    self.check_assertions(t)?;
+                    self.check_assertions_of_step()?;
                     self.vary()?;
                     self.record_grid(t, true)?;
                     self.t = t;

@@ -208,9 +208,9 @@ mod tests {
             next.raise(&[0.5]);
             assert!((value(&next, 0.0) - p(h) - 0.5).abs() < 1e-14);
             let mut t = 0.0;
-            for k in 0..q {
-                assert!((value(&next, t - h) - p(t)).abs() < 1e-13, "order {q}, point {k}");
-                t -= STEPS[k];
+            for step in &STEPS[..q] {
+                assert!((value(&next, t - h) - p(t)).abs() < 1e-13, "order {q}, t = {t}");
+                t -= step;
             }
         }
     }
