@@ -186,7 +186,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let (wanted, options) = (settings.method, options(&model, settings));
         let integrator = Integrator::new(wanted, program, sensitivity.is_some(), &model, options);
         let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
-        let recorder = Recorder::new(program, t, settings.stop, settings.interval);
+        let recorder = Recorder::new(program, settings);
         sink.begin(columns(program));
         let mut simulation = Simulation {
             program,

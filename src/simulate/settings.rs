@@ -1,5 +1,7 @@
 //! What a run may choose, with its only defaults.
 
+use std::sync::Arc;
+
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
 
@@ -41,6 +43,9 @@ pub struct Settings {
     pub parameters: Vec<(VarId, f64)>,
     /// Values for starts.
     pub starts: Vec<(VarId, f64)>,
+    /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have
+    /// their rows besides.
+    pub instants: Option<Arc<[f64]>>,
 }
 
 impl Settings {
@@ -56,6 +61,7 @@ impl Settings {
             method: Method::default(),
             parameters: Vec::new(),
             starts: Vec::new(),
+            instants: None,
         }
     }
 
