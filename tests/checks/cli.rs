@@ -186,7 +186,7 @@ fn methods() {
         let ended = mocc(folder.path(), &[&part[..], &["--method", method]].concat());
         assert_eq!((ended.status, ended.err.as_str()), (0, ""));
         assert!(ended.out.contains(said), "{}", ended.out);
-        let table = read_csv(&folder.path().join("shop.csv")).expect("a table");
+        let table = read_csv(folder.path().join("shop.csv")).expect("a table");
         let x = table.values("x").expect("a column");
         let error = x[x.len() - 1] - (-1.0_f64).exp();
         assert!(error.abs() < 1e-8, "{method}: {error}");
