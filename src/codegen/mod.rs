@@ -54,6 +54,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let Order { states, initial, event, continuous } = order;
     Ok(Program {
         recorded: record::all(&dae),
+        constants: record::constants(&dae),
         blocks: Blocks {
             dae,
             states,

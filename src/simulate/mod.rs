@@ -9,6 +9,8 @@
 //! section 3.7.5 (`sample`, `pre`, `edge`).
 pub mod assertion;
 pub mod clock;
+pub mod columns;
+pub mod echo;
 pub mod error;
 pub mod events;
 pub mod explain;
@@ -16,6 +18,7 @@ pub mod homotopy;
 pub mod initial;
 pub mod meeting;
 pub mod method;
+pub mod precondition;
 pub mod record;
 pub mod run;
 pub mod selection;

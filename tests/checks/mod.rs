@@ -12,6 +12,7 @@ mod hard;
 mod hybrid;
 mod language;
 mod reference;
+mod results;
 mod sensitivity;
 mod start;
 mod suite;
