@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use regex_lite::Regex;
 
 use crate::driver::compile::Request;
+use crate::simulate::settings;
 
 /// A compiler and simulator for models of machines written in Modelica.
 #[derive(Parser, Debug)]
@@ -74,6 +75,9 @@ pub struct Simulate {
     /// Relative tolerance [default: from the annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
+    /// Integration method.
+    #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
+    pub method: Method,
     /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
     #[arg(long, value_name = "PATH")]
     pub output: Option<PathBuf>,
@@ -89,6 +93,30 @@ pub struct Simulate {
     /// List the events.
     #[arg(long)]
     pub events: bool,
+}
+
+/// An integration method.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Method {
+    /// By what the model is made of.
+    Auto,
+    /// Radau IIA of order 5: stiff models, models with events.
+    Radau,
+    /// Backward differentiation of order 1 to 5: large stiff models without events.
+    Bdf,
+    /// Dormand-Prince of order 5, explicit: models that are not stiff.
+    Dopri,
+}
+
+impl From<Method> for settings::Method {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Auto => settings::Method::Auto,
+            Method::Radau => settings::Method::Radau,
+            Method::Bdf => settings::Method::Bdf,
+            Method::Dopri => settings::Method::Dopri,
+        }
+    }
 }
 
 /// A fit.

@@ -77,6 +77,11 @@ impl Search {
             .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k));
     }
 
+    /// True if there is nothing to search.
+    pub fn is_empty(&self) -> bool {
+        self.relations.is_empty()
+    }
+
     /// The first instant in the last step at which a relation has switched, enclosed from the right.
     pub fn first_switch(
         &mut self,

@@ -12,6 +12,20 @@ pub const DEFAULT_INTERVALS: f64 = 500.0;
 /// Default relative tolerance.
 pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
+/// An integration method, or the choice of one.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Method {
+    /// By what the model is made of, see `simulate::method`.
+    #[default]
+    Auto,
+    /// Radau IIA of order 5: stiff systems, many events.
+    Radau,
+    /// Backward differentiation of order 1 to 5: large stiff systems that are smooth for long.
+    Bdf,
+    /// Dormand and Prince's explicit method of order 5: systems that are not stiff.
+    Dopri,
+}
+
 /// Choices for one run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Settings {
@@ -23,6 +37,8 @@ pub struct Settings {
     pub interval: f64,
     /// Tolerated relative error of a step, without unit, between 1e-14 and 1.
     pub tolerance: f64,
+    /// The integration method.
+    pub method: Method,
     /// Values for parameters.
     pub parameters: Vec<(VarId, f64)>,
     /// Values for starts.
@@ -42,6 +58,7 @@ impl Settings {
             stop,
             interval: experiment.interval.unwrap_or((stop - start) / DEFAULT_INTERVALS),
             tolerance: experiment.tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            method: Method::default(),
             parameters: Vec::new(),
             starts: Vec::new(),
             instants: None,
