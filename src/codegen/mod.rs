@@ -51,7 +51,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, initial, event, continuous } = order;
-    Ok(Program {
+    let mut program = Program {
         recorded: record::all(&dae),
         blocks: Blocks {
             dae,
@@ -90,7 +90,9 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         asserts: emitter.asserts,
         terminates: emitter.terminates,
         reads_terminal: emitter.reads_terminal,
-    })
+    };
+    program.number_tapes();
+    Ok(program)
 }
 
 /// The sorted blocks, apart from the system itself, which the emitter owns and extends.

@@ -4,7 +4,7 @@
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::VarId;
-use crate::ir::program::{Program, Slot, Watch};
+use crate::ir::program::{Program, Slot, Tape, Watch};
 use crate::math::numeric::root::locate;
 
 use super::clock::Clocks;
@@ -186,7 +186,7 @@ impl Search {
 /// Runs a tape of the initial or event sequence until the relations it reads too early rest.
 pub fn sweep<'p>(
     instance: &mut Instance<'p>,
-    tape: &'p [crate::ir::program::Instr],
+    tape: &'p Tape,
     late: &[u32],
 ) -> Result<(), Unsettled> {
     let first = instance.program.layout.relations;
