@@ -1,16 +1,23 @@
-//! The reference interpreter: one run of a program in its own memory.
+//! One run of a program in its own memory, and the reference interpreter.
+//!
+//! Where there is machine code it does what is straight; the interpreter does it otherwise.
 
 use crate::base::index::Id;
 use crate::ir::expr::VarId;
-use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Watched};
+use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape, Watched};
 use crate::symbolic::eval;
 
+use super::jit::rent::{Code, Execution};
 use super::solve::{ImplicitWork, SolverWork};
 
 /// Repetitions of a mixed block before it is given up.
 pub const LOOP_LIMIT: u32 = 100;
 /// Jumps within one call of a function before it is given up.
 pub const JUMP_LIMIT: u32 = 100_000_000;
+
+/// Displacement of an argument, relative to its size, by which a function is differentiated: the
+/// cube root of the rounding unit balances truncation (h^2) against rounding (eps / h).
+pub const DIFFERENCE: f64 = 6.055454452393343e-6;
 
 /// Why a tape could not be run to its end.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -74,13 +81,14 @@ pub struct Instance<'p> {
     pub fault: Option<Fault>,
     /// Arguments outside of the domain of a function are moved to its border.
     pub inside: bool,
+    code: Code,
     solvers: Vec<Option<Box<SolverWork>>>,
     implicits: Vec<Option<Box<ImplicitWork>>>,
     resting: Vec<Vec<f64>>,
 }
 
 impl<'p> Instance<'p> {
-    /// A run that has not begun.
+    /// A run that has not begun, and will be interpreted.
     pub fn new(program: &'p Program) -> Self {
         let largest = |n: usize| vec![0.0; n];
         Instance {
@@ -89,6 +97,7 @@ impl<'p> Instance<'p> {
             fault_memory: program.image.clone(),
             fault: None,
             inside: false,
+            code: Code::Interpreted,
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
                 .implicits
@@ -97,6 +106,11 @@ impl<'p> Instance<'p> {
                 .collect(),
             resting: program.loops.iter().map(|l| largest(l.watched.len())).collect(),
         }
+    }
+
+    /// Computes in this way from now on.
+    pub fn execute(&mut self, execution: &Execution) {
+        self.code = Code::of(self.program, execution);
     }
 
     /// Gives a parameter another value than its own; false if it is not an input of the program.
@@ -168,8 +182,36 @@ impl<'p> Instance<'p> {
     }
 
     /// Runs a tape.
-    pub fn run(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
-        if self.inside { self.run_in::<true>(tape) } else { self.run_in::<false>(tape) }
+    pub fn run(&mut self, tape: &'p Tape) -> Result<(), Fault> {
+        if self.inside {
+            return self.run_in::<true>(tape);
+        }
+        match tape.number {
+            Some(number) if self.code.machine(self.program, tape.len()).is_some() => {
+                self.run_machine_code(number)
+            }
+            _ => self.run_in::<false>(tape),
+        }
+    }
+
+    /// Runs the machine code of a tape, if there is any, and what stands between its pieces.
+    fn run_machine_code(&mut self, number: u32) -> Result<(), Fault> {
+        let mut at = 0;
+        while let Code::Machine(code) = &self.code {
+            match code.run(number, at, &mut self.memory) {
+                Ok(None) => break,
+                Ok(Some((between, next))) => {
+                    at = next;
+                    match between.op {
+                        Op::Solve => self.solve(between.which)?,
+                        Op::Implicit => self.differentiate(between.which)?,
+                        _ => self.repeat(between.which)?,
+                    }
+                }
+                Err(fault) => return Err(self.fail(fault)),
+            }
+        }
+        Ok(())
     }
 
     fn run_in<const INSIDE: bool>(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
@@ -235,8 +277,7 @@ impl<'p> Instance<'p> {
             Some((output, arg)) => {
                 let out = program.functions[site.function].outputs[output] as usize;
                 let x = self.memory[site.args[arg] as usize];
-                // Balances truncation (h^2) against rounding (eps / h).
-                let h = f64::EPSILON.cbrt() * if x == 0.0 { 1.0 } else { x.abs() };
+                let h = DIFFERENCE * if x == 0.0 { 1.0 } else { x.abs() };
                 self.enter(site, Some((arg, x + h)))?;
                 let above = self.memory[out];
                 self.enter(site, Some((arg, x - h)))?;

@@ -12,6 +12,7 @@ pub mod error;
 pub mod function;
 pub mod interp;
 pub mod jacobian;
+pub mod jit;
 pub mod layout;
 pub mod print;
 pub mod record;

@@ -193,7 +193,7 @@ pub struct BlockPlace {
 }
 
 /// A call of a run-time function.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CallSite {
     /// Position in [`Program::functions`].
     pub function: usize,
@@ -206,7 +206,7 @@ pub struct CallSite {
 }
 
 /// A compiled function. Its locals have fixed cells: functions do not recur.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct FunctionCode {
     /// The body.
     pub tape: Tape,
@@ -442,8 +442,26 @@ impl Program {
                 return Err("a torn block is not square".into());
             }
         }
+        let exists = |slot: &Slot| (*slot as usize) < self.image.len();
         for function in &self.functions {
             self.verify_tape("function", &function.tape)?;
+            let mut cells = function.inputs.iter().chain(&function.outputs).chain(&function.locals);
+            if !cells.all(exists) {
+                return Err("a function has a local that does not exist".into());
+            }
+        }
+        for site in &self.calls {
+            let Some(function) = self.functions.get(site.function) else {
+                return Err("a call refers to no function".into());
+            };
+            let partial = site.partial.is_none_or(|(output, argument)| {
+                output < function.outputs.len()
+                    && argument < site.args.len()
+                    && !site.results.is_empty()
+            });
+            if !(partial && site.args.iter().chain(&site.results).all(exists)) {
+                return Err("a call refers to a cell that does not exist".into());
+            }
         }
         Ok(())
     }

@@ -150,6 +150,7 @@ impl<'p, 's> Simulation<'p, 's> {
         sink: &'s mut dyn Sink,
     ) -> Result<Self, Failure> {
         let mut model = Model::new(program);
+        model.instance.execute(&settings.execution);
         let t = settings.start;
         let begun = initialise(&mut model.instance, settings);
         let (clocks, selection, settled) = begun.map_err(|e| no_start(&model.instance, e, t))?;

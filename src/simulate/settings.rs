@@ -1,5 +1,6 @@
 //! What a run may choose, with its only defaults.
 
+use crate::codegen::jit::rent::Execution;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
 
@@ -25,6 +26,8 @@ pub struct Settings {
     pub parameters: Vec<(VarId, f64)>,
     /// Values for starts.
     pub starts: Vec<(VarId, f64)>,
+    /// How tapes are run; the results are the same.
+    pub execution: Execution,
 }
 
 impl Settings {
@@ -39,6 +42,7 @@ impl Settings {
             tolerance: experiment.tolerance.unwrap_or(DEFAULT_TOLERANCE),
             parameters: Vec::new(),
             starts: Vec::new(),
+            execution: Execution::default(),
         }
     }
 
