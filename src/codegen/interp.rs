@@ -113,6 +113,11 @@ impl<'p> Instance<'p> {
         self.code = Code::of(self.program, execution);
     }
 
+    /// True once tapes run as machine code.
+    pub fn runs_machine_code(&self) -> bool {
+        matches!(self.code, Code::Machine(..))
+    }
+
     /// Gives a parameter another value than its own; false if it is not an input of the program.
     pub fn set_parameter(&mut self, v: VarId, value: f64) -> bool {
         let inputs = &self.program.layout.parameter_inputs;
@@ -187,7 +192,7 @@ impl<'p> Instance<'p> {
             return self.run_in::<true>(tape);
         }
         match tape.number {
-            Some(number) if self.code.machine(self.program, tape.len()).is_some() => {
+            Some(number) if self.code.is_there(self.program, tape.len()) => {
                 self.run_machine_code(number)
             }
             _ => self.run_in::<false>(tape),
@@ -197,8 +202,8 @@ impl<'p> Instance<'p> {
     /// Runs the machine code of a tape, if there is any, and what stands between its pieces.
     fn run_machine_code(&mut self, number: u32) -> Result<(), Fault> {
         let mut at = 0;
-        while let Code::Machine(code) = &self.code {
-            match code.run(number, at, &mut self.memory) {
+        while let Code::Machine(code, memo) = &mut self.code {
+            match code.run(number, at, &mut self.memory, memo) {
                 Ok(None) => break,
                 Ok(Some((between, next))) => {
                     at = next;

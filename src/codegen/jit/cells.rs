@@ -4,12 +4,20 @@
 //! soon is taken from its register. Operators are those of IEEE 754, one machine instruction each,
 //! in the order of the tape, never contracted or rearranged: so results equal those of the
 //! interpreter to the bit.
+//!
+//! An elementary function costs as much as a dozen products, and is often asked for what it was
+//! asked last: what rests stays the same from one evaluation to the next, and equal parts of a
+//! machine ask for the same in a row. So each place that calls one remembers its last arguments and
+//! result, and looks at the memory of the place before it too.
 
-use cranelift::codegen::ir::{FuncRef, Inst, SigRef};
+use cranelift::codegen::ir::{BlockArg, FuncRef, SigRef};
 use cranelift::prelude::*;
+
+use crate::base::index::FastMap;
 
 use crate::ir::expr::{Binary, Unary};
 use crate::ir::program::{Instr, Op, Slot};
+use crate::symbolic::eval;
 
 use super::external;
 
@@ -26,6 +34,11 @@ pub struct Known {
     touched: Vec<Slot>,
     /// The values of literals, which no tape writes.
     literals: Vec<Option<f64>>,
+    /// What the places that call elementary functions remember before the first call: arguments,
+    /// then the result.
+    pub memo: Vec<f64>,
+    /// The last place that calls a function, by address.
+    places: FastMap<usize, i32>,
 }
 
 impl Known {
@@ -36,6 +49,8 @@ impl Known {
             truths: vec![None; cells],
             touched: Vec::new(),
             literals: vec![None; cells],
+            memo: Vec::new(),
+            places: FastMap::default(),
         };
         for &(slot, value) in literals {
             known.literals[slot as usize] = Some(value);
@@ -51,12 +66,13 @@ impl Known {
     }
 }
 
-/// A function in the making, `fn(memory: *mut f64) -> u32`.
+/// A function in the making, `fn(memory: *mut f64, memo: *mut f64) -> u32`.
 pub struct Cells<'a, 'k> {
     /// Its instructions.
     pub build: FunctionBuilder<'a>,
     known: &'k mut Known,
     memory: Value,
+    memo: Value,
     call_conv: isa::CallConv,
     signatures: [Option<SigRef>; 2],
 }
@@ -71,9 +87,10 @@ impl<'a, 'k> Cells<'a, 'k> {
         let entry = build.create_block();
         build.append_block_params_for_function_params(entry);
         build.switch_to_block(entry);
-        let memory = build.block_params(entry)[0];
+        let parameters = build.block_params(entry);
+        let (memory, memo) = (parameters[0], parameters[1]);
         known.forget();
-        Cells { build, known, memory, call_conv, signatures: [None; 2] }
+        Cells { build, known, memory, memo, call_conv, signatures: [None; 2] }
     }
 
     /// Forgets which registers hold what: where paths meet, and where something else may have
@@ -122,9 +139,9 @@ impl<'a, 'k> Cells<'a, 'k> {
         truth
     }
 
-    /// Calls a function of the module with the memory; what it returns.
+    /// Calls a function of the module; what it returns.
     pub fn call(&mut self, function: FuncRef) -> Value {
-        let call = self.build.ins().call(function, &[self.memory]);
+        let call = self.build.ins().call(function, &[self.memory, self.memo]);
         self.forget();
         self.build.inst_results(call)[0]
     }
@@ -198,9 +215,13 @@ impl<'a, 'k> Cells<'a, 'k> {
                 self.build.ins().sqrt(a)
             }
             Unary::Ordinal => self.get(i.a),
-            _ => {
+            Unary::Sign | Unary::Floor | Unary::Ceil | Unary::ToInteger => {
                 let a = self.get(i.a);
                 self.external(external::unary(op), &[a])
+            }
+            _ => {
+                let a = self.get(i.a);
+                self.remembered(external::unary(op), &[a], eval::unary(op, 0.0))
             }
         };
         self.set(i.dst, value);
@@ -239,8 +260,11 @@ impl<'a, 'k> Cells<'a, 'k> {
             Binary::Max => self.extreme(FloatCC::GreaterThan, a, b),
             Binary::Pow => match self.known.literals[i.b as usize] {
                 Some(n) if n.fract() == 0.0 && n.abs() <= LONGEST_PRODUCT => self.product(a, n),
-                _ => self.external(external::binary(op), &[a, b]),
+                _ => self.remembered(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0)),
             },
+            Binary::Atan2 => {
+                self.remembered(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0))
+            }
             _ => self.external(external::binary(op), &[a, b]),
         };
         self.set(i.dst, value);
@@ -293,10 +317,90 @@ impl<'a, 'k> Cells<'a, 'k> {
     /// Calls a function of Rust. No register outlives it: what is needed after it is read from the
     /// memory again, as it would be from the stack.
     fn external(&mut self, address: usize, arguments: &[Value]) -> Value {
+        let result = self.call_address(address, arguments);
+        self.forget();
+        result
+    }
+
+    /// As `external`, unless the arguments are those of the last call here, or of the last call of
+    /// the same function in the place before. `at_zero` is the result where all arguments are zero.
+    fn remembered(&mut self, address: usize, arguments: &[Value], at_zero: f64) -> Value {
+        let size = size_of::<f64>() as i32;
+        let place = self.known.memo.len() as i32 * size;
+        self.known.memo.extend(std::iter::repeat_n(0.0, arguments.len()));
+        self.known.memo.push(at_zero);
+        let before = self.known.places.insert(address, place);
+
+        let keys: Vec<Value> = arguments.iter().map(|a| self.bits(*a)).collect();
+        let (same, other, done) =
+            (self.build.create_block(), self.build.create_block(), self.build.create_block());
+        let result = self.build.append_block_param(done, types::F64);
+        let result_of = |place: i32| place + arguments.len() as i32 * size;
+        let trusted = MemFlagsData::trusted();
+
+        let unchanged = self.holds(place, &keys);
+        self.build.ins().brif(unchanged, same, &[], other, &[]);
+        self.build.switch_to_block(same);
+        let known = self.build.ins().load(types::F64, trusted, self.memo, result_of(place));
+        self.build.ins().jump(done, &[BlockArg::Value(known)]);
+
+        self.build.switch_to_block(other);
+        for (k, key) in keys.iter().enumerate() {
+            self.build.ins().store(trusted, *key, self.memo, place + k as i32 * size);
+        }
+        let found = match before {
+            None => self.call_address(address, arguments),
+            Some(before) => {
+                let (equal, new, found) = (
+                    self.build.create_block(),
+                    self.build.create_block(),
+                    self.build.create_block(),
+                );
+                let result = self.build.append_block_param(found, types::F64);
+                let as_before = self.holds(before, &keys);
+                self.build.ins().brif(as_before, equal, &[], new, &[]);
+                self.build.switch_to_block(equal);
+                let known =
+                    self.build.ins().load(types::F64, trusted, self.memo, result_of(before));
+                self.build.ins().jump(found, &[BlockArg::Value(known)]);
+                self.build.switch_to_block(new);
+                let computed = self.call_address(address, arguments);
+                self.build.ins().jump(found, &[BlockArg::Value(computed)]);
+                self.build.switch_to_block(found);
+                result
+            }
+        };
+        self.build.ins().store(trusted, found, self.memo, result_of(place));
+        self.build.ins().jump(done, &[BlockArg::Value(found)]);
+        self.build.switch_to_block(done);
+        self.forget();
+        result
+    }
+
+    fn bits(&mut self, value: Value) -> Value {
+        self.build.ins().bitcast(types::I64, MemFlagsData::new(), value)
+    }
+
+    /// Whether a place remembers just these arguments, to the bit.
+    fn holds(&mut self, place: i32, keys: &[Value]) -> Value {
+        let mut all = None;
+        for (k, key) in keys.iter().enumerate() {
+            let at = place + k as i32 * size_of::<f64>() as i32;
+            let flags = MemFlagsData::trusted();
+            let known = self.build.ins().load(types::I64, flags, self.memo, at);
+            let equal = self.build.ins().icmp(IntCC::Equal, known, *key);
+            all = Some(match all {
+                None => equal,
+                Some(so_far) => self.build.ins().band(so_far, equal),
+            });
+        }
+        all.unwrap_or_else(|| self.build.ins().iconst(types::I8, 0))
+    }
+
+    fn call_address(&mut self, address: usize, arguments: &[Value]) -> Value {
         let signature = self.signature(arguments.len());
         let address = self.build.ins().iconst(types::I64, address as i64);
-        let call: Inst = self.build.ins().call_indirect(signature, address, arguments);
-        self.forget();
+        let call = self.build.ins().call_indirect(signature, address, arguments);
         self.build.inst_results(call)[0]
     }
 

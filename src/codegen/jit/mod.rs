@@ -64,7 +64,7 @@ pub enum Untranslated {
 }
 
 /// One stretch of a tape: computes in the memory; returns 0 or the number of a fault.
-type Stretch = unsafe extern "C" fn(memory: *mut f64) -> u32;
+type Stretch = unsafe extern "C" fn(memory: *mut f64, memo: *mut f64) -> u32;
 
 /// A part of a tape.
 enum Piece {
@@ -83,11 +83,17 @@ pub struct Between {
     pub which: usize,
 }
 
+/// What the machine code of one run remembers of elementary functions: only what was computed, so
+/// it never has to be forgotten.
+#[derive(Clone, Debug)]
+pub struct Memo(Vec<f64>);
+
 /// The machine code of a program.
 pub struct MachineCode {
     source: Source,
     tapes: Vec<Vec<Piece>>,
     faults: Vec<Fault>,
+    memo: Memo,
     module: ManuallyDrop<JITModule>,
 }
 
@@ -109,25 +115,35 @@ impl MachineCode {
         self.source.is_of(program)
     }
 
+    /// What a run remembers before it begins.
+    pub fn memo(&self) -> Memo {
+        self.memo.clone()
+    }
+
     /// Runs a tape from piece `at` until something is to be done in Rust, or to its end; says what,
-    /// and the piece after it. Panics if the memory is not that of the program, which is a bug.
+    /// and the piece after it. Panics if the memory is not that of the program, or `memo` not of this
+    /// machine code, which is a bug.
     pub fn run(
         &self,
         tape: u32,
         at: usize,
         memory: &mut [f64],
+        memo: &mut Memo,
     ) -> Result<Option<(Between, usize)>, Fault> {
         assert!(memory.len() >= self.source.cells, "the memory of another program");
+        assert!(memo.0.len() == self.memo.0.len(), "the memo of another program");
         for (k, piece) in self.tapes[tape as usize].iter().enumerate().skip(at) {
             match *piece {
-                // SAFETY: the code was made by `Translator` for `source`, which was verified: it
-                // reads and writes the cells below `source.cells` alone, all of which `memory`
-                // holds, and calls nothing but itself and `external`. It is not given back before
-                // `self` is dropped.
-                Piece::Stretch(stretch) => match unsafe { stretch(memory.as_mut_ptr()) } {
-                    0 => {}
-                    fault => return Err(self.faults[fault as usize - 1]),
-                },
+                Piece::Stretch(stretch) => {
+                    // SAFETY: the code was made by `Translator` for `source`, which was verified: it
+                    // reads and writes the cells below `source.cells` alone, all of which `memory`
+                    // holds, and the places of `self.memo`, as many as `memo` has; it calls nothing
+                    // but itself and `external`. It is not given back before `self` is dropped.
+                    match unsafe { stretch(memory.as_mut_ptr(), memo.0.as_mut_ptr()) } {
+                        0 => {}
+                        fault => return Err(self.faults[fault as usize - 1]),
+                    }
+                }
                 Piece::Between(op, which) => return Ok(Some((Between { op, which }, k + 1))),
             }
         }
@@ -179,7 +195,7 @@ impl Translator<'_> {
         for tape in &source.tapes {
             planned.push(translator.tape(tape, given_up)?);
         }
-        let Translator { mut module, faults, .. } = translator;
+        let Translator { mut module, faults, known, .. } = translator;
         module.finalize_definitions().map_err(refused)?;
         let resolve = |planned: Planned| match planned {
             Planned::Stretch(id) => {
@@ -191,7 +207,8 @@ impl Translator<'_> {
         };
         let tapes =
             planned.into_iter().map(|tape| tape.into_iter().map(resolve).collect()).collect();
-        Ok(MachineCode { tapes, faults: faults.0, module: ManuallyDrop::new(module), source })
+        let memo = Memo(known.memo);
+        Ok(MachineCode { tapes, faults: faults.0, memo, module: ManuallyDrop::new(module), source })
     }
 
     fn new(source: &Source) -> Result<Translator<'_>, Untranslated> {
@@ -201,7 +218,8 @@ impl Translator<'_> {
         }
         let module = JITModule::new(builder(source)?);
         let mut signature = module.make_signature();
-        signature.params.push(AbiParam::new(module.target_config().pointer_type()));
+        let pointer = AbiParam::new(module.target_config().pointer_type());
+        signature.params = vec![pointer, pointer];
         signature.returns.push(AbiParam::new(types::I32));
         Ok(Translator {
             source,

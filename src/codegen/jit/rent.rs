@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::source::Source;
-use super::{MachineCode, Translator};
+use super::{MachineCode, Memo, Translator};
 use crate::ir::program::Program;
 
 /// Interpretations of an instruction that cost as much as its translation.
@@ -45,8 +45,8 @@ impl PartialEq for Execution {
 pub enum Code {
     /// There will never be any.
     Interpreted,
-    /// This.
-    Machine(Arc<MachineCode>),
+    /// This, and what it remembers.
+    Machine(Arc<MachineCode>, Memo),
     /// Interpreted so far.
     Rented(Rent),
 }
@@ -69,7 +69,7 @@ impl Code {
     pub fn of(program: &Program, execution: &Execution) -> Code {
         match execution {
             Execution::Interpreted => Code::Interpreted,
-            Execution::Machine(code) if code.is_of(program) => Code::Machine(Arc::clone(code)),
+            Execution::Machine(code) if code.is_of(program) => Code::with(Arc::clone(code)),
             Execution::Machine(_) => Code::Interpreted,
             Execution::Adaptive => {
                 let instructions: usize = program.tapes().iter().map(|(_, t)| t.len()).sum();
@@ -79,9 +79,14 @@ impl Code {
         }
     }
 
-    /// The machine code, if it is there; else notes that `instructions` more are interpreted.
+    fn with(code: Arc<MachineCode>) -> Code {
+        let memo = code.memo();
+        Code::Machine(code, memo)
+    }
+
+    /// True if the machine code is there; else notes that `instructions` more are interpreted.
     #[inline]
-    pub fn machine(&mut self, program: &Program, instructions: usize) -> Option<&MachineCode> {
+    pub fn is_there(&mut self, program: &Program, instructions: usize) -> bool {
         if let Code::Rented(rent) = self {
             rent.spent += instructions as u64;
             if rent.spent >= rent.price
@@ -90,10 +95,7 @@ impl Code {
                 *self = code;
             }
         }
-        match self {
-            Code::Machine(code) => Some(code),
-            _ => None,
-        }
+        matches!(self, Code::Machine(..))
     }
 }
 
@@ -108,7 +110,7 @@ impl Rent {
             return self.order.is_none().then_some(Code::Interpreted);
         };
         let outcome = order.done.get()?;
-        Some(outcome.clone().map_or(Code::Interpreted, Code::Machine))
+        Some(outcome.clone().map_or(Code::Interpreted, Code::with))
     }
 }
 
