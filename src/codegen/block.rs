@@ -3,7 +3,7 @@
 use crate::base::index::{FastSet, Id};
 use crate::ir::blocks::{Assignment, Block, Source, Torn};
 use crate::ir::dae::Kind;
-use crate::ir::expr::{Type, VarId};
+use crate::ir::expr::{ExprId, Type, VarId};
 use crate::ir::program::{BlockPlace, Entry, Loop, Op, Slot, Solver, Watched, source_span};
 
 use super::emit::{Emitter, HELD, PARAMETER};
@@ -67,6 +67,7 @@ fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
         e.levels[v.idx()] = e.levels[v.idx()].map(|l| if l == inside { target } else { l });
     }
     let nominals = torn.unknowns.iter().map(|v| nominal(e, *v)).collect();
+    let bounds = torn.unknowns.iter().map(|v| bounds(e, *v)).collect();
     let solver = Solver {
         slots: torn.unknowns.iter().map(|v| e.slot(*v)).collect(),
         unknowns: torn.unknowns.clone(),
@@ -75,6 +76,7 @@ fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
         jacobian_tape,
         jacobian,
         nominals,
+        bounds,
         linear: torn.linear,
         place,
     };
@@ -140,4 +142,15 @@ pub fn nominal(e: &mut Emitter, v: VarId) -> Slot {
         Some(value) if e.level_of(&[value], |_| false) == PARAMETER => e.emit(value).0,
         _ => e.literal(1.0),
     }
+}
+
+/// The cells of the least and the greatest value of a variable; infinite where it has none.
+fn bounds(e: &mut Emitter, v: VarId) -> (Slot, Slot) {
+    let variable = &e.dae.variables[v];
+    let (min, max) = (variable.min, variable.max);
+    let mut cell = |bound: Option<ExprId>, none: f64| match bound {
+        Some(value) if e.level_of(&[value], |_| false) == PARAMETER => e.emit(value).0,
+        _ => e.literal(none),
+    };
+    (cell(min, f64::NEG_INFINITY), cell(max, f64::INFINITY))
 }

@@ -9,6 +9,7 @@ use crate::symbolic::eval;
 
 use super::jit::rent::{Code, Execution};
 use super::solve::{ImplicitWork, SolverWork};
+use super::tangent::Tangents;
 
 /// Repetitions of a mixed block before it is given up.
 pub const LOOP_LIMIT: u32 = 100;
@@ -82,6 +83,8 @@ pub struct Instance<'p> {
     /// Arguments outside of the domain of a function are moved to its border.
     pub inside: bool,
     code: Code,
+    /// While it is here, every tape that runs is followed by its derivatives.
+    pub tangents: Option<Box<Tangents>>,
     solvers: Vec<Option<Box<SolverWork>>>,
     implicits: Vec<Option<Box<ImplicitWork>>>,
     resting: Vec<Vec<f64>>,
@@ -98,6 +101,7 @@ impl<'p> Instance<'p> {
             fault: None,
             inside: false,
             code: Code::Interpreted,
+            tangents: None,
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
                 .implicits
@@ -146,6 +150,15 @@ impl<'p> Instance<'p> {
         self.memory[slot as usize] = value;
     }
 
+    /// Copies a cell, and its derivatives if they are followed.
+    #[inline]
+    pub fn copy(&mut self, to: Slot, from: Slot) {
+        self.memory[to as usize] = self.memory[from as usize];
+        if let Some(tangents) = &mut self.tangents {
+            tangents.copy(to, from);
+        }
+    }
+
     /// The value of a variable.
     pub fn value(&self, v: VarId) -> f64 {
         self.memory[self.program.layout.variables[v.idx()] as usize]
@@ -186,8 +199,13 @@ impl<'p> Instance<'p> {
         fault
     }
 
-    /// Runs a tape.
+    /// Runs a tape, and after it its derivatives if they are followed.
     pub fn run(&mut self, tape: &'p Tape) -> Result<(), Fault> {
+        if let Some(mut tangents) = self.tangents.take() {
+            let outcome = self.run(tape).and_then(|()| tangents.follow(self, tape));
+            self.tangents = Some(tangents);
+            return outcome;
+        }
         if self.inside {
             return self.run_in::<true>(tape);
         }
@@ -340,7 +358,7 @@ pub fn watched_slot(w: Watched) -> Slot {
 
 /// An instruction that only computes.
 #[inline]
-fn step<const INSIDE: bool>(memory: &mut [f64], i: &Instr) {
+pub fn step<const INSIDE: bool>(memory: &mut [f64], i: &Instr) {
     let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
     memory[i.dst as usize] = match i.op {
         Op::Copy => a,

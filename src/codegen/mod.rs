@@ -21,6 +21,7 @@ pub mod scale;
 pub mod selection;
 pub mod sequence;
 pub mod solve;
+pub mod tangent;
 
 #[cfg(test)]
 mod tests;
@@ -91,6 +92,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         asserts: emitter.asserts,
         terminates: emitter.terminates,
         reads_terminal: emitter.reads_terminal,
+        continuation: None,
     };
     program.number_tapes();
     Ok(program)

@@ -53,6 +53,7 @@ fn read_elsewhere(program: &Program) -> Vec<bool> {
     let entry = |e: &Entry| e.slot;
     for s in &program.solvers {
         s.slots.iter().chain(&s.residuals).chain(&s.nominals).for_each(|c| mark(*c));
+        s.bounds.iter().for_each(|(min, max)| [*min, *max].into_iter().for_each(&mut mark));
         s.jacobian.iter().map(entry).for_each(&mut mark);
     }
     for i in &program.implicits {

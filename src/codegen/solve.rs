@@ -15,6 +15,7 @@ pub struct SolverWork {
     z: Vec<f64>,
     start: Vec<f64>,
     nominal: Vec<f64>,
+    bounds: Vec<(f64, f64)>,
 }
 
 enum Method {
@@ -41,7 +42,13 @@ impl SolverWork {
         } else {
             Method::Newton(Newton::new(n))
         };
-        SolverWork { method, z: vec![0.0; n], start: vec![0.0; n], nominal: vec![1.0; n] }
+        SolverWork {
+            method,
+            z: vec![0.0; n],
+            start: vec![0.0; n],
+            nominal: vec![1.0; n],
+            bounds: vec![(0.0, 0.0); n],
+        }
     }
 
     /// Solves block `k` and leaves all its variables in the memory.
@@ -55,11 +62,21 @@ impl SolverWork {
                     self.start[j] = self.z[j];
                     let size = instance.get(solver.nominals[j]).abs();
                     self.nominal[j] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+                    let (min, max) = solver.bounds[j];
+                    self.bounds[j] = (instance.get(min), instance.get(max));
                 }
-                let region = Region { nominal: &self.nominal, bounds: None };
+                let bounded = self.bounds.iter().any(|(a, b)| a.is_finite() || b.is_finite());
+                let bounds = bounded.then_some(&self.bounds[..]);
+                let mut region = Region { nominal: &self.nominal, bounds };
                 let mut equations = BlockEquations { instance, solver: k, fault: None };
-                let ending =
-                    newton.solve(&mut equations, &mut self.z, region, &Settings::default());
+                let settings = Settings::default();
+                let mut ending = newton.solve(&mut equations, &mut self.z, region, &settings);
+                if bounded && !matches!(ending, Ending::Converged { .. }) {
+                    // Bounds lead away from what makes no sense; that nothing lies beyond them is for
+                    // assertions to say.
+                    region.bounds = None;
+                    ending = newton.solve(&mut equations, &mut self.z, region, &settings);
+                }
                 let fault = equations.fault;
                 judge(ending, k, fault)?;
             }

@@ -5,14 +5,17 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
+use crate::base::index::FastMap;
 use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
 use crate::instantiate::{Context, ROOT};
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::blocks::Blocks;
+use crate::ir::dae::Kind;
+use crate::ir::expr::{Type, VarId};
 use crate::ir::flat::FlatModel;
 use crate::ir::instance::ClassId;
-use crate::ir::program::Program;
+use crate::ir::program::{Continuation, Program};
 use crate::resolve::library::Library;
 
 /// What to compile.
@@ -107,8 +110,11 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
         let flat = self.flatten(request)?;
+        let between = crate::lower::homotopy::between(&flat);
         let blocks = self.sort(flat)?;
-        self.generate(blocks)
+        let mut program = self.generate(blocks)?;
+        program.continuation = between.and_then(|flat| continuation(flat, &program)).map(Box::new);
+        Ok(program)
     }
 
     fn checked(&self, wrong: Wrong) -> Result<(), Wrong> {
@@ -133,6 +139,26 @@ impl Session {
         library.add_file(&file, &self.sources, &mut self.problems);
         Ok(Some(Arc::new(file)))
     }
+}
+
+/// The program that leads from simplified equations to a start of `program`. That it can not be
+/// compiled is no fault of the model: it has a program without it.
+fn continuation(flat: FlatModel, program: &Program) -> Option<Continuation> {
+    let mut quiet = Problems::new();
+    let dae = crate::lower::lower(flat, &mut quiet)?;
+    let blocks = crate::structure::structure(dae, &mut quiet)?;
+    let between = crate::codegen::compile(blocks).ok()?;
+    let by_name: FastMap<&str, VarId> =
+        between.blocks.dae.variables.enumerate().map(|(v, x)| (x.name.as_str(), v)).collect();
+    let lambda = *by_name.get(crate::lower::homotopy::LAMBDA)?;
+    let variables = program.blocks.dae.variables.enumerate();
+    let continuous = variables.filter(|(_, x)| {
+        x.ty == Type::Real && matches!(x.kind, Kind::Algebraic | Kind::Differentiated { .. })
+    });
+    let cells = continuous
+        .filter_map(|(v, x)| Some((between.slot(*by_name.get(x.name.as_str())?), program.slot(v))))
+        .collect();
+    Some(Continuation { program: between, lambda, cells })
 }
 
 fn unreadable(path: &Path, why: &str) -> Diagnostic {

@@ -23,6 +23,7 @@ pub mod radau;
 pub mod stats;
 pub mod stepper;
 pub mod system;
+pub mod variational;
 
 #[cfg(test)]
 mod problems;

@@ -205,6 +205,11 @@ impl Graph {
         self.nodes.len()
     }
 
+    /// All nodes.
+    pub fn ids(&self) -> impl Iterator<Item = ExprId> {
+        self.nodes.ids()
+    }
+
     /// True without nodes.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()

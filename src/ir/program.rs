@@ -131,6 +131,8 @@ pub struct Solver {
     pub jacobian: Vec<Entry>,
     /// Cells of the typical sizes of the unknowns.
     pub nominals: Vec<Slot>,
+    /// Cells of the least and the greatest value of the unknowns.
+    pub bounds: Vec<(Slot, Slot)>,
     /// Solved by one linear solution instead of Newton iterations.
     pub linear: bool,
     /// The block this was made from.
@@ -371,6 +373,19 @@ pub struct Program {
     pub terminates: Vec<Slot>,
     /// `terminal()` is read somewhere: the run ends with an event.
     pub reads_terminal: bool,
+    /// The way to the start from a simplified system, if the model offers one.
+    pub continuation: Option<Box<Continuation>>,
+}
+
+/// The model with `(1 - lambda) simplified + lambda actual` for each `homotopy(actual, simplified)`.
+#[derive(Clone)]
+pub struct Continuation {
+    /// Its program.
+    pub program: Program,
+    /// The parameter.
+    pub lambda: VarId,
+    /// Cells of the continuous variables of the model there, and in the program itself.
+    pub cells: Vec<(Slot, Slot)>,
 }
 
 impl Program {

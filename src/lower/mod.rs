@@ -8,6 +8,7 @@ pub mod alias;
 pub mod classify;
 pub mod error;
 pub mod event;
+pub mod homotopy;
 pub mod initial;
 pub mod jump;
 pub mod parameter;

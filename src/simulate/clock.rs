@@ -49,6 +49,16 @@ impl Clocks {
         any
     }
 
+    /// The first clock whose next tick is `near`, with the number of that tick.
+    pub fn ticking(
+        &self,
+        instance: &Instance<'_>,
+        near: impl Fn(f64) -> bool,
+    ) -> Option<(usize, f64)> {
+        let k = (0..self.next.len()).find(|k| near(self.tick(instance, *k)))?;
+        Some((k, self.next[k] as f64))
+    }
+
     /// Lowers all flags.
     pub fn lower(&self, instance: &mut Instance<'_>) {
         for k in 0..self.next.len() {

@@ -210,7 +210,7 @@ pub fn sweep<'p>(
 pub fn remember(instance: &mut Instance<'_>) {
     for k in 0..instance.program.layout.pre.len() {
         let (_, slot, pre) = instance.program.layout.pre[k];
-        instance.set(pre, instance.get(slot));
+        instance.copy(pre, slot);
     }
 }
 
@@ -288,7 +288,7 @@ fn apply_reinits(instance: &mut Instance<'_>) -> bool {
     let mut any = false;
     for r in &instance.program.reinits {
         if instance.get(r.active) != 0.0 {
-            instance.set(r.state, instance.get(r.value));
+            instance.copy(r.state, r.value);
             any = true;
         }
     }

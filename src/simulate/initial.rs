@@ -3,9 +3,11 @@
 use crate::codegen::interp::Instance;
 use crate::ir::dae::Kind;
 use crate::ir::expr::VarId;
+use crate::ir::program::Slot;
 
 use super::clock::Clocks;
 use super::events::{Settled, Unsettled, remember, settle, sweep};
+use super::homotopy;
 use super::selection::Selection;
 use super::settings::Settings;
 
@@ -28,12 +30,29 @@ impl From<Unsettled> for NoStart {
     }
 }
 
-/// Gives every variable its value at the start.
-pub fn initialise(
+/// What a run begins with.
+pub type Start = (Clocks, Selection, Settled);
+
+/// Gives every variable its value at the start: from the guesses of the model, and if they lead
+/// nowhere, from the solution of the simplified system that it may offer.
+pub fn initialise(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start, NoStart> {
+    let begun = initialise_from(instance, settings, &[]);
+    let (Err(NoStart::Unsettled(_)), Some(continuation)) = (&begun, &instance.program.continuation)
+    else {
+        return begun;
+    };
+    let Some(guess) = homotopy::follow(continuation, settings) else { return begun };
+    initialise_from(instance, settings, &guess)
+}
+
+/// Gives every variable its value at the start, where iterations begin at the guesses for some cells.
+pub fn initialise_from(
     instance: &mut Instance<'_>,
     settings: &Settings,
-) -> Result<(Clocks, Selection, Settled), NoStart> {
+    guess: &[(Slot, f64)],
+) -> Result<Start, NoStart> {
     let program = instance.program;
+    instance.memory.copy_from_slice(&program.image);
     for &(v, value) in &settings.parameters {
         if !instance.set_parameter(v, value) {
             return Err(NoStart::NotAnInput(v));
@@ -61,9 +80,12 @@ pub fn initialise(
     }
     // Start values are the guesses of iterations, and what `pre` is before the first event.
     for &(v, _, start) in &program.layout.starts {
-        instance.set(program.slot(v), instance.get(start));
+        instance.copy(program.slot(v), start);
     }
     remember(instance);
+    for &(slot, value) in guess {
+        instance.set(slot, value);
+    }
     sweep(instance, &program.initial, &program.late_initial)?;
     let selection = Selection::begin(instance).map_err(Unsettled::Fault)?;
     instance.set(program.layout.initial, 0.0);

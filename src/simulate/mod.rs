@@ -7,14 +7,18 @@
 //!
 //! Sources: Modelica specification 3.6, appendix B (the hybrid system), section 8.6 (initialisation),
 //! section 3.7.5 (`sample`, `pre`, `edge`).
+pub mod assertion;
 pub mod clock;
 pub mod error;
 pub mod events;
 pub mod explain;
+pub mod homotopy;
 pub mod initial;
+pub mod meeting;
 pub mod record;
 pub mod run;
 pub mod selection;
+pub mod sensitivity;
 pub mod settings;
 pub mod sliding;
 pub mod system;

@@ -12,6 +12,8 @@ pub trait Sink {
     fn begin(&mut self, columns: Vec<Column>);
     /// One value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
+    /// The derivatives of the last row, if the run is differentiated: value by value, input by input.
+    fn slopes(&mut self, _slopes: &[f64]) {}
     /// Something happened.
     fn event(&mut self, event: Event);
 }

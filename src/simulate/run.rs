@@ -9,31 +9,20 @@ use crate::integrate::outcome::Step;
 use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::ir::expr::{Binary, Const, ExprId};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
 use super::clock::Clocks;
-use super::error::{Failure, FailureKind, no_start, of_fault, of_integration, unsettled};
+use super::error::{Failure, no_start, of_fault, of_integration, unsettled};
 use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
+use super::meeting::Recent;
 use super::record::{Recorder, Sink, columns};
 use super::selection::{LIMIT, Selection};
+use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
-use super::sliding::Sliding;
 use super::system::{Model, of_domain};
-
-/// So many events in so short a time are chattering, not physics.
-const CHATTER_EVENTS: usize = 64;
-/// The short time, as a part of the whole run.
-const CHATTER_SPAN: f64 = 1e-7;
-
-/// So many events of one relation alone in the short time, and its two sides are asked whether they
-/// meet.
-const MEETING_EVENTS: u32 = 4;
-/// Halvings of a step to find the end of a motion along a surface.
-const HALVINGS: u32 = 50;
 
 /// Tolerances are not sharpened beyond this.
 const SHARPEST: f64 = 1e-12;
@@ -92,11 +81,40 @@ pub fn simulate_to(
     sources: &SourceMap,
     sink: &mut dyn Sink,
 ) -> Result<Statistics, Failure> {
+    run_to(program, settings, &[], sources, sink)
+}
+
+/// As [`simulate_to`], and after each row hands over the derivatives of its values by the inputs
+/// ([`Sink::slopes`]). They are right across events; a solution that slides along the surface of a
+/// relation has none here, which is a failure.
+pub fn simulate_with_sensitivities(
+    program: &Program,
+    settings: &Settings,
+    inputs: &[Input],
+    sources: &SourceMap,
+    sink: &mut dyn Sink,
+) -> Result<Statistics, Failure> {
+    let Some(settings) = with_inputs(program, settings, inputs) else {
+        return Err(Failure::settings(
+            "a run can be differentiated by its inputs only: parameters and starts that are no constants"
+                .to_owned(),
+        ));
+    };
+    run_to(program, &settings, inputs, sources, sink)
+}
+
+fn run_to(
+    program: &Program,
+    settings: &Settings,
+    inputs: &[Input],
+    sources: &SourceMap,
+    sink: &mut dyn Sink,
+) -> Result<Statistics, Failure> {
     if let Some(what) = settings.fault() {
         return Err(Failure::settings(what));
     }
     let begun = Instant::now();
-    let mut simulation = Simulation::begin(program, settings, sources, sink)?;
+    let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
     simulation.run()?;
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
@@ -105,40 +123,34 @@ pub fn simulate_to(
 }
 
 /// A run under way.
-struct Simulation<'p, 's> {
-    program: &'p Program,
-    sources: &'s SourceMap,
-    sink: &'s mut dyn Sink,
-    model: Model<'p>,
-    stepper: Radau,
-    clocks: Clocks,
-    selection: Selection,
-    search: Search,
-    recorder: Recorder,
-    statistics: Statistics,
-    start: f64,
-    stop: f64,
-    t: f64,
-    y: Vec<f64>,
-    warned: Vec<bool>,
-    texts: Vec<Option<String>>,
-    recent: Recent,
-    ended: bool,
-}
-
-/// The times of the last events, to notice chattering.
-struct Recent {
-    times: [f64; CHATTER_EVENTS],
-    at: usize,
-    span: f64,
-    /// The last relation that switched alone, how often in a row, and since when.
-    alone: Option<(u32, u32, f64)>,
+pub struct Simulation<'p, 's> {
+    pub(super) program: &'p Program,
+    pub(super) sources: &'s SourceMap,
+    pub(super) sink: &'s mut dyn Sink,
+    pub(super) model: Model<'p>,
+    pub(super) stepper: Radau,
+    pub(super) clocks: Clocks,
+    pub(super) selection: Selection,
+    pub(super) search: Search,
+    pub(super) recorder: Recorder,
+    pub(super) statistics: Statistics,
+    pub(super) start: f64,
+    pub(super) stop: f64,
+    pub(super) t: f64,
+    pub(super) y: Vec<f64>,
+    pub(super) warned: Vec<bool>,
+    pub(super) texts: Vec<Option<String>>,
+    pub(super) recent: Recent,
+    pub(super) ended: bool,
+    pub(super) sensitivity: Option<Box<Sensitivity>>,
 }
 
 /// What leads to an event.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Cause {
+pub enum Cause {
+    /// A relation on the trajectory switches.
     State,
+    /// An instant known in advance.
     Time,
 }
 
@@ -146,13 +158,25 @@ impl<'p, 's> Simulation<'p, 's> {
     fn begin(
         program: &'p Program,
         settings: &Settings,
+        inputs: &[Input],
         sources: &'s SourceMap,
         sink: &'s mut dyn Sink,
     ) -> Result<Self, Failure> {
         let mut model = Model::new(program);
         model.instance.execute(&settings.execution);
         let t = settings.start;
+        let mut sensitivity = None;
+        if !inputs.is_empty() {
+            sensitivity = Sensitivity::new(&model, inputs).map(Box::new);
+        }
+        if let Some(s) = &mut sensitivity {
+            s.attach(&mut model.instance);
+        }
         let begun = initialise(&mut model.instance, settings);
+        if let Some(s) = &mut sensitivity {
+            s.detach(&mut model.instance);
+            s.stand(program, t);
+        }
         let (clocks, selection, settled) = begun.map_err(|e| no_start(&model.instance, e, t))?;
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
@@ -161,7 +185,6 @@ impl<'p, 's> Simulation<'p, 's> {
             .map_err(|e| Failure::settings(e.to_string()))?;
         let recorder = Recorder::new(program, t, settings.stop, settings.interval);
         sink.begin(columns(program));
-        let span = CHATTER_SPAN * (settings.stop - settings.start);
         let mut simulation = Simulation {
             program,
             sources,
@@ -179,8 +202,9 @@ impl<'p, 's> Simulation<'p, 's> {
             y,
             warned: vec![false; program.asserts.len()],
             texts: vec![None; program.watches.len()],
-            recent: Recent { times: [f64::NEG_INFINITY; CHATTER_EVENTS], at: 0, span, alone: None },
+            recent: Recent::new(settings.stop - settings.start),
             ended: false,
+            sensitivity,
         };
         simulation.record(t)?;
         simulation.check_assertions(t)?;
@@ -198,6 +222,9 @@ impl<'p, 's> Simulation<'p, 's> {
             if self.model.beyond && switched.is_none() && self.has_left_the_domain() {
                 // No relation would have kept the step inside: so must the step itself.
                 self.stepper.interpolate(self.t, &mut self.y);
+                if let Some(s) = &mut self.sensitivity {
+                    s.restart(self.t);
+                }
                 self.model.strict = true;
                 let repeated = self.restart().and_then(|()| self.step(t_stop));
                 self.model.strict = false;
@@ -212,6 +239,7 @@ impl<'p, 's> Simulation<'p, 's> {
                     let t = self.stepper.t();
                     self.search.heed(&self.model.instance);
                     self.check_assertions(t)?;
+                    self.vary()?;
                     self.record_grid(t, true)?;
                     self.t = t;
                     if self.select()? {
@@ -261,13 +289,14 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(matches!(step, Step::Reached { .. }))
     }
 
-    fn restart(&mut self) -> Result<(), Failure> {
+    pub(super) fn restart(&mut self) -> Result<(), Failure> {
         let begun = self.stepper.restart(&mut self.model, self.t, &self.y, JacobianMemory::Forget);
         begun.map_err(|e| of_integration(&self.model.instance, e, self.t))
     }
 
     /// Everything that happens at one instant of the last step.
     fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
+        self.vary()?;
         self.record_grid(t, false)?;
         // Whatever happens, both sides are looked at anew.
         self.model.sliding = None;
@@ -281,12 +310,20 @@ impl<'p, 's> Simulation<'p, 's> {
             self.go_to(t)?;
             self.take_row(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
+            let derivatives = self.arrive(t, cause);
             ticked |= self.clocks.raise(&mut self.model.instance, t);
             let before = self.model.instance.memory.clone();
-            let settled = match self.settle() {
+            let settled = self.settle();
+            if let Some(s) = &mut self.sensitivity {
+                s.detach(&mut self.model.instance);
+            }
+            let settled = match settled {
                 // Where relations meet, rounding may turn one by the other: a little later it will not.
                 Err(Unsettled::Restless(..)) if cause == Cause::State && t < self.stepper.t() => {
                     self.model.instance.memory.copy_from_slice(&before);
+                    if let Some(s) = &mut self.sensitivity {
+                        s.restore(derivatives.as_ref());
+                    }
                     t = (t + nudge).min(self.stepper.t());
                     nudge *= 4.0;
                     continue;
@@ -305,6 +342,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.y[..n].copy_from_slice(self.model.instance.states());
         if settled.changed {
             self.put_row(t);
+            self.depart(t)?;
             self.record(t)?;
             while self.recorder.due(t, true).is_some() {
                 self.recorder.advance();
@@ -312,6 +350,7 @@ impl<'p, 's> Simulation<'p, 's> {
         } else {
             self.record_grid(t, true)?;
             self.go_to(t)?;
+            self.depart(t)?;
         }
         let flipped = self.flipped(&held, &triggers);
         self.announce(t, cause, ticked, &flipped, settled);
@@ -324,7 +363,7 @@ impl<'p, 's> Simulation<'p, 's> {
             if !self.selection.is_empty() {
                 let evaluated = self.model.evaluate_all(t, &self.y);
                 evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-                self.renew()?;
+                self.renew(t)?;
             }
             self.restart()?;
         }
@@ -336,17 +375,28 @@ impl<'p, 's> Simulation<'p, 's> {
         if self.selection.is_empty() {
             return Ok(false);
         }
-        self.go_to(self.stepper.t())?;
-        self.renew()
+        let t = self.stepper.t();
+        self.go_to(t)?;
+        self.renew(t)
     }
 
     /// Selects states anew, if necessary, where the variables are in the memory.
-    fn renew(&mut self) -> Result<bool, Failure> {
+    fn renew(&mut self, t: f64) -> Result<bool, Failure> {
+        self.look(t)?;
+        if let Some(s) = &mut self.sensitivity {
+            s.attach(&mut self.model.instance);
+        }
         let renewed = self.selection.renew(&mut self.model.instance);
+        if let Some(s) = &mut self.sensitivity {
+            s.detach(&mut self.model.instance);
+        }
         let changed = renewed.map_err(|f| of_fault(&self.model.instance, f, self.t))?;
         if changed {
             self.statistics.selections += 1;
             self.y.copy_from_slice(self.model.instance.states());
+            if let Some(s) = &mut self.sensitivity {
+                s.stand(self.program, t);
+            }
         }
         Ok(changed)
     }
@@ -380,7 +430,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     /// Records the rows of the grid up to `end`.
-    fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
+    pub(super) fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
         while let Some(at) = self.recorder.due(end, inclusive) {
             self.go_to(at)?;
             self.take_row(at)?;
@@ -407,6 +457,9 @@ impl<'p, 's> Simulation<'p, 's> {
             evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
             taken = self.recorder.take(&self.model.instance);
         }
+        if taken.is_ok() {
+            self.look(t)?;
+        }
         taken.map_err(|v| {
             let reader = Reader::new(self.program, &self.model.instance.memory);
             Failure::numerics(t, reader.not_finite(v, Sequence::Continuous, t))
@@ -416,6 +469,9 @@ impl<'p, 's> Simulation<'p, 's> {
     fn put_row(&mut self, t: f64) {
         self.statistics.rows += 1;
         self.recorder.put(t, self.sink);
+        if let Some(s) = &self.sensitivity {
+            self.sink.slopes(s.slopes());
+        }
     }
 
     fn held_relations(&self) -> Vec<f64> {
@@ -468,180 +524,17 @@ impl<'p, 's> Simulation<'p, 's> {
         }
     }
 
-    fn relation_text(&mut self, k: u32) -> String {
+    pub(super) fn relation_text(&mut self, k: u32) -> String {
         let program = self.program;
         self.texts[k as usize].get_or_insert_with(|| relation_text(program, k)).clone()
     }
 
-    fn relation_span(&self, k: u32) -> Span {
+    pub(super) fn relation_span(&self, k: u32) -> Span {
         self.program.blocks.dae.relations[k as usize].origin.span
     }
 
-    fn place(&self, span: Span) -> String {
+    pub(super) fn place(&self, span: Span) -> String {
         self.sources.place(span).unwrap_or_default()
-    }
-
-    /// Stays on the surface of a relation that switched alone several times in no time, if its two
-    /// sides meet there; true if so.
-    fn slides(
-        &mut self,
-        t: f64,
-        flipped: &[(u32, bool)],
-        settled: Settled,
-    ) -> Result<bool, Failure> {
-        let &[(k, truth)] = flipped else {
-            self.recent.alone = None;
-            return Ok(false);
-        };
-        if settled.acted || self.program.watches[k as usize] != Watch::State {
-            self.recent.alone = None;
-            return Ok(false);
-        }
-        let (times, since) = match self.recent.alone {
-            Some((last, times, since)) if last == k && t - since <= self.recent.span => {
-                (times + 1, since)
-            }
-            _ => (1, t),
-        };
-        self.recent.alone = Some((k, times, since));
-        if times < MEETING_EVENTS {
-            return Ok(false);
-        }
-        let op = self.program.blocks.dae.relations[k as usize].op;
-        let rising = matches!(op, Binary::Greater | Binary::GreaterEqual);
-        let instance = &mut self.model.instance;
-        let mut sliding = Sliding::along(k, instance, self.stop - self.start);
-        let n = self.program.order();
-        let rates = sliding.rates(instance, t, &self.y[..n]);
-        if !rates.is_ok_and(|rates| rates.meet(rising)) {
-            let back = sliding.switch(instance, usize::from(truth));
-            back.map_err(|f| of_fault(&self.model.instance, f, t))?;
-            return Ok(false);
-        }
-        self.model.sliding = Some(sliding);
-        self.search.ignore(Some(k));
-        self.recent.alone = None;
-        let evaluated = self.model.evaluate_all(t, &self.y);
-        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        self.tell_of_sliding(t, k, "stays where it switches");
-        Ok(true)
-    }
-
-    /// Leaves a surface that the last step should not have followed to its end; where it left.
-    fn end_of_sliding(&mut self) -> Result<Option<f64>, Failure> {
-        let Some(mut sliding) = self.model.sliding.take() else { return Ok(None) };
-        let (mut inside, mut outside) = (self.stepper.t_previous(), self.stepper.t());
-        let n = self.program.order();
-        let mut part_at = |s: &mut Self, t: f64| {
-            s.stepper.interpolate(t, &mut s.y);
-            let rates = sliding.rates(&mut s.model.instance, t, &s.y[..n]);
-            rates.map(|r| r.part()).map_err(|f| of_fault(&s.model.instance, f, t))
-        };
-        let is_inside = |part: f64| (0.0..=1.0).contains(&part);
-        let mut part = part_at(self, outside)?;
-        if is_inside(part) {
-            self.model.sliding = Some(sliding);
-            return Ok(None);
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            let there = part_at(self, middle)?;
-            if is_inside(there) {
-                inside = middle;
-            } else {
-                (outside, part) = (middle, there);
-            }
-        }
-        let (t, k) = (outside, sliding.relation());
-        self.model.sliding = Some(sliding);
-        self.record_grid(t, true)?;
-        self.stepper.interpolate(t, &mut self.y);
-        if let Some(sliding) = self.model.sliding.take() {
-            let left = sliding.switch(&mut self.model.instance, usize::from(part > 0.5));
-            left.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        }
-        self.t = t;
-        self.tell_of_sliding(t, k, "switches again");
-        self.restart()?;
-        Ok(Some(t))
-    }
-
-    fn tell_of_sliding(&mut self, t: f64, k: u32, what: &str) {
-        let what = format!("{} {what}", self.relation_text(k));
-        let place = self.place(self.relation_span(k));
-        self.sink.event(Event { time: t, what, place });
-    }
-
-    fn guard_against_chattering(&mut self, t: f64, flipped: &[(u32, bool)]) -> Result<(), Failure> {
-        let recent = &mut self.recent;
-        let oldest = recent.times[recent.at];
-        recent.times[recent.at] = t;
-        recent.at = (recent.at + 1) % CHATTER_EVENTS;
-        if t - oldest > recent.span {
-            return Ok(());
-        }
-        let duration = t - oldest;
-        let k = flipped.first().map(|f| f.0);
-        let what =
-            k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));
-        let span = k.map_or(Span::NONE, |k| self.relation_span(k));
-        let message = format!(
-            "at time {t} s {what} switches without end: {CHATTER_EVENTS} events within {duration:e} s"
-        );
-        let diagnostic = Diagnostic::error("MO0911", span, message)
-            .label("this relation chatters")
-            .help("give the two branches a hysteresis or a smooth transition, or model the state between them (locked, resting) explicitly");
-        Err(Failure::numerics(t, diagnostic))
-    }
-
-    /// Assertions outside of when-clauses, as evaluated last.
-    fn check_assertions(&mut self, t: f64) -> Result<(), Failure> {
-        for k in 0..self.program.asserts.len() {
-            let cells = self.program.asserts[k];
-            if cells.at_events || self.model.instance.get(cells.condition) != 0.0 {
-                continue;
-            }
-            let warning = self.program.blocks.dae.asserts[k].assert.warning;
-            if !warning {
-                return Err(self.assertion(k, t));
-            }
-            if !std::mem::replace(&mut self.warned[k], true) {
-                let failure = self.assertion(k, t);
-                let severity = crate::base::diag::Severity::Warning;
-                self.statistics.warnings.push(Diagnostic { severity, ..*failure.diagnostic });
-            }
-        }
-        Ok(())
-    }
-
-    fn assertion(&self, k: usize, t: f64) -> Failure {
-        let guarded = &self.program.blocks.dae.asserts[k];
-        let reader = Reader::new(self.program, &self.model.instance.memory);
-        let message = format!("at time {t} s: {}", self.message(guarded.assert.message));
-        let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
-            .label(format!("`{}` is false", reader.text(guarded.assert.condition)));
-        Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
-    }
-
-    /// The text of a `String` expression.
-    fn message(&self, e: ExprId) -> String {
-        match self.program.blocks.dae.graph.as_const(e) {
-            Some(Const::String(text)) => text.to_string(),
-            _ => Reader::new(self.program, &self.model.instance.memory).text(e),
-        }
-    }
-
-    /// Failed assertions and terminations of an event iteration.
-    fn act_on(&mut self, settled: Settled, t: f64) -> Result<(), Failure> {
-        if let Some(k) = settled.failed {
-            return Err(self.assertion(k, t));
-        }
-        if let Some(k) = settled.terminate {
-            let message = self.program.blocks.dae.terminates[k].message;
-            self.statistics.terminated = Some(self.message(message));
-            self.ended = true;
-        }
-        Ok(())
     }
 }
 

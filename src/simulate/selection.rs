@@ -82,7 +82,7 @@ impl Selection {
             let free = (0..columns).filter(|j| !basis.chosen().contains(j));
             for (i, j) in free.enumerate().take(cells.states.len()) {
                 instance.set(cells.selection[i * columns + j], 1.0);
-                instance.set(cells.states[i], instance.get(cells.candidates[j]));
+                instance.copy(cells.states[i], cells.candidates[j]);
             }
         }
     }

@@ -2,6 +2,7 @@
 pub mod eval;
 pub mod gradient;
 pub mod linear;
+pub mod partial;
 pub mod print;
 pub mod rewrite;
 pub mod simplify;

@@ -6,8 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use mocc::base::render::{Style, render, render_all};
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::Program;
-use mocc::ir::trajectory::Trajectory;
-use mocc::simulate::run::simulate;
+use mocc::ir::trajectory::{Column, Event, Trajectory, position};
+use mocc::simulate::record::Sink;
+use mocc::simulate::run::{simulate, simulate_with_sensitivities};
+use mocc::simulate::sensitivity::Input;
 use mocc::simulate::settings::Settings;
 
 /// A model on its way to a run.
@@ -100,7 +102,58 @@ pub struct Compiled {
     settings: Settings,
 }
 
+/// A run with the derivatives of every value by some inputs.
+#[derive(Default)]
+pub struct Differentiated {
+    pub trajectory: Trajectory,
+    inputs: usize,
+    slopes: Vec<Vec<f64>>,
+}
+
+impl Differentiated {
+    /// The derivatives of a column by an input, row by row.
+    pub fn by(&self, input: usize, column: &str) -> Vec<f64> {
+        let k = position(&self.trajectory.columns, column).expect(column);
+        self.slopes.iter().map(|row| row[k * self.inputs + input]).collect()
+    }
+}
+
+impl Sink for Differentiated {
+    fn begin(&mut self, columns: Vec<Column>) {
+        self.trajectory.begin(columns);
+    }
+    fn row(&mut self, time: f64, values: &[f64]) {
+        self.trajectory.row(time, values);
+    }
+    fn slopes(&mut self, slopes: &[f64]) {
+        self.slopes.push(slopes.to_vec());
+    }
+    fn event(&mut self, event: Event) {
+        self.trajectory.event(event);
+    }
+}
+
 impl Compiled {
+    /// The trajectory with its derivatives by parameters and, written `start(x)`, by start values.
+    pub fn differentiate(&self, inputs: &[&str]) -> Differentiated {
+        let input = |name: &&str| {
+            let start = name.strip_prefix("start(").and_then(|n| n.strip_suffix(')'));
+            let wanted = start.unwrap_or(name);
+            let variables = &self.program.blocks.dae.variables;
+            let (id, _) = variables.enumerate().find(|(_, v)| v.name == wanted).expect(wanted);
+            if start.is_some() { Input::Start(id) } else { Input::Parameter(id) }
+        };
+        let inputs: Vec<Input> = inputs.iter().map(input).collect();
+        let mut sink = Differentiated { inputs: inputs.len(), ..Differentiated::default() };
+        let sources = &self.session.sources;
+        let outcome =
+            simulate_with_sensitivities(&self.program, &self.settings, &inputs, sources, &mut sink);
+        if let Err(failure) = outcome {
+            panic!("{}", render(&failure.diagnostic, sources, Style::Plain));
+        }
+        assert_eq!(sink.slopes.len(), sink.trajectory.rows());
+        sink
+    }
     /// Gives a parameter another value for the next runs.
     pub fn set(&mut self, name: &str, value: f64) {
         let variables = &self.program.blocks.dae.variables;

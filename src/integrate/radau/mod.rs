@@ -11,6 +11,7 @@ pub mod sparse;
 pub mod split;
 pub mod stages;
 pub mod tableau;
+pub mod variation;
 
 #[cfg(test)]
 mod tests;
@@ -24,9 +25,11 @@ use crate::integrate::radau::estimate::{ErrorEstimate, ORDER};
 use crate::integrate::radau::matrix::{IterationMatrix, Shift};
 use crate::integrate::radau::polynomial::Polynomial;
 use crate::integrate::radau::stages::{MAX_ITERATIONS, StageTrouble, Stages, shift};
+use crate::integrate::radau::variation::{AcceptedStep, NoVariation, Variation};
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
+use crate::integrate::variational::Variational;
 use crate::math::numeric::norm::first_non_finite;
 
 /// Safety factor of the step size prediction.
@@ -158,6 +161,21 @@ impl Radau {
             stats: Stats::default(),
             options,
         })
+    }
+
+    /// Advances the derivatives of the solution over the last step. Call it after each step and before
+    /// anything else; after a restart of this stepper `variation` is restarted too.
+    pub fn vary(
+        &mut self,
+        system: &mut dyn Variational,
+        variation: &mut Variation,
+    ) -> Result<(), NoVariation> {
+        // The point before waits in `next` since the step was completed.
+        let (from, end) = (&self.next, self.now.t);
+        let h = self.polynomial.length();
+        let (weights, rtol) = (&self.weights[..], self.options.rtol);
+        let step = AcceptedStep { from, z: &self.stages.z, h, end, weights, rtol };
+        variation.advance(system, step, &mut self.matrix)
     }
 
     /// The choices in effect.

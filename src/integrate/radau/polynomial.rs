@@ -31,6 +31,11 @@ impl Polynomial {
         Polynomial { h: 1.0, end: 0.0, c, fifth: vec![0.0; n] }
     }
 
+    /// Length of the step.
+    pub fn length(&self) -> f64 {
+        self.h
+    }
+
     /// The constant `y` around `t`: after a restart.
     pub fn set_constant(&mut self, t: f64, y: &[f64]) {
         self.end = t;

@@ -101,12 +101,7 @@ impl Stages {
 
     /// `W = T^-1 Z`.
     fn transform(&mut self) {
-        let [z1, z2, z3] = &self.z;
-        for (w, t) in self.w.iter_mut().zip(&T_INVERSE) {
-            for (i, w) in w.iter_mut().enumerate() {
-                *w = t[0] * z1[i] + t[1] * z2[i] + t[2] * z3[i];
-            }
-        }
+        transform(&self.z, &mut self.w);
     }
 
     /// Iterates to the solution of the stage equations; returns the number of iterations.
@@ -128,7 +123,7 @@ impl Stages {
         for iteration in 1..=MAX_ITERATIONS {
             stats.newton_iterations += 1;
             self.evaluate(system, from, span, stats).map_err(StageTrouble::Eval)?;
-            self.correct(matrix, shift);
+            correct(&mut self.r, &self.w, matrix, shift);
             let size = self.correction_size(weights);
             if !size.is_finite() {
                 return Err(self.blame(system, from, span, weights, stats));
@@ -140,7 +135,7 @@ impl Stages {
                 self.check_convergence(iteration, size, weights)?;
             }
             last_size = size.max(f64::EPSILON);
-            self.advance();
+            advance(&self.r, &mut self.w, &mut self.z);
             if self.eta * size <= self.kappa {
                 return Ok(iteration);
             }
@@ -165,22 +160,6 @@ impl Stages {
             system.rhs(t, &self.stage, r)?;
         }
         Ok(())
-    }
-
-    /// Turns the right sides into the corrections `dW`.
-    fn correct(&mut self, matrix: &mut IterationMatrix, shift: Shift) {
-        let [r1, r2, r3] = &mut self.r;
-        let [w1, w2, w3] = &self.w;
-        let t = &T_INVERSE;
-        for (i, mass) in matrix.mass().iter().enumerate() {
-            let (f1, f2, f3) = (r1[i], r2[i], r3[i]);
-            let (w1, w2, w3) = (mass * w1[i], mass * w2[i], mass * w3[i]);
-            r1[i] = t[0][0] * f1 + t[0][1] * f2 + t[0][2] * f3 - shift.real * w1;
-            r2[i] = t[1][0] * f1 + t[1][1] * f2 + t[1][2] * f3 - (shift.re * w2 - shift.im * w3);
-            r3[i] = t[2][0] * f1 + t[2][1] * f2 + t[2][2] * f3 - (shift.im * w2 + shift.re * w3);
-        }
-        matrix.solve_real(r1);
-        matrix.solve_complex(r2, r3);
     }
 
     fn correction_size(&self, weights: &[f64]) -> f64 {
@@ -210,23 +189,6 @@ impl Stages {
             }
         }
         Ok(())
-    }
-
-    /// Applies the corrections: `W += dW`, `Z = T W`.
-    fn advance(&mut self) {
-        for (w, r) in self.w.iter_mut().zip(&self.r) {
-            for (w, r) in w.iter_mut().zip(r) {
-                *w += r;
-            }
-        }
-        let [w1, w2, w3] = &self.w;
-        let [z1, z2, z3] = &mut self.z;
-        for i in 0..w1.len() {
-            let (a, b, c) = (w1[i], w2[i], w3[i]);
-            z1[i] = T[0][0] * a + T[0][1] * b + T[0][2] * c;
-            z2[i] = T[1][0] * a + T[1][1] * b + T[1][2] * c;
-            z3[i] = T[2][0] * a + b;
-        }
     }
 
     /// Finds the right side that is not finite, which the solution of the linear systems has spread
@@ -271,4 +233,52 @@ impl Stages {
 /// The multiples of `M` in the iteration matrices for a step `h`.
 pub fn shift(h: f64) -> Shift {
     Shift { real: GAMMA / h, re: ALPHA / h, im: BETA / h }
+}
+
+/// `W = T^-1 Z`.
+pub fn transform(z: &[Vec<f64>; 3], w: &mut [Vec<f64>; 3]) {
+    let [z1, z2, z3] = z;
+    for (w, t) in w.iter_mut().zip(&T_INVERSE) {
+        for (i, w) in w.iter_mut().enumerate() {
+            *w = t[0] * z1[i] + t[1] * z2[i] + t[2] * z3[i];
+        }
+    }
+}
+
+/// Turns the right sides `r` at the stages into the corrections `dW`.
+pub fn correct(
+    r: &mut [Vec<f64>; 3],
+    w: &[Vec<f64>; 3],
+    matrix: &mut IterationMatrix,
+    shift: Shift,
+) {
+    let [r1, r2, r3] = r;
+    let [w1, w2, w3] = w;
+    let t = &T_INVERSE;
+    for (i, mass) in matrix.mass().iter().enumerate() {
+        let (f1, f2, f3) = (r1[i], r2[i], r3[i]);
+        let (w1, w2, w3) = (mass * w1[i], mass * w2[i], mass * w3[i]);
+        r1[i] = t[0][0] * f1 + t[0][1] * f2 + t[0][2] * f3 - shift.real * w1;
+        r2[i] = t[1][0] * f1 + t[1][1] * f2 + t[1][2] * f3 - (shift.re * w2 - shift.im * w3);
+        r3[i] = t[2][0] * f1 + t[2][1] * f2 + t[2][2] * f3 - (shift.im * w2 + shift.re * w3);
+    }
+    matrix.solve_real(r1);
+    matrix.solve_complex(r2, r3);
+}
+
+/// Applies the corrections: `W += dW`, `Z = T W`.
+pub fn advance(corrections: &[Vec<f64>; 3], w: &mut [Vec<f64>; 3], z: &mut [Vec<f64>; 3]) {
+    for (w, r) in w.iter_mut().zip(corrections) {
+        for (w, r) in w.iter_mut().zip(r) {
+            *w += r;
+        }
+    }
+    let [w1, w2, w3] = w;
+    let [z1, z2, z3] = z;
+    for i in 0..w1.len() {
+        let (a, b, c) = (w1[i], w2[i], w3[i]);
+        z1[i] = T[0][0] * a + T[0][1] * b + T[0][2] * c;
+        z2[i] = T[1][0] * a + T[1][1] * b + T[1][2] * c;
+        z3[i] = T[2][0] * a + b;
+    }
 }

@@ -1,0 +1,52 @@
+//! The way from the simplified system to the actual one.
+//!
+//! `lambda` goes from 0 to 1 in steps whose length follows the success of the iteration (natural
+//! continuation: E. L. Allgower, K. Georg, *Introduction to Numerical Continuation Methods*, 2003,
+//! ch. 2), each start being the guess of the next.
+
+use crate::codegen::interp::Instance;
+use crate::ir::program::{Continuation, Slot};
+
+use super::initial::initialise_from;
+use super::settings::Settings;
+
+/// First step of `lambda`; later ones at most double.
+const FIRST: f64 = 0.25;
+/// A step as short as this is given up.
+const SHORTEST: f64 = 1e-4;
+
+/// Guesses for the cells of the program itself, if the way leads to its end.
+pub fn follow(continuation: &Continuation, settings: &Settings) -> Option<Vec<(Slot, f64)>> {
+    let Continuation { program, lambda, cells } = continuation;
+    let names = settings.parameters.iter().chain(&settings.starts);
+    // Both programs number the variables of the flat model alike.
+    debug_assert!(names.clone().all(|(v, _)| v != lambda));
+    let mut settings = settings.clone();
+    let mut instance = Instance::new(program);
+    let given = settings.parameters.len();
+    let mut start_at = |at: f64, guess: &[(Slot, f64)]| {
+        settings.parameters.truncate(given);
+        settings.parameters.push((*lambda, at));
+        initialise_from(&mut instance, &settings, guess).ok()?;
+        Some(cells.iter().map(|&(slot, _)| (slot, instance.get(slot))).collect::<Vec<_>>())
+    };
+    let mut found = start_at(0.0, &[])?;
+    let (mut at, mut step) = (0.0, FIRST);
+    while at < 1.0 {
+        let next = if at + step >= 1.0 - SHORTEST { 1.0 } else { at + step };
+        match start_at(next, &found) {
+            Some(better) => {
+                found = better;
+                at = next;
+                step *= 2.0;
+            }
+            None => {
+                step *= 0.5;
+                if step < SHORTEST {
+                    return None;
+                }
+            }
+        }
+    }
+    Some(found.iter().zip(cells).map(|(&(_, value), &(_, slot))| (slot, value)).collect())
+}

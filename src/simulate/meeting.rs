@@ -1,0 +1,169 @@
+//! Relations that switch again and again: where both sides lead back the solution stays between them,
+//! and switching without end is reported.
+
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::integrate::stepper::Stepper;
+use crate::ir::expr::Binary;
+use crate::ir::program::Watch;
+use crate::ir::trajectory::Event;
+
+use super::error::{Failure, of_fault};
+use super::events::Settled;
+use super::run::Simulation;
+use super::sliding::Sliding;
+
+/// So many events in so short a time are chattering, not physics.
+const CHATTER_EVENTS: usize = 64;
+/// The short time, as a part of the whole run.
+const CHATTER_SPAN: f64 = 1e-7;
+
+/// So many events of one relation alone in the short time, and its two sides are asked whether they
+/// meet.
+const MEETING_EVENTS: u32 = 4;
+/// Halvings of a step to find the end of a motion along a surface.
+const HALVINGS: u32 = 50;
+
+/// The times of the last events, to notice chattering.
+pub struct Recent {
+    times: [f64; CHATTER_EVENTS],
+    at: usize,
+    span: f64,
+    /// The last relation that switched alone, how often in a row, and since when.
+    alone: Option<(u32, u32, f64)>,
+}
+
+impl Recent {
+    /// No event yet, in a run of this length.
+    pub fn new(length: f64) -> Self {
+        let times = [f64::NEG_INFINITY; CHATTER_EVENTS];
+        Recent { times, at: 0, span: CHATTER_SPAN * length, alone: None }
+    }
+}
+
+impl Simulation<'_, '_> {
+    /// Stays on the surface of a relation that switched alone several times in no time, if its two
+    /// sides meet there; true if so.
+    pub(super) fn slides(
+        &mut self,
+        t: f64,
+        flipped: &[(u32, bool)],
+        settled: Settled,
+    ) -> Result<bool, Failure> {
+        let &[(k, truth)] = flipped else {
+            self.recent.alone = None;
+            return Ok(false);
+        };
+        if settled.acted || self.program.watches[k as usize] != Watch::State {
+            self.recent.alone = None;
+            return Ok(false);
+        }
+        let (times, since) = match self.recent.alone {
+            Some((last, times, since)) if last == k && t - since <= self.recent.span => {
+                (times + 1, since)
+            }
+            _ => (1, t),
+        };
+        self.recent.alone = Some((k, times, since));
+        if times < MEETING_EVENTS {
+            return Ok(false);
+        }
+        let op = self.program.blocks.dae.relations[k as usize].op;
+        let rising = matches!(op, Binary::Greater | Binary::GreaterEqual);
+        let instance = &mut self.model.instance;
+        let mut sliding = Sliding::along(k, instance, self.stop - self.start);
+        let n = self.program.order();
+        let rates = sliding.rates(instance, t, &self.y[..n]);
+        if !rates.is_ok_and(|rates| rates.meet(rising)) {
+            let back = sliding.switch(instance, usize::from(truth));
+            back.map_err(|f| of_fault(&self.model.instance, f, t))?;
+            return Ok(false);
+        }
+        if self.sensitivity.is_some() {
+            let span = self.relation_span(k);
+            let what = self.relation_text(k);
+            let message = format!(
+                "at time {t} s the solution begins to slide along the surface where `{what}` switches, and has no derivatives by the inputs there"
+            );
+            return Err(Failure::numerics(t, Diagnostic::error("MO0914", span, message)));
+        }
+        self.model.sliding = Some(sliding);
+        self.search.ignore(Some(k));
+        self.recent.alone = None;
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        self.tell_of_sliding(t, k, "stays where it switches");
+        Ok(true)
+    }
+
+    /// Leaves a surface that the last step should not have followed to its end; where it left.
+    pub(super) fn end_of_sliding(&mut self) -> Result<Option<f64>, Failure> {
+        let Some(mut sliding) = self.model.sliding.take() else { return Ok(None) };
+        let (mut inside, mut outside) = (self.stepper.t_previous(), self.stepper.t());
+        let n = self.program.order();
+        let mut part_at = |s: &mut Self, t: f64| {
+            s.stepper.interpolate(t, &mut s.y);
+            let rates = sliding.rates(&mut s.model.instance, t, &s.y[..n]);
+            rates.map(|r| r.part()).map_err(|f| of_fault(&s.model.instance, f, t))
+        };
+        let is_inside = |part: f64| (0.0..=1.0).contains(&part);
+        let mut part = part_at(self, outside)?;
+        if is_inside(part) {
+            self.model.sliding = Some(sliding);
+            return Ok(None);
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            let there = part_at(self, middle)?;
+            if is_inside(there) {
+                inside = middle;
+            } else {
+                (outside, part) = (middle, there);
+            }
+        }
+        let (t, k) = (outside, sliding.relation());
+        self.model.sliding = Some(sliding);
+        self.record_grid(t, true)?;
+        self.stepper.interpolate(t, &mut self.y);
+        if let Some(sliding) = self.model.sliding.take() {
+            let left = sliding.switch(&mut self.model.instance, usize::from(part > 0.5));
+            left.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        }
+        self.t = t;
+        self.tell_of_sliding(t, k, "switches again");
+        self.restart()?;
+        Ok(Some(t))
+    }
+
+    fn tell_of_sliding(&mut self, t: f64, k: u32, what: &str) {
+        let what = format!("{} {what}", self.relation_text(k));
+        let place = self.place(self.relation_span(k));
+        self.sink.event(Event { time: t, what, place });
+    }
+
+    pub(super) fn guard_against_chattering(
+        &mut self,
+        t: f64,
+        flipped: &[(u32, bool)],
+    ) -> Result<(), Failure> {
+        let recent = &mut self.recent;
+        let oldest = recent.times[recent.at];
+        recent.times[recent.at] = t;
+        recent.at = (recent.at + 1) % CHATTER_EVENTS;
+        if t - oldest > recent.span {
+            return Ok(());
+        }
+        let duration = t - oldest;
+        let k = flipped.first().map(|f| f.0);
+        let what =
+            k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));
+        let span = k.map_or(Span::NONE, |k| self.relation_span(k));
+        let message = format!(
+            "at time {t} s {what} switches without end: {CHATTER_EVENTS} events within {duration:e} s"
+        );
+        let diagnostic = Diagnostic::error("MO0911", span, message)
+            .label("this relation chatters")
+            .help("give the two branches a hysteresis or a smooth transition, or model the state between them (locked, resting) explicitly");
+        Err(Failure::numerics(t, diagnostic))
+    }
+}

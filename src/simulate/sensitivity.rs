@@ -1,0 +1,383 @@
+//! Derivatives of a run by parameters and start values, right across events.
+//!
+//! Between events the derivatives `S` of the states obey `S' = J S + df/dp`, which is integrated along
+//! with the steps of the solution. At an event of the surface `g(t, x, p) = 0` its instant moves by
+//!
+//! `dt/dp = -(dg/dp) / (dg/dt)`,
+//!
+//! both taken along the trajectory, and what happens there is differentiated at the moving instant:
+//! the states arrive with `S + f dt/dp`, the event sequence carries these derivatives through `reinit`
+//! and every discrete equation, and `S` leaves as `X - f dt/dp` with the `f` that holds afterwards
+//! (S. Galán, W. F. Feehery, P. I. Barton, *Parametric sensitivity functions for hybrid discrete/
+//! continuous systems*, Applied Numerical Mathematics 31, 1999). An instant that is known in advance
+//! moves with the parameters that it is computed from.
+
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::codegen::interp::{Fault, Instance};
+use crate::codegen::tangent::Tangents;
+use crate::integrate::radau::Radau;
+use crate::integrate::radau::variation::{NoVariation, Variation};
+use crate::integrate::stepper::Stepper;
+use crate::integrate::system::{EvalError, System};
+use crate::integrate::variational::Variational;
+use crate::ir::expr::VarId;
+use crate::ir::program::{Program, Slot, Watch};
+
+use super::clock::Clocks;
+use super::error::{Failure, of_fault};
+use super::run::{Cause, Simulation};
+use super::settings::Settings;
+use super::system::{Model, of_domain};
+
+/// What a run is differentiated by.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Input {
+    /// A parameter that is no constant of the program.
+    Parameter(VarId),
+    /// The start value of a variable.
+    Start(VarId),
+}
+
+/// The derivatives of a run at one instant after the other.
+pub struct Sensitivity {
+    count: usize,
+    /// One direction for each input, and a last one along the trajectory.
+    tangents: Option<Box<Tangents>>,
+    variation: Variation,
+    linearisation: Linearisation,
+    s: Vec<f64>,
+    /// How the instant of the event at hand moves with each input.
+    shift: Vec<f64>,
+    recorded: Vec<Slot>,
+    slopes: Vec<f64>,
+}
+
+/// The variational equations at the stages of a step.
+struct Linearisation {
+    n: usize,
+    jacobian: [Vec<f64>; 3],
+    /// `df/dp`, input by input.
+    forcing: [Vec<f64>; 3],
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+/// Gives every input a value of its own, that it can be differentiated by; `None` if one is no
+/// input of the program.
+pub fn with_inputs(program: &Program, settings: &Settings, inputs: &[Input]) -> Option<Settings> {
+    let mut settings = settings.clone();
+    let mut instance = Instance::new(program);
+    settings.parameters.iter().all(|&(v, x)| instance.set_parameter(v, x)).then_some(())?;
+    settings.starts.iter().all(|&(v, x)| instance.set_start(v, x)).then_some(())?;
+    instance.run(&program.parameters).ok()?;
+    for input in inputs {
+        let slot = input_cell(program, *input)?;
+        if !instance.get(slot).is_nan() {
+            continue;
+        }
+        match *input {
+            Input::Parameter(v) => settings.parameters.push((v, instance.value(v))),
+            Input::Start(v) => {
+                let (.., start) = program.layout.starts.iter().find(|(s, ..)| *s == v)?;
+                settings.starts.push((v, instance.get(*start)));
+            }
+        }
+    }
+    Some(settings)
+}
+
+fn input_cell(program: &Program, input: Input) -> Option<Slot> {
+    let layout = &program.layout;
+    match input {
+        Input::Parameter(v) => {
+            layout.parameter_inputs.iter().find(|(p, _)| *p == v).map(|(_, slot)| *slot)
+        }
+        Input::Start(v) => layout.starts.iter().find(|(s, ..)| *s == v).map(|(_, slot, _)| *slot),
+    }
+}
+
+impl Sensitivity {
+    /// Before the start of a run; `None` if one of the inputs is none of the program.
+    pub fn new(model: &Model<'_>, inputs: &[Input]) -> Option<Self> {
+        let program = model.instance.program;
+        let count = inputs.len();
+        let mut tangents = Tangents::new(program.image.len(), count + 1);
+        for (direction, input) in inputs.iter().enumerate() {
+            tangents.of_mut(input_cell(program, *input)?)[direction] = 1.0;
+        }
+        let n = model.dim();
+        let pattern = model.pattern()?;
+        let entries = || std::array::from_fn(|_| vec![0.0; pattern.entries()]);
+        let rows = (0..n).flat_map(|j| pattern.column(j).iter().copied()).collect();
+        let linearisation = Linearisation {
+            n,
+            jacobian: entries(),
+            forcing: std::array::from_fn(|_| vec![0.0; n * count]),
+            starts: pattern.column_starts().to_vec(),
+            rows,
+        };
+        let recorded: Vec<Slot> = program.recorded.iter().map(|v| program.slot(*v)).collect();
+        Some(Sensitivity {
+            count,
+            tangents: Some(Box::new(tangents)),
+            variation: Variation::new(n, count),
+            linearisation,
+            s: vec![0.0; n],
+            shift: vec![0.0; count + 1],
+            slopes: vec![0.0; recorded.len() * count],
+            recorded,
+        })
+    }
+
+    /// From here on everything that runs is followed.
+    pub fn attach(&mut self, instance: &mut Instance<'_>) {
+        instance.tangents = self.tangents.take();
+    }
+
+    /// Ends what `attach` began.
+    pub fn detach(&mut self, instance: &mut Instance<'_>) {
+        self.tangents = instance.tangents.take().or(self.tangents.take());
+    }
+
+    /// A copy of all derivatives, to return to.
+    pub fn snapshot(&self) -> Option<Tangents> {
+        self.tangents.as_ref().map(|t| t.snapshot())
+    }
+
+    /// Returns to a copy.
+    pub fn restore(&mut self, snapshot: Option<&Tangents>) {
+        if let (Some(tangents), Some(snapshot)) = (&mut self.tangents, snapshot) {
+            tangents.copy_from(snapshot);
+        }
+    }
+
+    /// Derivatives of the recorded variables at the instant looked at last: variable by variable,
+    /// input by input.
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes
+    }
+
+    /// The derivatives over the last step.
+    pub fn advance(
+        &mut self,
+        model: &mut Model<'_>,
+        stepper: &mut Radau,
+    ) -> Result<(), NoVariation> {
+        let Some(tangents) = self.tangents.take() else { return Ok(()) };
+        let mut along = Along { model, tangents: Some(tangents), memory: &mut self.linearisation };
+        let outcome = stepper.vary(&mut along, &mut self.variation);
+        self.tangents = along.tangents.take();
+        outcome
+    }
+
+    /// Derivatives of everything at `t` within the last step, where everything has been evaluated.
+    pub fn look(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
+        let program = instance.program;
+        let Some(tangents) = &mut self.tangents else { return Ok(()) };
+        let layout = &program.layout;
+        let order = program.order();
+        for direction in 0..self.count {
+            self.variation.interpolate(direction, t, &mut self.s);
+            for i in 0..order {
+                tangents.of_mut(layout.states + i as Slot)[direction] = self.s[i];
+            }
+        }
+        // The last direction moves along the trajectory.
+        for i in 0..order {
+            let rate = instance.get(layout.derivatives[i]);
+            tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
+        }
+        let time = tangents.of_mut(layout.time);
+        time.fill(0.0);
+        time[self.count] = 1.0;
+        let mut followed = Ok(());
+        for tape in [&program.rhs, &program.roots, &program.rest] {
+            followed = followed.and_then(|()| tangents.follow(instance, tape));
+        }
+        followed?;
+        for (slopes, slot) in self.slopes.chunks_exact_mut(self.count.max(1)).zip(&self.recorded) {
+            slopes.copy_from_slice(&tangents.of(*slot)[..self.count]);
+        }
+        Ok(())
+    }
+
+    /// Takes everything along to the moving instant of a relation that switches, looked at last.
+    pub fn arrive_by_relation(&mut self, program: &Program, relation: Option<u32>) {
+        let Some(tangents) = &mut self.tangents else { return };
+        self.shift.fill(0.0);
+        if let Some(k) = relation {
+            let gap = tangents.of(program.layout.gaps + k);
+            let rate = gap[self.count];
+            for (shift, g) in self.shift.iter_mut().zip(&gap[..self.count]) {
+                let moved = -g / rate;
+                *shift = if moved.is_finite() { moved } else { 0.0 };
+            }
+        }
+        tangents.shear(self.count, &self.shift);
+    }
+
+    /// Takes everything along to the moving instant `t` of a clock or a comparison with time.
+    pub fn arrive_by_clock(&mut self, instance: &Instance<'_>, clocks: &Clocks, t: f64) {
+        let program = instance.program;
+        let Some(tangents) = &mut self.tangents else { return };
+        self.shift.fill(0.0);
+        let near = |at: f64| (at - t).abs() <= 8.0 * f64::EPSILON * t.abs().max(at.abs());
+        let comparison = program.watches.iter().find_map(|w| match w {
+            Watch::Time(slot) if near(instance.get(*slot)) => Some(*slot),
+            _ => None,
+        });
+        if let Some(slot) = comparison {
+            self.shift[..self.count].copy_from_slice(&tangents.of(slot)[..self.count]);
+        } else if let Some((k, tick)) = clocks.ticking(instance, near) {
+            let clock = &program.clocks[k];
+            let (start, interval) = (tangents.of(clock.start), tangents.of(clock.interval));
+            for (j, shift) in self.shift[..self.count].iter_mut().enumerate() {
+                *shift = start[j] + tick * interval[j];
+            }
+        }
+        tangents.shear(self.count, &self.shift);
+    }
+
+    /// Leaves the event at `t`, after which the derivatives of the states are in the memory.
+    pub fn depart(&mut self, instance: &Instance<'_>, t: f64) {
+        let layout = &instance.program.layout;
+        let order = instance.program.order();
+        let Some(tangents) = &mut self.tangents else { return };
+        for direction in 0..self.count {
+            for i in 0..order {
+                let arrived = tangents.of(layout.states + i as Slot)[direction];
+                let rate = instance.get(layout.derivatives[i]);
+                self.s[i] = arrived - rate * self.shift[direction];
+            }
+            self.s[order..].fill(0.0);
+            self.variation.restart(t, direction, &self.s);
+        }
+    }
+
+    /// Stands at `t` with the derivatives of the states as they are in the memory.
+    pub fn stand(&mut self, program: &Program, t: f64) {
+        let Some(tangents) = &mut self.tangents else { return };
+        for direction in 0..self.count {
+            for i in 0..program.order() {
+                self.s[i] = tangents.of(program.layout.states + i as Slot)[direction];
+            }
+            self.s[program.order()..].fill(0.0);
+            self.variation.restart(t, direction, &self.s);
+        }
+    }
+
+    /// Forgets the history of the last steps at `t`, the end of the last one.
+    pub fn restart(&mut self, t: f64) {
+        for direction in 0..self.count {
+            self.s.copy_from_slice(self.variation.at_end(direction));
+            self.variation.restart(t, direction, &self.s);
+        }
+    }
+}
+
+impl Simulation<'_, '_> {
+    /// The derivatives over the last step, if they are wanted.
+    pub(super) fn vary(&mut self) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let t = self.stepper.t();
+        s.advance(&mut self.model, &mut self.stepper).map_err(|why| not_differentiable(why, t))
+    }
+
+    /// The derivatives of everything at `t` in the last step, if they are wanted.
+    pub(super) fn look(&mut self, t: f64) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        s.look(&mut self.model.instance, t).map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
+    /// Takes the derivatives along to an event, where they will be followed; a copy of what they were.
+    pub(super) fn arrive(&mut self, t: f64, cause: Cause) -> Option<Tangents> {
+        let s = self.sensitivity.as_mut()?;
+        let instance = &mut self.model.instance;
+        let before = s.snapshot();
+        match cause {
+            Cause::State => {
+                let relation = self.search.switched(instance).next();
+                s.arrive_by_relation(self.program, relation);
+            }
+            Cause::Time => s.arrive_by_clock(instance, &self.clocks, t),
+        }
+        s.attach(instance);
+        before
+    }
+
+    /// Leaves an event with the derivatives that the states have after it.
+    pub(super) fn depart(&mut self, t: f64) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        s.depart(&self.model.instance, t);
+        Ok(())
+    }
+}
+
+fn not_differentiable(why: NoVariation, t: f64) -> Failure {
+    let message = format!(
+        "at time {t} s the derivatives by the inputs can not be computed: {}",
+        match why {
+            NoVariation::Eval(_) => "a derivative of the model does not exist",
+            NoVariation::Singular { .. } => "their equations are singular",
+        }
+    );
+    Failure::numerics(t, Diagnostic::error("MO0917", Span::NONE, message))
+}
+
+/// The variational equations along a run.
+struct Along<'a, 'p> {
+    model: &'a mut Model<'p>,
+    tangents: Option<Box<Tangents>>,
+    memory: &'a mut Linearisation,
+}
+
+impl Variational for Along<'_, '_> {
+    fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
+        let Along { model, tangents, memory } = self;
+        model.jacobian_entries(t, y, &mut memory.jacobian[stage])?;
+        let instance = &mut model.instance;
+        let program = instance.program;
+        let layout = &program.layout;
+        let order = program.order();
+        instance.place(t, &y[..order]);
+        if let Some(tangents) = tangents {
+            tangents.of_mut(layout.time).fill(0.0);
+            for i in 0..order {
+                tangents.of_mut(layout.states + i as Slot).fill(0.0);
+            }
+        }
+        instance.tangents = tangents.take();
+        let mut outcome = instance.run(&program.rhs);
+        if outcome.is_err_and(of_domain) {
+            instance.inside = true;
+            outcome = instance.run(&program.rhs);
+            instance.inside = false;
+        }
+        *tangents = instance.tangents.take();
+        outcome.map_err(|_| EvalError::Recoverable(0))?;
+        if let Some(tangents) = tangents {
+            let count = tangents.directions() - 1;
+            for (i, slot) in layout.derivatives.iter().enumerate() {
+                for (direction, d) in tangents.of(*slot)[..count].iter().enumerate() {
+                    memory.forcing[stage][direction * memory.n + i] = *d;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn slope(&self, stage: usize, direction: usize, s: &[f64], out: &mut [f64]) {
+        let Linearisation { n, jacobian, forcing, starts, rows } = &*self.memory;
+        out.copy_from_slice(&forcing[stage][direction * n..(direction + 1) * n]);
+        for (j, s) in s.iter().enumerate() {
+            if *s != 0.0 {
+                for k in starts[j]..starts[j + 1] {
+                    out[rows[k]] += jacobian[stage][k] * s;
+                }
+            }
+        }
+    }
+}
