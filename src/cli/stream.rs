@@ -56,6 +56,10 @@ impl Sink for Stream {
     /// The columns are known since `new`.
     fn begin(&mut self, _: Vec<Column>) {}
 
+    fn expect(&mut self, rows: usize) {
+        self.trajectory.reserve(rows);
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) {
         if let (Some((table, _)), None) = (&mut self.table, &self.trouble) {
             self.trouble = table.row(time, values).err();

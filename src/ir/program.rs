@@ -456,6 +456,11 @@ impl Program {
             if solver.residuals.len() != solver.unknowns.len() {
                 return Err("a torn block is not square".into());
             }
+            let entries = solver.jacobian.iter().map(|e| &e.slot);
+            let mut cells = solver.slots.iter().chain(&solver.residuals).chain(entries);
+            if !cells.all(|slot| (*slot as usize) < self.image.len()) {
+                return Err("a torn block refers to a cell that does not exist".into());
+            }
         }
         let exists = |slot: &Slot| (*slot as usize) < self.image.len();
         for function in &self.functions {

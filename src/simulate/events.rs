@@ -87,9 +87,11 @@ impl Search {
             return Ok(None);
         }
         let (t0, t1) = (stepper.t_previous(), stepper.t());
-        let mut left = t0;
+        let quiet = if self.ignored.is_none() { model.quiet_until(t0, t1) } else { None };
+        let mut left = quiet.unwrap_or(t0);
         let mut trials = TRIALS;
-        for target in LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter().chain([t1]) {
+        let looks = LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter();
+        for target in looks.filter(|_| quiet.is_none()).chain([t1]) {
             let mut right = target;
             while left < target {
                 match self.evaluate(model, stepper, right) {
@@ -149,6 +151,9 @@ impl Search {
         t: f64,
     ) -> Result<(), Fault> {
         if t == stepper.t() {
+            if model.stands_at(t, stepper.y()) {
+                return Ok(());
+            }
             self.point.copy_from_slice(stepper.y());
         } else {
             stepper.interpolate(t, &mut self.point);

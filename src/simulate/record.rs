@@ -10,6 +10,8 @@ use crate::ir::trajectory::{self, Column, Event, Trajectory};
 pub trait Sink {
     /// The variables, once before all rows.
     fn begin(&mut self, columns: Vec<Column>);
+    /// About how many rows there will be, once before all rows.
+    fn expect(&mut self, _rows: usize) {}
     /// One value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
     /// The derivatives of the last row, if the run is differentiated: value by value, input by input.
@@ -20,7 +22,10 @@ pub trait Sink {
 
 impl Sink for Trajectory {
     fn begin(&mut self, columns: Vec<Column>) {
-        *self = Trajectory::new(columns);
+        self.begin_again(columns);
+    }
+    fn expect(&mut self, rows: usize) {
+        self.reserve(rows);
     }
     fn row(&mut self, time: f64, values: &[f64]) {
         self.push(time, values);
@@ -29,6 +34,9 @@ impl Sink for Trajectory {
         self.events.push(event);
     }
 }
+
+/// Events for whose rows there is room from the start.
+const EXPECTED_EVENTS: usize = 64;
 
 /// What is recorded, and the next instant of the output grid.
 pub struct Recorder {
@@ -60,6 +68,12 @@ impl Recorder {
             std::cmp::Ordering::Greater => return None,
         };
         (at < end || (inclusive && at == end)).then_some(at)
+    }
+
+    /// Rows that are due, and two for each of a few events.
+    pub fn expected_rows(&self) -> usize {
+        const MOST: u64 = 1 << 20;
+        (self.count.min(MOST) + 1) as usize + 2 * EXPECTED_EVENTS
     }
 
     /// Goes on to the next instant of the grid.

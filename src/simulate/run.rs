@@ -185,6 +185,7 @@ impl<'p, 's> Simulation<'p, 's> {
             .map_err(|e| Failure::settings(e.to_string()))?;
         let recorder = Recorder::new(program, t, settings.stop, settings.interval);
         sink.begin(columns(program));
+        sink.expect(recorder.expected_rows());
         let mut simulation = Simulation {
             program,
             sources,

@@ -11,6 +11,7 @@ mod examples;
 mod hard;
 mod hybrid;
 mod language;
+mod machine_code;
 mod reference;
 mod sensitivity;
 mod start;

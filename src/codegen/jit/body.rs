@@ -1,4 +1,4 @@
-//! Calls, and the bodies of functions, which jump.
+//! Calls, the bodies of functions, which jump, and blocks that are quotients.
 
 use cranelift::codegen::ir::FuncRef;
 use cranelift::prelude::*;
@@ -8,6 +8,7 @@ use crate::codegen::interp::{DIFFERENCE, Fault, JUMP_LIMIT};
 use crate::ir::program::{CallSite, FunctionCode, Op};
 
 use super::cells::Cells;
+use super::source::Source;
 
 /// The faults that machine code may end with; it returns the position of one, counted from one.
 #[derive(Default)]
@@ -74,13 +75,8 @@ pub fn emit(
             }
             Op::Assert => {
                 let truth = cells.truth(i.a);
-                let (fine, failed) = (cells.build.create_block(), cells.build.create_block());
-                cells.build.set_cold_block(failed);
-                cells.build.ins().brif(truth, fine, &[], failed, &[]);
-                cells.build.switch_to_block(failed);
                 let message = i.b as usize;
-                cells.leave(faults.status(Fault::Assertion { function: k, message }));
-                cells.build.switch_to_block(fine);
+                cells.leave_unless(truth, faults.status(Fault::Assertion { function: k, message }));
             }
             Op::Call => site(cells, i.a as usize),
             _ => cells.compute(i),
@@ -137,6 +133,46 @@ pub fn call(cells: &mut Cells<'_, '_>, site: &CallSite, function: &FunctionCode,
     let run = cells.build.ins().fsub(x_above, x_below);
     let slope = cells.build.ins().fdiv(rise, run);
     cells.set(site.results[0], slope);
+}
+
+/// Emits the solution of block `k`, in the order in which `SolverWork::solve` does it.
+pub fn quotient(
+    cells: &mut Cells<'_, '_>,
+    source: &Source,
+    k: usize,
+    faults: &mut Faults,
+    call: &mut dyn FnMut(&mut Cells<'_, '_>, usize),
+) {
+    let Some(block) = source.quotients[k] else { return };
+    let mut run = |cells: &mut Cells<'_, '_>, tape: u32| {
+        for i in &source.tapes[tape as usize] {
+            match i.op {
+                Op::Call => call(cells, i.a as usize),
+                _ => cells.compute(i),
+            }
+        }
+    };
+    let zero = cells.number(0.0);
+    cells.set(block.unknown, zero);
+    run(cells, block.residual_tape);
+    run(cells, block.jacobian_tape);
+    let residual = cells.get(block.residual);
+    let (zero, infinity) = (cells.number(0.0), cells.number(f64::INFINITY));
+    let size = cells.build.ins().fabs(residual);
+    let finite = cells.build.ins().fcmp(FloatCC::LessThan, size, infinity);
+    let status = faults.status(Fault::NotFinite { solver: k, residual: 0 });
+    cells.leave_unless(finite, status);
+    let pivot = cells.get(block.pivot);
+    let size = cells.build.ins().fabs(pivot);
+    let finite = cells.build.ins().fcmp(FloatCC::LessThan, size, infinity);
+    let nonzero = cells.build.ins().fcmp(FloatCC::GreaterThan, size, zero);
+    let regular = cells.build.ins().band(finite, nonzero);
+    let status = faults.status(Fault::Singular { solver: k, unknown: 0 });
+    cells.leave_unless(regular, status);
+    let negative = cells.build.ins().fneg(residual);
+    let solution = cells.build.ins().fdiv(negative, pivot);
+    cells.set(block.unknown, solution);
+    run(cells, block.residual_tape);
 }
 
 fn enter(

@@ -162,6 +162,16 @@ impl<'a, 'k> Cells<'a, 'k> {
         self.build.switch_to_block(fine);
     }
 
+    /// Returns with `status` from the function unless something is true; else goes on in a new block.
+    pub fn leave_unless(&mut self, truth: Value, status: u32) {
+        let (failed, fine) = (self.build.create_block(), self.build.create_block());
+        self.build.set_cold_block(failed);
+        self.build.ins().brif(truth, fine, &[], failed, &[]);
+        self.build.switch_to_block(failed);
+        self.leave(status);
+        self.build.switch_to_block(fine);
+    }
+
     /// An instruction that only computes; others do nothing.
     pub fn compute(&mut self, i: &Instr) {
         match i.op {

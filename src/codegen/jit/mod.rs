@@ -3,7 +3,8 @@
 //! What comes in: a [`Program`]. What goes out: [`MachineCode`], immutable, which any number of runs
 //! and threads share. It computes what [`interp`](super::interp) computes, to the bit (what is not a
 //! number counts as one value: its sign and payload are open), and leaves the same values in the
-//! same cells. Torn blocks, their derivatives and mixed blocks stay in Rust: a tape is cut there.
+//! same cells. Torn blocks of more than one unknown, their derivatives and mixed blocks stay in Rust: a tape is
+//! cut there.
 //!
 //! Instructions are selected and registers allocated by Cranelift; what it is told is in `cells`.
 //! The interpreter stays for what runs too seldom to be worth the translation, beyond the domain of
@@ -254,7 +255,12 @@ impl Translator<'_> {
         given_up: &dyn Fn() -> bool,
     ) -> Result<Vec<Planned>, Untranslated> {
         let mut planned = Vec::new();
-        let is_between = |i: &Instr| matches!(i.op, Op::Solve | Op::Implicit | Op::Repeat);
+        let source = self.source;
+        let is_between = |i: &Instr| match i.op {
+            Op::Solve => source.quotients[i.a as usize].is_none(),
+            Op::Implicit | Op::Repeat => true,
+            _ => false,
+        };
         let mut rest = tape;
         while let Some(first) = rest.first() {
             if given_up() {
@@ -268,10 +274,11 @@ impl Translator<'_> {
             let length = rest.iter().take(LONGEST).position(is_between);
             let (stretch, after) = rest.split_at(length.unwrap_or(rest.len().min(LONGEST)));
             let id = self.declare()?;
-            self.define(id, |cells, _, call| {
+            self.define(id, |cells, faults, call| {
                 for i in stretch {
-                    match i.op {
-                        Op::Call => call(cells, i.a as usize),
+                    match (i.op, i.a as usize) {
+                        (Op::Call, k) => call(cells, k),
+                        (Op::Solve, k) => body::quotient(cells, source, k, faults, call),
                         _ => cells.compute(i),
                     }
                 }
