@@ -49,4 +49,5 @@ pub mod report;
 // The recipe: from files to a compiled model.
 pub mod driver;
 // The command line.
+pub mod calibrate;
 pub mod cli;

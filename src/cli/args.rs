@@ -22,6 +22,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Print the flat model: all variables and equations as one Modelica model.
     Flatten(Model),
+    /// Fit the free parameters of a plan to recordings.
+    Calibrate(Calibrate),
     /// Print how the model is solved: states, blocks in order, what was differentiated.
     Structure(Model),
 }
@@ -73,6 +75,20 @@ pub struct Simulate {
     /// List the events.
     #[arg(long)]
     pub events: bool,
+}
+
+/// A fit.
+#[derive(Args, Debug)]
+pub struct Calibrate {
+    /// Plan file, TOML: the model, the recordings, what is free.
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// Folder of recordings, instead of the plan's.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Folder for the results [default: PLAN's name].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 impl Model {

@@ -1,5 +1,6 @@
 //! The command line: arguments in, exit status out.
 pub mod args;
+pub mod calibrate;
 pub mod show;
 pub mod simulate;
 pub mod stream;
@@ -43,6 +44,7 @@ impl From<Wrong> for Status {
 pub fn run() -> Status {
     match args::read() {
         args::Command::Simulate(options) => simulate::run(&options),
+        args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
         args::Command::Structure(options) => show::structure(&options),
     }

@@ -266,6 +266,47 @@ pub enum ReadError {
 pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
     let path = path.as_ref();
     let at = || path.to_path_buf();
+    let table = read_text(path)?;
+    let names = table.names;
+    let mut run = Trajectory::new(names[1..].iter().map(|n| Column::new(n.as_str(), "")).collect());
+    let mut values = vec![0.0; names.len()];
+    for (line, record) in table.rows {
+        for (i, field) in record.iter().enumerate() {
+            values[i] = field.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
+                let (name, text) = (names[i].clone(), field.to_owned());
+                ReadError::NotANumber { path: at(), line, column: i + 1, name, text }
+            })?;
+        }
+        if let Some(&before) = run.time.last().filter(|&&before| values[0] < before) {
+            let after = values[0];
+            return Err(ReadError::TimeDecreases { path: at(), line, before, after });
+        }
+        run.push(values[0], &values[1..]);
+    }
+    Ok(run)
+}
+
+/// A table as text.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TextTable {
+    /// Names of the columns, each another.
+    pub names: Vec<String>,
+    /// Lines with their numbers, counted from 1, each as long as `names`.
+    pub rows: Vec<(u64, Vec<String>)>,
+}
+
+impl TextTable {
+    /// Position of a column.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+}
+
+/// Reads a table: a header with names, then fields of any text. Spaces around fields and a byte order
+/// mark are skipped.
+pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
+    let path = path.as_ref();
+    let at = || path.to_path_buf();
     let bytes = std::fs::read(path).map_err(|source| ReadError::Open { path: at(), source })?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let mut reader = csv::ReaderBuilder::new()
@@ -289,35 +330,38 @@ pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
     }
     let names: Vec<String> = record.iter().map(str::to_owned).collect();
     check_names(&names, path)?;
-    let mut run = Trajectory::new(names[1..].iter().map(|n| Column::new(n.as_str(), "")).collect());
-    let mut values = vec![0.0; names.len()];
+    let mut rows = Vec::new();
+    let mut counted = Lines { bytes, at: 0, line: 1 };
     while next(&mut record)? {
-        // Only an error needs the line, so it is counted then.
-        let line = || line_of(&record, bytes);
+        let line = counted.of(&record);
         if record.len() != names.len() {
             let (found, expected) = (record.len(), names.len());
-            return Err(ReadError::FieldCount { path: at(), line: line(), found, expected });
+            return Err(ReadError::FieldCount { path: at(), line, found, expected });
         }
-        for (i, field) in record.iter().enumerate() {
-            values[i] = field.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
-                let (name, text) = (names[i].clone(), field.to_owned());
-                ReadError::NotANumber { path: at(), line: line(), column: i + 1, name, text }
-            })?;
-        }
-        if let Some(&before) = run.time.last().filter(|&&before| values[0] < before) {
-            let (line, after) = (line(), values[0]);
-            return Err(ReadError::TimeDecreases { path: at(), line, before, after });
-        }
-        run.push(values[0], &values[1..]);
+        rows.push((line, record.iter().map(str::to_owned).collect()));
     }
-    Ok(run)
+    Ok(TextTable { names, rows })
 }
 
-/// The line of a record. `csv` takes empty lines before a record for its beginning.
-fn line_of(record: &csv::StringRecord, bytes: &[u8]) -> u64 {
-    let start = record.position().map_or(0, |p| p.byte() as usize).min(bytes.len());
-    let empty = bytes[start..].iter().take_while(|b| matches!(b, b'\r' | b'\n')).count();
-    1 + bytes[..start + empty].iter().filter(|b| **b == b'\n').count() as u64
+/// Counts lines as far as records were read.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: u64,
+}
+
+impl Lines<'_> {
+    /// The line of a record, not before that of the last one. `csv` takes empty lines before a record
+    /// for its beginning.
+    fn of(&mut self, record: &csv::StringRecord) -> u64 {
+        let bytes = self.bytes;
+        let start = record.position().map_or(0, |p| p.byte() as usize).min(bytes.len());
+        let empty = bytes[start..].iter().take_while(|b| matches!(b, b'\r' | b'\n')).count();
+        let passed = &bytes[self.at..start + empty];
+        self.line += passed.iter().filter(|b| **b == b'\n').count() as u64;
+        self.at = start + empty;
+        self.line
+    }
 }
 
 /// Every column has a name of its own.

@@ -37,6 +37,11 @@ pub struct Failure {
 }
 
 impl Failure {
+    /// The run itself is fine, but has no derivatives by its inputs.
+    pub fn is_without_derivatives(&self) -> bool {
+        matches!(self.diagnostic.code, "MO0917" | "MO0918")
+    }
+
     /// A failure of the numerics.
     pub fn numerics(time: f64, diagnostic: Diagnostic) -> Self {
         Failure { kind: FailureKind::Numerics, time, diagnostic: Box::new(diagnostic) }

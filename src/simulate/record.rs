@@ -1,10 +1,14 @@
 //! Rows and events on their way out.
 
+use std::sync::Arc;
+
 use crate::codegen::interp::Instance;
 use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{Type, VarId};
 use crate::ir::program::{Program, Slot};
 use crate::ir::trajectory::{self, Column, Event, Trajectory};
+
+use super::settings::Settings;
 
 /// Takes what a run records. `row` is called in order of time, at events twice.
 pub trait Sink {
@@ -47,21 +51,32 @@ pub struct Recorder {
     start: f64,
     stop: f64,
     interval: f64,
+    instants: Option<Arc<[f64]>>,
 }
 
 impl Recorder {
-    /// Records what the program says, with this grid.
-    pub fn new(program: &Program, start: f64, stop: f64, interval: f64) -> Self {
+    /// Records what the program says, at the instants that the settings ask for.
+    pub fn new(program: &Program, settings: &Settings) -> Self {
+        let Settings { start, stop, interval, .. } = *settings;
+        let instants = settings.instants.clone();
         let cells: Vec<(VarId, Slot)> =
             program.recorded.iter().map(|&v| (v, program.slot(v))).collect();
         // A last interval that is only rounding is none.
         let intervals = (stop - start) / interval;
         let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
-        Recorder { row: vec![0.0; cells.len()], cells, next: 1, count, start, stop, interval }
+        let row = vec![0.0; cells.len()];
+        // The start has its row already.
+        let passed = |list: &Arc<[f64]>| list.partition_point(|t| *t <= start) as u64;
+        let next = instants.as_ref().map_or(1, passed);
+        Recorder { row, cells, next, count, start, stop, interval, instants }
     }
 
     /// The next instant of the grid if it lies before `end`, or at it if `inclusive`.
     pub fn due(&self, end: f64, inclusive: bool) -> Option<f64> {
+        if let Some(list) = &self.instants {
+            let at = *list.get(self.next as usize)?;
+            return (at < end || (inclusive && at <= end)).then_some(at);
+        }
         let at = match self.next.cmp(&self.count) {
             std::cmp::Ordering::Less => self.start + self.next as f64 * self.interval,
             std::cmp::Ordering::Equal => self.stop,

@@ -183,7 +183,7 @@ impl<'p, 's> Simulation<'p, 's> {
         y[..program.order()].copy_from_slice(model.instance.states());
         let stepper = Radau::for_system(&model, options(&model, settings))
             .map_err(|e| Failure::settings(e.to_string()))?;
-        let recorder = Recorder::new(program, t, settings.stop, settings.interval);
+        let recorder = Recorder::new(program, settings);
         sink.begin(columns(program));
         sink.expect(recorder.expected_rows());
         let mut simulation = Simulation {

@@ -1,5 +1,7 @@
 //! What a run may choose, with its only defaults.
 
+use std::sync::Arc;
+
 use crate::codegen::jit::rent::Execution;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
@@ -28,6 +30,9 @@ pub struct Settings {
     pub starts: Vec<(VarId, f64)>,
     /// How tapes are run; the results are the same.
     pub execution: Execution,
+    /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have
+    /// their rows besides.
+    pub instants: Option<Arc<[f64]>>,
 }
 
 impl Settings {
@@ -43,6 +48,7 @@ impl Settings {
             parameters: Vec::new(),
             starts: Vec::new(),
             execution: Execution::default(),
+            instants: None,
         }
     }
 

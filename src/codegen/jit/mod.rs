@@ -186,10 +186,7 @@ enum Planned {
 
 impl Translator<'_> {
     /// `given_up` is asked now and then.
-    fn translate(
-        source: Source,
-        given_up: &dyn Fn() -> bool,
-    ) -> Result<MachineCode, Untranslated> {
+    fn translate(source: Source, given_up: &dyn Fn() -> bool) -> Result<MachineCode, Untranslated> {
         let mut translator = Translator::new(&source)?;
         translator.functions()?;
         let mut planned = Vec::with_capacity(source.tapes.len());

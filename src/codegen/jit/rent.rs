@@ -17,7 +17,7 @@ use super::{MachineCode, Memo, Translator};
 use crate::ir::program::Program;
 
 /// Interpretations of an instruction that cost as much as its translation.
-const PRICE: u64 = 500;
+const PRICE: u64 = 1000;
 
 /// How a run computes.
 #[derive(Clone, Debug, Default)]

@@ -8,10 +8,12 @@
 )]
 
 pub mod coloring;
+pub mod least_squares;
 pub mod linear;
 pub mod newton;
 pub mod norm;
 pub mod pattern;
 pub mod root;
+pub mod sequence;
 pub mod small_lu;
 pub mod submatrix;

@@ -1,0 +1,316 @@
+//! Recordings: what was measured, under which conditions, with how much noise.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::base::diag::{Diagnostic, Problems, did_you_mean};
+use crate::base::source::Span;
+use crate::report::table::{ReadError, TextTable, read_text};
+
+use super::plan::Plan;
+
+/// Repairs touch at most this part of a recording.
+const REPAIRABLE: f64 = 0.05;
+
+/// What a recording is for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Split {
+    /// Fitted.
+    Train,
+    /// Never fitted, only reported.
+    Validation,
+}
+
+impl Split {
+    /// Both, in the order of reports.
+    pub const ALL: [Split; 2] = [Split::Train, Split::Validation];
+
+    /// Its name in tables and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Split::Train => "train",
+            Split::Validation => "validation",
+        }
+    }
+}
+
+/// One recording.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// How it is called.
+    pub name: String,
+    /// Its file.
+    pub path: PathBuf,
+    /// What it is for.
+    pub split: Split,
+    /// One value in SI units for each condition of the plan.
+    pub conditions: Vec<f64>,
+    /// Instants, s, rising.
+    pub time: Arc<[f64]>,
+    /// Signal by signal, in the unit of its column; NaN where there is no value.
+    pub signals: Vec<Vec<f64>>,
+}
+
+/// All recordings of a plan.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// In the order of the table.
+    pub recordings: Vec<Recording>,
+    /// Standard deviation of each signal's noise, in the unit of its column.
+    pub sigmas: Vec<f64>,
+    /// What was repaired, in words.
+    pub repairs: Vec<String>,
+}
+
+impl Data {
+    /// The recordings of one kind.
+    pub fn of(&self, split: Split) -> impl Iterator<Item = &Recording> {
+        self.recordings.iter().filter(move |r| r.split == split)
+    }
+}
+
+/// Reads everything that a plan names. What is wrong is added to `problems`.
+pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
+    let before = problems.error_count();
+    let path = plan.folder.join(&plan.table);
+    let table = match read_text(&path) {
+        Ok(table) => table,
+        Err(why) => {
+            problems
+                .push(unreadable(&why).help("`[data]` of the plan or `--data` names the folder"));
+            return None;
+        }
+    };
+    let mut repairs = Vec::new();
+    let recordings = recordings(plan, &path, &table, problems, &mut repairs);
+    if problems.error_count() > before {
+        return None;
+    }
+    if !recordings.iter().any(|r| r.split == Split::Train) {
+        let message = format!("{}: there is no recording to train with", path.display());
+        let d = Diagnostic::error("MO1010", Span::NONE, message);
+        problems.push(d.help("the column named by `split` says `train` or `validation`"));
+        return None;
+    }
+    let sigmas = sigmas(plan, &recordings, problems, &mut repairs);
+    (problems.error_count() == before).then_some(Data { recordings, sigmas, repairs })
+}
+
+fn recordings(
+    plan: &Plan,
+    path: &Path,
+    table: &TextTable,
+    problems: &mut Problems,
+    repairs: &mut Vec<String>,
+) -> Vec<Recording> {
+    let mut column = |name: &str, span: Span| column(table, path, name, span, problems);
+    let file = column(&plan.file_column, Span::NONE);
+    let name = plan.name_column.as_ref().map(|c| column(c, Span::NONE));
+    let split = plan.split_column.as_ref().map(|c| column(c, Span::NONE));
+    let conditions: Vec<_> = plan.conditions.iter().map(|c| column(&c.column, c.span)).collect();
+    let (Some(file), false) = (file, conditions.contains(&None)) else { return Vec::new() };
+    let mut out = Vec::new();
+    for (line, row) in &table.rows {
+        let place = || format!("{}:{line}", path.display());
+        let split = match split.flatten().map(|k| row[k].as_str()) {
+            None | Some("train") => Split::Train,
+            Some("validation" | "test") => Split::Validation,
+            Some(other) => {
+                let message = format!("{}: `{other}` is neither `train` nor `validation`", place());
+                problems.push(Diagnostic::error("MO1010", Span::NONE, message));
+                continue;
+            }
+        };
+        let mut values = Vec::new();
+        for (k, condition) in conditions.iter().flatten().zip(&plan.conditions) {
+            match row[*k].parse::<f64>().ok().filter(|x| x.is_finite()) {
+                Some(value) => values.push(condition.unit.to_si(value)),
+                None => {
+                    let what = format!("`{}` of `{}`", row[*k], condition.column);
+                    let message = format!("{}: {what} is not a number", place());
+                    problems.push(Diagnostic::error("MO1010", Span::NONE, message));
+                }
+            }
+        }
+        let name = name.flatten().map_or_else(|| row[file].clone(), |k| row[k].clone());
+        let source = plan.folder.join(&row[file]);
+        let Some((time, signals)) = measured(plan, &source, problems, repairs) else { continue };
+        out.push(Recording { name, path: source, split, conditions: values, time, signals });
+    }
+    out
+}
+
+/// Time and signals of one file.
+fn measured(
+    plan: &Plan,
+    path: &Path,
+    problems: &mut Problems,
+    repairs: &mut Vec<String>,
+) -> Option<(Arc<[f64]>, Vec<Vec<f64>>)> {
+    let table = match read_text(path) {
+        Ok(table) => table,
+        Err(why) => {
+            problems.push(unreadable(&why));
+            return None;
+        }
+    };
+    let at = column(&table, path, &plan.time, Span::NONE, problems);
+    let columns: Vec<_> =
+        plan.signals.iter().map(|s| column(&table, path, &s.column, s.span, problems)).collect();
+    let columns: Vec<usize> = columns.into_iter().collect::<Option<_>>()?;
+    let at = at?;
+    let mut time: Vec<f64> = Vec::with_capacity(table.rows.len());
+    let mut signals = vec![Vec::with_capacity(table.rows.len()); columns.len()];
+    let (mut dropped, mut missing, mut first) = (0usize, 0usize, None);
+    for (line, row) in &table.rows {
+        let number = |k: usize| row[k].parse::<f64>().ok().filter(|x| x.is_finite());
+        let t = number(at).map(|t| plan.time_unit.to_si(t));
+        let rises = |t: &f64| time.last().is_none_or(|last| t > last);
+        let Some(t) = t.filter(rises) else {
+            dropped += 1;
+            first = first.or(Some(*line));
+            continue;
+        };
+        time.push(t);
+        for (signal, k) in signals.iter_mut().zip(&columns) {
+            let value = number(*k);
+            if value.is_none() {
+                missing += 1;
+                first = first.or(Some(*line));
+            }
+            signal.push(value.unwrap_or(f64::NAN));
+        }
+    }
+    let rows = table.rows.len().max(1);
+    let place = |line: Option<u64>| format!("{}:{}", path.display(), line.unwrap_or(1));
+    if time.len() < 2 || dropped as f64 > REPAIRABLE * rows as f64 {
+        let message = format!(
+            "{}: the time does not rise in {dropped} of {rows} rows, from here on",
+            place(first)
+        );
+        problems
+            .push(Diagnostic::error("MO1011", Span::NONE, message).help(
+                "sort the rows by time; single rows out of order are left out by themselves",
+            ));
+        return None;
+    }
+    if missing as f64 > 0.5 * (rows * columns.len()) as f64 {
+        let message = format!("{}: more than half of the values are no numbers", place(first));
+        problems.push(Diagnostic::error("MO1011", Span::NONE, message));
+        return None;
+    }
+    if dropped > 0 {
+        repairs.push(format!("{}: {dropped} rows left out whose time does not rise", place(first)));
+    }
+    if missing > 0 {
+        repairs.push(format!("{}: {missing} values left out that are no numbers", place(first)));
+    }
+    if let Some(gap) = gap(&time) {
+        repairs.push(format!("{}: nothing was recorded for {gap:.3e} s", path.display()));
+    }
+    Some((time.into(), signals))
+}
+
+/// The longest interval, if it is many times the usual one.
+fn gap(time: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let (usual, longest) = (steps[steps.len() / 2], steps[steps.len() - 1]);
+    (longest > 10.0 * usual).then_some(longest)
+}
+
+fn sigmas(
+    plan: &Plan,
+    recordings: &[Recording],
+    problems: &mut Problems,
+    repairs: &mut Vec<String>,
+) -> Vec<f64> {
+    let mut sigma = |(k, signal): (usize, &super::plan::Signal)| {
+        signal.sigma.unwrap_or_else(|| {
+            let all = recordings.iter().flat_map(|r| differences(&r.signals[k]));
+            let sigma = noise(all.collect());
+            if sigma > 0.0 {
+                let unit = &signal.unit_name;
+                repairs
+                    .push(format!("noise of `{}` estimated as {sigma:.3e} {unit}", signal.column));
+            } else {
+                let message = format!("`{}` has no noise that could be estimated", signal.column);
+                problems.push(
+                    Diagnostic::error("MO1012", signal.span, message)
+                        .help("give `sigma`, the standard deviation of its sensor"),
+                );
+            }
+            sigma
+        })
+    };
+    plan.signals.iter().enumerate().map(&mut sigma).collect()
+}
+
+/// Third differences, in which noise is amplified and a smooth signal vanishes.
+fn differences(values: &[f64]) -> impl Iterator<Item = f64> {
+    values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0])
+}
+
+/// Standard deviation of white noise from its third differences, whose variance is 20 times that of
+/// the noise; by the median, which the few places with quick changes do not move.
+fn noise(differences: Vec<f64>) -> f64 {
+    let mut sizes: Vec<f64> =
+        differences.into_iter().map(f64::abs).filter(|d| d.is_finite()).collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    sizes.sort_by(f64::total_cmp);
+    /// Median of the absolute value of a standard normal variable.
+    const QUARTILE: f64 = 0.674_489_750_196_081_7;
+    sizes[sizes.len() / 2] / QUARTILE / 20.0f64.sqrt()
+}
+
+fn column(
+    table: &TextTable,
+    path: &Path,
+    name: &str,
+    span: Span,
+    problems: &mut Problems,
+) -> Option<usize> {
+    let found = table.column(name);
+    if found.is_none() {
+        let message = format!("{} has no column `{name}`", path.display());
+        let d = Diagnostic::error("MO1013", span, message);
+        problems.push(match did_you_mean(name, table.names.iter().map(String::as_str)) {
+            Some(near) => d.help(format!("did you mean `{near}`?")),
+            None => d.help(format!("its columns are {}", table.names.join(", "))),
+        });
+    }
+    found
+}
+
+fn unreadable(why: &ReadError) -> Diagnostic {
+    Diagnostic::error("MO1010", Span::NONE, why.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Uniform numbers from a linear congruential generator, twelve to a normal one.
+    fn white(n: usize, sigma: f64) -> Vec<f64> {
+        let mut state = 12345u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..n).map(|_| sigma * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)).collect()
+    }
+
+    #[test]
+    fn noise_is_told_from_the_signal() {
+        let noisy: Vec<f64> = white(4000, 0.02)
+            .iter()
+            .enumerate()
+            .map(|(i, e)| (i as f64 * 1e-2).sin() + e)
+            .collect();
+        let sigma = noise(differences(&noisy).collect());
+        assert!((sigma / 0.02 - 1.0).abs() < 0.05, "{sigma}");
+        assert_eq!(noise(differences(&[1.0; 100]).collect()), 0.0);
+    }
+}

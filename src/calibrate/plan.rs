@@ -1,0 +1,381 @@
+//! The plan file: which model, which recordings, what is free.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::base::diag::{Diagnostic, Problems, did_you_mean};
+use crate::base::source::{FileId, SourceMap, Span};
+
+use super::unit::Unit;
+
+/// A plan as it is written.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The plan file.
+    pub path: PathBuf,
+    /// The model's file.
+    pub model: PathBuf,
+    /// The model's name, if it is not the last of its file.
+    pub name: Option<String>,
+    /// Folders of libraries.
+    pub libraries: Vec<PathBuf>,
+    /// `NAME=VALUE` that hold for all recordings, as with `--set`.
+    pub fixed: Vec<String>,
+    /// Folder of the recordings.
+    pub folder: PathBuf,
+    /// The table of recordings in it.
+    pub table: String,
+    /// Its column with the names of the files.
+    pub file_column: String,
+    /// Its column with the names of the recordings; the files' where there is none.
+    pub name_column: Option<String>,
+    /// Its column that says `train` or `validation`; without it all are for training.
+    pub split_column: Option<String>,
+    /// Its columns that set parameters.
+    pub conditions: Vec<Condition>,
+    /// The column of the time in each recording.
+    pub time: String,
+    /// Its unit.
+    pub time_unit: Unit,
+    /// What was measured.
+    pub signals: Vec<Signal>,
+    /// What is to be found.
+    pub free: Vec<Free>,
+}
+
+/// A column of the table that sets a parameter.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    /// The column.
+    pub column: String,
+    /// The parameter.
+    pub parameter: String,
+    /// The unit of the column.
+    pub unit: Unit,
+    /// Where the plan says so.
+    pub span: Span,
+}
+
+/// A column of the recordings that a variable explains.
+#[derive(Clone, Debug)]
+pub struct Signal {
+    /// The column.
+    pub column: String,
+    /// The variable.
+    pub variable: String,
+    /// The unit of the column.
+    pub unit: Unit,
+    /// Its name.
+    pub unit_name: String,
+    /// Standard deviation of the sensor's noise in that unit, if known.
+    pub sigma: Option<f64>,
+    /// Where the plan says so.
+    pub span: Span,
+}
+
+/// A free parameter.
+#[derive(Clone, Debug)]
+pub struct Free {
+    /// How it is called.
+    pub name: String,
+    /// The parameters of the model that take its value; `start(x)` is the start value of `x`.
+    pub targets: Vec<String>,
+    /// Where the search begins; the model's value if not given.
+    pub start: Option<f64>,
+    /// Its least value.
+    pub min: Option<f64>,
+    /// Its greatest value.
+    pub max: Option<f64>,
+    /// Where the plan says so.
+    pub span: Span,
+}
+
+/// Reads a plan file. What is wrong with it is added to `problems`.
+pub fn read(
+    path: &Path,
+    text: &str,
+    sources: &mut SourceMap,
+    problems: &mut Problems,
+) -> Option<Plan> {
+    let file = sources.add(path, text);
+    let before = problems.error_count();
+    let root = match DeTable::parse(text) {
+        Ok(root) => root,
+        Err(why) => {
+            let span = why.span().unwrap_or(0..0);
+            let message = format!("this is not TOML: {}", why.message());
+            problems.push(
+                Diagnostic::error("MO1001", Span::new(file, span.start, span.end), message)
+                    .help("a plan is a TOML file: see `examples/valve52.toml`"),
+            );
+            return None;
+        }
+    };
+    let whole = root.span();
+    let mut r = Reader { file, problems };
+    let folder_of_plan = path.parent().unwrap_or(Path::new(""));
+    let plan = r.plan(root.get_ref(), &whole, path, folder_of_plan);
+    (problems.error_count() == before).then_some(plan)
+}
+
+type Table<'t> = DeTable<'t>;
+type Value<'t> = Spanned<DeValue<'t>>;
+
+struct Reader<'a> {
+    file: FileId,
+    problems: &'a mut Problems,
+}
+
+const TOP: [&str; 9] =
+    ["model", "name", "libraries", "fixed", "data", "conditions", "time", "signals", "free"];
+
+impl Reader<'_> {
+    fn plan(&mut self, root: &Table<'_>, whole: &Range<usize>, path: &Path, base: &Path) -> Plan {
+        self.known(root, &TOP);
+        let model = self.required(root, "model", whole);
+        let data = self.table(root, "data", whole);
+        let (mut folder, mut table) = (String::new(), String::new());
+        let (mut file_column, mut name_column, mut split_column) = (String::new(), None, None);
+        if let Some((data, span)) = data {
+            self.known(data, &["folder", "table", "file", "recording", "split"]);
+            folder = self.required(data, "folder", &span);
+            table = self.required(data, "table", &span);
+            file_column = self.required(data, "file", &span);
+            name_column = self.text(data, "recording");
+            split_column = self.text(data, "split");
+        }
+        let (mut time, mut time_unit) = (String::new(), None);
+        if let Some((at, span)) = self.table(root, "time", whole) {
+            self.known(at, &["column", "unit"]);
+            time = self.required(at, "column", &span);
+            time_unit = self.unit(at, &span).map(|(u, _)| u);
+        }
+        let fixed = self.entries(root, "fixed").into_iter().map(|(name, value)| {
+            let text = match value.get_ref() {
+                DeValue::String(text) => text.to_string(),
+                DeValue::Float(x) => x.as_str().to_owned(),
+                DeValue::Integer(i) => i.as_str().to_owned(),
+                DeValue::Boolean(b) => b.to_string(),
+                _ => String::new(),
+            };
+            format!("{name}={text}")
+        });
+        Plan {
+            path: path.to_owned(),
+            model: base.join(model),
+            name: self.text(root, "name"),
+            libraries: self.texts(root, "libraries").into_iter().map(|f| base.join(f)).collect(),
+            fixed: fixed.collect(),
+            folder: base.join(folder),
+            table,
+            file_column,
+            name_column,
+            split_column,
+            conditions: self.conditions(root),
+            time,
+            time_unit: time_unit.unwrap_or(Unit { factor: 1.0, offset: 0.0 }),
+            signals: self.signals(root, whole),
+            free: self.free(root),
+        }
+    }
+
+    fn conditions(&mut self, root: &Table<'_>) -> Vec<Condition> {
+        let mut out = Vec::new();
+        for (column, value) in self.entries(root, "conditions") {
+            let Some((table, span)) = self.as_table(&column, value) else { continue };
+            self.known(table, &["parameter", "unit"]);
+            let parameter = self.required(table, "parameter", &span);
+            if let Some((unit, _)) = self.unit(table, &span) {
+                out.push(Condition { column, parameter, unit, span: self.at(&span) });
+            }
+        }
+        out
+    }
+
+    fn signals(&mut self, root: &Table<'_>, whole: &Range<usize>) -> Vec<Signal> {
+        let mut out = Vec::new();
+        for (column, value) in self.entries(root, "signals") {
+            let Some((table, span)) = self.as_table(&column, value) else { continue };
+            self.known(table, &["variable", "unit", "sigma"]);
+            let variable = self.required(table, "variable", &span);
+            let sigma = self.number(table, "sigma");
+            if let Some((sigma, at)) = &sigma
+                && !(*sigma > 0.0 && sigma.is_finite())
+            {
+                self.problems.push(
+                    Diagnostic::error("MO1006", self.at(at), "the noise of a sensor is a positive number")
+                        .help("give the standard deviation in the unit of the column, or leave `sigma` out: it is then estimated from the recordings"),
+                );
+            }
+            if let Some((unit, unit_name)) = self.unit(table, &span) {
+                let (sigma, span) = (sigma.map(|s| s.0), self.at(&span));
+                out.push(Signal { column, variable, unit, unit_name, sigma, span });
+            }
+        }
+        if out.is_empty() && self.problems.error_count() == 0 {
+            let d = Diagnostic::error("MO1002", self.at(whole), "the plan names no signals")
+                .help("[signals]: s_mm = { variable = \"s\", unit = \"mm\", sigma = 0.003 }");
+            self.problems.push(d);
+        }
+        out
+    }
+
+    fn free(&mut self, root: &Table<'_>) -> Vec<Free> {
+        let mut out = Vec::new();
+        for (name, value) in self.entries(root, "free") {
+            let span = value.span();
+            let Some((table, _)) = self.as_table(&name, value) else { continue };
+            self.known(table, &["start", "min", "max", "tied"]);
+            let mut targets = self.texts(table, "tied");
+            if targets.is_empty() {
+                targets.push(name.clone());
+            }
+            let [start, min, max] =
+                ["start", "min", "max"].map(|key| self.number(table, key).map(|x| x.0));
+            let low = min.unwrap_or(f64::NEG_INFINITY);
+            let high = max.unwrap_or(f64::INFINITY);
+            if !(low < high) || start.is_some_and(|s| !(low..=high).contains(&s)) {
+                self.problems.push(
+                    Diagnostic::error(
+                        "MO1006",
+                        self.at(&span),
+                        format!("the bounds of `{name}` leave no room for it"),
+                    )
+                    .help("min < max, and start between them"),
+                );
+            }
+            out.push(Free { name, targets, start, min, max, span: self.at(&span) });
+        }
+        out
+    }
+
+    fn at(&self, span: &Range<usize>) -> Span {
+        Span::new(self.file, span.start, span.end)
+    }
+
+    /// Keys that mean nothing are mistakes.
+    fn known(&mut self, table: &Table<'_>, keys: &[&str]) {
+        for key in table.keys() {
+            let name: &str = key.get_ref();
+            if !keys.contains(&name) {
+                let span = self.at(&key.span());
+                let d = Diagnostic::error("MO1003", span, format!("`{name}` means nothing here"));
+                self.problems.push(match did_you_mean(name, keys.iter().copied()) {
+                    Some(near) => d.help(format!("did you mean `{near}`?")),
+                    None => d.help(format!("known here: {}", keys.join(", "))),
+                });
+            }
+        }
+    }
+
+    fn missing(&mut self, key: &str, within: &Range<usize>) {
+        self.problems.push(
+            Diagnostic::error("MO1002", self.at(within), format!("`{key}` is missing"))
+                .help("see `examples/valve52.toml` for a whole plan"),
+        );
+    }
+
+    fn wrong(&mut self, value: &Value<'_>, wanted: &str) {
+        let span = self.at(&value.span());
+        self.problems.push(Diagnostic::error("MO1004", span, format!("{wanted} is expected here")));
+    }
+
+    fn table<'t>(
+        &mut self,
+        root: &'t Table<'t>,
+        key: &str,
+        within: &Range<usize>,
+    ) -> Option<(&'t Table<'t>, Range<usize>)> {
+        let Some(value) = root.get(key) else {
+            self.missing(key, within);
+            return None;
+        };
+        self.as_table(key, value)
+    }
+
+    fn as_table<'t>(
+        &mut self,
+        _name: &str,
+        value: &'t Value<'t>,
+    ) -> Option<(&'t Table<'t>, Range<usize>)> {
+        match value.get_ref() {
+            DeValue::Table(table) => Some((table, value.span())),
+            _ => {
+                self.wrong(value, "a table `{ ... }`");
+                None
+            }
+        }
+    }
+
+    fn entries<'t>(&mut self, root: &'t Table<'t>, key: &str) -> Vec<(String, &'t Value<'t>)> {
+        let Some(value) = root.get(key) else { return Vec::new() };
+        let Some((table, _)) = self.as_table(key, value) else { return Vec::new() };
+        table.iter().map(|(k, v)| (k.get_ref().to_string(), v)).collect()
+    }
+
+    fn text(&mut self, table: &Table<'_>, key: &str) -> Option<String> {
+        let value = table.get(key)?;
+        match value.get_ref() {
+            DeValue::String(text) => Some(text.to_string()),
+            _ => {
+                self.wrong(value, "a text in quotes");
+                None
+            }
+        }
+    }
+
+    fn texts(&mut self, table: &Table<'_>, key: &str) -> Vec<String> {
+        let Some(value) = table.get(key) else { return Vec::new() };
+        let DeValue::Array(list) = value.get_ref() else {
+            self.wrong(value, "a list of texts");
+            return Vec::new();
+        };
+        let mut out = Vec::new();
+        for item in list.iter() {
+            match item.get_ref() {
+                DeValue::String(text) => out.push(text.to_string()),
+                _ => self.wrong(item, "a text in quotes"),
+            }
+        }
+        out
+    }
+
+    fn required(&mut self, table: &Table<'_>, key: &str, within: &Range<usize>) -> String {
+        if table.get(key).is_none() {
+            self.missing(key, within);
+        }
+        self.text(table, key).unwrap_or_default()
+    }
+
+    fn number(&mut self, table: &Table<'_>, key: &str) -> Option<(f64, Range<usize>)> {
+        let value = table.get(key)?;
+        let number = match value.get_ref() {
+            DeValue::Float(x) => x.as_str().replace('_', "").parse().ok(),
+            DeValue::Integer(i) => i.as_str().replace('_', "").parse().ok(),
+            _ => None,
+        };
+        if number.is_none() {
+            self.wrong(value, "a number");
+        }
+        number.map(|n: f64| (n, value.span()))
+    }
+
+    fn unit(&mut self, table: &Table<'_>, within: &Range<usize>) -> Option<(Unit, String)> {
+        let name = self.required(table, "unit", within);
+        let value = table.get("unit")?;
+        let unit = Unit::of(&name);
+        if unit.is_none() && matches!(value.get_ref(), DeValue::String(_)) {
+            let span = self.at(&value.span());
+            let names: Vec<&str> = Unit::names().collect();
+            let d = Diagnostic::error("MO1005", span, format!("the unit `{name}` is not known"));
+            self.problems.push(match did_you_mean(&name, names.iter().copied()) {
+                Some(near) => d.help(format!("did you mean `{near}`?")),
+                None => d.help(format!("known are {}", names.join(", "))),
+            });
+        }
+        unit.map(|u| (u, name))
+    }
+}

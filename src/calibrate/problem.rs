@@ -1,0 +1,505 @@
+//! A model, recordings, and what is free: the residuals that a fit makes small.
+//!
+//! A residual is the difference between a signal and its variable in units of the sensor's noise. Its
+//! derivatives are those of the run (`simulate::sensitivity`): exact, also where an event moves. Where a
+//! run has none, because it slides along a surface, central differences take their place.
+
+use std::sync::Arc;
+
+use crate::base::diag::{Diagnostic, Problems, did_you_mean};
+use crate::base::source::{SourceMap, Span};
+use crate::codegen::interp::Instance;
+use crate::codegen::record;
+use crate::ir::expr::VarId;
+use crate::ir::program::Program;
+use crate::ir::trajectory::{Column, Event};
+use crate::math::numeric::least_squares::{Normal, Residuals};
+use crate::simulate::error::Failure;
+use crate::simulate::record::Sink;
+use crate::simulate::run::{simulate_to, simulate_with_sensitivities};
+use crate::simulate::sensitivity::Input;
+use crate::simulate::settings::Settings;
+
+use super::data::{Data, Recording, Split};
+use super::parallel;
+use super::plan::{Free, Plan};
+use super::unit::Unit;
+
+/// A positive parameter without bounds is sought within this factor around its start.
+const WIDE: f64 = 50.0;
+/// Displacement of a parameter, in the units of the search, for differences: the third root of the
+/// solver's tolerance balances its noise against truncation.
+const DISPLACEMENT: f64 = 1e-2;
+
+/// How a parameter is searched.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Scale {
+    /// `value = size * exp(x)`: positive parameters.
+    Logarithmic {
+        /// Value at `x = 0`.
+        size: f64,
+    },
+    /// `value = size * x`
+    Linear {
+        /// Value at `x = 1`.
+        size: f64,
+    },
+}
+
+impl Scale {
+    /// The value at `x`.
+    pub fn value(self, x: f64) -> f64 {
+        match self {
+            Scale::Logarithmic { size } => size * x.exp(),
+            Scale::Linear { size } => size * x,
+        }
+    }
+
+    /// Where the value is found.
+    pub fn place(self, value: f64) -> f64 {
+        match self {
+            Scale::Logarithmic { size } => (value / size).ln(),
+            Scale::Linear { size } => value / size,
+        }
+    }
+
+    /// Derivative of the value by `x`, where the value is this.
+    pub fn slope(self, value: f64) -> f64 {
+        match self {
+            Scale::Logarithmic { .. } => value,
+            Scale::Linear { size } => size,
+        }
+    }
+}
+
+/// A free parameter as it is searched.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// How it is called.
+    pub name: String,
+    /// Its unit, as the model declares it.
+    pub unit: String,
+    /// What takes its value.
+    pub targets: Vec<Input>,
+    /// How it is searched.
+    pub scale: Scale,
+    /// Where the search begins.
+    pub start: f64,
+    /// Its bounds.
+    pub bounds: (f64, f64),
+}
+
+impl Parameter {
+    /// Its bounds as the search sees them.
+    pub fn range(&self) -> (f64, f64) {
+        let place = |value: f64| match self.scale {
+            Scale::Logarithmic { .. } if value <= 0.0 => f64::NEG_INFINITY,
+            scale => scale.place(value),
+        };
+        (place(self.bounds.0), place(self.bounds.1))
+    }
+}
+
+/// A signal and its variable.
+#[derive(Clone, Copy, Debug)]
+struct Channel {
+    /// Position among what is recorded.
+    column: usize,
+    unit: Unit,
+    sigma: f64,
+}
+
+/// Everything that residuals depend on but the parameters' values. Threads share it.
+pub struct Problem<'a> {
+    /// The compiled model, which records the signals' variables.
+    pub program: &'a Program,
+    sources: &'a SourceMap,
+    data: &'a Data,
+    /// What is free.
+    pub parameters: Vec<Parameter>,
+    conditions: Vec<VarId>,
+    channels: Vec<Channel>,
+    settings: Settings,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// Sums over the recordings of one kind.
+#[derive(Clone, Debug, Default)]
+pub struct Sums {
+    /// Sum of squared residuals, in units of the noise, by recording and signal.
+    pub squares: Vec<Vec<f64>>,
+    /// Number of residuals, by recording and signal.
+    pub counts: Vec<Vec<usize>>,
+}
+
+impl Sums {
+    /// Sum of all squares.
+    pub fn total(&self) -> f64 {
+        self.squares.iter().flatten().sum()
+    }
+
+    /// Number of all residuals.
+    pub fn count(&self) -> usize {
+        self.counts.iter().flatten().sum()
+    }
+
+    /// Root of the mean square of a signal, in units of the noise.
+    pub fn of_signal(&self, k: usize) -> f64 {
+        let sum: f64 = self.squares.iter().map(|s| s[k]).sum();
+        let count: usize = self.counts.iter().map(|c| c[k]).sum();
+        (sum / count.max(1) as f64).sqrt()
+    }
+}
+
+/// Restricts the program to what the plan compares.
+pub fn record_signals(program: &mut Program, plan: &Plan) {
+    record::only(program, |name| plan.signals.iter().any(|s| s.variable == name));
+}
+
+impl<'a> Problem<'a> {
+    /// Finds everything that the plan names in the program. What is not there is added to `problems`.
+    pub fn new(
+        program: &'a Program,
+        sources: &'a SourceMap,
+        plan: &Plan,
+        data: &'a Data,
+        problems: &mut Problems,
+    ) -> Option<Self> {
+        let before = problems.error_count();
+        let mut conditions = Vec::new();
+        for c in &plan.conditions {
+            match input(program, &c.parameter, c.span, problems) {
+                Some(Input::Parameter(v)) => conditions.push(v),
+                Some(Input::Start(_)) | None => {}
+            }
+        }
+        let mut channels = Vec::new();
+        for (signal, sigma) in plan.signals.iter().zip(&data.sigmas) {
+            let names = program.recorded.iter().map(|v| program.name(*v));
+            match names.clone().position(|n| n == signal.variable) {
+                Some(column) => channels.push(Channel { column, unit: signal.unit, sigma: *sigma }),
+                None => {
+                    let wanted = &signal.variable;
+                    let message = format!("the model has no variable `{wanted}`");
+                    let all = program.blocks.dae.variables.enumerate();
+                    let all: Vec<&str> = all.map(|(v, _)| program.name(v)).collect();
+                    let d = Diagnostic::error("MO1014", signal.span, message);
+                    problems.push(match did_you_mean(wanted, all.into_iter()) {
+                        Some(near) => d.help(format!("did you mean `{near}`?")),
+                        None => d.help("name a variable that moves, as in the model's results"),
+                    });
+                }
+            }
+        }
+        let mut instance = Instance::new(program);
+        let evaluated = instance.run(&program.parameters).is_ok();
+        let parameters: Vec<Parameter> =
+            plan.free.iter().filter_map(|f| parameter(program, &instance, f, problems)).collect();
+        if problems.error_count() > before || !evaluated {
+            return None;
+        }
+        let settings = Settings::of(&program.blocks.dae.experiment);
+        let jobs = parallel::cores();
+        Some(Problem { program, sources, data, parameters, conditions, channels, settings, jobs })
+    }
+
+    /// The values of the parameters at `x`.
+    pub fn values(&self, x: &[f64]) -> Vec<f64> {
+        self.parameters.iter().zip(x).map(|(p, x)| p.scale.value(*x)).collect()
+    }
+
+    /// Where the search begins.
+    pub fn start(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.scale.place(p.start)).collect()
+    }
+
+    /// The bounds of the search.
+    pub fn bounds(&self) -> Vec<(f64, f64)> {
+        self.parameters.iter().map(Parameter::range).collect()
+    }
+
+    /// The recordings of one kind.
+    pub fn recordings(&self, split: Split) -> Vec<&'a Recording> {
+        self.data.of(split).collect()
+    }
+
+    /// Standard deviations of the signals' noise, in the units of their columns.
+    pub fn sigmas(&self) -> &'a [f64] {
+        &self.data.sigmas
+    }
+
+    /// The choices for a run under the conditions of a recording.
+    pub fn settings(&self, recording: &Recording, values: &[f64]) -> Settings {
+        let mut settings = self.settings.clone();
+        settings.parameters =
+            self.conditions.iter().copied().zip(recording.conditions.iter().copied()).collect();
+        for (p, value) in self.parameters.iter().zip(values) {
+            for target in &p.targets {
+                match *target {
+                    Input::Parameter(v) => settings.parameters.push((v, *value)),
+                    Input::Start(v) => settings.starts.push((v, *value)),
+                }
+            }
+        }
+        let first = recording.time.first().copied().unwrap_or(settings.start);
+        settings.start = settings.start.min(first);
+        settings.stop = recording.time.last().copied().unwrap_or(settings.stop);
+        settings.instants = Some(recording.time.clone());
+        settings
+    }
+
+    /// The variables of the signals at the instants of a recording, signal by signal, in the units of
+    /// the columns.
+    pub fn predict(&self, recording: &Recording, x: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
+        let settings = self.settings(recording, &self.values(x));
+        let mut rows = Rows::new(recording.time.clone(), self.program.recorded.len(), 0);
+        simulate_to(self.program, &settings, self.sources, &mut rows)?;
+        let of = |c: &Channel| {
+            let values =
+                rows.values.chunks_exact(rows.width).map(|row| c.unit.of_si(row[c.column]));
+            values.collect()
+        };
+        Ok(self.channels.iter().map(of).collect())
+    }
+
+    /// Residuals of a recording, signal by signal, in units of the noise; NaN without a value.
+    pub fn residuals(&self, recording: &Recording, x: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
+        let mut predicted = self.predict(recording, x)?;
+        for ((p, measured), c) in predicted.iter_mut().zip(&recording.signals).zip(&self.channels) {
+            for (p, m) in p.iter_mut().zip(measured) {
+                *p = (*p - m) / c.sigma;
+            }
+        }
+        Ok(predicted)
+    }
+
+    /// Sums of squares over the recordings of one kind; the first failure in their order.
+    pub fn sums(&self, split: Split, x: &[f64]) -> Result<Sums, Failure> {
+        let recordings = self.recordings(split);
+        let all = parallel::map(self.jobs, recordings.len(), |i| self.residuals(recordings[i], x));
+        let mut sums = Sums::default();
+        for residuals in all {
+            let residuals = residuals?;
+            let valid = |r: &Vec<f64>| r.iter().filter(|r| !r.is_nan()).count();
+            let square = |r: &Vec<f64>| r.iter().filter(|r| !r.is_nan()).map(|r| r * r).sum();
+            sums.counts.push(residuals.iter().map(valid).collect());
+            sums.squares.push(residuals.iter().map(square).collect());
+        }
+        Ok(sums)
+    }
+
+    /// The normal equations of the training recordings.
+    pub fn normal(&self, x: &[f64]) -> Result<Normal, Failure> {
+        let recordings = self.recordings(Split::Train);
+        let each = parallel::map(self.jobs, recordings.len(), |i| self.normal_of(recordings[i], x));
+        let mut sum = Normal::new(self.parameters.len());
+        for normal in each {
+            sum.merge(&normal?);
+        }
+        Ok(sum)
+    }
+
+    /// The normal equations of one recording.
+    pub fn normal_of(&self, recording: &Recording, x: &[f64]) -> Result<Normal, Failure> {
+        let mut normal = Normal::new(self.parameters.len());
+        self.each_slope(recording, x, |residual, slopes| normal.add(residual, slopes))?;
+        Ok(normal)
+    }
+
+    /// Every residual of a recording with its derivatives by the search parameters.
+    pub fn each_slope(
+        &self,
+        recording: &Recording,
+        x: &[f64],
+        mut take: impl FnMut(f64, &[f64]),
+    ) -> Result<(), Failure> {
+        let values = self.values(x);
+        let settings = self.settings(recording, &values);
+        let inputs: Vec<Input> =
+            self.parameters.iter().flat_map(|p| p.targets.iter().copied()).collect();
+        let width = self.program.recorded.len();
+        let mut rows = Rows::new(recording.time.clone(), width, inputs.len());
+        let run =
+            simulate_with_sensitivities(self.program, &settings, &inputs, self.sources, &mut rows);
+        match run {
+            Ok(_) => {}
+            Err(failure) if failure.is_without_derivatives() => {
+                return self.each_difference(recording, x, take);
+            }
+            Err(failure) => return Err(failure),
+        }
+        let factors: Vec<f64> =
+            self.parameters.iter().zip(&values).map(|(p, v)| p.scale.slope(*v)).collect();
+        let mut slopes = vec![0.0; self.parameters.len()];
+        for k in 0..recording.time.len() {
+            let row = &rows.values[k * width..(k + 1) * width];
+            let all = &rows.slopes[k * width * inputs.len()..(k + 1) * width * inputs.len()];
+            for (c, signal) in self.channels.iter().zip(&recording.signals) {
+                if signal[k].is_nan() {
+                    continue;
+                }
+                let residual = (c.unit.of_si(row[c.column]) - signal[k]) / c.sigma;
+                let mut of_target =
+                    all[c.column * inputs.len()..(c.column + 1) * inputs.len()].iter();
+                for ((slope, p), factor) in slopes.iter_mut().zip(&self.parameters).zip(&factors) {
+                    let sum: f64 = of_target.by_ref().take(p.targets.len()).sum();
+                    *slope = sum * factor / (c.unit.factor * c.sigma);
+                }
+                take(residual, &slopes);
+            }
+        }
+        Ok(())
+    }
+
+    /// As `each_slope`, by central differences.
+    fn each_difference(
+        &self,
+        recording: &Recording,
+        x: &[f64],
+        mut take: impl FnMut(f64, &[f64]),
+    ) -> Result<(), Failure> {
+        let here = self.residuals(recording, x)?;
+        let mut moved = x.to_vec();
+        let mut by = Vec::with_capacity(x.len());
+        for j in 0..x.len() {
+            moved[j] = x[j] + DISPLACEMENT;
+            let above = self.residuals(recording, &moved)?;
+            moved[j] = x[j] - DISPLACEMENT;
+            let below = self.residuals(recording, &moved)?;
+            moved[j] = x[j];
+            by.push((above, below));
+        }
+        let mut slopes = vec![0.0; x.len()];
+        for k in 0..recording.time.len() {
+            for (c, signal) in here.iter().enumerate() {
+                if signal[k].is_nan() {
+                    continue;
+                }
+                for (slope, (above, below)) in slopes.iter_mut().zip(&by) {
+                    *slope = (above[c][k] - below[c][k]) / (2.0 * DISPLACEMENT);
+                }
+                take(signal[k], &slopes);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Residuals for Problem<'_> {
+    fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+        Problem::normal(self, x).ok()
+    }
+
+    fn cost(&mut self, x: &[f64]) -> Option<f64> {
+        self.sums(Split::Train, x).ok().map(|s| s.total())
+    }
+}
+
+/// What a name of the plan sets in the program.
+fn input(program: &Program, wanted: &str, span: Span, problems: &mut Problems) -> Option<Input> {
+    let start = wanted.strip_prefix("start(").and_then(|rest| rest.strip_suffix(')'));
+    let name = start.unwrap_or(wanted).trim();
+    let layout = &program.layout;
+    let variables = &program.blocks.dae.variables;
+    let parameters = || layout.parameter_inputs.iter().map(|(v, _)| *v);
+    let starts = || layout.starts.iter().map(|(v, ..)| *v);
+    let found = match start {
+        None => parameters().find(|v| program.name(*v) == name).map(Input::Parameter),
+        Some(_) => starts().find(|v| program.name(*v) == name).map(Input::Start),
+    };
+    if found.is_none() {
+        let exists = variables.iter().any(|v| v.name == name);
+        let what = if start.is_some() { "start value" } else { "parameter" };
+        let message = if exists {
+            format!("`{name}` is no {what} that a run can set")
+        } else {
+            format!("the model has no {what} `{name}`")
+        };
+        let d = Diagnostic::error("MO1015", span, message);
+        let names: Vec<&str> = match start {
+            None => parameters().map(|v| program.name(v)).collect(),
+            Some(_) => starts().map(|v| program.name(v)).collect(),
+        };
+        problems.push(match did_you_mean(name, names.into_iter()) {
+            Some(near) => d.help(format!("did you mean `{near}`?")),
+            None => d.help("name a real parameter that is not final and fixes no structure"),
+        });
+    }
+    found
+}
+
+fn parameter(
+    program: &Program,
+    instance: &Instance<'_>,
+    free: &Free,
+    problems: &mut Problems,
+) -> Option<Parameter> {
+    let targets: Option<Vec<Input>> =
+        free.targets.iter().map(|t| input(program, t, free.span, problems)).collect();
+    let targets = targets?;
+    let (v, declared) = match targets.first()? {
+        Input::Parameter(v) => (*v, instance.value(*v)),
+        Input::Start(v) => {
+            let starts = &program.layout.starts;
+            let (.., cell) = starts.iter().find(|(s, ..)| s == v)?;
+            (*v, instance.get(*cell))
+        }
+    };
+    let start = free.start.unwrap_or(declared);
+    let positive = start > 0.0 && free.min.is_none_or(|m| m >= 0.0);
+    let (scale, wide) = if positive {
+        (Scale::Logarithmic { size: start }, (start / WIDE, start * WIDE))
+    } else {
+        let span = free.max.zip(free.min).map_or(1.0, |(a, b)| 0.25 * (a - b));
+        let size = if start == 0.0 { span } else { start.abs() };
+        (Scale::Linear { size }, (f64::NEG_INFINITY, f64::INFINITY))
+    };
+    let bounds = (free.min.unwrap_or(wide.0), free.max.unwrap_or(wide.1));
+    let unit = program.blocks.dae.variables[v].unit.to_string();
+    Some(Parameter { name: free.name.clone(), unit, targets, scale, start, bounds })
+}
+
+/// Takes the rows at the instants of a recording.
+struct Rows {
+    instants: Arc<[f64]>,
+    /// The next instant to come.
+    next: usize,
+    /// The last row was one of them.
+    taken: bool,
+    width: usize,
+    values: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
+impl Rows {
+    fn new(instants: Arc<[f64]>, width: usize, inputs: usize) -> Self {
+        let n = instants.len();
+        let (values, slopes) = (vec![0.0; n * width], vec![0.0; n * width * inputs]);
+        Rows { instants, next: 0, taken: false, width, values, slopes }
+    }
+}
+
+impl Sink for Rows {
+    fn begin(&mut self, _columns: Vec<Column>) {}
+
+    fn row(&mut self, time: f64, values: &[f64]) {
+        let again = self.next > 0 && self.instants[self.next - 1] == time;
+        self.taken = again || self.instants.get(self.next) == Some(&time);
+        if !self.taken {
+            return;
+        }
+        self.next += usize::from(!again);
+        let at = (self.next - 1) * self.width;
+        self.values[at..at + self.width].copy_from_slice(values);
+    }
+
+    fn slopes(&mut self, slopes: &[f64]) {
+        if self.taken && self.next > 0 {
+            let at = (self.next - 1) * slopes.len();
+            self.slopes[at..at + slopes.len()].copy_from_slice(slopes);
+        }
+    }
+
+    fn event(&mut self, _event: Event) {}
+}

@@ -1,0 +1,124 @@
+//! Units of recordings, by name: how much of the SI unit one of them is.
+
+/// A value in SI units is `factor * value + offset`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Unit {
+    /// SI units in one of it.
+    pub factor: f64,
+    /// What its zero is in SI units.
+    pub offset: f64,
+}
+
+/// Names, each with its factor. Gauge pressures are differences to ambient.
+const UNITS: [(&str, f64); 59] = [
+    ("1", 1.0),
+    ("%", 1e-2),
+    ("Pa", 1.0),
+    ("hPa", 1e2),
+    ("kPa", 1e3),
+    ("MPa", 1e6),
+    ("mbar", 1e2),
+    ("bar", 1e5),
+    ("mbar gauge", 1e2),
+    ("bar gauge", 1e5),
+    ("psi", 6_894.757_293_168),
+    ("m", 1.0),
+    ("cm", 1e-2),
+    ("mm", 1e-3),
+    ("um", 1e-6),
+    ("µm", 1e-6),
+    ("nm", 1e-9),
+    ("m2", 1.0),
+    ("cm2", 1e-4),
+    ("mm2", 1e-6),
+    ("m3", 1.0),
+    ("l", 1e-3),
+    ("ml", 1e-6),
+    ("cm3", 1e-6),
+    ("mm3", 1e-9),
+    ("s", 1.0),
+    ("ms", 1e-3),
+    ("us", 1e-6),
+    ("µs", 1e-6),
+    ("min", 60.0),
+    ("h", 3600.0),
+    ("d", 86_400.0),
+    ("Hz", 1.0),
+    ("kHz", 1e3),
+    ("rad", 1.0),
+    ("deg", std::f64::consts::PI / 180.0),
+    ("rad/s", 1.0),
+    ("rpm", std::f64::consts::PI / 30.0),
+    ("m/s", 1.0),
+    ("mm/s", 1e-3),
+    ("m/s2", 1.0),
+    ("kg", 1.0),
+    ("g", 1e-3),
+    ("kg/s", 1.0),
+    ("g/s", 1e-3),
+    ("N", 1.0),
+    ("mN", 1e-3),
+    ("kN", 1e3),
+    ("N.m", 1.0),
+    ("Nm", 1.0),
+    ("W", 1.0),
+    ("J", 1.0),
+    ("V", 1.0),
+    ("mV", 1e-3),
+    ("A", 1.0),
+    ("mA", 1e-3),
+    ("K", 1.0),
+    ("m3/s", 1.0),
+    ("l/min", 1e-3 / 60.0),
+];
+
+impl Unit {
+    /// The unit of this name.
+    pub fn of(name: &str) -> Option<Unit> {
+        let name = name.trim();
+        if matches!(name, "degC" | "°C") {
+            return Some(Unit { factor: 1.0, offset: 273.15 });
+        }
+        let plain = name.replace('_', " ").replace('^', "");
+        let found = UNITS.iter().find(|(n, _)| *n == plain)?;
+        Some(Unit { factor: found.1, offset: 0.0 })
+    }
+
+    /// All names.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        UNITS.iter().map(|(n, _)| *n).chain(["degC"])
+    }
+
+    /// A value in SI units.
+    pub fn to_si(self, value: f64) -> f64 {
+        self.factor * value + self.offset
+    }
+
+    /// A value in this unit, from SI units.
+    pub fn of_si(self, value: f64) -> f64 {
+        (value - self.offset) / self.factor
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_converted_by_name() {
+        let si = |value, name| Unit::of(name).map(|u| u.to_si(value));
+        assert_eq!(si(6.0, "bar"), Some(6e5));
+        assert_eq!(si(6.0, "bar_gauge"), Some(6e5));
+        assert_eq!(si(3.5, "mm"), Some(3.5e-3));
+        assert_eq!(si(20.0, "degC"), Some(293.15));
+        assert_eq!(si(60.0, "l/min"), Some(1e-3));
+        assert_eq!(si(1.0, "furlong"), None);
+        assert_eq!(Unit::of("°C").map(|u| u.of_si(273.15)), Some(0.0));
+    }
+
+    #[test]
+    fn no_name_stands_twice() {
+        let names: Vec<&str> = Unit::names().collect();
+        assert!(names.iter().enumerate().all(|(i, n)| !names[..i].contains(n)));
+    }
+}
