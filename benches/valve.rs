@@ -1,15 +1,17 @@
 //! One cycle of the 5/2-way valve, on and off, within one process: the model is compiled once, then
 //! initialised and run at the default tolerance, with 1200 rows of all variables.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use divan::Bencher;
 use mocc::base::source::SourceMap;
 use mocc::codegen::jit::MachineCode;
 use mocc::codegen::jit::rent::Execution;
+use mocc::codegen::record;
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::Program;
-use mocc::simulate::run::simulate;
+use mocc::ir::trajectory::Trajectory;
+use mocc::simulate::run::simulate_to;
 use mocc::simulate::settings::Settings;
 
 fn main() {
@@ -29,32 +31,44 @@ static VALVE: LazyLock<Valve> = LazyLock::new(|| {
     Valve { program, sources: session.sources }
 });
 
-fn run(bencher: Bencher, execution: Execution) {
-    let Valve { program, sources } = &*VALVE;
+fn run(bencher: Bencher, program: &Program, execution: Execution) {
     let mut settings = Settings::of(&program.blocks.dae.experiment);
     settings.stop = 0.12;
     settings.interval = 1e-4;
     settings.execution = execution;
-    bencher.bench_local(|| simulate(program, &settings, sources).expect("a run"));
+    // The memory of the rows serves again, as in a series of runs.
+    let mut rows = Trajectory::default();
+    bencher.bench_local(|| {
+        simulate_to(program, &settings, &VALVE.sources, &mut rows).expect("a run");
+        rows.rows()
+    });
 }
 
 /// By machine code that was made before.
 #[divan::bench]
 fn cycle(bencher: Bencher) {
-    let code = MachineCode::translate(&VALVE.program).expect("machine code");
-    run(bencher, Execution::Machine(Arc::new(code)));
+    run(bencher, &VALVE.program, Execution::translated(&VALVE.program));
+}
+
+/// By machine code, recording the stroke alone, as a search for parameters does.
+#[divan::bench]
+fn cycle_of_one_variable(bencher: Bencher) {
+    let mut program = VALVE.program.clone();
+    record::only(&mut program, |name| name == "spool.s");
+    let execution = Execution::translated(&program);
+    run(bencher, &program, execution);
 }
 
 /// By the interpreter.
 #[divan::bench]
 fn cycle_interpreted(bencher: Bencher) {
-    run(bencher, Execution::Interpreted);
+    run(bencher, &VALVE.program, Execution::Interpreted);
 }
 
 /// As a single run does by itself: interpreted at first, translated on the way.
 #[divan::bench]
 fn cycle_adaptive(bencher: Bencher) {
-    run(bencher, Execution::Adaptive);
+    run(bencher, &VALVE.program, Execution::Adaptive);
 }
 
 /// From the program to its machine code.

@@ -88,7 +88,8 @@ impl Recorder {
     /// Rows that are due, and two for each of a few events.
     pub fn expected_rows(&self) -> usize {
         const MOST: u64 = 1 << 20;
-        (self.count.min(MOST) + 1) as usize + 2 * EXPECTED_EVENTS
+        let due = self.instants.as_ref().map_or(self.count, |list| list.len() as u64);
+        (due.min(MOST) + 1) as usize + 2 * EXPECTED_EVENTS
     }
 
     /// Goes on to the next instant of the grid.

@@ -1,10 +1,8 @@
 //! Machine code leaves in every cell what the interpreter leaves, on whole models.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use mocc::codegen::interp::Instance;
-use mocc::codegen::jit::MachineCode;
 use mocc::codegen::jit::rent::Execution;
 use mocc::ir::program::Program;
 use mocc::ir::trajectory::Trajectory;
@@ -19,7 +17,9 @@ fn bits(memory: &[f64]) -> Vec<u64> {
 }
 
 fn translated(program: &Program) -> Execution {
-    Execution::Machine(Arc::new(MachineCode::translate(program).expect("machine code")))
+    let execution = Execution::translated(program);
+    assert!(matches!(execution, Execution::Machine(_)));
+    execution
 }
 
 /// Runs every tape in both ways, at the start and at states along a run, and compares all cells.

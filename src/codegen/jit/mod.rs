@@ -105,7 +105,7 @@ unsafe impl Send for MachineCode {}
 unsafe impl Sync for MachineCode {}
 
 impl MachineCode {
-    /// Translates all tapes of a program. Takes about a microsecond for each instruction.
+    /// Translates all tapes of a program. Takes some microseconds for each instruction.
     pub fn translate(program: &Program) -> Result<MachineCode, Untranslated> {
         program.verify().map_err(Untranslated::Invalid)?;
         Translator::translate(Source::of(program), &|| false)

@@ -1,6 +1,6 @@
 //! Whether to translate at all: rent or buy.
 //!
-//! Translating costs as much as interpreting every instruction some hundred times. How long a run
+//! Translating costs as much as interpreting every instruction about a thousand times. How long a run
 //! will be is not known before; so the program is interpreted until that has cost as much as the
 //! translation would, and translated then, on a thread of its own, while the interpreter goes on.
 //! That never costs more than twice of what would have been best (the ski rental problem: Karlin,
@@ -30,6 +30,17 @@ pub enum Execution {
     /// By machine code that was made before. If it is that of another program, the run is
     /// interpreted.
     Machine(Arc<MachineCode>),
+}
+
+impl Execution {
+    /// By machine code from the start, for a program that will run many times: it is translated here,
+    /// once for all runs and threads. By the interpreter where machine code can not be had.
+    pub fn translated(program: &Program) -> Execution {
+        match MachineCode::translate(program) {
+            Ok(code) => Execution::Machine(Arc::new(code)),
+            Err(_) => Execution::Interpreted,
+        }
+    }
 }
 
 impl PartialEq for Execution {
