@@ -25,7 +25,7 @@ pub enum Command {
     /// Fit the free parameters of a plan to recordings.
     Calibrate(Calibrate),
     /// Print how the model is solved: states, blocks in order, what was differentiated.
-    Structure(Model),
+    Structure(Structure),
 }
 
 /// Which model, with which settings.
@@ -45,6 +45,20 @@ pub struct Model {
     pub folders: Vec<PathBuf>,
 }
 
+/// What to make of the block structure.
+#[derive(Args, Debug)]
+pub struct Structure {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// Draw the incidence matrix in block lower triangular order, .svg or .png, and print nothing.
+    #[arg(long, value_name = "PATH")]
+    pub svg: Option<PathBuf>,
+    /// Write the blocks and their dependencies as a graph for Graphviz, and print nothing.
+    #[arg(long, value_name = "PATH")]
+    pub dot: Option<PathBuf>,
+}
+
 /// A run.
 #[derive(Args, Debug)]
 pub struct Simulate {
@@ -60,7 +74,7 @@ pub struct Simulate {
     /// Relative tolerance [default: from the annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Table of the results [default: MODEL.csv; nothing if only --plot is given].
+    /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
     #[arg(long, value_name = "PATH")]
     pub output: Option<PathBuf>,
     /// Picture, .svg or .png [default: MODEL.svg; nothing if only --output is given].

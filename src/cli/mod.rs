@@ -1,6 +1,8 @@
 //! The command line: arguments in, exit status out.
 pub mod args;
 pub mod calibrate;
+pub mod interrupt;
+pub mod progress;
 pub mod show;
 pub mod simulate;
 pub mod stream;
@@ -23,6 +25,8 @@ pub enum Status {
     Numerics = 3,
     /// mocc is wrong.
     Bug = 4,
+    /// Ctrl-C ended the run; what was computed is written. 128 and the number of the signal.
+    Interrupted = 130,
 }
 
 impl From<Status> for ExitCode {

@@ -1,8 +1,19 @@
-//! `mocc flatten` and `mocc structure`: what the compiler made of a model, as text.
+//! `mocc flatten` and `mocc structure`: what the compiler made of a model, as text or as a picture.
 
-use super::args::Model;
+use std::path::Path;
+
+use super::args::{Model, Structure};
 use super::{Status, print, say};
 use crate::driver::compile::Session;
+use crate::ir::diagram::Diagram;
+use crate::report::dot::dot;
+use crate::report::incidence::svg;
+use crate::report::raster::png;
+use crate::report::write::write_file;
+use crate::structure::diagram::diagram;
+
+/// Pixels of a PNG per px of the picture.
+const PNG_SCALE: u32 = 2;
 
 /// Prints the flat model.
 pub fn flatten(options: &Model) -> Status {
@@ -20,17 +31,50 @@ pub fn flatten(options: &Model) -> Status {
     }
 }
 
-/// Prints states, blocks, what was differentiated and what is torn.
-pub fn structure(options: &Model) -> Status {
+/// Prints states, blocks, what was differentiated and what is torn; or draws the blocks.
+pub fn structure(options: &Structure) -> Status {
     let mut session = Session::default();
-    let blocks = session.flatten(&options.request()).and_then(|flat| session.sort(flat));
+    let request = options.model.request();
+    let blocks = session.flatten(&request).and_then(|flat| session.sort(flat));
     say(&session);
     match blocks {
         Ok(blocks) => {
-            let status = print(&crate::structure::print::print(&blocks, &session.sources));
+            let status = if options.dot.is_none() && options.svg.is_none() {
+                print(&crate::structure::print::print(&blocks, &session.sources))
+            } else {
+                draw(options, &diagram(&blocks))
+            };
             std::mem::forget(blocks);
             status
         }
         Err(wrong) => wrong.into(),
+    }
+}
+
+fn draw(options: &Structure, diagram: &Diagram) -> Status {
+    let mut written = String::new();
+    let mut write = |path: &Path, bytes: &[u8]| {
+        write_file(path, bytes).map_err(|e| e.to_string())?;
+        written.push_str(&format!("wrote {}\n", path.display()));
+        Ok(())
+    };
+    let mut drawn = Ok(());
+    if let Some(path) = &options.dot {
+        drawn = write(path, dot(diagram).as_bytes());
+    }
+    if let (Some(path), Ok(())) = (&options.svg, &drawn) {
+        let picture = svg(diagram);
+        let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        drawn = match is_png {
+            true => png(&picture, PNG_SCALE).and_then(|bytes| write(path, &bytes)),
+            false => write(path, picture.as_bytes()),
+        };
+    }
+    match drawn {
+        Ok(()) => print(&written),
+        Err(why) => {
+            eprintln!("error: {why}");
+            Status::Usage
+        }
     }
 }

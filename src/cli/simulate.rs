@@ -4,17 +4,19 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::args::Simulate;
+use super::progress::Progress;
 use super::stream::{Stream, drawable};
-use super::{Status, print, say, style};
+use super::{Status, interrupt, print, say, style};
 use crate::base::render::render;
 use crate::codegen::record;
 use crate::driver::compile::Session;
 use crate::ir::program::Program;
-use crate::ir::trajectory::{Column, Kind, Trajectory, position};
+use crate::ir::trajectory::{Kind, Trajectory, position};
 use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::report::plot;
+use crate::report::results::Format;
+use crate::simulate::columns::{columns, courses};
 use crate::simulate::error::FailureKind;
-use crate::simulate::record::columns;
 use crate::simulate::run::{Run, simulate_to};
 use crate::simulate::settings::Settings;
 
@@ -23,6 +25,10 @@ const MAX_CURVES: usize = 8;
 
 /// Runs the command.
 pub fn run(options: &Simulate) -> Status {
+    if let Some(Err(why)) = options.output.as_deref().map(Format::of) {
+        eprintln!("error: {why}");
+        return Status::Usage;
+    }
     let begun = Instant::now();
     let mut session = Session::default();
     let program = session.compile(&options.model.request());
@@ -52,14 +58,20 @@ pub fn run(options: &Simulate) -> Status {
     settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
 
     let files = Files::of(options, &program);
-    let mut stream = match files.stream(options, &columns(&program)) {
+    let mut stream = match files.stream(options, &program) {
         Ok(stream) => stream,
         Err(why) => {
             eprintln!("error: {why}");
             return Status::Usage;
         }
     };
-    let statistics = match simulate_to(&program, &settings, &session.sources, &mut stream) {
+    interrupt::listen();
+    if let Some(progress) = Progress::of(settings.start, settings.stop) {
+        stream.show(progress);
+    }
+    let outcome = simulate_to(&program, &settings, &session.sources, &mut stream);
+    stream.hide();
+    let statistics = match outcome {
         Ok(statistics) => statistics,
         Err(failure) => {
             eprintln!("{}", render(&failure.diagnostic, &session.sources, style()));
@@ -74,7 +86,7 @@ pub fn run(options: &Simulate) -> Status {
         eprintln!("{}\n", render(warning, &session.sources, style()));
     }
     let begun = Instant::now();
-    let table = stream.finish().map_err(|e| e.to_string());
+    let table = stream.finish(statistics.end).map_err(|e| e.to_string());
     let run = Run { trajectory: stream.trajectory, statistics };
     let picture = files.draw(options, &program, &run);
     let written: Vec<PathBuf> = match table.and_then(|t| Ok((t, picture?))) {
@@ -86,7 +98,10 @@ pub fn run(options: &Simulate) -> Status {
     };
     let mut text = if options.events { events(&run.trajectory) } else { String::new() };
     text.push_str(&summary(&program, &run, compiled, begun.elapsed(), &written));
-    let status = print(&text);
+    let status = match print(&text) {
+        Status::Done if run.statistics.interrupted => Status::Interrupted,
+        status => status,
+    };
     // Gigabytes of a large model need not be given back piece by piece at the end.
     std::mem::forget(program);
     status
@@ -112,7 +127,8 @@ impl Files {
     }
 
     /// Takes the rows; what cannot be drawn is said before anything is run.
-    fn stream(&self, options: &Simulate, columns: &[Column]) -> Result<Stream, String> {
+    fn stream(&self, options: &Simulate, program: &Program) -> Result<Stream, String> {
+        let columns = &columns(program);
         let kept = match (&self.picture, &options.show) {
             (None, _) => Vec::new(),
             (Some(_), None) => drawable(columns),
@@ -127,7 +143,11 @@ impl Files {
                 kept
             }
         };
-        Stream::new(columns, self.table.as_deref(), kept).map_err(|e| e.to_string())
+        let output = match &self.table {
+            Some(path) => Some((path.clone(), Format::of(path).map_err(|e| e.to_string())?)),
+            None => None,
+        };
+        Stream::new(columns, &courses(program), output, kept).map_err(|e| e.to_string())
     }
 
     /// Draws the picture; the name of its file if there is anything to draw.
@@ -253,13 +273,12 @@ fn summary(
         dae.eliminated.len(),
         s.end
     );
-    out.push_str(&format!(
-        "  {} events, {} steps ({} rejected), {} rows\n",
-        run.trajectory.events.len(),
-        i.steps,
-        i.rejected,
-        s.rows
-    ));
+    // Without states nothing is integrated: the steps are those of the table.
+    let steps = match program.order() {
+        0 => String::new(),
+        _ => format!(" {} steps ({} rejected),", i.steps, i.rejected),
+    };
+    out.push_str(&format!("  {} events,{steps} {} rows\n", run.trajectory.events.len(), s.rows));
     out.push_str(&format!(
         "  compiled in {}, simulated in {}, written in {}\n",
         ms(compiled),
@@ -268,6 +287,9 @@ fn summary(
     ));
     if s.selections > 0 {
         out.push_str(&format!("  states selected anew {} times\n", s.selections));
+    }
+    if s.interrupted {
+        out.push_str(&format!("  interrupted at {} s\n", s.end));
     }
     if let Some(message) = &s.terminated {
         out.push_str(&format!("  terminated by the model: {message}\n"));

@@ -1,10 +1,12 @@
-//! Rows of a run on their way to the table, and the few curves that a picture may need.
+//! Rows of a run on their way to the file, and the few curves that a picture may need.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use crate::ir::trajectory::{Column, Event, Kind, Trajectory};
-use crate::report::table::{TableError, TableWriter};
-use crate::report::write::AtomicFile;
+use super::interrupt;
+use super::progress::Progress;
+use crate::ir::trajectory::{Column, Constant, Course, Event, Kind, Trajectory};
+use crate::report::results::{Format, Results};
+use crate::report::table::TableError;
 use crate::simulate::record::Sink;
 
 /// So many curves are kept for a picture whose curves the user has not named.
@@ -13,9 +15,10 @@ const MOST_KEPT: usize = 2000;
 /// Writes rows as they come and keeps what may be drawn, so that the memory of a large model's run is
 /// that of a few curves.
 pub struct Stream {
-    table: Option<(TableWriter<AtomicFile>, PathBuf)>,
-    /// The first trouble with the table; nothing is written after it.
+    results: Option<(Results, PathBuf)>,
+    /// The first trouble with the results; nothing is written after it, and the run ends.
     trouble: Option<TableError>,
+    progress: Option<Progress>,
     kept: Vec<usize>,
     row: Vec<f64>,
     /// The kept columns, and all events.
@@ -23,31 +26,39 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Of a run that records `columns`: to the table at `output`, keeping the columns at `kept`.
+    /// Of a run that records `columns`: to the file `output`, keeping the columns at `kept`.
     pub fn new(
         columns: &[Column],
-        output: Option<&Path>,
+        courses: &[Course],
+        output: Option<(PathBuf, Format)>,
         kept: Vec<usize>,
     ) -> Result<Self, TableError> {
-        let table = match output {
-            Some(path) => {
-                let writer = TableWriter::new(AtomicFile::create(path)?, columns)?;
-                Some((writer, path.to_owned()))
-            }
+        let results = match output {
+            Some((path, format)) => Some((Results::create(&path, format, columns, courses)?, path)),
             None => None,
         };
         let trajectory = Trajectory::new(kept.iter().map(|&k| columns[k].clone()).collect());
         let row = vec![0.0; kept.len()];
-        Ok(Stream { table, trouble: None, kept, row, trajectory })
+        Ok(Stream { results, trouble: None, progress: None, kept, row, trajectory })
     }
 
-    /// Gives the table its name, if there is one; that name.
-    pub fn finish(&mut self) -> Result<Option<PathBuf>, TableError> {
+    /// Shows how far the run has come, until [`Stream::hide`].
+    pub fn show(&mut self, progress: Progress) {
+        self.progress = Some(progress);
+    }
+
+    /// Takes the progress off the screen.
+    pub fn hide(&mut self) {
+        self.progress = None;
+    }
+
+    /// Gives the file its name, if there is one, after a run that reached `end`, s; that name.
+    pub fn finish(&mut self, end: f64) -> Result<Option<PathBuf>, TableError> {
         if let Some(trouble) = self.trouble.take() {
             return Err(trouble);
         }
-        let Some((table, path)) = self.table.take() else { return Ok(None) };
-        table.finish()?.finish()?;
+        let Some((results, path)) = self.results.take() else { return Ok(None) };
+        results.finish(end)?;
         Ok(Some(path))
     }
 }
@@ -60,9 +71,18 @@ impl Sink for Stream {
         self.trajectory.reserve(rows);
     }
 
+    fn constants(&mut self, constants: Vec<Constant>) {
+        if let Some((results, _)) = &mut self.results {
+            results.constants(constants);
+        }
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) {
-        if let (Some((table, _)), None) = (&mut self.table, &self.trouble) {
-            self.trouble = table.row(time, values).err();
+        if let (Some((results, _)), None) = (&mut self.results, &self.trouble) {
+            self.trouble = results.row(time, values).err();
+        }
+        if self.kept.is_empty() {
+            return;
         }
         for (to, &k) in self.row.iter_mut().zip(&self.kept) {
             *to = values[k];
@@ -72,6 +92,13 @@ impl Sink for Stream {
 
     fn event(&mut self, event: Event) {
         self.trajectory.events.push(event);
+    }
+
+    fn goes_on(&mut self, time: f64) -> bool {
+        if let Some(progress) = &self.progress {
+            progress.reached(time);
+        }
+        self.trouble.is_none() && !interrupt::asked()
     }
 }
 
@@ -107,10 +134,10 @@ mod tests {
     #[test]
     fn rows_reach_the_kept_columns() {
         let columns = [Column::new("a", ""), Column::new("b", ""), Column::new("c", "")];
-        let mut stream = Stream::new(&columns, None, vec![0, 2]).unwrap();
+        let mut stream = Stream::new(&columns, &[], None, vec![0, 2]).unwrap();
         stream.row(0.5, &[1.0, 2.0, 3.0]);
         assert_eq!(stream.trajectory.values("c"), Some(&[3.0][..]));
         assert_eq!(stream.trajectory.values("b"), None);
-        assert_eq!(stream.finish().unwrap(), None);
+        assert_eq!(stream.finish(0.5).unwrap(), None);
     }
 }

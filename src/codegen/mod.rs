@@ -55,6 +55,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let Order { states, initial, event, continuous } = order;
     let mut program = Program {
         recorded: record::all(&dae),
+        constants: record::constants(&dae),
         blocks: Blocks {
             dae,
             states,

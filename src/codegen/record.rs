@@ -4,14 +4,20 @@ use crate::ir::dae::{Dae, Kind, Variable};
 use crate::ir::expr::{Type, VarId};
 use crate::ir::program::{Entry, Instr, Op, Program, Slot, Watch};
 
-/// All variables that the user declared and that move.
+/// All variables that the user declared and whose values a run finds: those that move, and
+/// parameters that initialisation determines.
 pub fn all(dae: &Dae) -> Vec<VarId> {
-    dae.variables.enumerate().filter(|(_, v)| is_recorded(v)).map(|(v, _)| v).collect()
+    shown(dae, |kind| kind != Kind::Parameter)
 }
 
-fn is_recorded(v: &Variable) -> bool {
-    let constant = matches!(v.kind, Kind::Parameter | Kind::InitialParameter);
-    !(v.hidden || constant || v.ty == Type::String)
+/// All parameters and constants whose values are known before a run.
+pub fn constants(dae: &Dae) -> Vec<VarId> {
+    shown(dae, |kind| kind == Kind::Parameter)
+}
+
+fn shown(dae: &Dae, wanted: impl Fn(Kind) -> bool) -> Vec<VarId> {
+    let is_shown = |v: &Variable| wanted(v.kind) && !v.hidden && v.ty != Type::String;
+    dae.variables.enumerate().filter(|(_, v)| is_shown(v)).map(|(v, _)| v).collect()
 }
 
 /// Restricts what is recorded to the variables whose names `keep` accepts, and drops from the tape
@@ -19,6 +25,7 @@ fn is_recorded(v: &Variable) -> bool {
 pub fn only(program: &mut Program, keep: impl Fn(&str) -> bool) {
     let variables = &program.blocks.dae.variables;
     program.recorded.retain(|v| keep(&variables[*v].name));
+    program.constants.retain(|v| keep(&variables[*v].name));
     let mut needed = read_elsewhere(program);
     for v in &program.recorded {
         needed[program.slot(*v) as usize] = true;

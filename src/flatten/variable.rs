@@ -155,6 +155,7 @@ fn attributes(
         } else {
             cx.evaluate(&binding.value, binding.scope)?
         };
+        cx.check_extent(id, &value, &binding.subscripts, span);
         Some((cx.spread(value, dims, &binding.subscripts, span)?, span))
     };
     let numeric: [(Name, Slot<Option<ExprId>>); 4] = [

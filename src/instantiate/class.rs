@@ -205,6 +205,7 @@ impl Context<'_> {
                         let entry = Entry {
                             name: clause.components[k].name,
                             kind: EntryKind::Component(declaration),
+                            element: shared.clone(),
                             class,
                             layers: Rc::from([]),
                             protected: element.protected,
@@ -217,6 +218,7 @@ impl Context<'_> {
                     let entry = Entry {
                         name: c.name,
                         kind: EntryKind::Class(c.clone()),
+                        element: Rc::new(element.clone()),
                         class,
                         layers: Rc::from([]),
                         protected: element.protected,
@@ -317,6 +319,17 @@ impl Context<'_> {
             return;
         };
         if redeclare {
+            // The type that it has already may always be written again.
+            let same = match (&table.entries[at].kind, &entry.kind) {
+                (EntryKind::Component(a), EntryKind::Component(b)) => {
+                    a.clause().type_name.to_string() == b.clause().type_name.to_string()
+                }
+                _ => false,
+            };
+            if table.entries[at].element.replaceable.is_none() && !same {
+                let old = table.entries[at].name.span;
+                self.report_not_replaceable(entry.name.name, entry.name.span, old);
+            }
             let old = &mut table.entries[at];
             *old = Entry { component: old.component, layers: old.layers.clone(), ..entry };
         } else if table.entries[at].class == class {

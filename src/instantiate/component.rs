@@ -190,6 +190,9 @@ impl Context<'_> {
         let class = self.instances[id].class?;
         let table = self.table(class);
         self.check_modified_names(id, &table);
+        if !self.redeclarations_fit(id, &table) {
+            return None;
+        }
         let mut children = Vec::with_capacity(table.component_count);
         for entry in &table.entries {
             if let EntryKind::Component(declaration) = &entry.kind {

@@ -205,6 +205,29 @@ impl Context<'_> {
         );
     }
 
+    pub(crate) fn report_not_replaceable(&mut self, text: Name, span: Span, before: Span) {
+        self.problems.push(
+            Diagnostic::error("MO0224", span, format!("`{text}` is not replaceable"))
+                .label("declared anew")
+                .also(before, "declared without `replaceable`")
+                .help("write `replaceable` before the declaration, or modify it instead")
+                .note("section 7.3.3 of the specification"),
+        );
+    }
+
+    pub(crate) fn report_misfit(&mut self, text: Name, span: Span, (before, why): (Span, String)) {
+        self.problems.push(
+            Diagnostic::error(
+                "MO0225",
+                span,
+                format!("what `{text}` is redeclared to does not fit: {why}"),
+            )
+            .also(before, "what it must fit is declared here")
+            .help("use a class that has all that the constraining class has, for instance one that extends it")
+            .note("sections 6.4 and 7.3.2 of the specification"),
+        );
+    }
+
     pub(crate) fn report_inheritance_cycle(&mut self, class: ClassId) {
         let span = self.text(class).map_or(Span::NONE, |t| t.name.span);
         let name = self.classes[class].full_name;

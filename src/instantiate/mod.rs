@@ -9,6 +9,7 @@ pub mod component;
 pub mod error;
 pub mod evaluate;
 pub mod lookup;
+pub mod redeclare;
 
 use std::rc::Rc;
 

@@ -102,6 +102,8 @@ pub struct Entry {
     pub name: ast::Ident,
     /// What it is.
     pub kind: EntryKind,
+    /// The element that declares it, with its prefixes.
+    pub element: Rc<ast::Element>,
     /// The class whose text declares it.
     pub class: ClassId,
     /// Modifications of the `extends` clauses through which it came, outermost first.

@@ -8,3 +8,4 @@ pub mod dae;
 pub mod blocks;
 pub mod program;
 pub mod trajectory;
+pub mod diagram;

@@ -325,6 +325,8 @@ pub struct Program {
     pub layout: Layout,
     /// The variables that a run records, in order of declaration.
     pub recorded: Vec<VarId>,
+    /// The parameters and constants whose values a run tells, in order of declaration.
+    pub constants: Vec<VarId>,
     /// Parameters, starts, nominals, and what depends on parameters only.
     pub parameters: Tape,
     /// The initial sequence.

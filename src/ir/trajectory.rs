@@ -50,6 +50,31 @@ impl Column {
     }
 }
 
+/// What is known of a column before its run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Course {
+    /// It goes its own way.
+    Own,
+    /// It keeps the value of the first row.
+    Constant,
+    /// It is an earlier column, or that column's negative.
+    Alias {
+        /// Position of the other column, which goes its own way.
+        of: usize,
+        /// Values have the other sign.
+        negated: bool,
+    },
+}
+
+/// A parameter or a constant, which has no column in a table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Constant {
+    /// What it is.
+    pub column: Column,
+    /// Its value during the whole run, SI.
+    pub value: f64,
+}
+
 /// Something that happened at one instant.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Event {

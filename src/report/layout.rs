@@ -116,6 +116,32 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     size * text.chars().map(advance).sum::<f64>()
 }
 
+/// The text, or as much of its two ends as fits into `room` px; the end of a dotted name says more
+/// than its middle.
+pub fn shortened(text: &str, size: f64, room: f64) -> String {
+    const CUT: &str = "...";
+    if text_width(text, size) <= room {
+        return text.to_owned();
+    }
+    let letters: Vec<char> = text.chars().collect();
+    let (mut kept, mut best) = (0, CUT.to_owned());
+    while kept < letters.len() {
+        kept += 1;
+        let head = kept * 2 / 5;
+        let tail = letters.len() - (kept - head);
+        let cut: String = letters[..head]
+            .iter()
+            .chain(&CUT.chars().collect::<Vec<_>>())
+            .chain(&letters[tail..])
+            .collect();
+        if text_width(&cut, size) > room {
+            break;
+        }
+        best = cut;
+    }
+    best
+}
+
 /// Advances of the printable ASCII characters from the space on, in percent of the size.
 #[rustfmt::skip]
 const ADVANCES: [u8; 95] = [
@@ -172,6 +198,17 @@ mod tests {
             legend: names.iter().map(|&n| n.into()).collect(),
             low,
         }
+    }
+
+    #[test]
+    fn a_long_text_keeps_its_ends_and_fits() {
+        assert_eq!(shortened("piston.p", TEXT_SIZE, 200.0), "piston.p");
+        let long = format!("machine.{}.piston.p", "unit.".repeat(40));
+        let cut = shortened(&long, TEXT_SIZE, 200.0);
+        assert!(cut.starts_with("machine.") && cut.ends_with(".piston.p"), "{cut}");
+        let width = text_width(&cut, TEXT_SIZE);
+        assert!((170.0..=200.0).contains(&width), "{width}");
+        assert_eq!(shortened(&long, TEXT_SIZE, 1.0), "...");
     }
 
     #[test]

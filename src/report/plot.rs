@@ -20,7 +20,9 @@ use super::write::write_file;
 use crate::ir::trajectory::{Kind, Trajectory};
 
 /// Pixels of a PNG per px of the picture, so that it is sharp on today's screens.
-pub const PNG_SCALE: u32 = 2;
+const PNG_SCALE: u32 = 2;
+/// Axis texts and names of curves are cut to this part of the width.
+const LONGEST_TEXT: f64 = 0.75;
 
 /// Draws `spec` to `path`, as SVG or PNG by its extension; whole or not at all.
 pub fn plot(
@@ -59,9 +61,12 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
     let times = Axis::of_time(&trajectory.time);
     let axes: Vec<PanelAxis<'_>> =
         spec.panels.iter().map(|p| PanelAxis::new(trajectory, p)).collect::<Result<_, _>>()?;
-    let texts: Vec<PanelText> = axes.iter().map(PanelAxis::text).collect();
     let titled = !spec.title.is_empty();
     let size = (f64::from(spec.width), f64::from(spec.height));
+    let mut texts: Vec<PanelText> = axes.iter().map(PanelAxis::text).collect();
+    for text in texts.iter_mut().flat_map(|t| t.legend.iter_mut().chain([&mut t.axis])) {
+        *text = layout::shortened(text, layout::TEXT_SIZE, LONGEST_TEXT * size.0);
+    }
     let too_small = |needed: f64| PlotError::TooSmall {
         width: spec.width,
         height: spec.height,
@@ -77,7 +82,8 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
     let mut canvas = Canvas { svg: SVGBackend::with_string(&mut drawing, extent) };
     canvas.background(extent)?;
     if titled {
-        canvas.text(&spec.title, (layout.left, layout.title), &TITLE)?;
+        let title = layout::shortened(&spec.title, layout::TITLE_SIZE, layout.right - layout.left);
+        canvas.text(&title, (layout.left, layout.title), &TITLE)?;
     }
     let frame = Frame { trajectory, times: &times, layout: &layout };
     let time_marks = times.time_ticks(layout.right - layout.left);

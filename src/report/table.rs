@@ -32,6 +32,24 @@ pub enum TableError {
         /// Time of the row, s.
         time: f64,
     },
+    /// A value of a column of whole numbers is none, or too large for the format.
+    #[error("`{name}` is {value} at time {time} s, which is not a whole number of 64 bits")]
+    NotWhole {
+        /// The column.
+        name: String,
+        /// The value.
+        value: f64,
+        /// Time of the row, s.
+        time: f64,
+    },
+    /// The format cannot hold so many columns or rows.
+    #[error("{what} {count} is more than the format can hold; write .csv or .parquet")]
+    TooLarge {
+        /// What is counted.
+        what: &'static str,
+        /// The number.
+        count: usize,
+    },
     /// The output took no more bytes.
     #[error("cannot write the table: {0}")]
     Output(#[from] io::Error),

@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all: written to a temporary sibling, renamed at the end.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -89,6 +89,15 @@ impl AtomicFile {
             }
             Err(source) => Err(WriteError::Replace { path: target, source }),
         }
+    }
+    /// Overwrites bytes that were written before, `at` bytes from the begin; what is written next
+    /// goes to the end again.
+    pub fn patch(&mut self, at: u64, bytes: &[u8]) -> io::Result<()> {
+        let end = self.out.stream_position()?;
+        self.out.seek(SeekFrom::Start(at))?;
+        self.out.write_all(bytes)?;
+        self.out.seek(SeekFrom::Start(end))?;
+        Ok(())
     }
     /// An error of writing, with the name of this file.
     pub fn failed(&self, source: io::Error) -> WriteError {
@@ -185,6 +194,17 @@ pub(crate) mod tests {
         assert_eq!(dir.files().len(), 1, "the temporary file");
         drop(file);
         assert_eq!(dir.files(), [""; 0]);
+    }
+
+    #[test]
+    fn a_patch_changes_what_stands_before() {
+        let dir = Scratch::new("patched");
+        let mut file = AtomicFile::create(dir.path("out.bin")).unwrap();
+        file.write_all(b"count: 0000; ").unwrap();
+        file.patch(7, b"0012").unwrap();
+        file.write_all(b"end").unwrap();
+        file.finish().unwrap();
+        assert_eq!(fs::read(dir.path("out.bin")).unwrap(), b"count: 0012; end");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::base::diag::{Diagnostic, Severity};
 use crate::ir::expr::{Const, ExprId};
+use crate::ir::program::Program;
 
 use super::error::{Failure, FailureKind};
 use super::events::Settled;
@@ -30,20 +31,7 @@ impl Simulation<'_, '_> {
     }
 
     fn assertion(&self, k: usize, t: f64) -> Failure {
-        let guarded = &self.program.blocks.dae.asserts[k];
-        let reader = Reader::new(self.program, &self.model.instance.memory);
-        let message = format!("at time {t} s: {}", self.message(guarded.assert.message));
-        let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
-            .label(format!("`{}` is false", reader.text(guarded.assert.condition)));
-        Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
-    }
-
-    /// The text of a `String` expression.
-    fn message(&self, e: ExprId) -> String {
-        match self.program.blocks.dae.graph.as_const(e) {
-            Some(Const::String(text)) => text.to_string(),
-            _ => Reader::new(self.program, &self.model.instance.memory).text(e),
-        }
+        violated(self.program, &self.model.instance.memory, k, t)
     }
 
     /// Failed assertions and terminations of an event iteration.
@@ -53,9 +41,28 @@ impl Simulation<'_, '_> {
         }
         if let Some(k) = settled.terminate {
             let message = self.program.blocks.dae.terminates[k].message;
-            self.statistics.terminated = Some(self.message(message));
+            self.statistics.terminated =
+                Some(text_of(self.program, &self.model.instance.memory, message));
             self.ended = true;
         }
         Ok(())
+    }
+}
+
+/// A violated assertion of the model; `k` is its position.
+pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure {
+    let guarded = &program.blocks.dae.asserts[k];
+    let condition = Reader::new(program, memory).text(guarded.assert.condition);
+    let message = format!("at time {t} s: {}", text_of(program, memory, guarded.assert.message));
+    let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
+        .label(format!("`{condition}` is false"));
+    Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
+}
+
+/// The text of a `String` expression.
+fn text_of(program: &Program, memory: &[f64], e: ExprId) -> String {
+    match program.blocks.dae.graph.as_const(e) {
+        Some(Const::String(text)) => text.to_string(),
+        _ => Reader::new(program, memory).text(e),
     }
 }

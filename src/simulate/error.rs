@@ -8,6 +8,7 @@ use crate::ir::blocks::{Block, Source, Torn};
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Sequence, Watched};
 
+use super::assertion::violated;
 use super::events::Unsettled;
 use super::explain::{Reader, block, first_source, relation_text, source_of};
 use super::initial::NoStart;
@@ -79,6 +80,12 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
                 None => reader.plain("a simultaneous equation is not finite", time),
             }
         }
+        Fault::Singular { solver, unknown }
+            if !is_solved(program, &instance.fault_memory, solver) =>
+        {
+            unsolved(&reader, program, solver, unknown, time)
+                .note("the iteration came to a point where no correction is determined")
+        }
         Fault::Singular { solver, unknown } => {
             let text = |v: &str| {
                 format!(
@@ -88,13 +95,7 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
             torn_failure(&reader, program, solver, unknown, "MO0903", &text)
                 .help("check whether a coefficient of this variable becomes zero here")
         }
-        Fault::Diverged { solver, unknown } => {
-            let text = |v: &str| {
-                format!("at time {time} s the nonlinear equations for `{v}` could not be solved")
-            };
-            torn_failure(&reader, program, solver, unknown, "MO0904", &text)
-                .help("give `start` and `nominal` values near the solution")
-        }
+        Fault::Diverged { solver, unknown } => unsolved(&reader, program, solver, unknown, time),
         Fault::Restless { mixed, watched } => {
             let program_loop = &program.loops[mixed];
             let what = match program_loop.watched[watched] {
@@ -230,8 +231,43 @@ pub fn no_start(instance: &Instance<'_>, why: NoStart, t: f64) -> Failure {
             let span = program.blocks.dae.variables[flag].span;
             Failure::numerics(t, Diagnostic::error("MO0914", span, message))
         }
+        NoStart::Assertion(k) => violated(program, &instance.memory, k, t),
         NoStart::Unsettled(u) => unsettled(instance, u, t),
     }
+}
+
+/// Whether the residuals of a torn block vanish: then it is no solution that is missing, but what
+/// makes it the only one.
+fn is_solved(program: &Program, memory: &[f64], solver: usize) -> bool {
+    let s = &program.solvers[solver];
+    s.linear || s.residuals.iter().all(|r| memory[*r as usize] == 0.0)
+}
+
+/// An iteration without an end, with the residuals where it was given up.
+fn unsolved(
+    reader: &Reader<'_>,
+    program: &Program,
+    solver: usize,
+    unknown: usize,
+    time: f64,
+) -> Diagnostic {
+    let s = &program.solvers[solver];
+    let text = |v: &str| format!("at time {time} s the iteration finds no solution for `{v}`");
+    let mut diagnostic = torn_failure(reader, program, solver, unknown, "MO0904", &text);
+    let torn = block(program, s.place).and_then(|b| torn_of(b, program, solver));
+    let residuals = torn.into_iter().flat_map(|t| &t.residuals).zip(&s.residuals);
+    for (residual, cell) in residuals.take(5) {
+        let equation = reader.equation(residual.source);
+        let gap = reader.cell(*cell);
+        diagnostic = diagnostic.note(format!("the sides of `{equation}` differ by {gap} at last"));
+    }
+    if let Some(v) = s.unknowns.get(unknown) {
+        diagnostic =
+            diagnostic.note(format!("there `{}` = {}", program.name(*v), reader.value(*v)));
+    }
+    diagnostic.help(
+        "check that there is a solution at all; if so, give `start` and `nominal` values near it",
+    )
 }
 
 fn stuck(reader: &Reader<'_>, program: &Program, v: VarId, h: f64, time: f64) -> Diagnostic {

@@ -5,7 +5,7 @@ use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Source};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Unary, VarId};
-use crate::ir::program::{BlockPlace, Program, Sequence, source_span};
+use crate::ir::program::{BlockPlace, Program, Sequence, Slot, source_span};
 use crate::symbolic::eval;
 use crate::symbolic::print::print;
 use crate::symbolic::rewrite::Rewriter;
@@ -44,6 +44,11 @@ impl<'a> Reader<'a> {
     /// The value of a variable.
     pub fn value(&self, v: VarId) -> f64 {
         self.memory[self.program.layout.variables[v.idx()] as usize]
+    }
+
+    /// The value in a cell.
+    pub fn cell(&self, slot: Slot) -> f64 {
+        self.memory[slot as usize]
     }
 
     /// Where an equation stands.

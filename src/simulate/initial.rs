@@ -8,6 +8,7 @@ use crate::ir::program::Slot;
 use super::clock::Clocks;
 use super::events::{Settled, Unsettled, remember, settle, sweep};
 use super::homotopy;
+use super::precondition;
 use super::selection::Selection;
 use super::settings::Settings;
 
@@ -18,6 +19,8 @@ pub enum NoStart {
     NotAnInput(VarId),
     /// A parameter is not finite.
     Parameter(VarId),
+    /// An assertion about parameters is violated.
+    Assertion(usize),
     /// The interval of a clock is not positive.
     Clock(usize),
     /// The initial sequence or the first event iteration failed.
@@ -66,6 +69,10 @@ pub fn initialise_from(
     instance.set(program.layout.time, settings.start);
     instance.set(program.layout.initial, 1.0);
     instance.run(&program.parameters).map_err(Unsettled::Fault)?;
+    // A bad parameter is better explained by the model than by what it leads to.
+    if let Some(k) = precondition::violated(instance) {
+        return Err(NoStart::Assertion(k));
+    }
     for (v, variable) in program.blocks.dae.variables.enumerate() {
         if variable.kind == Kind::Parameter && !instance.value(v).is_finite() {
             instance.fault_memory.copy_from_slice(&instance.memory);

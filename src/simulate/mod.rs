@@ -9,12 +9,15 @@
 //! section 3.7.5 (`sample`, `pre`, `edge`).
 pub mod assertion;
 pub mod clock;
+pub mod columns;
+pub mod echo;
 pub mod error;
 pub mod events;
 pub mod explain;
 pub mod homotopy;
 pub mod initial;
 pub mod meeting;
+pub mod precondition;
 pub mod record;
 pub mod run;
 pub mod selection;

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use crate::codegen::interp::Instance;
-use crate::ir::dae::{Kind, Variable};
-use crate::ir::expr::{Type, VarId};
+use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
-use crate::ir::trajectory::{self, Column, Event, Trajectory};
+use crate::ir::trajectory::{Column, Constant, Event, Trajectory};
 
 use super::settings::Settings;
 
@@ -16,12 +15,18 @@ pub trait Sink {
     fn begin(&mut self, columns: Vec<Column>);
     /// About how many rows there will be, once before all rows.
     fn expect(&mut self, _rows: usize) {}
+    /// Parameters and constants, once after `begin`.
+    fn constants(&mut self, _: Vec<Constant>) {}
     /// One value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
     /// The derivatives of the last row, if the run is differentiated: value by value, input by input.
     fn slopes(&mut self, _slopes: &[f64]) {}
     /// Something happened.
     fn event(&mut self, event: Event);
+    /// Called after each step with the time that it reached, s. False ends the run there.
+    fn goes_on(&mut self, _: f64) -> bool {
+        true
+    }
 }
 
 impl Sink for Trajectory {
@@ -111,26 +116,5 @@ impl Recorder {
     /// Writes the row that was taken last.
     pub fn put(&self, time: f64, sink: &mut dyn Sink) {
         sink.row(time, &self.row);
-    }
-}
-
-/// The columns of what a run of the program records.
-pub fn columns(program: &Program) -> Vec<Column> {
-    program.recorded.iter().map(|v| column(&program.blocks.dae.variables[*v])).collect()
-}
-
-fn column(v: &Variable) -> Column {
-    let kind = match v.ty {
-        Type::Boolean => trajectory::Kind::Boolean,
-        Type::Integer | Type::Enumeration(_) => trajectory::Kind::Integer,
-        _ if v.kind == Kind::Discrete => trajectory::Kind::Discrete,
-        _ => trajectory::Kind::Continuous,
-    };
-    Column {
-        name: v.name.clone(),
-        unit: v.unit.to_string(),
-        display_unit: v.display_unit.to_string(),
-        description: v.description.as_deref().unwrap_or_default().to_owned(),
-        kind,
     }
 }

@@ -13,12 +13,14 @@ use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
 use super::clock::Clocks;
+use super::columns::{columns, constants};
+use super::echo::{Echo, nothing_moved};
 use super::error::{Failure, no_start, of_fault, of_integration, unsettled};
 use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
 use super::meeting::Recent;
-use super::record::{Recorder, Sink, columns};
+use super::record::{Recorder, Sink};
 use super::selection::{LIMIT, Selection};
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
@@ -49,6 +51,8 @@ pub struct Statistics {
     pub end: f64,
     /// The text of the `terminate` that ended it.
     pub terminated: Option<String>,
+    /// The sink ended it.
+    pub interrupted: bool,
     /// Assertions of level warning that were violated, each once.
     pub warnings: Vec<Diagnostic>,
 }
@@ -141,6 +145,7 @@ pub struct Simulation<'p, 's> {
     pub(super) warned: Vec<bool>,
     pub(super) texts: Vec<Option<String>>,
     pub(super) recent: Recent,
+    pub(super) echo: Echo,
     pub(super) ended: bool,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
 }
@@ -186,6 +191,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let recorder = Recorder::new(program, settings);
         sink.begin(columns(program));
         sink.expect(recorder.expected_rows());
+        sink.constants(constants(&model.instance));
         let mut simulation = Simulation {
             program,
             sources,
@@ -204,6 +210,7 @@ impl<'p, 's> Simulation<'p, 's> {
             warned: vec![false; program.asserts.len()],
             texts: vec![None; program.watches.len()],
             recent: Recent::new(settings.stop - settings.start),
+            echo: Echo::new(settings.stop - settings.start),
             ended: false,
             sensitivity,
         };
@@ -216,6 +223,11 @@ impl<'p, 's> Simulation<'p, 's> {
     fn run(&mut self) -> Result<(), Failure> {
         self.restart()?;
         while self.t < self.stop && !self.ended {
+            if !self.sink.goes_on(self.t) {
+                self.statistics.interrupted = true;
+                self.ended = true;
+                break;
+            }
             let instant = self.clocks.next_instant(&self.model.instance, self.t);
             let t_stop = instant.min(self.stop);
             let mut reached = self.step(t_stop)?;
@@ -250,7 +262,8 @@ impl<'p, 's> Simulation<'p, 's> {
             }
         }
         self.statistics.end = self.t;
-        if self.program.reads_terminal { self.finish() } else { Ok(()) }
+        let ends_by_itself = !self.statistics.interrupted;
+        if self.program.reads_terminal && ends_by_itself { self.finish() } else { Ok(()) }
     }
 
     /// The event at the end of the run, for what happens `when terminal()`.
@@ -307,7 +320,7 @@ impl<'p, 's> Simulation<'p, 's> {
             NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
         let (mut t, mut ticked) = (t, false);
         let mut triggers: Vec<u32> = Vec::new();
-        let settled = loop {
+        let (settled, before) = loop {
             self.go_to(t)?;
             self.take_row(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
@@ -333,7 +346,7 @@ impl<'p, 's> Simulation<'p, 's> {
             };
             // The event sequence may round an operand to the other side: a little later it will not.
             if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
-                break settled;
+                break (settled, before);
             }
             t = (t + nudge).min(self.stepper.t());
             nudge *= 4.0;
@@ -341,7 +354,9 @@ impl<'p, 's> Simulation<'p, 's> {
         self.t = t;
         let n = self.program.order();
         self.y[..n].copy_from_slice(self.model.instance.states());
-        if settled.changed {
+        let flipped = self.flipped(&held, &triggers);
+        let echoes = !ticked && self.echoes(t, &flipped, settled, &before)?;
+        if settled.changed && !echoes {
             self.put_row(t);
             self.depart(t)?;
             self.record(t)?;
@@ -353,8 +368,10 @@ impl<'p, 's> Simulation<'p, 's> {
             self.go_to(t)?;
             self.depart(t)?;
         }
-        let flipped = self.flipped(&held, &triggers);
-        self.announce(t, cause, ticked, &flipped, settled);
+        if !echoes {
+            self.echo.remember(t, &flipped);
+            self.announce(t, cause, ticked, &flipped, settled);
+        }
         if !ticked && !self.slides(t, &flipped, settled)? {
             self.guard_against_chattering(t, &flipped)?;
         }
@@ -489,6 +506,23 @@ impl<'p, 's> Simulation<'p, 's> {
         let pairs = held.iter().zip(&now).enumerate();
         let changed = pairs.filter(|(k, (a, b))| a != b || triggers.contains(&(*k as u32)));
         changed.map(|(k, (before, _))| (k as u32, *before == 0.0)).collect()
+    }
+
+    /// Whether this event only turns back what the one before turned, and nothing moves by it.
+    fn echoes(
+        &mut self,
+        t: f64,
+        flipped: &[(u32, bool)],
+        settled: Settled,
+        before: &[f64],
+    ) -> Result<bool, Failure> {
+        let speaks = settled.failed.is_some() || settled.terminate.is_some();
+        if !settled.changed || speaks || !self.echo.may_be(t, flipped) {
+            return Ok(false);
+        }
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        Ok(nothing_moved(self.program, before, &self.model.instance.memory))
     }
 
     /// Counts the event and tells the sink.

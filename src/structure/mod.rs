@@ -5,6 +5,7 @@
 //! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into
 //! blocks (Tarjan 1972) and torn. What can not be solved is explained in the user's names.
 pub mod apply;
+pub mod diagram;
 pub mod error;
 pub mod explain;
 pub mod incidence;

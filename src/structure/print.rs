@@ -135,7 +135,7 @@ fn assignment(dae: &Dae, a: &Assignment) -> String {
 }
 
 /// An expression with relations written out, cut where it gets too long to read.
-fn shown(dae: &Dae, e: ExprId) -> String {
+pub(super) fn shown(dae: &Dae, e: ExprId) -> String {
     const LONGEST: usize = 160;
     let relation = |k: u32| dae.relations.get(k as usize).map(|r| (r.op, r.lhs, r.rhs));
     let text = Printer {

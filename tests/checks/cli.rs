@@ -302,3 +302,26 @@ fn structural_settings_of_the_valve_act_before_flattening() {
     let (free, usual) = (table.of("spool.f_static")[0], usual.first("spool.f_static"));
     assert!(free < usual, "a seal that never touches holds {free} N instead of {usual} N");
 }
+
+#[test]
+fn the_structure_is_drawn_on_demand() {
+    let folder = Scratch::new();
+    let model = example("valve52.mol");
+    let arguments = ["structure", &model, "--svg", "v.svg", "--dot", "v.dot"];
+    let ended = mocc(folder.path(), &arguments);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    assert_eq!(ended.out, "wrote v.dot\nwrote v.svg\n");
+    let svg = std::fs::read_to_string(folder.path().join("v.svg")).expect("a picture");
+    let dot = std::fs::read_to_string(folder.path().join("v.dot")).expect("a graph");
+    // The same blocks as in the text: each is a node of the graph.
+    let text = mocc(folder.path(), &["structure", &model]).out;
+    let (_, between) = text.split_once("between events: ").expect("a sequence");
+    let blocks: usize = between.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
+    assert_eq!(dot.matches("fillcolor").count(), blocks);
+    assert!(svg.contains(&format!(" in {blocks} blocks<")));
+    for torn in ["p12", "p14"] {
+        assert!(between.contains(&format!("torn to 1: {torn}")) && svg.contains(torn), "{torn}");
+    }
+    let ended = mocc(folder.path(), &["structure", &model, "--svg", "none/v.svg"]);
+    assert_eq!((ended.status, ended.out.as_str()), (2, ""));
+}

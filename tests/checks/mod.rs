@@ -13,6 +13,7 @@ mod hybrid;
 mod language;
 mod machine_code;
 mod reference;
+mod results;
 mod sensitivity;
 mod start;
 mod suite;

@@ -302,6 +302,9 @@ impl Context<'_> {
             let value =
                 self.cached(&binding.value, binding.scope, !binding.subscripts.is_empty(), id)?;
             let dims = binding.subscripts.clone();
+            if !binding.setting {
+                self.check_extent(id, &value, &dims, binding.value.span);
+            }
             return self.taken_apart(value, &dims, binding.setting, binding.value.span);
         }
         let parent = self.instances[id].parent?;
@@ -372,6 +375,44 @@ impl Context<'_> {
         };
         self.problems.push(Diagnostic::error("MO0240", e.span, message).help(help));
         Some(None)
+    }
+
+    /// Reports a value with more elements than the array of components that it modifies. Too few are
+    /// noticed where one is missing.
+    pub(crate) fn check_extent(
+        &mut self,
+        id: InstanceId,
+        value: &Value,
+        subscripts: &[usize],
+        span: Span,
+    ) {
+        let depth = subscripts.len();
+        // Once is enough: for the first element.
+        if depth == 0 || value.dims().len() < depth || subscripts.iter().any(|s| *s != 1) {
+            return;
+        }
+        let mut extents: Vec<usize> = Vec::new();
+        let mut at = Some(id);
+        while let Some(i) = at {
+            at = self.instances[i].parent;
+            if !self.instances[i].subscripts.is_empty()
+                && let Some(InstanceKind::Array { dims, .. }) = at.map(|p| &self.instances[p].kind)
+            {
+                extents.splice(0..0, dims.iter().copied());
+            }
+        }
+        let Some(first) = extents.len().checked_sub(depth) else { return };
+        let wanted = &extents[first..];
+        let found = &value.dims()[..depth];
+        if found.iter().zip(wanted).any(|(a, b)| a > b) {
+            let message = format!(
+                "this has size {found:?}, too many for the array of components of size {wanted:?} that it modifies"
+            );
+            self.problems.push(
+                Diagnostic::error("MO0215", span, message)
+                    .help("give one value for each element, or write `each` before the modification if all get the same"),
+            );
+        }
     }
 
     /// The part of a value for one element of an array of components.

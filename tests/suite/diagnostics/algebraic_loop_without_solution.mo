@@ -1,6 +1,5 @@
 // status: 3
-// error[MO0903] 7:3
-// FIXME: should say that no solution is found; the matrix is singular only where the iteration got stuck.
+// error[MO0904] 6:3
 model Loop
   Real x(start = 1);
 equation

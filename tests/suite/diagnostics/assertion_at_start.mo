@@ -1,6 +1,5 @@
 // status: 3
-// error[MO0902] lib/Pneumatics/PartialRestriction.mo:12:3
-// FIXME: the assertion on `b` should come first, it reads parameters only.
+// error[MO0912] lib/Pneumatics/PartialRestriction.mo:15:3
 model Valve
   Pneumatics.Source      supply(p = 7e5);
   Pneumatics.Restriction line(C = 1e-9, b = 1.3);

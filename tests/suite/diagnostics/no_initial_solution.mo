@@ -1,6 +1,5 @@
 // status: 3
-// error[MO0903] 8:3
-// FIXME: should say that no start is found; the matrix is singular only where the iteration got stuck.
+// error[MO0904] 7:3
 model Parabola
   Real x(start = 1);
   Real y;

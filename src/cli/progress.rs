@@ -1,0 +1,133 @@
+//! How far a run has come, on a terminal. Sole user of `indicatif`.
+//!
+//! The run only stores the time that it reached. A thread of its own looks at it ten times a second
+//! and draws, so that a step costs one store in memory, whatever the terminal does.
+
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{JoinHandle, park_timeout, spawn};
+use std::time::{Duration, Instant};
+
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Runs that are shorter show nothing.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Time between two looks.
+const PERIOD: Duration = Duration::from_millis(100);
+/// The bar counts parts of the run.
+const PARTS: u64 = 10_000;
+
+/// A bar on the standard error; dropped it disappears.
+pub struct Progress {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    /// The bits of the time that the run has reached, s.
+    reached: AtomicU64,
+    done: AtomicBool,
+}
+
+impl Progress {
+    /// Of a run from `start` to `stop`, s; none where the standard error is not a terminal.
+    pub fn of(start: f64, stop: f64) -> Option<Progress> {
+        let visible = std::io::stderr().is_terminal() && stop > start;
+        visible.then(|| {
+            let reached = AtomicU64::new(start.to_bits());
+            let shared = Arc::new(Shared { reached, done: AtomicBool::new(false) });
+            let thread = {
+                let shared = Arc::clone(&shared);
+                spawn(move || draw(&shared, start, stop))
+            };
+            Progress { shared, thread: Some(thread) }
+        })
+    }
+
+    /// The run has reached this time, s.
+    pub fn reached(&self, time: f64) {
+        self.shared.reached.store(time.to_bits(), Ordering::Relaxed);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.shared.done.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            thread.thread().unpark();
+            // A bar that could not be drawn is no loss.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn draw(shared: &Shared, start: f64, stop: f64) {
+    let is_done = || shared.done.load(Ordering::Acquire);
+    let begun = Instant::now();
+    park_timeout(PATIENCE);
+    if is_done() {
+        return;
+    }
+    let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr());
+    let style = "{bar:30} {percent:>3} %  {msg}";
+    if let Ok(style) = ProgressStyle::with_template(style) {
+        bar.set_style(style);
+    }
+    // Four digits of the duration.
+    let digits = (3.0 - (stop - start).log10().floor()).clamp(0.0, 15.0) as usize;
+    while !is_done() {
+        let time = f64::from_bits(shared.reached.load(Ordering::Relaxed));
+        let part = part(time, start, stop);
+        let left = match left(begun.elapsed(), part) {
+            Some(left) => format!(", {} left", HumanDuration(left)),
+            None => String::new(),
+        };
+        bar.set_message(format!("{time:.digits$} s{left}"));
+        bar.set_position(part);
+        park_timeout(PERIOD);
+    }
+    bar.finish_and_clear();
+}
+
+/// The part of the run that is behind it, of [`PARTS`].
+fn part(time: f64, start: f64, stop: f64) -> u64 {
+    ((time - start) / (stop - start) * PARTS as f64).clamp(0.0, PARTS as f64) as u64
+}
+
+/// The time that the rest takes if it is as slow as what is behind; none at the begin.
+fn left(elapsed: Duration, part: u64) -> Option<Duration> {
+    let share = part as f64 / PARTS as f64;
+    (part > 0).then(|| elapsed.mul_f64((1.0 - share) / share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_part_is_that_of_the_run() {
+        assert_eq!(part(2.5, 2.0, 4.0), PARTS / 4);
+        assert_eq!(part(1.0, 2.0, 4.0), 0);
+        assert_eq!(part(9.0, 2.0, 4.0), PARTS);
+        assert_eq!(part(f64::NAN, 2.0, 4.0), 0);
+    }
+
+    #[test]
+    fn the_rest_is_as_slow_as_what_is_behind() {
+        assert_eq!(left(Duration::from_secs(3), PARTS / 4), Some(Duration::from_secs(9)));
+        assert_eq!(left(Duration::from_secs(3), PARTS), Some(Duration::ZERO));
+        assert_eq!(left(Duration::from_secs(3), 0), None);
+    }
+
+    #[test]
+    fn a_dropped_bar_is_gone_at_once() {
+        // No terminal in a test: the thread alone is looked at.
+        let shared = Arc::new(Shared { reached: AtomicU64::new(0), done: AtomicBool::new(false) });
+        let thread = {
+            let shared = Arc::clone(&shared);
+            spawn(move || draw(&shared, 0.0, 1.0))
+        };
+        drop(Progress { shared, thread: Some(thread) });
+    }
+}

@@ -1,0 +1,157 @@
+//! What may be redeclared, and to what (sections 7.3.2 and 7.3.3 of the specification).
+//!
+//! Only what is `replaceable` can get another type, and that must have what the constraining class
+//! has: the class behind `constrainedby`, or else the one that is replaced. Asked are the names and
+//! kinds of public elements and predefined types; sizes and prefixes of elements are found to fit or
+//! not where they are used.
+
+use std::rc::Rc;
+
+use super::Context;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{self, ElementKind};
+use crate::ir::instance::{ClassId, ClassTable, Entry, EntryKind, InstanceId, Scope};
+use crate::ir::modification::{Layer, LayerSource};
+
+/// A redeclaration of one element.
+struct Replacement {
+    element: Rc<ast::Element>,
+    /// Where its type is looked up.
+    scope: Scope,
+    span: Span,
+}
+
+impl Context<'_> {
+    /// Whether everything that modifications of an instance redeclare may be redeclared so. What may
+    /// not is reported.
+    pub(crate) fn redeclarations_fit(&mut self, id: InstanceId, table: &ClassTable) -> bool {
+        let mut fit = true;
+        for entry in &table.entries {
+            let found = self.replacements(id, entry);
+            if !found.is_empty() {
+                fit &= self.fits(id, entry, &found);
+            }
+        }
+        fit
+    }
+
+    /// The redeclarations of an element, outermost first.
+    fn replacements(&self, id: InstanceId, entry: &Entry) -> Vec<Replacement> {
+        let inherited = entry.layers.iter().map(|(m, class)| Layer {
+            source: LayerSource::Whole(m.clone()),
+            scope: self.modification_scope(*class, id),
+            subscripts: Rc::from([]),
+        });
+        let mut found = Vec::new();
+        for layer in self.instances[id].layers.iter().cloned().chain(inherited) {
+            for (element, _) in layer.redeclarations() {
+                let names = element.names();
+                if let Some((_, span)) = names.iter().find(|(name, _)| *name == entry.name.name) {
+                    let element = Rc::new((**element).clone());
+                    found.push(Replacement { element, scope: layer.scope, span: *span });
+                }
+            }
+        }
+        found
+    }
+
+    fn fits(&mut self, id: InstanceId, entry: &Entry, found: &[Replacement]) -> bool {
+        let text = entry.name.name;
+        let own = Scope { instance: id, class: entry.class };
+        let Some(outermost) = found.first() else { return true };
+        let (Some(before), Some(after)) =
+            (self.original(id, entry), self.replaced(id, text, outermost))
+        else {
+            return true;
+        };
+        // The type that it has already may always be written again.
+        if !self.is_same(before, after) {
+            let replaced = found.iter().skip(1).map(|r| (&r.element, r.span));
+            let replaced: Vec<_> = replaced.chain([(&entry.element, entry.name.span)]).collect();
+            for (replacement, (element, span)) in found.iter().zip(replaced) {
+                if element.replaceable.is_none() {
+                    self.report_not_replaceable(text, replacement.span, span);
+                    return false;
+                }
+            }
+        }
+        let clause = entry.element.replaceable.as_ref().and_then(|r| r.constraint.as_ref());
+        let (wanted, span) = match clause {
+            Some(path) => match self.find_class(path, own) {
+                Some(class) => (class, path.span),
+                None => return true,
+            },
+            None => (before, entry.name.span),
+        };
+        match self.misfit(wanted, after) {
+            Some(why) => {
+                self.report_misfit(text, outermost.span, (span, why));
+                false
+            }
+            None => true,
+        }
+    }
+
+    /// The class that an element has by its declaration.
+    fn original(&mut self, id: InstanceId, entry: &Entry) -> Option<ClassId> {
+        match &entry.kind {
+            EntryKind::Class(text) => Some(self.class_in(text, entry.class, id)),
+            EntryKind::Component(declaration) => {
+                let own = Scope { instance: id, class: entry.class };
+                self.find_class(&declaration.clause().type_name, own)
+            }
+        }
+    }
+
+    /// The class that an element gets.
+    fn replaced(&mut self, id: InstanceId, text: Name, by: &Replacement) -> Option<ClassId> {
+        match &by.element.kind {
+            ElementKind::Components(clause) => self.find_class(&clause.type_name, by.scope),
+            ElementKind::Class(_) => {
+                let class = self.instances[id].class?;
+                self.member_class(class, text, id)
+            }
+            ElementKind::Import(_) | ElementKind::Extends(_) => None,
+        }
+    }
+
+    fn is_same(&self, a: ClassId, b: ClassId) -> bool {
+        match (self.text(a), self.text(b)) {
+            (Some(a), Some(b)) => std::sync::Arc::ptr_eq(a, b),
+            _ => a == b,
+        }
+    }
+
+    /// What `given` lacks of `wanted`, in words.
+    fn misfit(&mut self, wanted: ClassId, given: ClassId) -> Option<String> {
+        let in_progress = self.table_in_progress(wanted) || self.table_in_progress(given);
+        if self.is_same(wanted, given) || in_progress {
+            return None;
+        }
+        let (needs, has) = (self.table(wanted), self.table(given));
+        let (wanted, given) = (self.classes[wanted].full_name, self.classes[given].full_name);
+        if needs.scalar.is_some() && needs.scalar != has.scalar {
+            return Some(format!("`{given}` is of another type than `{wanted}`"));
+        }
+        let needed = needs.entries.iter().filter(|e| !e.protected && !is_conditional(e));
+        for entry in needed {
+            let text = entry.name.name;
+            let Some(at) = has.index.get(&text) else {
+                return Some(format!("`{given}` has no `{text}`, and `{wanted}` has"));
+            };
+            let is_class = |e: &Entry| matches!(e.kind, EntryKind::Class(_));
+            if is_class(entry) != is_class(&has.entries[*at]) {
+                return Some(format!("`{text}` is another kind of element than in `{wanted}`"));
+            }
+        }
+        None
+    }
+}
+
+fn is_conditional(entry: &Entry) -> bool {
+    match &entry.kind {
+        EntryKind::Component(declaration) => declaration.component().condition.is_some(),
+        EntryKind::Class(_) => false,
+    }
+}

@@ -1,0 +1,86 @@
+//! The order of a solution as something to draw: which line solves which unknown and reads which.
+//!
+//! *Holds:* one line per unknown, in the order in which they are solved; blocks of neighbouring lines
+//! that cover all lines. Lines read lines before them, and within a block any.
+//! *Never holds:* what is known beforehand: states, parameters, time.
+//! *Made by:* `structure::diagram`. *Read by:* `report`.
+
+/// One phase of a model.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Diagram {
+    /// Name of the model.
+    pub model: String,
+    /// Which phase, such as `between events`.
+    pub phase: &'static str,
+    /// The unknowns with their equations.
+    pub lines: Vec<Line>,
+    /// Which lines are solved together.
+    pub parts: Vec<Part>,
+}
+
+/// An unknown with the equation that it is solved from.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Line {
+    /// Name of the unknown.
+    pub unknown: String,
+    /// The equation as text.
+    pub equation: String,
+    /// A tearing variable; its equation is a residual.
+    pub torn: bool,
+    /// Positions of the lines whose unknowns the equation reads, ascending, without its own.
+    pub reads: Vec<usize>,
+}
+
+/// A block.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Part {
+    /// How it is solved.
+    pub method: Method,
+    /// Its first line.
+    pub first: usize,
+    /// Number of its lines.
+    pub size: usize,
+}
+
+/// How a block is solved.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Method {
+    /// One assignment.
+    Explicit,
+    /// A linear system.
+    Linear,
+    /// A nonlinear system, by iteration.
+    Nonlinear,
+    /// Discrete and continuous equations, repeated until nothing changes.
+    Mixed,
+}
+
+impl Method {
+    /// All of them, from simple to hard.
+    pub const ALL: [Method; 4] =
+        [Method::Explicit, Method::Linear, Method::Nonlinear, Method::Mixed];
+
+    /// In a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Explicit => "explicit",
+            Method::Linear => "linear",
+            Method::Nonlinear => "nonlinear",
+            Method::Mixed => "mixed",
+        }
+    }
+}
+
+impl Diagram {
+    /// The blocks that a block reads, by their positions, ascending.
+    pub fn dependencies(&self, part: usize) -> Vec<usize> {
+        let Part { first, size, .. } = self.parts[part];
+        let lines = self.lines[first..first + size].iter();
+        let read = lines.flat_map(|line| &line.reads).filter(|&&line| line < first);
+        let mut found: Vec<usize> =
+            read.map(|line| self.parts.partition_point(|p| p.first <= *line) - 1).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+}

@@ -1,0 +1,91 @@
+//! What a run records, as columns: names, units, and which of them need no column of their own.
+
+use crate::base::index::FastMap;
+use crate::codegen::interp::Instance;
+use crate::ir::dae::{Dae, Kind, Variable};
+use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
+use crate::ir::program::Program;
+use crate::ir::trajectory::{self, Column, Constant, Course};
+
+/// The columns of what a run of the program records.
+pub fn columns(program: &Program) -> Vec<Column> {
+    program.recorded.iter().map(|v| column(&program.blocks.dae.variables[*v])).collect()
+}
+
+/// What is known of each column: variables that were eliminated as aliases share a course, and what
+/// depends on parameters only has none.
+pub fn courses(program: &Program) -> Vec<Course> {
+    let dae = &program.blocks.dae;
+    let values: FastMap<VarId, ExprId> = dae.eliminated.iter().copied().collect();
+    let mut first: FastMap<VarId, (usize, bool)> = FastMap::default();
+    let course = |(at, v): (usize, &VarId)| {
+        if dae.variables[*v].kind == Kind::InitialParameter {
+            return Course::Constant;
+        }
+        let (root, negated) = match values.get(v) {
+            None => (*v, false),
+            Some(&value) => match alias(dae, value) {
+                Some(alias) => alias,
+                None if is_constant(dae, value) => return Course::Constant,
+                None => return Course::Own,
+            },
+        };
+        if is_parameter(dae, root) {
+            return Course::Constant;
+        }
+        let &mut (of, other) = first.entry(root).or_insert((at, negated));
+        if of == at { Course::Own } else { Course::Alias { of, negated: negated != other } }
+    };
+    program.recorded.iter().enumerate().map(course).collect()
+}
+
+/// The parameters and constants of a run that has begun.
+pub fn constants(instance: &Instance<'_>) -> Vec<Constant> {
+    let program = instance.program;
+    let constant = |v: &VarId| Constant {
+        column: column(&program.blocks.dae.variables[*v]),
+        value: instance.value(*v),
+    };
+    program.constants.iter().map(constant).collect()
+}
+
+fn column(v: &Variable) -> Column {
+    let kind = match v.ty {
+        Type::Boolean => trajectory::Kind::Boolean,
+        Type::Integer | Type::Enumeration(_) => trajectory::Kind::Integer,
+        _ if v.kind == Kind::Discrete => trajectory::Kind::Discrete,
+        _ => trajectory::Kind::Continuous,
+    };
+    Column {
+        name: v.name.clone(),
+        unit: v.unit.to_string(),
+        display_unit: v.display_unit.to_string(),
+        description: v.description.as_deref().unwrap_or_default().to_owned(),
+        kind,
+    }
+}
+
+/// The variable that a value is, or whose negative it is.
+fn alias(dae: &Dae, value: ExprId) -> Option<(VarId, bool)> {
+    match dae.graph.node(value) {
+        Node::Var(v) | Node::Der(v) => Some((v, false)),
+        Node::Unary(Unary::Neg, a) => match dae.graph.node(a) {
+            Node::Var(v) => Some((v, true)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn is_parameter(dae: &Dae, v: VarId) -> bool {
+    matches!(dae.variables[v].kind, Kind::Parameter | Kind::InitialParameter)
+}
+
+/// Reads nothing but literals and parameters.
+fn is_constant(dae: &Dae, value: ExprId) -> bool {
+    dae.graph.postorder([value]).into_iter().all(|e| match dae.graph.node(e) {
+        Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,
+        Node::Var(v) => is_parameter(dae, v),
+        _ => false,
+    })
+}

@@ -1,0 +1,73 @@
+//! The sorted system as something to draw: `mocc structure --svg` and `--dot`.
+
+use super::print::shown;
+use crate::base::index::FastMap;
+use crate::ir::blocks::{Assignment, Block, Blocks};
+use crate::ir::dae::Dae;
+use crate::ir::diagram::{Diagram, Line, Method, Part};
+use crate::ir::expr::{ExprId, VarId};
+
+/// The phase between events; that at events, if nothing is solved between them.
+pub fn diagram(blocks: &Blocks) -> Diagram {
+    let (phase, sequence) = match blocks.continuous.as_slice() {
+        [] => ("at events", &blocks.event),
+        _ => ("between events", &blocks.continuous),
+    };
+    let dae = &blocks.dae;
+    let mut solved = Vec::new();
+    let mut parts = Vec::with_capacity(sequence.len());
+    for block in sequence {
+        let first = solved.len();
+        collect(block, dae, &mut solved);
+        parts.push(Part { method: method(block), first, size: solved.len() - first });
+    }
+    let at: FastMap<VarId, usize> =
+        solved.iter().enumerate().map(|(line, s)| (s.unknown, line)).collect();
+    let line = |(own, s): (usize, &Solved)| {
+        let mut reads: Vec<usize> =
+            dae.graph.variables(s.value).iter().filter_map(|v| at.get(v).copied()).collect();
+        reads.retain(|line| *line != own);
+        reads.sort_unstable();
+        reads.dedup();
+        let unknown = dae.variables[s.unknown].name.clone();
+        Line { unknown, equation: s.equation.clone(), torn: s.torn, reads }
+    };
+    let lines = solved.iter().enumerate().map(line).collect();
+    Diagram { model: dae.name.clone(), phase, lines, parts }
+}
+
+/// An unknown with what it is solved from.
+struct Solved {
+    unknown: VarId,
+    value: ExprId,
+    equation: String,
+    torn: bool,
+}
+
+fn collect(block: &Block, dae: &Dae, out: &mut Vec<Solved>) {
+    let mut assign = |a: &Assignment| {
+        let name = &dae.variables[a.variable].name;
+        let equation = format!("{name} := {}", shown(dae, a.value));
+        out.push(Solved { unknown: a.variable, value: a.value, equation, torn: false });
+    };
+    match block {
+        Block::Assign(a) => assign(a),
+        Block::Torn(t) => {
+            t.explicit.iter().for_each(assign);
+            for (v, r) in t.unknowns.iter().zip(&t.residuals) {
+                let equation = format!("0 = {}", shown(dae, r.value));
+                out.push(Solved { unknown: *v, value: r.value, equation, torn: true });
+            }
+        }
+        Block::Mixed(parts) => parts.iter().for_each(|part| collect(part, dae, out)),
+    }
+}
+
+fn method(block: &Block) -> Method {
+    match block {
+        Block::Assign(_) => Method::Explicit,
+        Block::Torn(t) if t.linear => Method::Linear,
+        Block::Torn(_) => Method::Nonlinear,
+        Block::Mixed(_) => Method::Mixed,
+    }
+}

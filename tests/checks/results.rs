@@ -1,0 +1,293 @@
+//! Files of results: what every format says is what the table says; a run that is interrupted.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use mocc::ir::trajectory::Trajectory;
+use mocc::report::table::read_csv;
+
+use super::door::{Reading, Scratch};
+use super::program::mocc;
+
+/// Aliases, a negative one, a constant, a parameter of initialisation, events, and each type.
+const MODEL: &str = "
+model Machine \"A bit of everything\"
+  type Mode = enumeration(Slow, Fast);
+  parameter Real m(unit = \"kg\") = 2.5 \"Mass\";
+  parameter Real k(fixed = false, start = 1) \"Found at the start\";
+  constant Real two = 2;
+  Real x(start = 1, fixed = true, unit = \"m\", displayUnit = \"mm\") \"Place\";
+  Real same = x;
+  Real other = -x;
+  Real rest = 3*m + two;
+  Boolean high(start = true, fixed = true) = x > 0.5;
+  Integer n(start = 0, fixed = true);
+  Mode mode = if high then Mode.Slow else Mode.Fast;
+initial equation
+  der(x) = -3;
+equation
+  der(x) = -k*x;
+  when x < 0.25 then
+    n = pre(n) + 1;
+  end when;
+  annotation(experiment(StopTime = 1, Interval = 0.1));
+end Machine;
+";
+
+/// A file of MATLAB level 4: matrices by name, column by column.
+struct Matrices(HashMap<String, (usize, Vec<u8>)>);
+
+impl Matrices {
+    fn read(path: &Path) -> Matrices {
+        let bytes = std::fs::read(path).expect("a file");
+        let mut found = HashMap::new();
+        let mut at = 0;
+        while at < bytes.len() {
+            let word = |k: usize| {
+                let place = at + 4 * k;
+                i32::from_le_bytes(bytes[place..place + 4].try_into().expect("four bytes")) as usize
+            };
+            let (kind, rows, columns, name) = (word(0), word(1), word(2), word(4));
+            let width =
+                [(0, 8), (20, 4), (51, 1)].iter().find(|(k, _)| *k == kind).expect("a kind").1;
+            let begin = at + 20 + name;
+            let end = begin + rows * columns * width;
+            let name = String::from_utf8(bytes[at + 20..begin - 1].to_vec()).expect("a name");
+            found.insert(name, (rows, bytes[begin..end].to_vec()));
+            at = end;
+        }
+        Matrices(found)
+    }
+    fn texts(&self, name: &str) -> Vec<String> {
+        let (height, bytes) = &self.0[name];
+        let text = |t: &[u8]| String::from_utf8_lossy(t).trim_end().to_owned();
+        bytes.chunks(*height).map(text).collect()
+    }
+    fn doubles(&self, name: &str) -> (usize, Vec<f64>) {
+        let (rows, bytes) = &self.0[name];
+        let number = |b: &[u8]| f64::from_le_bytes(b.try_into().expect("eight bytes"));
+        (*rows, bytes.chunks(8).map(number).collect())
+    }
+    /// Name, matrix, signed row of each variable.
+    fn places(&self) -> Vec<(String, i32, i32)> {
+        let number = |b: &[u8]| i32::from_le_bytes(b.try_into().expect("four bytes"));
+        let words: Vec<i32> = self.0["dataInfo"].1.chunks(4).map(number).collect();
+        let pairs = self.texts("name").into_iter().zip(words.chunks(4));
+        pairs.map(|(name, place)| (name, place[0], place[1])).collect()
+    }
+    /// All values of a variable.
+    fn values(&self, wanted: &str) -> Vec<f64> {
+        let places = self.places();
+        let (_, matrix, row) = places.iter().find(|(name, ..)| name == wanted).expect(wanted);
+        let (height, values) = self.doubles(if *matrix == 1 { "data_1" } else { "data_2" });
+        let sign = f64::from(row.signum());
+        let at = row.unsigned_abs() as usize - 1;
+        values.chunks(height).map(|instant| sign * instant[at]).collect()
+    }
+}
+
+#[test]
+fn a_mat_file_says_what_the_table_says() {
+    let folder = Scratch::new();
+    folder.file("machine.mo", MODEL);
+    for output in ["run.csv", "run.mat"] {
+        let ended = mocc(folder.path(), &["simulate", "machine.mo", "--output", output]);
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    }
+    let table = read_csv(folder.path().join("run.csv")).expect("a table");
+    let mat = Matrices::read(&folder.path().join("run.mat"));
+    let (height, fixed) = mat.doubles("data_1");
+    assert_eq!((fixed[0], fixed[height]), (0.0, 1.0), "begin and end");
+    let (height, all) = mat.doubles("data_2");
+    let times: Vec<f64> = all.chunks(height).map(|instant| instant[0]).collect();
+    assert_eq!(times, table.time);
+    // Two events with two rows each.
+    assert_eq!(table.rows(), 11 + 4);
+
+    let places = mat.places();
+    let place = |wanted: &str| {
+        let found = places.iter().find(|(name, ..)| name == wanted).expect(wanted);
+        (found.1, found.2)
+    };
+    assert_eq!(place("same"), place("x"));
+    assert_eq!(place("other"), (2, -place("x").1));
+    for constant in ["m", "k", "two", "rest"] {
+        assert_eq!(place(constant).0, 1, "{constant}");
+    }
+    assert_eq!(mat.values("m"), [2.5, 2.5]);
+    assert_eq!(mat.values("rest"), [9.5, 9.5]);
+    // der(x) = -k x is -3 where x is 1.
+    assert!(mat.values("k").iter().all(|k| (k - 3.0).abs() < 1e-12));
+
+    let text = mat.texts("description");
+    let described =
+        |wanted: &str| &text[places.iter().position(|(name, ..)| name == wanted).expect(wanted)];
+    assert_eq!(described("x"), "Place [m|mm]");
+    assert_eq!(described("m"), "Mass [kg]");
+    for (column, values) in table.columns.iter().zip(&table.data) {
+        let found = mat.values(&column.name);
+        match place(&column.name).0 {
+            1 => assert!(values.iter().all(|v| *v == found[0]), "{}", column.name),
+            _ => assert_eq!(&found, values, "{}", column.name),
+        }
+    }
+}
+
+#[test]
+fn the_result_is_that_of_the_closed_form() {
+    let folder = Scratch::new();
+    folder.file("machine.mo", MODEL);
+    let ended = mocc(folder.path(), &["simulate", "machine.mo", "--output", "run.csv"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let run: Trajectory = read_csv(folder.path().join("run.csv")).expect("a table");
+    assert!((run.last("x") - f64::exp(-3.0)).abs() < 1e-5);
+    assert_eq!((run.last("n"), run.last("high"), run.last("mode")), (1.0, 0.0, 2.0));
+    // A parameter that initialisation finds is a column of one value.
+    assert!(run.of("k").iter().all(|k| *k == run.first("k")));
+}
+
+#[test]
+fn the_format_is_that_of_the_extension() {
+    let folder = Scratch::new();
+    folder.file("machine.mo", MODEL);
+    let ended = mocc(folder.path(), &["simulate", "machine.mo", "--output", "run.parquet"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let bytes = std::fs::read(folder.path().join("run.parquet")).expect("a file");
+    assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
+    let ended = mocc(folder.path(), &["simulate", "machine.mo", "--output", "run.xlsx"]);
+    assert_eq!(ended.status, 2);
+    let message = "results can be written as .csv, .parquet or .mat, not as `run.xlsx`";
+    assert!(ended.err.contains(message), "{}", ended.err);
+    assert!(!folder.path().join("run.xlsx").exists());
+}
+
+#[test]
+fn a_filter_holds_for_parameters_too() {
+    let folder = Scratch::new();
+    folder.file("machine.mo", MODEL);
+    let arguments =
+        ["simulate", "machine.mo", "--output", "run.mat", "--variables", "^(other|m|same)$"];
+    let ended = mocc(folder.path(), &arguments);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let mat = Matrices::read(&folder.path().join("run.mat"));
+    let names: Vec<String> = mat.places().into_iter().map(|p| p.0).collect();
+    assert_eq!(names, ["time", "m", "same", "other"]);
+    let (same, other) = (mat.values("same"), mat.values("other"));
+    assert!(same.iter().zip(&other).all(|(a, b)| *a == -b) && same[0] == 1.0);
+}
+
+#[test]
+fn a_run_without_states_has_no_steps() {
+    let folder = Scratch::new();
+    folder.file("wave.mo", "model Wave Real y = sin(time); end Wave;");
+    let ended = mocc(folder.path(), &["simulate", "wave.mo", "--output", "run.csv"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert!(
+        ended.out.contains("0 events, 501 rows") && !ended.out.contains("steps"),
+        "{}",
+        ended.out
+    );
+}
+
+#[test]
+fn an_impact_is_one_event() {
+    // The relation turns back by the `reinit` of its own event.
+    let folder = Scratch::new();
+    let example = format!("{}/examples/bouncing_ball.mol", env!("CARGO_MANIFEST_DIR"));
+    let ended = mocc(folder.path(), &["simulate", &example, "--events", "--output", "run.csv"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let events: Vec<&str> = ended.out.lines().filter(|l| l.starts_with("event")).collect();
+    // The k-th impact is at t_1 (1 + 2 (e + ... + e^(k-1))) with t_1 = sqrt(2 h/g).
+    let first = (2.0_f64 / 9.81).sqrt();
+    let mut at = first;
+    for k in 1..=6 {
+        let found: f64 = events[k - 1].split(' ').nth(2).expect("a time").parse().expect("a time");
+        assert!((found - at).abs() < 1e-6, "{found} instead of {at}");
+        at += 2.0 * first * 0.8_f64.powi(k as i32);
+    }
+    assert!(at > 3.0 && events.len() == 6, "{events:?}");
+    assert!(ended.out.contains("6 events"), "{}", ended.out);
+}
+
+#[test]
+fn a_relation_that_is_seen_to_turn_back_is_two_events() {
+    let folder = Scratch::new();
+    let model = "model Ball
+      Real h(start = 1, fixed = true);
+      Real v(start = 0, fixed = true);
+      Boolean touches(start = false, fixed = true) = h <= 0;
+    equation
+      der(h) = v;
+      der(v) = -9.81;
+      when touches then
+        reinit(v, -0.8*pre(v));
+      end when;
+    end Ball;";
+    folder.file("ball.mo", model);
+    let arguments = ["simulate", "ball.mo", "--stop", "0.6", "--events", "--output", "run.csv"];
+    let ended = mocc(folder.path(), &arguments);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert!(ended.out.contains("2 events"), "{}", ended.out);
+}
+
+/// SIGINT ends a run after its step; what was computed is in a file of its own name.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_valid_files() {
+    use std::process::{Command, Stdio};
+    use std::time::Duration;
+
+    let folder = Scratch::new();
+    // Years of an oscillator: no machine gets to the end of it.
+    let model = "model Long
+      Real x(start = 1, fixed = true);
+      Real v(start = 0, fixed = true);
+    equation
+      der(x) = v;
+      der(v) = -x;
+      annotation(experiment(StopTime = 1e9, Interval = 1e3));
+    end Long;";
+    folder.file("long.mo", model);
+    for output in ["run.csv", "run.mat", "run.parquet"] {
+        let path = folder.path().join(output);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_mocc"));
+        command.current_dir(folder.path()).args(["simulate", "long.mo", "--output", output]);
+        let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        let running = running.expect("mocc starts");
+        let temporary = || {
+            let files = std::fs::read_dir(folder.path()).expect("a folder").flatten();
+            files.into_iter().any(|f| f.file_name().to_string_lossy().ends_with(".part"))
+        };
+        // The temporary file is there before the handler is.
+        while !temporary() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(300));
+        let pid = running.id().to_string();
+        let sent = Command::new("kill").args(["-INT", &pid]).status().expect("kill is there");
+        assert!(sent.success());
+        let ended = running.wait_with_output().expect("an end");
+        let out = String::from_utf8_lossy(&ended.stdout);
+        assert_eq!(ended.status.code(), Some(130), "{out}");
+        assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
+        assert!(out.contains("interrupted at ") && out.contains(output), "{out}");
+        assert!(!temporary(), "the temporary file has become the result");
+        match output {
+            "run.csv" => {
+                let table = read_csv(&path).expect("a valid table");
+                assert!(table.rows() >= 1 && table.verify().is_ok());
+            }
+            "run.mat" => {
+                let mat = Matrices::read(&path);
+                let (height, all) = mat.doubles("data_2");
+                assert!(!all.is_empty() && all.len() % height == 0);
+                let (constants, fixed) = mat.doubles("data_1");
+                assert!(all[all.len() - height] <= fixed[constants] && fixed[constants] < 1e9);
+            }
+            _ => {
+                let bytes = std::fs::read(&path).expect("a file");
+                assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
+            }
+        }
+    }
+}
