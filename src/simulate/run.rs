@@ -171,6 +171,7 @@ impl<'p, 's> Simulation<'p, 's> {
         sink: &'s mut dyn Sink,
     ) -> Result<Self, Failure> {
         let mut model = Model::new(program);
+        model.instance.execute(&settings.execution);
         let t = settings.start;
         let mut sensitivity = None;
         if !inputs.is_empty() {
@@ -193,6 +194,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
         let recorder = Recorder::new(program, settings);
         sink.begin(columns(program));
+        sink.expect(recorder.expected_rows());
         sink.constants(constants(&model.instance));
         let mut simulation = Simulation {
             program,

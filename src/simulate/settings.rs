@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::codegen::jit::rent::Execution;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
 
@@ -43,6 +44,8 @@ pub struct Settings {
     pub parameters: Vec<(VarId, f64)>,
     /// Values for starts.
     pub starts: Vec<(VarId, f64)>,
+    /// How tapes are run; the results are the same.
+    pub execution: Execution,
     /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have
     /// their rows besides.
     pub instants: Option<Arc<[f64]>>,
@@ -61,6 +64,7 @@ impl Settings {
             method: Method::default(),
             parameters: Vec::new(),
             starts: Vec::new(),
+            execution: Execution::default(),
             instants: None,
         }
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mocc::base::render::{Style, render, render_all};
+use mocc::codegen::jit::rent::Execution;
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::Program;
 use mocc::ir::trajectory::{Column, Event, Trajectory, position};
@@ -165,6 +166,10 @@ impl Compiled {
         let (id, _) = variables.enumerate().find(|(_, v)| v.name == name).expect(name);
         self.settings.parameters.retain(|(other, _)| *other != id);
         self.settings.parameters.push((id, value));
+    }
+    /// How the next runs compute.
+    pub fn execute(&mut self, execution: Execution) {
+        self.settings.execution = execution;
     }
     /// The trajectory; panics with the failure.
     pub fn run(&self) -> Trajectory {

@@ -13,6 +13,7 @@ mod friction;
 mod hard;
 mod hybrid;
 mod language;
+mod machine_code;
 mod reference;
 mod results;
 mod sensitivity;
