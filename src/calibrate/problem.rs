@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::{SourceMap, Span};
 use crate::codegen::interp::Instance;
+use crate::codegen::jit::rent::Execution;
 use crate::codegen::record;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
@@ -217,7 +218,9 @@ impl<'a> Problem<'a> {
         if problems.error_count() > before || !evaluated {
             return None;
         }
-        let settings = Settings::of(&program.blocks.dae.experiment);
+        let mut settings = Settings::of(&program.blocks.dae.experiment);
+        // Thousands of runs: machine code pays.
+        settings.execution = Execution::translated(program);
         let jobs = parallel::cores();
         Some(Problem {
             program,
