@@ -25,6 +25,8 @@ pub enum Command {
     Flatten(Model),
     /// Fit the free parameters of a plan to recordings.
     Calibrate(Calibrate),
+    /// Find which physical effect a model lacks, from recordings.
+    Diagnose(Diagnose),
     /// Print how the model is solved: states, blocks in order, what was differentiated.
     Structure(Structure),
 }
@@ -117,6 +119,23 @@ impl From<Method> for settings::Method {
             Method::Dopri => settings::Method::Dopri,
         }
     }
+}
+
+/// A diagnosis.
+#[derive(Args, Debug)]
+pub struct Diagnose {
+    /// Plan file, TOML: the model, the recordings, what is free.
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// Folder of recordings, instead of the plan's.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Folder for the results [default: PLAN's name and `-diagnosis`].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Folder with further effects, beside the shipped ones.
+    #[arg(long, value_name = "DIR")]
+    pub effects: Option<PathBuf>,
 }
 
 /// A fit.

@@ -2,4 +2,5 @@
 pub mod effect;
 pub mod place;
 pub mod score;
+pub mod search;
 pub mod text;

@@ -32,6 +32,7 @@ pub fn model(
     name: &str,
     base: &str,
     description: &str,
+    experiment: Option<&str>,
     settings: &[Setting],
     attached: &[Attached<'_>],
     comments: &[Vec<(String, String)>],
@@ -85,6 +86,9 @@ pub fn model(
         for (own, other) in &a.place.connections {
             out.push_str(&format!("  connect({}.{own}, {other});\n", a.name));
         }
+    }
+    if let Some(experiment) = experiment {
+        out.push_str(&format!("  annotation({experiment});\n"));
     }
     out.push_str(&format!("end {name};\n"));
     out
