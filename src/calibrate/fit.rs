@@ -52,7 +52,7 @@ pub type Heed<'a> = dyn FnMut(u32, f64) -> bool + 'a;
 pub fn fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
     let start = problem.start();
     let from_start = fit_from(problem, &start, heed);
-    if from_start.as_ref().is_some_and(|f| reduced(problem, f) < FINE) {
+    if problem.stopped || from_start.as_ref().is_some_and(|f| reduced(problem, f) < FINE) {
         return from_start;
     }
     let bounds = problem.bounds();
@@ -69,6 +69,9 @@ pub fn fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = from_start;
     for (_, place) in places.into_iter().take(2) {
+        if problem.stopped {
+            break;
+        }
         let Some(found) = fit_from(problem, &place, heed) else { continue };
         if best.as_ref().is_none_or(|b| found.normal.cost < b.normal.cost) {
             best = Some(found);
@@ -87,9 +90,15 @@ pub fn fit_from(problem: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>) -
         let by_recording = problem.sums(Split::Train, &best.x).ok()?.by_recording();
         let mut better = None;
         for left_out in suspects(&by_recording) {
+            if problem.stopped {
+                return Some(best);
+            }
             problem.left_out = left_out;
             let others = search(problem, &best.x, &ON_THE_WAY, heed);
             problem.left_out = Vec::new();
+            if problem.stopped {
+                return Some(best);
+            }
             let Some(others) = others else { continue };
             let Some(found) = search(problem, &others.x, &STOPPING, heed) else { continue };
             if found.normal.cost < (1.0 - BETTER) * best.normal.cost {
@@ -158,6 +167,7 @@ impl Residuals for Heeded<'_, '_, '_> {
         Residuals::cost(self.problem, x)
     }
     fn goes_on(&mut self, iteration: u32, _x: &[f64], cost: f64) -> bool {
-        (self.heed)(iteration, cost)
+        self.problem.stopped |= !(self.heed)(iteration, cost);
+        !self.problem.stopped
     }
 }

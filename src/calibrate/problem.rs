@@ -122,6 +122,8 @@ pub struct Problem<'a> {
     settings: Settings,
     /// Training recordings that are left out for the time being, by position.
     pub left_out: Vec<usize>,
+    /// The user asked for an end: searches return what they have.
+    pub stopped: bool,
     /// Threads.
     pub jobs: usize,
 }
@@ -231,6 +233,7 @@ impl<'a> Problem<'a> {
             channels,
             settings,
             left_out: Vec::new(),
+            stopped: false,
             jobs,
         })
     }

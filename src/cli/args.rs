@@ -147,7 +147,7 @@ pub struct Calibrate {
     /// Folder of recordings, instead of the plan's.
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Folder for the results [default: PLAN's name].
+    /// Folder for the results [default: PLAN-calibration].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -62,6 +62,44 @@ impl Drop for Progress {
     }
 }
 
+/// What is being done, on a terminal, for work whose end is not known; dropped it disappears.
+pub struct Working(Option<ProgressBar>);
+
+impl Default for Working {
+    fn default() -> Self {
+        Working::new()
+    }
+}
+
+impl Working {
+    /// Shows nothing where the standard error is not a terminal.
+    pub fn new() -> Working {
+        Working(std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new_spinner();
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}") {
+                bar.set_style(style);
+            }
+            bar.enable_steady_tick(PERIOD);
+            bar
+        }))
+    }
+
+    /// Shows this from now on.
+    pub fn say(&self, what: String) {
+        if let Some(bar) = &self.0 {
+            bar.set_message(what);
+        }
+    }
+}
+
+impl Drop for Working {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 fn draw(shared: &Shared, start: f64, stop: f64) {
     let is_done = || shared.done.load(Ordering::Acquire);
     let begun = Instant::now();

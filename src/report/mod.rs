@@ -9,6 +9,7 @@ pub mod decimate;
 pub mod dot;
 pub mod figure;
 pub mod incidence;
+pub mod json;
 pub mod layout;
 pub mod mat;
 pub mod parquet;

@@ -121,6 +121,13 @@ pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError
     file.finish()
 }
 
+/// Makes a folder for results, with those around it; one that is there is fine.
+pub fn create_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    fs::create_dir_all(path)
+        .map_err(|source| WriteError::Create { path: path.to_path_buf(), source })
+}
+
 /// The name of the temporary file; removes it when dropped before it was renamed.
 #[derive(Debug)]
 struct Temporary {

@@ -8,6 +8,7 @@
 )]
 
 pub mod coloring;
+pub mod eigen;
 pub mod least_squares;
 pub mod linear;
 pub mod newton;

@@ -1,0 +1,446 @@
+//! The outcome of a fit: estimates and how well the model then explains each signal of each recording;
+//! as a table for people and as JSON for programs.
+
+use crate::report::json::Json;
+use crate::simulate::error::Failure;
+
+use super::data::Split;
+use super::fit::Fit;
+use super::parallel;
+use super::plan::Plan;
+use super::problem::Problem;
+use super::profile::Interval;
+use super::statistics::{Statistics, reduced};
+use super::unit::Unit;
+
+/// Correlations above this are told in the table.
+const STRONG: f64 = 0.9;
+
+/// A parameter that was found.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Estimate {
+    /// How it is called.
+    pub name: String,
+    /// Its unit, as the model declares it.
+    pub unit: String,
+    /// Its value.
+    pub value: f64,
+    /// Standard error of the value; infinite if the data say nothing.
+    pub error: f64,
+    /// 95 % interval.
+    pub interval: Interval,
+    /// Where the search began.
+    pub start: f64,
+    /// The bounds of the search.
+    pub bounds: (f64, f64),
+    /// It stands at one of them.
+    pub at_bound: bool,
+    /// The data do not determine it.
+    pub undetermined: bool,
+}
+
+/// How well the model explains a set of values.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Quality {
+    /// Sum of squared residuals, in units of the noise.
+    pub squares: f64,
+    /// Number of residuals.
+    pub count: usize,
+}
+
+impl Quality {
+    /// Sum of squares by number of residuals.
+    pub fn reduced(self) -> f64 {
+        reduced(self.squares, self.count, 0)
+    }
+
+    /// Root of the mean square, in the unit of `sigma`, the standard deviation of the noise.
+    pub fn rmse(self, sigma: f64) -> f64 {
+        self.reduced().sqrt() * sigma
+    }
+
+    fn plus(self, other: Quality) -> Quality {
+        Quality { squares: self.squares + other.squares, count: self.count + other.count }
+    }
+}
+
+/// A signal.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Channel {
+    /// The column of the recordings.
+    pub column: String,
+    /// The variable of the model.
+    pub variable: String,
+    /// The unit of the column.
+    pub unit: String,
+    /// Standard deviation of its noise, in that unit.
+    pub sigma: f64,
+    /// That unit.
+    pub si: Unit,
+    /// The unit of the variable, as the model declares it.
+    pub si_unit: String,
+}
+
+/// A recording beside what the model says.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Comparison {
+    /// The recording.
+    pub name: String,
+    /// What it is for.
+    pub split: Split,
+    /// Instants, s.
+    pub time: Vec<f64>,
+    /// What was measured, signal by signal, in the units of the columns; NaN where there is nothing.
+    pub measured: Vec<Vec<f64>>,
+    /// What the model says.
+    pub predicted: Vec<Vec<f64>>,
+    /// How well they agree, signal by signal.
+    pub quality: Vec<Quality>,
+}
+
+impl Comparison {
+    /// All signals together.
+    pub fn whole(&self) -> Quality {
+        self.quality.iter().fold(Quality::default(), |a, b| a.plus(*b))
+    }
+}
+
+/// How the search went.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Search {
+    /// Steps.
+    pub iterations: u32,
+    /// Nothing was left to gain.
+    pub converged: bool,
+    /// Nobody interrupted it.
+    pub complete: bool,
+    /// How long it took, s.
+    pub seconds: f64,
+}
+
+/// Everything that is reported.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Calibration {
+    /// Full name of the model.
+    pub model: String,
+    /// The plan file.
+    pub plan: String,
+    /// What was found, in the order of the plan.
+    pub estimates: Vec<Estimate>,
+    /// Row by row.
+    pub correlations: Vec<Vec<f64>>,
+    /// Combinations of parameters that the data do not determine, in words.
+    pub directions: Vec<String>,
+    /// What was measured.
+    pub channels: Vec<Channel>,
+    /// Recording by recording.
+    pub comparisons: Vec<Comparison>,
+    /// What was repaired in the data, in words.
+    pub repairs: Vec<String>,
+    /// How the search went.
+    pub search: Search,
+}
+
+impl Calibration {
+    /// Runs every recording once more with what was found.
+    pub fn new(
+        problem: &Problem<'_>,
+        plan: &Plan,
+        repairs: &[String],
+        fit: &Fit,
+        (statistics, intervals): (&Statistics, &[Interval]),
+        search: Search,
+    ) -> Result<Calibration, Failure> {
+        let n = problem.parameters.len();
+        let values = problem.values(&fit.x);
+        let estimate = |i: usize| {
+            let p = &problem.parameters[i];
+            Estimate {
+                name: p.name.clone(),
+                unit: p.unit.clone(),
+                value: values[i],
+                error: statistics.errors[i],
+                interval: intervals[i],
+                start: p.start,
+                bounds: p.bounds,
+                at_bound: statistics.at_bound[i],
+                undetermined: statistics.undetermined[i],
+            }
+        };
+        let correlations =
+            (0..n).map(|i| (0..n).map(|j| statistics.correlation(i, j)).collect()).collect();
+        let variables = &problem.program.blocks.dae.variables;
+        let channels = plan.signals.iter().zip(problem.sigmas()).map(|(s, sigma)| Channel {
+            column: s.column.clone(),
+            variable: s.variable.clone(),
+            unit: s.unit_name.clone(),
+            sigma: *sigma,
+            si: s.unit,
+            si_unit: variables
+                .iter()
+                .find(|v| v.name == s.variable)
+                .map_or(String::new(), |v| v.unit.to_string()),
+        });
+        Ok(Calibration {
+            model: problem.program.blocks.dae.name.clone(),
+            plan: plan.path.display().to_string(),
+            estimates: (0..n).map(estimate).collect(),
+            correlations,
+            directions: statistics.directions.clone(),
+            channels: channels.collect(),
+            comparisons: comparisons(problem, &fit.x)?,
+            repairs: repairs.to_vec(),
+            search,
+        })
+    }
+
+    /// All recordings of one kind, of one signal or of all.
+    pub fn quality(&self, split: Split, signal: Option<usize>) -> Quality {
+        let of = self.comparisons.iter().filter(|c| c.split == split);
+        of.map(|c| signal.map_or_else(|| c.whole(), |k| c.quality[k]))
+            .fold(Quality::default(), Quality::plus)
+    }
+
+    /// Sum of squares of the recordings for training by degree of freedom.
+    pub fn reduced_train(&self) -> f64 {
+        let all = self.quality(Split::Train, None);
+        let free = self.estimates.iter().filter(|e| !e.at_bound).count();
+        reduced(all.squares, all.count, free)
+    }
+
+    /// As JSON. What is infinite is `null`.
+    pub fn json(&self) -> String {
+        let estimate = |e: &Estimate| {
+            let ends = e.interval.ends.map(|e| Json::text(e.name()));
+            Json::object([
+                ("name", Json::text(&e.name)),
+                ("unit", Json::text(&e.unit)),
+                ("value", Json::number(e.value)),
+                ("standard_error", Json::number(e.error)),
+                ("interval_95", Json::numbers(&[e.interval.low, e.interval.high])),
+                ("interval_from", Json::list(ends)),
+                ("start", Json::number(e.start)),
+                ("bounds", Json::numbers(&[e.bounds.0, e.bounds.1])),
+                ("at_bound", Json::flag(e.at_bound)),
+                ("determined", Json::flag(!e.undetermined)),
+            ])
+        };
+        let quality = |q: Quality, k: usize| {
+            let c = &self.channels[k];
+            let members = [
+                ("rmse", Json::number(q.rmse(c.sigma))),
+                ("unit", Json::text(&c.unit)),
+                ("reduced_chi_square", Json::number(q.reduced())),
+                ("values", Json::count(q.count)),
+            ];
+            (c.column.clone(), Json::object(members))
+        };
+        let signals = |of: &dyn Fn(usize) -> Quality| {
+            Json::object((0..self.channels.len()).map(|k| quality(of(k), k)))
+        };
+        let comparison = |c: &Comparison| {
+            Json::object([
+                ("recording", Json::text(&c.name)),
+                ("split", Json::text(c.split.name())),
+                ("reduced_chi_square", Json::number(c.whole().reduced())),
+                ("signals", signals(&|k| c.quality[k])),
+            ])
+        };
+        let split = |s: Split| {
+            let all = self.quality(s, None);
+            let chi = if s == Split::Train { self.reduced_train() } else { all.reduced() };
+            let members = [
+                ("reduced_chi_square", Json::number(if all.count == 0 { f64::NAN } else { chi })),
+                ("values", Json::count(all.count)),
+                ("signals", signals(&|k| self.quality(s, Some(k)))),
+            ];
+            (s.name(), Json::object(members))
+        };
+        let texts = |list: &[String]| Json::list(list.iter().map(Json::text));
+        Json::object([
+            ("model", Json::text(&self.model)),
+            ("plan", Json::text(&self.plan)),
+            ("parameters", Json::list(self.estimates.iter().map(estimate))),
+            ("correlations", Json::list(self.correlations.iter().map(|row| Json::numbers(row)))),
+            ("not_determined", texts(&self.directions)),
+            ("quality", Json::object(Split::ALL.map(split))),
+            ("recordings", Json::list(self.comparisons.iter().map(comparison))),
+            ("repairs", texts(&self.repairs)),
+            ("iterations", Json::count(self.search.iterations as usize)),
+            ("converged", Json::flag(self.search.converged)),
+            ("complete", Json::flag(self.search.complete)),
+            ("seconds", Json::number(self.search.seconds)),
+        ])
+        .pretty()
+    }
+
+    /// As a table for the terminal.
+    pub fn table(&self) -> String {
+        let mut rows = vec![
+            ["parameter", "value", "std. error", "95 % interval", "start", "unit", ""]
+                .map(str::to_owned),
+        ];
+        for e in &self.estimates {
+            rows.push([
+                e.name.clone(),
+                shown(e.value, e.error),
+                shown(e.error, 10.0 * e.error),
+                self.interval_shown(e),
+                shown(e.start, 0.0),
+                e.unit.clone(),
+                remark(e).to_owned(),
+            ]);
+        }
+        let mut out = aligned(&rows, 6);
+        for line in &self.directions {
+            out.push_str(&format!("{line}\n"));
+        }
+        for (a, b, rho) in self.strong_correlations() {
+            out.push_str(&format!("`{a}` and `{b}` are correlated: {rho:.3}\n"));
+        }
+        out.push('\n');
+        let mut head = vec!["rmse (chi2 red.)".to_owned()];
+        head.extend(self.channels.iter().map(|c| format!("{}, {}", c.column, c.unit)));
+        head.push("all".to_owned());
+        let mut rows = vec![head];
+        for split in Split::ALL {
+            let all = self.quality(split, None);
+            if all.count == 0 {
+                continue;
+            }
+            let mut row = vec![split.name().to_owned()];
+            row.extend(self.channels.iter().enumerate().map(|(k, c)| {
+                let q = self.quality(split, Some(k));
+                format!("{} ({:.3})", shown(q.rmse(c.sigma), 0.0), q.reduced())
+            }));
+            let chi = if split == Split::Train { self.reduced_train() } else { all.reduced() };
+            row.push(format!("({chi:.4})"));
+            rows.push(row);
+        }
+        out.push_str(&aligned(&rows, 0));
+        out
+    }
+
+    /// The interval of an estimate as text.
+    pub fn interval_shown(&self, e: &Estimate) -> String {
+        let width = 0.25 * (e.interval.high - e.interval.low);
+        format!("{} .. {}", shown(e.interval.low, width), shown(e.interval.high, width))
+    }
+
+    /// Pairs of parameters that the data hardly tell apart, strongest first.
+    pub fn strong_correlations(&self) -> Vec<(&str, &str, f64)> {
+        let mut out = Vec::new();
+        for (i, a) in self.estimates.iter().enumerate() {
+            for (j, b) in self.estimates.iter().enumerate().skip(i + 1) {
+                let rho = self.correlations[i][j];
+                if rho.abs() > STRONG {
+                    out.push((a.name.as_str(), b.name.as_str(), rho));
+                }
+            }
+        }
+        out.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        out
+    }
+}
+
+/// What is to be noticed about an estimate.
+pub fn remark(e: &Estimate) -> &'static str {
+    match (e.at_bound, e.undetermined) {
+        (true, _) => "at its bound",
+        (_, true) => "not determined",
+        _ => "",
+    }
+}
+
+/// A number with as many digits as its error lets mean something: to the second digit of the error,
+/// five digits without one.
+pub fn shown(value: f64, error: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        let sign = if value < 0.0 { "-" } else { "" };
+        return format!("{sign}inf");
+    }
+    let size = value.abs().log10().floor();
+    let digits = if error > 0.0 && error.is_finite() {
+        (size - error.log10().floor() + 1.0).clamp(1.0, 9.0) as usize
+    } else {
+        4
+    };
+    let text = format!("{value:.digits$e}");
+    let rounded: f64 = text.parse().unwrap_or(value);
+    let size = rounded.abs().log10().floor() as i32;
+    if (-4..6).contains(&size) {
+        let decimals = (digits as i32 - size).max(0) as usize;
+        format!("{rounded:.decimals$}")
+    } else {
+        text
+    }
+}
+
+/// Columns of equal width; those from the second on to the right, but for the `left` last ones.
+fn aligned<R: AsRef<[String]>>(rows: &[R], left_from: usize) -> String {
+    let columns = rows.first().map_or(0, |r| r.as_ref().len());
+    let width = |k: usize| rows.iter().map(|r| r.as_ref()[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut out = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (k, (cell, width)) in row.as_ref().iter().zip(&widths).enumerate() {
+            let to_the_left = k == 0 || (left_from > 0 && k + 1 >= left_from);
+            let cell =
+                if to_the_left { format!("{cell:<width$}") } else { format!("{cell:>width$}") };
+            line.push_str(if k == 0 { "" } else { "  " });
+            line.push_str(&cell);
+        }
+        out.push_str(line.trim_end());
+        out.push('\n');
+    }
+    out
+}
+
+fn comparisons(problem: &Problem<'_>, x: &[f64]) -> Result<Vec<Comparison>, Failure> {
+    let mut out = Vec::new();
+    for split in Split::ALL {
+        let recordings = problem.recordings(split);
+        let all =
+            parallel::map(problem.jobs, recordings.len(), |i| problem.predict(recordings[i], x));
+        for (r, predicted) in recordings.iter().zip(all) {
+            let predicted = predicted?;
+            let quality = predicted.iter().zip(&r.signals).zip(problem.sigmas());
+            let quality = quality.map(|((p, m), sigma)| {
+                let residuals = p.iter().zip(m).map(|(p, m)| (p - m) / sigma);
+                residuals.filter(|r| !r.is_nan()).fold(Quality::default(), |q, r| Quality {
+                    squares: q.squares + r * r,
+                    count: q.count + 1,
+                })
+            });
+            out.push(Comparison {
+                name: r.name.clone(),
+                split,
+                time: r.time.to_vec(),
+                measured: r.signals.clone(),
+                quality: quality.collect(),
+                predicted,
+            });
+        }
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_that_mean_something() {
+        assert_eq!(shown(1.227_36, 0.0123), "1.227");
+        assert_eq!(shown(2.004e-6, 1.1e-8), "2.004e-6");
+        assert_eq!(shown(1499.6, 130.0), "1500");
+        assert_eq!(shown(9.999_96, 0.0), "10.000");
+        assert_eq!(shown(-0.5, 3.0), "-0.50");
+        assert_eq!(shown(f64::INFINITY, 1.0), "inf");
+        assert_eq!(shown(0.0, 1.0), "0");
+    }
+}

@@ -1,0 +1,226 @@
+//! The calibrated model as a text that stands by itself: the original file, and after it a model that
+//! extends the original with the values that were found.
+
+use crate::codegen::interp::Instance;
+use crate::ir::program::Program;
+
+use super::calibration::{Calibration, Estimate, shown};
+use super::plan::Plan;
+
+/// The text. `original` is that of the model's file.
+pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration) -> String {
+    let full = &found.model;
+    let base = full.rsplit('.').next().unwrap_or(full);
+    let name = match base.strip_prefix('\'').and_then(|b| b.strip_suffix('\'')) {
+        Some(quoted) => format!("'{quoted}_calibrated'"),
+        None => format!("{base}_calibrated"),
+    };
+    let mut root = Node::default();
+    let mut left_over = Vec::new();
+    for setting in &plan.fixed {
+        if let Some((path, value)) = setting.split_once('=') {
+            root.set(&parts(path.trim()), value.trim().to_owned(), "fixed by the plan".to_owned());
+        }
+    }
+    let assigned = assigned(plan, found);
+    for (target, estimate) in &assigned {
+        let (path, is_start) = match target.strip_prefix("start(").and_then(|t| t.strip_suffix(')'))
+        {
+            Some(variable) => (variable.trim(), true),
+            None => (target.as_str(), false),
+        };
+        let mut path_parts = parts(&without_subscripts(path));
+        if is_start {
+            path_parts.push("start".to_owned());
+        }
+        let value = if path.contains('[') {
+            elements(program, path, is_start, &assigned)
+        } else {
+            Some(format!("{:?}", estimate.value))
+        };
+        match value {
+            Some(value) => root.set(&path_parts, value, comment(estimate)),
+            None => left_over.push(format!("{target} = {:?}", estimate.value)),
+        }
+    }
+    let mut out = original.trim_end().to_owned();
+    out.push_str("\n\n");
+    out.push_str(&format!("// Calibrated by `mocc calibrate {}`:\n", file_name(&found.plan)));
+    let state = if found.search.complete { "" } else { "; the search was interrupted" };
+    out.push_str(&format!("// reduced chi-square {:.4}{state}.\n", found.reduced_train()));
+    for line in &left_over {
+        out.push_str(&format!("// Not expressible as a modification; use `--set`: {line}\n"));
+    }
+    out.push_str(&format!("model {name} \"{base}, calibrated\"\n  extends {full}"));
+    if !root.children.is_empty() {
+        out.push_str("(\n");
+        root.print(4, &mut out);
+        out.push_str("  )");
+    }
+    out.push_str(";\n");
+    if let Some(experiment) = experiment(program) {
+        out.push_str(&format!("  annotation(experiment({experiment}));\n"));
+    }
+    out.push_str(&format!("end {name};\n"));
+    out
+}
+
+/// Every target with its estimate.
+fn assigned<'a>(plan: &Plan, found: &'a Calibration) -> Vec<(String, &'a Estimate)> {
+    let each = plan.free.iter().zip(&found.estimates);
+    each.flat_map(|(free, e)| free.targets.iter().map(move |t| (t.trim().to_owned(), e))).collect()
+}
+
+fn comment(e: &Estimate) -> String {
+    if e.at_bound {
+        return "at its bound".to_owned();
+    }
+    if e.undetermined {
+        return "not determined by the data".to_owned();
+    }
+    format!("+- {} {}", shown(e.error, 10.0 * e.error), e.unit).trim_end().to_owned()
+}
+
+/// `{v1, v2, ...}` for an element of an array with one subscript: what is not free keeps its value.
+fn elements(
+    program: &Program,
+    path: &str,
+    is_start: bool,
+    assigned: &[(String, &Estimate)],
+) -> Option<String> {
+    if path.matches('[').count() != 1 {
+        return None;
+    }
+    let whole = without_subscripts(path);
+    let mut instance = Instance::new(program);
+    instance.run(&program.parameters).ok()?;
+    let layout = &program.layout;
+    let inputs: Vec<(&str, f64)> = if is_start {
+        let starts = layout.starts.iter();
+        starts.map(|(v, .., cell)| (program.name(*v), instance.get(*cell))).collect()
+    } else {
+        let inputs = layout.parameter_inputs.iter();
+        inputs.map(|(v, _)| (program.name(*v), instance.value(*v))).collect()
+    };
+    let mut found: Vec<(usize, f64)> = Vec::new();
+    for (name, value) in inputs {
+        if without_subscripts(name) != whole {
+            continue;
+        }
+        let subscript = name[name.find('[')? + 1..name.find(']')?].parse().ok()?;
+        let target = if is_start { format!("start({name})") } else { name.to_owned() };
+        let estimate = assigned.iter().find(|(t, _)| t.replace(' ', "") == target);
+        found.push((subscript, estimate.map_or(value, |(_, e)| e.value)));
+    }
+    found.sort_by_key(|f| f.0);
+    let dense = found.iter().enumerate().all(|(i, f)| f.0 == i + 1);
+    let values: Vec<String> = found.iter().map(|f| format!("{:?}", f.1)).collect();
+    dense.then(|| format!("{{{}}}", values.join(", ")))
+}
+
+fn experiment(program: &Program) -> Option<String> {
+    let e = program.blocks.dae.experiment;
+    let all = [
+        ("StartTime", e.start),
+        ("StopTime", e.stop),
+        ("Interval", e.interval),
+        ("Tolerance", e.tolerance),
+    ];
+    let set: Vec<String> =
+        all.iter().filter_map(|(name, x)| x.map(|x| format!("{name} = {x:?}"))).collect();
+    (!set.is_empty()).then(|| set.join(", "))
+}
+
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// The name without what stands in brackets.
+fn without_subscripts(name: &str) -> String {
+    let mut depth = 0;
+    let outside = |c: &char| {
+        depth += i32::from(*c == '[');
+        let out = depth == 0;
+        depth -= i32::from(*c == ']');
+        out
+    };
+    name.chars().filter(outside).collect()
+}
+
+/// The parts of a dotted name; dots in quoted identifiers do not part.
+fn parts(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut quoted = false;
+    for c in name.chars() {
+        quoted ^= c == '\'';
+        match (c, out.last_mut()) {
+            ('.', _) if !quoted => out.push(String::new()),
+            (_, Some(last)) => last.push(c),
+            _ => {}
+        }
+    }
+    out
+}
+
+/// Modifications by name.
+#[derive(Default)]
+struct Node {
+    children: Vec<(String, Node)>,
+    /// A value and what to say about it.
+    value: Option<(String, String)>,
+}
+
+impl Node {
+    fn set(&mut self, path: &[String], value: String, comment: String) {
+        let Some((first, rest)) = path.split_first() else {
+            self.value = Some((value, comment));
+            return;
+        };
+        let at = self.children.iter().position(|(name, _)| name == first).unwrap_or_else(|| {
+            self.children.push((first.clone(), Node::default()));
+            self.children.len() - 1
+        });
+        self.children[at].1.set(rest, value, comment);
+    }
+
+    fn print(&self, indent: usize, out: &mut String) {
+        for (i, (name, node)) in self.children.iter().enumerate() {
+            let comma = if i + 1 < self.children.len() { "," } else { "" };
+            out.push_str(&format!("{:indent$}{name}", ""));
+            if !node.children.is_empty() {
+                out.push_str("(\n");
+                node.print(indent + 2, out);
+                out.push_str(&format!("{:indent$})", ""));
+            }
+            match &node.value {
+                Some((value, comment)) => {
+                    out.push_str(&format!(" = {value}{comma} // {comment}\n"));
+                }
+                None => out.push_str(&format!("{comma}\n")),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_parted_at_dots_outside_quotes() {
+        assert_eq!(parts("a.'b.c'.d"), ["a", "'b.c'", "d"]);
+        assert_eq!(without_subscripts("a[2].b[1, 3].c"), "a.b.c");
+    }
+
+    #[test]
+    fn modifications_are_nested() {
+        let mut root = Node::default();
+        root.set(&parts("m"), "1.0".into(), "kg".into());
+        root.set(&parts("spring.k"), "2.0".into(), "+- 1".into());
+        root.set(&parts("spring.x.start"), "3.0".into(), "m".into());
+        let mut text = String::new();
+        root.print(2, &mut text);
+        let expected = "  m = 1.0, // kg\n  spring(\n    k = 2.0, // +- 1\n    x(\n      start = 3.0 // m\n    )\n  )\n";
+        assert_eq!(text, expected);
+    }
+}

@@ -1,0 +1,267 @@
+//! How well the data determine the parameters, from the normal equations at the minimum.
+//!
+//! Residuals are in units of the sensors' noise, so the covariance is the inverse of `J^T J` (G. A. F.
+//! Seber, C. J. Wild, *Nonlinear Regression*, 1989, section 2.1.2); no factor is taken from the
+//! residuals, which tell by their reduced sum of squares whether the model explains the data. It is
+//! inverted by its eigenvectors: a direction with an eigenvalue below one is not determined, for a
+//! change by a factor of e along it (one unit of the search) changes the sum of squares by less than
+//! one.
+
+use crate::math::numeric::eigen;
+use crate::math::numeric::least_squares::Normal;
+
+use super::problem::{Parameter, Scale};
+
+/// Least eigenvalue of a direction that is determined.
+const DETERMINED: f64 = 1.0;
+/// Below this a direction has no effect that could be told from rounding: a thousand factors of e.
+const WITHOUT_EFFECT: f64 = 1e-6;
+/// A parameter takes part in a direction that has no effect if its share is above this.
+const SHARE: f64 = 1e-3;
+/// A parameter is named with a direction if its share is above this part of the largest.
+const NAMED: f64 = 0.1;
+
+/// What the data say about the parameters.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Statistics {
+    /// Covariance in the coordinates of the search, column-major; zero in the rows of parameters that
+    /// stand at a bound, infinite on the diagonal of those that have no effect.
+    pub covariance: Vec<f64>,
+    /// Standard error of each parameter's value, in its unit.
+    pub errors: Vec<f64>,
+    /// The same in the coordinates of the search.
+    pub spreads: Vec<f64>,
+    /// The parameter stands at a bound, and the data push it there.
+    pub at_bound: Vec<bool>,
+    /// The data do not determine the parameter: its standard error is above a factor of e.
+    pub undetermined: Vec<bool>,
+    /// The directions that they do not determine, in words.
+    pub directions: Vec<String>,
+}
+
+impl Statistics {
+    /// At the minimum `x` with its normal equations.
+    pub fn new(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Statistics {
+        let n = parameters.len();
+        let at_bound = at_bound(normal, parameters, x);
+        let free: Vec<usize> = (0..n).filter(|i| !at_bound[*i]).collect();
+        let all: Vec<usize> = (0..n).collect();
+        let covariance = covariance(normal, &free);
+        // What is held has no variance beside the others; its error is that of the whole system.
+        let whole = self::covariance(normal, &all);
+        let spreads: Vec<f64> = (0..n)
+            .map(|i| if at_bound[i] { whole[i + n * i] } else { covariance[i + n * i] })
+            .map(f64::sqrt)
+            .collect();
+        let values = parameters.iter().zip(x).map(|(p, x)| p.scale.slope(p.scale.value(*x)));
+        let errors = values.zip(&spreads).map(|(slope, s)| slope.abs() * s).collect();
+        let undetermined = spreads.iter().map(|s| s * s > 1.0 / DETERMINED).collect();
+        let directions = directions(normal, &free)
+            .into_iter()
+            .filter(|(value, _)| *value < DETERMINED)
+            .map(|(_, v)| in_words(parameters, x, &v))
+            .collect();
+        Statistics { covariance, errors, spreads, at_bound, undetermined, directions }
+    }
+
+    /// The correlation of two parameters; zero for one that stands at a bound or has no effect.
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        let n = self.spreads.len();
+        let variance = |k: usize| self.covariance[k + n * k];
+        let rho = self.covariance[i + n * j] / (variance(i) * variance(j)).sqrt();
+        match (i == j, rho.is_finite()) {
+            (true, _) => 1.0,
+            (_, true) => rho.clamp(-1.0, 1.0),
+            (_, false) => 0.0,
+        }
+    }
+}
+
+/// Standard errors of the parameters' values, in their units; infinite where the data say nothing.
+pub fn standard_errors(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Vec<f64> {
+    Statistics::new(normal, parameters, x).errors
+}
+
+/// Sum of squares by degree of freedom: near one if the model explains the data to their noise.
+pub fn reduced(cost: f64, residuals: usize, parameters: usize) -> f64 {
+    cost / residuals.saturating_sub(parameters).max(1) as f64
+}
+
+fn at_bound(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Vec<bool> {
+    let held = |(i, p): (usize, &Parameter)| {
+        let (low, high) = p.range();
+        let downhill = -normal.gradient[i];
+        (x[i] <= low && downhill <= 0.0) || (x[i] >= high && downhill >= 0.0)
+    };
+    parameters.iter().enumerate().map(held).collect()
+}
+
+/// Eigenvalues and vectors of the normal equations of some parameters, padded to all.
+fn directions(normal: &Normal, of: &[usize]) -> Vec<(f64, Vec<f64>)> {
+    let (n, m) = (normal.n, of.len());
+    let mut part = vec![0.0; m * m];
+    for (b, j) in of.iter().enumerate() {
+        for (a, i) in of.iter().enumerate() {
+            part[a + m * b] = normal.gram[i + n * j];
+        }
+    }
+    let padded = |v: Vec<f64>| {
+        let mut all = vec![0.0; n];
+        of.iter().zip(v).for_each(|(i, x)| all[*i] = x);
+        all
+    };
+    eigen::symmetric(m, &part).into_iter().map(|(value, v)| (value, padded(v))).collect()
+}
+
+fn covariance(normal: &Normal, of: &[usize]) -> Vec<f64> {
+    let n = normal.n;
+    let mut sum = vec![0.0; n * n];
+    let directions = directions(normal, of);
+    let largest = directions.last().map_or(0.0, |d| d.0);
+    // Rounding of sums of products of this size.
+    let least = WITHOUT_EFFECT.max(n as f64 * f64::EPSILON * largest);
+    let mut without_effect = vec![directions.is_empty(); n];
+    for (value, v) in &directions {
+        if *value <= least {
+            (0..n).for_each(|i| without_effect[i] |= v[i].abs() > SHARE);
+            continue;
+        }
+        for j in 0..n {
+            for i in 0..n {
+                sum[i + n * j] += v[i] * v[j] / value;
+            }
+        }
+    }
+    for i in of {
+        if without_effect[*i] {
+            sum[i + n * i] = f64::INFINITY;
+        }
+    }
+    sum
+}
+
+/// A direction that changes nothing, in words.
+fn in_words(parameters: &[Parameter], x: &[f64], v: &[f64]) -> String {
+    let largest = v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let mut members: Vec<usize> = (0..v.len()).filter(|i| v[*i].abs() >= NAMED * largest).collect();
+    let name = |i: usize| &parameters[i].name;
+    // Relative change of a positive parameter, change of another in its own size.
+    let change = |i: usize| {
+        let value = parameters[i].scale.value(x[i]);
+        match parameters[i].scale {
+            Scale::Positive { .. } if value > 0.0 => {
+                v[i] * parameters[i].scale.slope(value) / value
+            }
+            _ => v[i],
+        }
+    };
+    let positive = |i: usize| {
+        matches!(parameters[i].scale, Scale::Positive { .. })
+            && parameters[i].scale.value(x[i]) > 0.0
+    };
+    match members[..] {
+        [one] => format!("the data do not determine `{}`", name(one)),
+        [a, b] if positive(a) && positive(b) => {
+            let exponent = -change(a) / change(b);
+            let (sign, size) = if exponent < 0.0 { ("/", -exponent) } else { ("*", exponent) };
+            let power = if (size - 1.0).abs() < 5e-3 {
+                name(b).to_string()
+            } else {
+                format!("{}^{size:.2}", name(b))
+            };
+            let (a, b) = (name(a), name(b));
+            format!("the data determine `{a} {sign} {power}` only, not `{a}` and `{b}` apart")
+        }
+        _ => {
+            members.sort_by(|a, b| v[*b].abs().total_cmp(&v[*a].abs()));
+            let most = members.iter().fold(0.0f64, |m, i| m.max(change(*i).abs()));
+            let first = change(members[0]).signum();
+            let each: Vec<String> = members
+                .iter()
+                .map(|i| format!("`{}` by {:+.1} %", name(*i), 10.0 * first * change(*i) / most))
+                .collect();
+            format!("the data do not show it if {} change together", each.join(", "))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(name: &str, scale: Scale, bounds: (f64, f64)) -> Parameter {
+        let (name, unit) = (name.to_owned(), String::new());
+        Parameter { name, unit, targets: Vec::new(), scale, start: 1.0, bounds }
+    }
+
+    fn positive(name: &str) -> Parameter {
+        parameter(name, Scale::Positive { size: 1.0 }, (0.01, 100.0))
+    }
+
+    /// A straight line `a + b t`: the covariance has a closed form.
+    #[test]
+    fn errors_of_a_straight_line() {
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let line = [
+            parameter("a", Scale::Linear { size: 2.0 }, free),
+            parameter("b", Scale::Linear { size: 0.5 }, free),
+        ];
+        let sigma = 0.1;
+        let mut normal = Normal::new(2);
+        let (mut n, mut s1, mut s2) = (0.0, 0.0, 0.0);
+        for i in 0..50 {
+            let t = 0.1 * i as f64;
+            normal.add(0.0, &[2.0 / sigma, 0.5 * t / sigma]);
+            (n, s1, s2) = (n + 1.0, s1 + t, s2 + t * t);
+        }
+        let found = Statistics::new(&normal, &line, &[1.0, 1.0]);
+        let determinant: f64 = n * s2 - s1 * s1;
+        let expected = [sigma * (s2 / determinant).sqrt(), sigma * (n / determinant).sqrt()];
+        for (found, expected) in found.errors.iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-10, "{found} {expected}");
+        }
+        let rho = -s1 / (n * s2).sqrt();
+        assert!((found.correlation(0, 1) - rho).abs() < 1e-10);
+        assert_eq!(found.directions, [""; 0]);
+    }
+
+    /// Residuals that see `a b^2` and `c`, and nothing of `d`.
+    #[test]
+    fn what_is_not_determined_is_named() {
+        let all = ["a", "b", "c", "d"].map(positive);
+        let mut normal = Normal::new(4);
+        for i in 0..100 {
+            let s = (i as f64).sin() * 10.0;
+            normal.add(0.0, &[s, 2.0 * s, 10.0 * (i as f64).cos(), 0.0]);
+        }
+        let found = Statistics::new(&normal, &all, &[1.5, 1.5, 1.5, 1.5]);
+        assert_eq!(found.undetermined, [true, true, false, true]);
+        assert!(found.errors[0].is_infinite() && found.errors[3].is_infinite());
+        assert!(found.errors[2] < 0.1, "{:?}", found.errors);
+        let mut said = found.directions.clone();
+        said.sort();
+        assert_eq!(
+            said,
+            [
+                "the data determine `a * b^2.00` only, not `a` and `b` apart",
+                "the data do not determine `d`"
+            ]
+        );
+        assert_eq!(found.correlation(0, 3), 0.0);
+    }
+
+    /// One of two correlated parameters at its bound: the other is as sure as without it.
+    #[test]
+    fn a_parameter_at_its_bound_is_held() {
+        let two = [positive("a"), positive("b")];
+        let mut normal = Normal::new(2);
+        normal.gram = vec![100.0, 90.0, 90.0, 100.0];
+        normal.gradient = vec![1.0, 0.0];
+        let x = [two[0].range().0, 1.5];
+        let found = Statistics::new(&normal, &two, &x);
+        assert_eq!(found.at_bound, [true, false]);
+        assert!((found.spreads[1] - 0.1).abs() < 1e-12, "{:?}", found.spreads);
+        let whole: f64 = (100.0f64 / (100.0 * 100.0 - 90.0 * 90.0)).sqrt();
+        assert!((found.spreads[0] / whole - 1.0).abs() < 1e-10);
+    }
+}
