@@ -2,6 +2,7 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use mocc::integrate::bdf::Bdf;
 use mocc::integrate::options::Options;
 use mocc::integrate::outcome::Step;
 use mocc::integrate::radau::Radau;
@@ -34,6 +35,22 @@ fn robertson(bencher: Bencher, rtol: f64) {
 fn hires(bencher: Bencher, rtol: f64) {
     let mut stepper =
         Radau::new(8, Options::with_nominals(rtol, &[1e-3; 8])).expect("valid options");
+    let start = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057];
+    bencher.bench_local(|| solve(&mut stepper, &mut Hires, &start, 321.8122));
+}
+
+/// Robertson's reaction, backward differentiation.
+#[divan::bench(args = TOLERANCES)]
+fn robertson_bdf(bencher: Bencher, rtol: f64) {
+    let mut stepper =
+        Bdf::new(3, Options::with_nominals(rtol, &[1e-6, 1e-12, 1e-2])).expect("valid options");
+    bencher.bench_local(|| solve(&mut stepper, &mut Robertson, &[1.0, 0.0, 0.0], 1e11));
+}
+
+/// The response of plants to light, backward differentiation.
+#[divan::bench(args = TOLERANCES)]
+fn hires_bdf(bencher: Bencher, rtol: f64) {
+    let mut stepper = Bdf::new(8, Options::with_nominals(rtol, &[1e-3; 8])).expect("valid options");
     let start = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057];
     bencher.bench_local(|| solve(&mut stepper, &mut Hires, &start, 321.8122));
 }
@@ -134,7 +151,7 @@ fn solve_complex(bencher: Bencher, n: usize) {
     });
 }
 
-fn solve(stepper: &mut Radau, system: &mut dyn System, start: &[f64], t_stop: f64) -> u64 {
+fn solve(stepper: &mut impl Stepper, system: &mut dyn System, start: &[f64], t_stop: f64) -> u64 {
     stepper.restart(system, 0.0, start, JacobianMemory::Forget).expect("a start");
     let before = stepper.stats().steps;
     while let Step::Advanced { .. } = stepper.step(system, t_stop).expect("a step") {}

@@ -47,6 +47,7 @@ pub mod report;
 // ---- The program ----
 
 // The recipe: from files to a compiled model.
+pub mod diagnose;
 pub mod driver;
 // The command line.
 pub mod calibrate;

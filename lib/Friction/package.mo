@@ -1,3 +1,15 @@
 within;
 package Friction "Exchangeable friction laws of a seal"
+
+  type Kind = enumeration(
+    Frictionless          "none",
+    Coulomb               "independent of speed, pressure and time",
+    Stribeck              "equation 1 of the spool valve paper",
+    StribeckDwell         "grows with time without operation",
+    StribeckDwellPressure "grows with time without operation and with pressure",
+    LuGre                 "elastic bristles, constant parameters",
+    LuGreDwellPressure    "elastic bristles, grows with time without operation and with pressure",
+    Dahl                  "elastic bristles without Stribeck force",
+    TanhRegularised       "smoothed at v = 0")
+    "Which law a seal follows, where that is chosen by a parameter (Friction.Chosen)";
 end Friction;

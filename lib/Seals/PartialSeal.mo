@@ -6,11 +6,12 @@ partial model PartialSeal "Seal on a spool: friction while it is in contact, pus
   parameter Units.Length   w    = 1e-3 "Push-in force: width of its bell over the stroke";
 
   replaceable model FrictionLaw = Friction.Frictionless constrainedby Friction.Law "How it rubs";
-  FrictionLaw friction(v = spool.v, dp = dp, t_no = spool.t_no);
+  FrictionLaw friction(v = spool.v, dp = dp, t_no = spool.t_no, closed = closed);
 
   Boolean                  closed "True while it touches the housing";
   Units.PressureDifference dp     "Pressure difference it separates, as a magnitude";
   Units.Force              f_push "Push-in force on the spool, positive towards +s";
+  Units.Force              f_air = 0 "Force of the air on the spool, positive towards +s";
 
   Translational.SpoolFlange spool  "Where it sits";
   Pneumatics.Port           port_a "One side";
@@ -32,5 +33,5 @@ equation
   // The signs make these forces act on the spool.
   spool.f_slide = if closed then -friction.f_slide else 0;
   spool.f_static = if closed then -friction.f_static else 0;
-  spool.f_push = -f_push;
+  spool.f_push = (if closed then friction.f_signed else 0) - f_push - f_air;
 end PartialSeal;

@@ -4,6 +4,8 @@ model PilotValve "Solenoid pilot: follows a switch late and gradually"
   // a period shorter than t_delay is not for this model.
   parameter Units.Time t_delay "Delay of each edge";
   parameter Units.Time tau     "Time constant of the opening";
+  parameter Units.Time t_off_more   = 0 "Delay of switching off beyond t_delay";
+  parameter Units.Time tau_off_more = 0 "Time constant of closing beyond tau";
   input Boolean on "The switch";
 
   Units.Fraction x(start = 0, fixed = true) "Opening, 0 closed to 1 open";
@@ -17,12 +19,16 @@ equation
     t_open = if on then time + t_delay else never;
   end when;
   when not on then
-    t_close = time + t_delay;
+    t_close = time + t_delay + t_off_more;
   end when;
   when time >= t_open then
     open = true;
   elsewhen time >= t_close then
     open = false;
   end when;
-  tau*der(x) = (if open then 1 else 0) - x;
+  (if open then tau else tau + tau_off_more)*der(x) = (if open then 1 else 0) - x;
+
+  annotation(__mocc(
+    effect   = "amplitude=t_off_more,tau_off_more",
+    explains = "%at switches off more slowly than on, or faster."));
 end PilotValve;

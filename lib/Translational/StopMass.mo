@@ -4,6 +4,9 @@ model StopMass "Rigid body between two stops without rebound, rubbed by seals"
   //   - the driving force on the resting body exceeds what static friction can hold (breakaway),
   //   - the body arrives at a stop,
   //   - its speed passes through zero (it locks; it may break away again within the same event).
+  // Where nothing can hold it at rest (f_static = 0: no friction, bristles, smoothed friction), a body whose speed
+  // passes through zero goes on freely, either way and without further events, until it meets a stop or something that
+  // can hold it. Friction without f_static must vanish with the speed, as f_slide, or act as f_push.
   // The switching follows Otter, Elmqvist, Mattsson (1999), "Hybrid Modeling in Modelica based on the
   // Synchronous Data Flow Principle": a resting body has no speed and no acceleration, exactly.
   parameter Units.Mass     m              "Mass";
@@ -33,18 +36,20 @@ model StopMass "Rigid body between two stops without rebound, rubbed by seals"
   Flange      flange "Forces that drive the body";
   SpoolFlange seals  "Seals that rub on it";
 protected
-  // Each of the four is the argument of one relation. Where a relation has no meaning its argument is kept
+  // Each of the five is the argument of one relation. Where a relation has no meaning its argument is kept
   // clear of the threshold, so that a relation changes when, and only when, the physics does.
   Units.Force    f_ahead  "Driving force towards +s on a body that rests and may go there";
   Units.Force    f_behind "Driving force towards -s on a body that rests and may go there";
   Units.Velocity v_along  "Speed in the direction of sliding";
-  Units.Length   s_left   "Way left to the stop in the direction of sliding";
+  Units.Length   s_left   "Way left to the stop in the direction of sliding, or to the nearer one";
+  Units.Force    f_held   "Friction available at rest to a body that moves freely";
 equation
   // Motion
   der(s) = v;
   der(v) = a;
   m*a = if mode == Motion.Forward then f - f_slide
     elseif mode == Motion.Backward then f + f_slide
+    elseif mode == Motion.Free then (if noEvent(v >= 0) then f - f_slide else f + f_slide)
     else 0;
   der(t_no) = if locked then 1 else 0;
 
@@ -62,14 +67,18 @@ equation
   f_behind = if pre(mode) == Motion.AtMax or pre(mode) == Motion.Locked then -f else 0;
   v_along  = if pre(mode) == Motion.Forward then v elseif pre(mode) == Motion.Backward then -v else 0;
   s_left   = if pre(mode) == Motion.Forward then s_max - s elseif pre(mode) == Motion.Backward then s - s_min
+    elseif pre(mode) == Motion.Free then noEvent(min(s_max - s, s - s_min))
     else s_max - s_min;
+  f_held   = if pre(mode) == Motion.Free then f_static else 0;
 
-  mode = if s_left <= 0 then (if pre(mode) == Motion.Forward then Motion.AtMax else Motion.AtMin)
-    elseif v_along < 0 then Motion.Locked
+  mode = if s_left <= 0 then (if noEvent(s_max - s < s - s_min) then Motion.AtMax else Motion.AtMin)
+    elseif v_along < 0 then (if noEvent(f_static > 0) then Motion.Locked else Motion.Free)
+    elseif f_held > 0 then (if noEvent(v > 0) then Motion.Forward elseif noEvent(v < 0) then Motion.Backward
+      else Motion.Locked)
     elseif f_ahead > f_static then Motion.Forward
     elseif f_behind > f_static then Motion.Backward
     else pre(mode);
-  locked = mode <> Motion.Forward and mode <> Motion.Backward;
+  locked = mode == Motion.AtMin or mode == Motion.Locked or mode == Motion.AtMax;
 
   when locked then
     reinit(v, 0);

@@ -6,6 +6,7 @@ package Translational "Motion along one axis: masses, springs, dampers, stops"
     Backward "sliding towards -s",
     Locked   "held by static friction between the stops",
     Forward  "sliding towards +s",
-    AtMax    "at rest on the upper stop")
+    AtMax    "at rest on the upper stop",
+    Free     "moving either way between the stops: nothing could hold it at rest")
     "What a body between two stops is doing";
 end Translational;

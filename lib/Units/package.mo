@@ -11,7 +11,13 @@ package Units "Types of physical quantities in SI units"
   type Force               = Real(quantity = "Force", unit = "N");
   type SpringStiffness     = Real(quantity = "TranslationalSpringConstant", unit = "N/m", min = 0);
   type DampingCoefficient  = Real(quantity = "TranslationalDampingConstant", unit = "N.s/m", min = 0);
+  type QuadraticDragCoefficient = Real(quantity = "QuadraticDragCoefficient", unit = "N.s2/m2", min = 0)
+    "Drag per square of the speed";
+  type ContactDamping      = Real(quantity = "ContactDamping", unit = "N.s/m2", min = 0)
+    "Damping coefficient per depth of penetration";
   type Area                = Real(quantity = "Area", unit = "m2", min = 0);
+  type EffectiveArea       = Real(quantity = "Area", unit = "m2", nominal = 1e-6)
+    "Force per pressure difference, with a sign";
   type Volume              = Real(quantity = "Volume", unit = "m3", min = 0);
   type AbsolutePressure    = Real(quantity = "Pressure", unit = "Pa", min = 0, nominal = 1e5, displayUnit = "bar")
     "Pressure above vacuum";
@@ -24,10 +30,16 @@ package Units "Types of physical quantities in SI units"
     "Gas constant R of one gas";
   type SonicConductance    = Real(quantity = "SonicConductance", unit = "m3/(s.Pa)", min = 0, nominal = 1e-8)
     "Sonic conductance C of ISO 6358";
+  type LaminarConductance  = Real(quantity = "LaminarConductance", unit = "kg/(s.Pa2)", min = 0, nominal = 1e-15)
+    "Mass flow per difference of the squares of two pressures";
+  type FlowResistance      = Real(quantity = "FlowResistance", unit = "Pa.s/kg", min = 0, nominal = 1e7)
+    "Pressure difference per mass flow";
   type PerPressure         = Real(quantity = "PerPressure", unit = "1/Pa")
     "Relative increase per pressure";
   type PerVelocity         = Real(quantity = "PerVelocity", unit = "s/m")
     "Relative decay per speed";
+  type PerTime             = Real(quantity = "PerTime", unit = "1/s")
+    "Rate of change of a share";
   type Fraction            = Real(quantity = "Fraction", unit = "1")
     "Part of a whole, 0 to 1";
   type Exponent            = Real(quantity = "Exponent", unit = "1");

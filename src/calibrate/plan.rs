@@ -89,6 +89,8 @@ pub struct Free {
     pub min: Option<f64>,
     /// Its greatest value.
     pub max: Option<f64>,
+    /// The one signal that it acts on, by position, and the variable by which: not the signal's own.
+    pub acts_on: Option<(usize, String)>,
     /// Where the plan says so.
     pub span: Span,
 }
@@ -247,7 +249,8 @@ impl Reader<'_> {
                     .help("min < max, and start between them"),
                 );
             }
-            out.push(Free { name, targets, start, min, max, span: self.at(&span) });
+            let (acts_on, span) = (None, self.at(&span));
+            out.push(Free { name, targets, start, min, max, acts_on, span });
         }
         out
     }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::{SourceMap, Span};
 use crate::codegen::interp::Instance;
+use crate::codegen::jit::rent::Execution;
 use crate::codegen::record;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
@@ -88,6 +89,8 @@ pub struct Parameter {
     pub start: f64,
     /// Its bounds.
     pub bounds: (f64, f64),
+    /// The one signal that it acts on, and the position of the variable by which.
+    pub acts_on: Option<(usize, usize)>,
 }
 
 impl Parameter {
@@ -163,7 +166,16 @@ impl Sums {
 
 /// Restricts the program to what the plan compares.
 pub fn record_signals(program: &mut Program, plan: &Plan) {
-    record::only(program, |name| plan.signals.iter().any(|s| s.variable == name));
+    record_also(program, plan, &[]);
+}
+
+/// The same, and other variables.
+pub fn record_also(program: &mut Program, plan: &Plan, others: &[String]) {
+    record::only(program, |name| {
+        let acts = plan.free.iter().filter_map(|f| f.acts_on.as_ref());
+        plan.signals.iter().any(|s| s.variable == name)
+            || acts.map(|(_, v)| v).chain(others).any(|v| v == name)
+    });
 }
 
 impl<'a> Problem<'a> {
@@ -208,7 +220,9 @@ impl<'a> Problem<'a> {
         if problems.error_count() > before || !evaluated {
             return None;
         }
-        let settings = Settings::of(&program.blocks.dae.experiment);
+        let mut settings = Settings::of(&program.blocks.dae.experiment);
+        // Thousands of runs: machine code pays.
+        settings.execution = Execution::translated(program);
         let jobs = parallel::cores();
         Some(Problem {
             program,
@@ -300,6 +314,29 @@ impl<'a> Problem<'a> {
         Ok(predicted)
     }
 
+    /// The least and the greatest value of recorded variables over the training recordings.
+    pub fn ranges(&self, x: &[f64], names: &[String]) -> Result<Vec<(f64, f64)>, Failure> {
+        let recordings = self.recordings(Split::Train);
+        let values = self.values(x);
+        let of_run = |i: usize| {
+            let recording = recordings[i];
+            let settings = self.settings(recording, &values);
+            let width = self.program.recorded.len();
+            let mut rows = Rows::new(recording.time.clone(), width, 0);
+            simulate_to(self.program, &settings, self.sources, &mut rows).map(|_| rows.values)
+        };
+        let runs = parallel::map(self.jobs, recordings.len(), of_run);
+        let runs: Vec<Vec<f64>> = runs.into_iter().collect::<Result<_, _>>()?;
+        let width = self.program.recorded.len();
+        let of = |name: &String| {
+            let column = self.program.recorded.iter().position(|v| self.program.name(*v) == name);
+            let column = column?;
+            let all = runs.iter().flat_map(|run| run.chunks_exact(width).map(move |r| r[column]));
+            Some(all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v))))
+        };
+        Ok(names.iter().map(|n| of(n).unwrap_or((0.0, 0.0))).collect())
+    }
+
     /// Sums of squares over the recordings of one kind; the first failure in their order.
     pub fn sums(&self, split: Split, x: &[f64]) -> Result<Sums, Failure> {
         let recordings = self.recordings(split);
@@ -378,15 +415,23 @@ impl<'a> Problem<'a> {
         for k in 0..recording.time.len() {
             let row = &rows.values[k * width..(k + 1) * width];
             let all = &rows.slopes[k * width * inputs.len()..(k + 1) * width * inputs.len()];
-            for (c, signal) in self.channels.iter().zip(&recording.signals) {
+            for (channel, (c, signal)) in self.channels.iter().zip(&recording.signals).enumerate() {
                 if signal[k].is_nan() {
                     continue;
                 }
                 let residual = (c.unit.of_si(row[c.column]) - signal[k]) / c.sigma;
-                let mut of_target =
-                    all[c.column * inputs.len()..(c.column + 1) * inputs.len()].iter();
+                let mut first = 0;
                 for ((slope, p), factor) in slopes.iter_mut().zip(&self.parameters).zip(&factors) {
-                    let sum: f64 = of_target.by_ref().take(p.targets.len()).sum();
+                    let column = match p.acts_on {
+                        Some((only, _)) if only != channel => None,
+                        Some((_, column)) => Some(column),
+                        None => Some(c.column),
+                    };
+                    let sum: f64 = column.map_or(0.0, |column| {
+                        let at = column * inputs.len() + first;
+                        all[at..at + p.targets.len()].iter().sum()
+                    });
+                    first += p.targets.len();
                     *slope = sum * factor / (c.unit.factor * c.sigma);
                 }
                 take(residual, &slopes);
@@ -500,7 +545,11 @@ fn parameter(
     };
     let bounds = (free.min.unwrap_or(wide.0), free.max.unwrap_or(wide.1));
     let unit = program.blocks.dae.variables[v].unit.to_string();
-    Some(Parameter { name: free.name.clone(), unit, targets, scale, start, bounds })
+    let acts_on = free.acts_on.as_ref().and_then(|(signal, variable)| {
+        let column = program.recorded.iter().position(|v| program.name(*v) == variable)?;
+        Some((*signal, column))
+    });
+    Some(Parameter { name: free.name.clone(), unit, targets, scale, start, bounds, acts_on })
 }
 
 /// Takes the rows at the instants of a recording.

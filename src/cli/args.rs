@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use regex_lite::Regex;
 
 use crate::driver::compile::Request;
+use crate::simulate::settings;
 
 /// A compiler and simulator for models of machines written in Modelica.
 #[derive(Parser, Debug)]
@@ -24,6 +25,8 @@ pub enum Command {
     Flatten(Model),
     /// Fit the free parameters of a plan to recordings.
     Calibrate(Calibrate),
+    /// Find which physical effect a model lacks, from recordings.
+    Diagnose(Diagnose),
     /// Print how the model is solved: states, blocks in order, what was differentiated.
     Structure(Structure),
 }
@@ -74,6 +77,9 @@ pub struct Simulate {
     /// Relative tolerance [default: from the annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
+    /// Integration method.
+    #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
+    pub method: Method,
     /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
     #[arg(long, value_name = "PATH")]
     pub output: Option<PathBuf>,
@@ -89,6 +95,47 @@ pub struct Simulate {
     /// List the events.
     #[arg(long)]
     pub events: bool,
+}
+
+/// An integration method.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Method {
+    /// By what the model is made of.
+    Auto,
+    /// Radau IIA of order 5: stiff models, models with events.
+    Radau,
+    /// Backward differentiation of order 1 to 5: large stiff models without events.
+    Bdf,
+    /// Dormand-Prince of order 5, explicit: models that are not stiff.
+    Dopri,
+}
+
+impl From<Method> for settings::Method {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Auto => settings::Method::Auto,
+            Method::Radau => settings::Method::Radau,
+            Method::Bdf => settings::Method::Bdf,
+            Method::Dopri => settings::Method::Dopri,
+        }
+    }
+}
+
+/// A diagnosis.
+#[derive(Args, Debug)]
+pub struct Diagnose {
+    /// Plan file, TOML: the model, the recordings, what is free.
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// Folder of recordings, instead of the plan's.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Folder for the results [default: PLAN's name and `-diagnosis`].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Folder with further effects, beside the shipped ones.
+    #[arg(long, value_name = "DIR")]
+    pub effects: Option<PathBuf>,
 }
 
 /// A fit.
@@ -114,6 +161,7 @@ impl Model {
         Request {
             file: self.file.clone(),
             model: self.model.clone(),
+            appended: None,
             settings: self.settings.clone(),
             folders: self.folders.clone(),
             modelica_path: std::env::var_os("MODELICAPATH"),

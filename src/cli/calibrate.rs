@@ -34,6 +34,7 @@ pub fn run(options: &Calibrate) -> Status {
     let request = Request {
         file: Some(plan.model.clone()),
         model: plan.name.clone(),
+        appended: None,
         settings: plan.fixed.clone(),
         folders: plan.libraries.clone(),
         modelica_path: std::env::var_os("MODELICAPATH"),

@@ -1,6 +1,7 @@
 //! The command line: arguments in, exit status out.
 pub mod args;
 pub mod calibrate;
+pub mod diagnose;
 pub mod interrupt;
 pub mod progress;
 pub mod show;
@@ -49,6 +50,7 @@ pub fn run() -> Status {
     match args::read() {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
+        args::Command::Diagnose(options) => diagnose::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
         args::Command::Structure(options) => show::structure(&options),
     }

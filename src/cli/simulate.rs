@@ -56,6 +56,7 @@ pub fn run(options: &Simulate) -> Status {
     }
     settings.interval = options.interval.unwrap_or(settings.interval);
     settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
+    settings.method = options.method.into();
 
     let files = Files::of(options, &program);
     let mut stream = match files.stream(options, &program) {
@@ -276,7 +277,7 @@ fn summary(
     // Without states nothing is integrated: the steps are those of the table.
     let steps = match program.order() {
         0 => String::new(),
-        _ => format!(" {} steps ({} rejected),", i.steps, i.rejected),
+        _ => format!(" {} steps ({} rejected) by {},", i.steps, i.rejected, s.method),
     };
     out.push_str(&format!("  {} events,{steps} {} rows\n", run.trajectory.events.len(), s.rows));
     out.push_str(&format!(

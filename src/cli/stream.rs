@@ -67,6 +67,10 @@ impl Sink for Stream {
     /// The columns are known since `new`.
     fn begin(&mut self, _: Vec<Column>) {}
 
+    fn expect(&mut self, rows: usize) {
+        self.trajectory.reserve(rows);
+    }
+
     fn constants(&mut self, constants: Vec<Constant>) {
         if let Some((results, _)) = &mut self.results {
             results.constants(constants);

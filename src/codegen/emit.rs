@@ -197,7 +197,7 @@ impl Emitter {
 
     /// Closes the top layer; what it computed can be read from layer `target` on.
     pub fn pop_merge(&mut self, target: Level) -> Tape {
-        let Some(layer) = self.layers.pop() else { return Tape::new() };
+        let Some(layer) = self.layers.pop() else { return Tape::default() };
         for e in &layer.made {
             if let Some(k) = self.known.get_mut(e) {
                 k.1 = target;

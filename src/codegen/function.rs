@@ -95,7 +95,7 @@ impl<'a> Body<'a> {
         let mut body = Body {
             function,
             locals,
-            tape: Tape::new(),
+            tape: Tape::default(),
             messages: Vec::new(),
             breaks: Vec::new(),
             returns: Vec::new(),

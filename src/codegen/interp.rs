@@ -1,10 +1,13 @@
-//! The reference interpreter: one run of a program in its own memory.
+//! One run of a program in its own memory, and the reference interpreter.
+//!
+//! Where there is machine code it does what is straight; the interpreter does it otherwise.
 
 use crate::base::index::Id;
 use crate::ir::expr::VarId;
-use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Watched};
+use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape, Watched};
 use crate::symbolic::eval;
 
+use super::jit::rent::{Code, Execution};
 use super::solve::{ImplicitWork, SolverWork};
 use super::tangent::Tangents;
 
@@ -12,6 +15,10 @@ use super::tangent::Tangents;
 pub const LOOP_LIMIT: u32 = 100;
 /// Jumps within one call of a function before it is given up.
 pub const JUMP_LIMIT: u32 = 100_000_000;
+
+/// Displacement of an argument, relative to its size, by which a function is differentiated: the
+/// cube root of the rounding unit balances truncation (h^2) against rounding (eps / h).
+pub const DIFFERENCE: f64 = 6.055454452393343e-6;
 
 /// Why a tape could not be run to its end.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -75,6 +82,7 @@ pub struct Instance<'p> {
     pub fault: Option<Fault>,
     /// Arguments outside of the domain of a function are moved to its border.
     pub inside: bool,
+    code: Code,
     /// While it is here, every tape that runs is followed by its derivatives.
     pub tangents: Option<Box<Tangents>>,
     solvers: Vec<Option<Box<SolverWork>>>,
@@ -83,7 +91,7 @@ pub struct Instance<'p> {
 }
 
 impl<'p> Instance<'p> {
-    /// A run that has not begun.
+    /// A run that has not begun, and will be interpreted.
     pub fn new(program: &'p Program) -> Self {
         let largest = |n: usize| vec![0.0; n];
         Instance {
@@ -92,6 +100,7 @@ impl<'p> Instance<'p> {
             fault_memory: program.image.clone(),
             fault: None,
             inside: false,
+            code: Code::Interpreted,
             tangents: None,
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
@@ -101,6 +110,16 @@ impl<'p> Instance<'p> {
                 .collect(),
             resting: program.loops.iter().map(|l| largest(l.watched.len())).collect(),
         }
+    }
+
+    /// Computes in this way from now on.
+    pub fn execute(&mut self, execution: &Execution) {
+        self.code = Code::of(self.program, execution);
+    }
+
+    /// True once tapes run as machine code.
+    pub fn runs_machine_code(&self) -> bool {
+        matches!(self.code, Code::Machine(..))
     }
 
     /// Gives a parameter another value than its own; false if it is not an input of the program.
@@ -181,13 +200,41 @@ impl<'p> Instance<'p> {
     }
 
     /// Runs a tape, and after it its derivatives if they are followed.
-    pub fn run(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
+    pub fn run(&mut self, tape: &'p Tape) -> Result<(), Fault> {
         if let Some(mut tangents) = self.tangents.take() {
             let outcome = self.run(tape).and_then(|()| tangents.follow(self, tape));
             self.tangents = Some(tangents);
             return outcome;
         }
-        if self.inside { self.run_in::<true>(tape) } else { self.run_in::<false>(tape) }
+        if self.inside {
+            return self.run_in::<true>(tape);
+        }
+        match tape.number {
+            Some(number) if self.code.is_there(self.program, tape.len()) => {
+                self.run_machine_code(number)
+            }
+            _ => self.run_in::<false>(tape),
+        }
+    }
+
+    /// Runs the machine code of a tape, if there is any, and what stands between its pieces.
+    fn run_machine_code(&mut self, number: u32) -> Result<(), Fault> {
+        let mut at = 0;
+        while let Code::Machine(code, memo) = &mut self.code {
+            match code.run(number, at, &mut self.memory, memo) {
+                Ok(None) => break,
+                Ok(Some((between, next))) => {
+                    at = next;
+                    match between.op {
+                        Op::Solve => self.solve(between.which)?,
+                        Op::Implicit => self.differentiate(between.which)?,
+                        _ => self.repeat(between.which)?,
+                    }
+                }
+                Err(fault) => return Err(self.fail(fault)),
+            }
+        }
+        Ok(())
     }
 
     fn run_in<const INSIDE: bool>(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
@@ -253,8 +300,7 @@ impl<'p> Instance<'p> {
             Some((output, arg)) => {
                 let out = program.functions[site.function].outputs[output] as usize;
                 let x = self.memory[site.args[arg] as usize];
-                // Balances truncation (h^2) against rounding (eps / h).
-                let h = f64::EPSILON.cbrt() * if x == 0.0 { 1.0 } else { x.abs() };
+                let h = DIFFERENCE * if x == 0.0 { 1.0 } else { x.abs() };
                 self.enter(site, Some((arg, x + h)))?;
                 let above = self.memory[out];
                 self.enter(site, Some((arg, x - h)))?;

@@ -12,6 +12,7 @@ pub mod error;
 pub mod function;
 pub mod interp;
 pub mod jacobian;
+pub mod jit;
 pub mod layout;
 pub mod print;
 pub mod record;
@@ -52,7 +53,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, initial, event, continuous } = order;
-    Ok(Program {
+    let mut program = Program {
         recorded: record::all(&dae),
         constants: record::constants(&dae),
         blocks: Blocks {
@@ -93,7 +94,9 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         terminates: emitter.terminates,
         reads_terminal: emitter.reads_terminal,
         continuation: None,
-    })
+    };
+    program.number_tapes();
+    Ok(program)
 }
 
 /// The sorted blocks, apart from the system itself, which the emitter owns and extends.

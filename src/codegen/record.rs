@@ -44,7 +44,7 @@ pub fn only(program: &mut Program, keep: impl Fn(&str) -> bool) {
     }
     kept.reverse();
     kept.shrink_to_fit();
-    program.rest = kept;
+    *program.rest = kept;
 }
 
 /// Cells that anything but the tape `rest` reads, by cell.

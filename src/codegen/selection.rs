@@ -10,7 +10,7 @@ use super::emit::{Emitter, HELD, MOVING, PARAMETER};
 /// Compiles the derivatives of the constraints, from variables that are all in the memory.
 pub fn compile(e: &mut Emitter, sets: &[StateSet]) -> (Tape, Vec<StateSetCells>) {
     if sets.is_empty() {
-        return (Tape::new(), Vec::new());
+        return (Tape::default(), Vec::new());
     }
     for level in e.levels.iter_mut().filter(|level| **level != Some(PARAMETER)) {
         *level = Some(HELD);

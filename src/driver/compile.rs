@@ -1,6 +1,7 @@
 //! The recipe: which stage follows which.
 
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -8,13 +9,17 @@ use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::index::FastMap;
 use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
+use crate::flatten::inventory::Inventory;
 use crate::instantiate::{Context, ROOT};
-use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
+use crate::ir::ast::{
+    self, Argument, ArgumentKind, ClassBody, ClassKind, ElementKind, Modification,
+};
 use crate::ir::blocks::Blocks;
 use crate::ir::dae::Kind;
-use crate::ir::expr::{Type, VarId};
+use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::FlatModel;
-use crate::ir::instance::ClassId;
+use crate::ir::instance::{ClassId, Scope};
+use crate::ir::modification::Setting;
 use crate::ir::program::{Continuation, Program};
 use crate::resolve::library::Library;
 
@@ -25,6 +30,8 @@ pub struct Request {
     pub file: Option<PathBuf>,
     /// Full name of the model; without it the last model of the file that is not partial.
     pub model: Option<String>,
+    /// More text of the same kind, which may use what is in the file: models in the making.
+    pub appended: Option<String>,
     /// `NAME=VALUE`.
     pub settings: Vec<String>,
     /// Folders of libraries.
@@ -56,6 +63,19 @@ pub struct Session {
 impl Session {
     /// The flat model of a request.
     pub fn flatten(&mut self, request: &Request) -> Result<FlatModel, Wrong> {
+        self.flatten_by(request, crate::flatten::flatten)
+    }
+
+    /// The flat model of a request, and what the model is made of.
+    pub fn inspect(&mut self, request: &Request) -> Result<(FlatModel, Inventory), Wrong> {
+        self.flatten_by(request, crate::flatten::flatten_with_inventory)
+    }
+
+    fn flatten_by<T>(
+        &mut self,
+        request: &Request,
+        by: impl FnOnce(&mut Context<'_>, ClassId, &[Rc<Setting>]) -> T,
+    ) -> Result<T, Wrong> {
         let begun = Instant::now();
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
@@ -71,7 +91,7 @@ impl Session {
         let begun = Instant::now();
         let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
         let class = model(&mut cx, request, file.as_deref())?;
-        let flat = crate::flatten::flatten(&mut cx, class, &settings);
+        let flat = by(&mut cx, class, &settings);
         self.times.push(("flatten", begun.elapsed()));
         let sources = &self.sources;
         let of_setting = |d: &Diagnostic| {
@@ -81,6 +101,48 @@ impl Session {
         let only_settings = self.problems.iter().all(of_setting);
         self.checked(if only_settings { Wrong::Request } else { Wrong::Model })?;
         Ok(flat)
+    }
+
+    /// The classes of a package, each with the texts of its annotation `__mocc`; those without one are
+    /// left out.
+    pub fn annotated(
+        &mut self,
+        request: &Request,
+        package: &str,
+    ) -> Vec<(String, Vec<(String, String)>)> {
+        let path = request.modelica_path.as_deref();
+        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let names = library.child_names(package);
+        let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
+        let mut out = Vec::new();
+        for name in names {
+            let full = if package.is_empty() { name } else { format!("{package}.{name}") };
+            let Some(class) = find(&mut cx, &full) else { continue };
+            let annotation = cx.text(class).and_then(|t| t.annotation.clone());
+            let Some(annotation) = annotation else { continue };
+            let scope = Scope { instance: ROOT.instance, class };
+            let entries: Vec<_> = annotation
+                .args
+                .iter()
+                .filter_map(|a| named(a, "__mocc"))
+                .flat_map(|m| m.args.iter())
+                .collect();
+            let mut texts = Vec::new();
+            for entry in entries {
+                let ArgumentKind::Element { path, modification: Some(m), .. } = &entry.kind else {
+                    continue;
+                };
+                let Some(binding) = &m.binding else { continue };
+                let value = cx.fold(binding, scope).and_then(|v| v.scalar());
+                if let Some(Const::String(text)) = value.and_then(|e| cx.graph.as_const(e)) {
+                    texts.push((path.to_string(), text.to_string()));
+                }
+            }
+            if !texts.is_empty() {
+                out.push((full, texts));
+            }
+        }
+        out
     }
 
     /// The sorted system of a flat model.
@@ -137,7 +199,21 @@ impl Session {
         let id = self.sources.add(path, text.as_str());
         let file = crate::parse::grammar::parse(id, &text, &mut self.problems);
         library.add_file(&file, &self.sources, &mut self.problems);
+        if let Some(text) = &request.appended {
+            let id = self.sources.add(Path::new("appended.mo"), text.as_str());
+            let more = crate::parse::grammar::parse(id, text, &mut self.problems);
+            library.add_file(&more, &self.sources, &mut self.problems);
+        }
         Ok(Some(Arc::new(file)))
+    }
+}
+
+fn named<'a>(argument: &'a Argument, name: &str) -> Option<&'a Modification> {
+    match &argument.kind {
+        ArgumentKind::Element { path, modification: Some(m), .. } if path.to_string() == name => {
+            Some(m)
+        }
+        _ => None,
     }
 }
 

@@ -77,6 +77,17 @@ impl Sets {
 }
 
 impl Connections {
+    /// The set that a variable of a component's connector is in; potentials and flows have sets of their
+    /// own.
+    pub(super) fn node(&mut self, v: VarId) -> Option<usize> {
+        for (k, sets) in [&mut self.potentials, &mut self.flows].into_iter().enumerate() {
+            if let Some(&member) = sets.number.get(&(v, false)) {
+                return Some(2 * sets.root(member) + k);
+            }
+        }
+        None
+    }
+
     /// `connect(a, b)` in the class of `scope.instance`.
     pub(super) fn connect(
         &mut self,

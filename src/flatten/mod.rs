@@ -2,6 +2,7 @@
 //! connections turned into equations (section 5.6 of the specification).
 pub mod connect;
 pub mod equation;
+pub mod inventory;
 pub mod print;
 pub mod setting;
 pub mod variable;
@@ -21,6 +22,28 @@ use crate::ir::modification::Setting;
 /// Flattens the model `class` with settings from outside. Problems are left in the context; the value
 /// is then of no use for running.
 pub fn flatten(cx: &mut Context<'_>, class: ClassId, settings: &[Rc<Setting>]) -> FlatModel {
+    flatten_with(cx, class, settings, |_, _, _| ())
+}
+
+/// As [`flatten`], and takes stock of what the model is made of.
+pub fn flatten_with_inventory(
+    cx: &mut Context<'_>,
+    class: ClassId,
+    settings: &[Rc<Setting>],
+) -> (FlatModel, inventory::Inventory) {
+    let mut found = inventory::Inventory::default();
+    let flat = flatten_with(cx, class, settings, |cx, root, connections| {
+        found = inventory::of(cx, root, connections);
+    });
+    (flat, found)
+}
+
+fn flatten_with(
+    cx: &mut Context<'_>,
+    class: ClassId,
+    settings: &[Rc<Setting>],
+    look: impl FnOnce(&mut Context<'_>, InstanceId, &mut connect::Connections),
+) -> FlatModel {
     let text = cx.text(class).cloned();
     let full_name = cx.classes[class].full_name.to_string();
     let span = text.as_ref().map_or(crate::base::source::Span::NONE, |t| t.name.span);
@@ -36,6 +59,7 @@ pub fn flatten(cx: &mut Context<'_>, class: ClassId, settings: &[Rc<Setting>]) -
     for object in objects(cx, root) {
         equation::of_object(cx, object, &mut flat, &mut connections);
     }
+    look(cx, root, &mut connections);
     connections.equations(cx, &mut flat);
     if let Some(annotation) = text.as_ref().and_then(|t| t.annotation.clone()) {
         flat.experiment = experiment(cx, &annotation, Scope { instance: root, class });

@@ -58,6 +58,16 @@ const SHRINK: f64 = 0.2;
 /// Reduction where the system could not be evaluated.
 const OUT_OF_DOMAIN: f64 = 0.25;
 
+/// Where the stability region of the method ends on the negative real axis, nearly.
+const STABILITY: f64 = 3.25;
+/// A component that follows the others slowly, though its eigenvalue is large, limits steps for the
+/// sake of its accuracy too, to products with that eigenvalue from here on.
+const FOLLOWING: f64 = 1.0;
+/// So many steps on that border make a system stiff.
+const STIFF_STEPS: u32 = 15;
+/// So many steps off it in a row, and the count begins anew.
+const FREE_STEPS: u32 = 6;
+
 /// The stepper. Only for systems whose components are all differential.
 pub struct DormandPrince {
     options: Options,
@@ -75,9 +85,39 @@ pub struct DormandPrince {
     /// The slope where the last step began is still in the last stage.
     whole: bool,
     trial: Vec<f64>,
+    /// Argument of stage 6, which like stage 7 stands at the end of the step.
+    sixth: Vec<f64>,
+    stiffness: Stiffness,
+    /// Product of step and eigenvalue from which on the system is stiff, see [`border`].
+    border: f64,
     h: f64,
     error_last: f64,
     stats: Stats,
+}
+
+/// Counts steps whose length stability limits rather than accuracy.
+#[derive(Clone, Copy, Default)]
+struct Stiffness {
+    limited: u32,
+    free: u32,
+    found: bool,
+}
+
+impl Stiffness {
+    /// Heeds the product of an accepted step with the dominant eigenvalue: Hairer & Wanner II,
+    /// sec. IV.2, "automatic stiffness detection", with the counts of DOPRI5.
+    fn heed(&mut self, product: f64, border: f64) {
+        if product > border {
+            self.free = 0;
+            self.limited += 1;
+            self.found |= self.limited >= STIFF_STEPS;
+        } else {
+            self.free += 1;
+            if self.free >= FREE_STEPS {
+                self.limited = 0;
+            }
+        }
+    }
 }
 
 enum Trouble {
@@ -92,7 +132,6 @@ impl DormandPrince {
         options.validate(n)?;
         let zeros = || vec![0.0; n];
         Ok(DormandPrince {
-            options,
             now: Point::new(n),
             t_previous: 0.0,
             y_previous: zeros(),
@@ -103,10 +142,31 @@ impl DormandPrince {
             dense_end: 0.0,
             whole: false,
             trial: zeros(),
+            sixth: zeros(),
+            stiffness: Stiffness::default(),
+            border: border(options.rtol),
             h: 0.0,
             error_last: 1e-4,
             stats: Stats::default(),
+            options,
         })
+    }
+
+    /// True if the last steps since the restart were limited by stability: the system is stiff, and an
+    /// implicit method would take longer ones.
+    pub fn is_stiff(&self) -> bool {
+        self.stiffness.found
+    }
+
+    /// The product of the step and the dominant eigenvalue, from the two stages at its end; zero where
+    /// they coincide.
+    fn spectral_step(&self, h: f64) -> f64 {
+        let (mut slopes, mut arguments) = (0.0, 0.0);
+        for (i, w) in self.weights.iter().enumerate() {
+            slopes += ((self.slopes[5][i] - self.slopes[4][i]) * w).powi(2);
+            arguments += ((self.next_y[i] - self.sixth[i]) * w).powi(2);
+        }
+        if arguments > 0.0 { h * (slopes / arguments).sqrt() } else { 0.0 }
     }
 
     /// All stages of a step; the last is evaluated at the result, which is left in `next_y`.
@@ -118,6 +178,9 @@ impl DormandPrince {
             for (i, y) in y.iter_mut().enumerate() {
                 let sum: f64 = done.iter().zip(&row[1..]).map(|(k, a)| a * k[i]).sum();
                 *y = self.now.y[i] + span.h * (row[0] * self.now.f[i] + sum);
+            }
+            if stage == C.len() - 1 {
+                self.sixth.copy_from_slice(y);
             }
             let t = C.get(stage).map_or(span.end, |c| (self.now.t + c * span.h).min(span.end));
             self.stats.rhs += 1;
@@ -146,6 +209,7 @@ impl DormandPrince {
 
     fn complete(&mut self, span: Span, error: f64, repeated: bool) {
         self.stats.steps += 1;
+        self.stiffness.heed(self.spectral_step(span.h), self.border);
         self.set_dense(span.h);
         self.advance_to(span.end);
         let exponent = 0.2 - 0.75 * BETA;
@@ -215,6 +279,13 @@ impl DormandPrince {
             Trouble::Eval(error) => Failure::Eval { t, error },
         }
     }
+}
+
+/// The product of step and dominant eigenvalue above which accuracy can not be what limits the step of
+/// the solution itself: three times that of `y' = lambda y` with a local error of `rtol`, whose constant is
+/// about 1e-4; never beyond the border of stability.
+fn border(rtol: f64) -> f64 {
+    (3.0 * (1e4 * rtol).powf(0.2)).clamp(FOLLOWING, STABILITY)
 }
 
 impl Stepper for DormandPrince {
@@ -291,6 +362,7 @@ impl Stepper for DormandPrince {
             d.fill(0.0);
         }
         self.error_last = 1e-4;
+        self.stiffness = Stiffness::default();
         error_weights(&self.options, &self.now.y, &mut self.weights);
         let h = match self.options.initial_step {
             Some(h) => h,

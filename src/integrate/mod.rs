@@ -8,20 +8,24 @@
 //! Sources: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*
 //! (2nd ed. 1993); E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II* (2nd ed. 1996).
 //!
-//! The one door: [`stepper::Stepper`], implemented by [`radau::Radau`] (stiff systems and index-1
-//! differential-algebraic systems) and [`explicit::DormandPrince`] (non-stiff systems).
+//! The one door: [`stepper::Stepper`], implemented by [`radau::Radau`] and [`bdf::Bdf`] (stiff systems
+//! and index-1 differential-algebraic systems), [`explicit::DormandPrince`] (non-stiff systems) and
+//! [`switching::Switching`] (explicit until the system turns out to be stiff).
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
     reason = "`!(a < b)` is how a NaN is made to count as a failed test"
 )]
 
+pub mod bdf;
 pub mod control;
 pub mod explicit;
+pub mod matrix;
 pub mod options;
 pub mod outcome;
 pub mod radau;
 pub mod stats;
 pub mod stepper;
+pub mod switching;
 pub mod system;
 pub mod variational;
 

@@ -15,10 +15,28 @@ pub struct Stats {
     pub rhs: u64,
     /// Evaluations of the Jacobian.
     pub jacobians: u64,
-    /// Decompositions, a real and a complex one counted as one.
+    /// Decompositions, those of the real and the complex matrix of Radau counted as one.
     pub decompositions: u64,
-    /// Newton iterations, one being three right sides and two solves.
+    /// Newton iterations: of Radau three right sides and two solves each, of BDF one of each.
     pub newton_iterations: u64,
     /// Starts and restarts.
     pub restarts: u64,
+}
+
+impl std::ops::Add for Stats {
+    type Output = Stats;
+
+    fn add(self, other: Stats) -> Stats {
+        Stats {
+            steps: self.steps + other.steps,
+            rejected: self.rejected + other.rejected,
+            convergence_failures: self.convergence_failures + other.convergence_failures,
+            evaluation_failures: self.evaluation_failures + other.evaluation_failures,
+            rhs: self.rhs + other.rhs,
+            jacobians: self.jacobians + other.jacobians,
+            decompositions: self.decompositions + other.decompositions,
+            newton_iterations: self.newton_iterations + other.newton_iterations,
+            restarts: self.restarts + other.restarts,
+        }
+    }
 }

@@ -14,6 +14,8 @@
 //! iteration; `held` after each event; `rhs` at each evaluation of derivatives; at the same point
 //! then `jacobian`, or `roots` and after it `rest`; `selection` after each step.
 
+use std::ops::{Deref, DerefMut};
+
 use super::blocks::{Blocks, Source};
 use super::dae::Dae;
 use super::expr::{Binary, Unary, VarId};
@@ -74,8 +76,32 @@ pub struct Instr {
     pub b: Slot,
 }
 
-/// A straight sequence of instructions.
-pub type Tape = Vec<Instr>;
+/// A straight sequence of instructions, which it derefs to.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Tape {
+    code: Vec<Instr>,
+    /// Its position among [`Program::tapes`], by which machine code is found; none while it is made.
+    pub number: Option<u32>,
+}
+
+impl From<Vec<Instr>> for Tape {
+    fn from(code: Vec<Instr>) -> Self {
+        Tape { code, number: None }
+    }
+}
+
+impl Deref for Tape {
+    type Target = Vec<Instr>;
+    fn deref(&self) -> &Vec<Instr> {
+        &self.code
+    }
+}
+
+impl DerefMut for Tape {
+    fn deref_mut(&mut self) -> &mut Vec<Instr> {
+        &mut self.code
+    }
+}
 
 /// An entry of a matrix.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -169,7 +195,7 @@ pub struct BlockPlace {
 }
 
 /// A call of a run-time function.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CallSite {
     /// Position in [`Program::functions`].
     pub function: usize,
@@ -182,7 +208,7 @@ pub struct CallSite {
 }
 
 /// A compiled function. Its locals have fixed cells: functions do not recur.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct FunctionCode {
     /// The body.
     pub tape: Tape,
@@ -380,9 +406,10 @@ impl Program {
         &self.blocks.dae.variables[v].name
     }
 
-    /// Checks that every cell and every reference of every tape exists.
-    pub fn verify(&self) -> Result<(), String> {
-        let tapes = [
+    /// All tapes but the bodies of functions, with their names; in an order that depends on nothing
+    /// but the program.
+    pub fn tapes(&self) -> Vec<(&'static str, &Tape)> {
+        let mut all = vec![
             ("parameters", &self.parameters),
             ("initial", &self.initial),
             ("event", &self.event),
@@ -393,21 +420,70 @@ impl Program {
             ("jacobian", &self.jacobian),
             ("selection", &self.selection),
         ];
-        for (name, tape) in tapes {
+        for solver in &self.solvers {
+            all.push(("residual", &solver.residual_tape));
+            all.push(("block jacobian", &solver.jacobian_tape));
+        }
+        all.extend(self.loops.iter().map(|mixed| ("loop", &mixed.tape)));
+        all
+    }
+
+    /// Numbers the tapes in the order of [`Program::tapes`].
+    pub fn number_tapes(&mut self) {
+        let own = [
+            &mut self.parameters,
+            &mut self.initial,
+            &mut self.event,
+            &mut self.held,
+            &mut self.rhs,
+            &mut self.roots,
+            &mut self.rest,
+            &mut self.jacobian,
+            &mut self.selection,
+        ];
+        let blocks =
+            self.solvers.iter_mut().flat_map(|s| [&mut s.residual_tape, &mut s.jacobian_tape]);
+        let loops = self.loops.iter_mut().map(|mixed| &mut mixed.tape);
+        for (number, tape) in own.into_iter().chain(blocks).chain(loops).enumerate() {
+            tape.number = Some(number as u32);
+        }
+    }
+
+    /// Checks that every cell and every reference of every tape exists.
+    pub fn verify(&self) -> Result<(), String> {
+        for (name, tape) in self.tapes() {
             self.verify_tape(name, tape)?;
         }
         for solver in &self.solvers {
-            self.verify_tape("residual", &solver.residual_tape)?;
-            self.verify_tape("block jacobian", &solver.jacobian_tape)?;
             if solver.residuals.len() != solver.unknowns.len() {
                 return Err("a torn block is not square".into());
             }
+            let entries = solver.jacobian.iter().map(|e| &e.slot);
+            let mut cells = solver.slots.iter().chain(&solver.residuals).chain(entries);
+            if !cells.all(|slot| (*slot as usize) < self.image.len()) {
+                return Err("a torn block refers to a cell that does not exist".into());
+            }
         }
-        for mixed in &self.loops {
-            self.verify_tape("loop", &mixed.tape)?;
-        }
+        let exists = |slot: &Slot| (*slot as usize) < self.image.len();
         for function in &self.functions {
             self.verify_tape("function", &function.tape)?;
+            let mut cells = function.inputs.iter().chain(&function.outputs).chain(&function.locals);
+            if !cells.all(exists) {
+                return Err("a function has a local that does not exist".into());
+            }
+        }
+        for site in &self.calls {
+            let Some(function) = self.functions.get(site.function) else {
+                return Err("a call refers to no function".into());
+            };
+            let partial = site.partial.is_none_or(|(output, argument)| {
+                output < function.outputs.len()
+                    && argument < site.args.len()
+                    && !site.results.is_empty()
+            });
+            if !(partial && site.args.iter().chain(&site.results).all(exists)) {
+                return Err("a call refers to a cell that does not exist".into());
+            }
         }
         Ok(())
     }

@@ -154,6 +154,19 @@ impl Trajectory {
         let data = vec![Vec::new(); columns.len()];
         Trajectory { columns, time: Vec::new(), data, events: Vec::new() }
     }
+    /// Forgets everything for a run of these variables; memory is used again where it can be.
+    pub fn begin_again(&mut self, columns: Vec<Column>) {
+        self.columns = columns;
+        self.time.clear();
+        self.events.clear();
+        self.data.iter_mut().for_each(Vec::clear);
+        self.data.resize_with(self.columns.len(), Vec::new);
+    }
+    /// Makes room for so many rows more.
+    pub fn reserve(&mut self, rows: usize) {
+        self.time.reserve(rows);
+        self.data.iter_mut().for_each(|column| column.reserve(rows));
+    }
     /// Appends a row; `values` in the order of `columns`. [`Trajectory::verify`] finds a wrong length.
     pub fn push(&mut self, time: f64, values: &[f64]) {
         self.time.push(time);

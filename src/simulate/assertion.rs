@@ -1,15 +1,27 @@
 //! What the model itself says about its run: assertions and terminations.
 
 use crate::base::diag::{Diagnostic, Severity};
+use crate::integrate::stepper::Stepper;
 use crate::ir::expr::{Const, ExprId};
 use crate::ir::program::Program;
 
-use super::error::{Failure, FailureKind};
+use super::error::{Failure, FailureKind, of_fault};
 use super::events::Settled;
 use super::explain::Reader;
 use super::run::Simulation;
 
 impl Simulation<'_, '_> {
+    /// Assertions outside of when-clauses at the end of the last step.
+    pub(super) fn check_assertions_of_step(&mut self) -> Result<(), Failure> {
+        let t = self.stepper.t();
+        // The search for events has evaluated them, if there was one.
+        if self.search.is_empty() && !self.program.asserts.is_empty() {
+            let evaluated = self.model.evaluate_roots_beyond(t, self.stepper.y());
+            evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        }
+        self.check_assertions(t)
+    }
+
     /// Assertions outside of when-clauses, as evaluated last.
     pub(super) fn check_assertions(&mut self, t: f64) -> Result<(), Failure> {
         for k in 0..self.program.asserts.len() {

@@ -4,7 +4,7 @@
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::VarId;
-use crate::ir::program::{Program, Slot, Watch};
+use crate::ir::program::{Program, Slot, Tape, Watch};
 use crate::math::numeric::root::locate;
 
 use super::clock::Clocks;
@@ -77,6 +77,11 @@ impl Search {
             .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k));
     }
 
+    /// True if there is nothing to search.
+    pub fn is_empty(&self) -> bool {
+        self.relations.is_empty()
+    }
+
     /// The first instant in the last step at which a relation has switched, enclosed from the right.
     pub fn first_switch(
         &mut self,
@@ -87,9 +92,11 @@ impl Search {
             return Ok(None);
         }
         let (t0, t1) = (stepper.t_previous(), stepper.t());
-        let mut left = t0;
+        let quiet = if self.ignored.is_none() { model.quiet_until(t0, t1) } else { None };
+        let mut left = quiet.unwrap_or(t0);
         let mut trials = TRIALS;
-        for target in LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter().chain([t1]) {
+        let looks = LOOKS.map(|look| t0 + look * (t1 - t0)).into_iter();
+        for target in looks.filter(|_| quiet.is_none()).chain([t1]) {
             let mut right = target;
             while left < target {
                 match self.evaluate(model, stepper, right) {
@@ -149,6 +156,9 @@ impl Search {
         t: f64,
     ) -> Result<(), Fault> {
         if t == stepper.t() {
+            if model.stands_at(t, stepper.y()) {
+                return Ok(());
+            }
             self.point.copy_from_slice(stepper.y());
         } else {
             stepper.interpolate(t, &mut self.point);
@@ -186,7 +196,7 @@ impl Search {
 /// Runs a tape of the initial or event sequence until the relations it reads too early rest.
 pub fn sweep<'p>(
     instance: &mut Instance<'p>,
-    tape: &'p [crate::ir::program::Instr],
+    tape: &'p Tape,
     late: &[u32],
 ) -> Result<(), Unsettled> {
     let first = instance.program.layout.relations;

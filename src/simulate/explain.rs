@@ -59,6 +59,11 @@ impl<'a> Reader<'a> {
     /// The text of an expression, relations written out.
     pub fn text(&self, e: ExprId) -> String {
         let dae = &self.program.blocks.dae;
+        let is_relation = |n: &ExprId| matches!(dae.graph.node(*n), Node::Relation(_));
+        // Events ask for many texts, and a graph is large.
+        if !dae.graph.postorder([e]).iter().any(is_relation) {
+            return print(&dae.graph, e, &|v| self.name(v));
+        }
         let mut graph = dae.graph.clone();
         let e = written_out(self.program, &mut graph, e);
         print(&graph, e, &|v| self.name(v))

@@ -17,6 +17,7 @@ pub mod explain;
 pub mod homotopy;
 pub mod initial;
 pub mod meeting;
+pub mod method;
 pub mod precondition;
 pub mod record;
 pub mod run;

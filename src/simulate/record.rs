@@ -13,6 +13,8 @@ use super::settings::Settings;
 pub trait Sink {
     /// The variables, once before all rows.
     fn begin(&mut self, columns: Vec<Column>);
+    /// About how many rows there will be, once before all rows.
+    fn expect(&mut self, _rows: usize) {}
     /// Parameters and constants, once after `begin`.
     fn constants(&mut self, _: Vec<Constant>) {}
     /// One value for each variable.
@@ -29,7 +31,10 @@ pub trait Sink {
 
 impl Sink for Trajectory {
     fn begin(&mut self, columns: Vec<Column>) {
-        *self = Trajectory::new(columns);
+        self.begin_again(columns);
+    }
+    fn expect(&mut self, rows: usize) {
+        self.reserve(rows);
     }
     fn row(&mut self, time: f64, values: &[f64]) {
         self.push(time, values);
@@ -38,6 +43,9 @@ impl Sink for Trajectory {
         self.events.push(event);
     }
 }
+
+/// Events for whose rows there is room from the start.
+const EXPECTED_EVENTS: usize = 64;
 
 /// What is recorded, and the next instant of the output grid.
 pub struct Recorder {
@@ -80,6 +88,13 @@ impl Recorder {
             std::cmp::Ordering::Greater => return None,
         };
         (at < end || (inclusive && at == end)).then_some(at)
+    }
+
+    /// Rows that are due, and two for each of a few events.
+    pub fn expected_rows(&self) -> usize {
+        const MOST: u64 = 1 << 20;
+        let due = self.instants.as_ref().map_or(self.count, |list| list.len() as u64);
+        (due.min(MOST) + 1) as usize + 2 * EXPECTED_EVENTS
     }
 
     /// Goes on to the next instant of the grid.

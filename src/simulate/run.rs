@@ -6,7 +6,6 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::{SourceMap, Span};
 use crate::integrate::options::Options;
 use crate::integrate::outcome::Step;
-use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
@@ -20,6 +19,7 @@ use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
 use super::initial::initialise;
 use super::meeting::Recent;
+use super::method::{Choice, Integrator};
 use super::record::{Recorder, Sink};
 use super::selection::{LIMIT, Selection};
 use super::sensitivity::{Input, Sensitivity, with_inputs};
@@ -37,6 +37,8 @@ const NUDGE: f64 = 8.0;
 pub struct Statistics {
     /// Work of the integrator.
     pub integration: Stats,
+    /// Which integrator that was.
+    pub method: Choice,
     /// Instants at which a relation on the trajectory switched.
     pub state_events: u64,
     /// Instants known in advance: comparisons with time, and clocks.
@@ -122,6 +124,7 @@ fn run_to(
     simulation.run()?;
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
+    statistics.method = simulation.stepper.describe(statistics.method);
     statistics.elapsed = begun.elapsed();
     Ok(statistics)
 }
@@ -132,7 +135,7 @@ pub struct Simulation<'p, 's> {
     pub(super) sources: &'s SourceMap,
     pub(super) sink: &'s mut dyn Sink,
     pub(super) model: Model<'p>,
-    pub(super) stepper: Radau,
+    pub(super) stepper: Integrator,
     pub(super) clocks: Clocks,
     pub(super) selection: Selection,
     pub(super) search: Search,
@@ -168,6 +171,7 @@ impl<'p, 's> Simulation<'p, 's> {
         sink: &'s mut dyn Sink,
     ) -> Result<Self, Failure> {
         let mut model = Model::new(program);
+        model.instance.execute(&settings.execution);
         let t = settings.start;
         let mut sensitivity = None;
         if !inputs.is_empty() {
@@ -185,10 +189,12 @@ impl<'p, 's> Simulation<'p, 's> {
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
         y[..program.order()].copy_from_slice(model.instance.states());
-        let stepper = Radau::for_system(&model, options(&model, settings))
-            .map_err(|e| Failure::settings(e.to_string()))?;
+        let (wanted, options) = (settings.method, options(&model, settings));
+        let integrator = Integrator::new(wanted, program, sensitivity.is_some(), &model, options);
+        let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
         let recorder = Recorder::new(program, settings);
         sink.begin(columns(program));
+        sink.expect(recorder.expected_rows());
         sink.constants(constants(&model.instance));
         let mut simulation = Simulation {
             program,
@@ -200,7 +206,7 @@ impl<'p, 's> Simulation<'p, 's> {
             selection,
             search: Search::new(program),
             recorder,
-            statistics: Statistics::default(),
+            statistics: Statistics { method, ..Statistics::default() },
             start: settings.start,
             stop: settings.stop,
             t,
@@ -249,7 +255,7 @@ impl<'p, 's> Simulation<'p, 's> {
                 None => {
                     let t = self.stepper.t();
                     self.search.heed(&self.model.instance);
-                    self.check_assertions(t)?;
+                    self.check_assertions_of_step()?;
                     self.vary()?;
                     self.record_grid(t, true)?;
                     self.t = t;

@@ -281,7 +281,8 @@ impl Simulation<'_, '_> {
     pub(super) fn vary(&mut self) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
         let t = self.stepper.t();
-        s.advance(&mut self.model, &mut self.stepper).map_err(|why| not_differentiable(why, t))
+        let Some(radau) = self.stepper.radau() else { return Ok(()) };
+        s.advance(&mut self.model, radau).map_err(|why| not_differentiable(why, t))
     }
 
     /// The derivatives of everything at `t` in the last step, if they are wanted.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::codegen::jit::rent::Execution;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
 
@@ -11,6 +12,20 @@ pub const DEFAULT_STOP: f64 = 1.0;
 pub const DEFAULT_INTERVALS: f64 = 500.0;
 /// Default relative tolerance.
 pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+
+/// An integration method, or the choice of one.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Method {
+    /// By what the model is made of, see `simulate::method`.
+    #[default]
+    Auto,
+    /// Radau IIA of order 5: stiff systems, many events.
+    Radau,
+    /// Backward differentiation of order 1 to 5: large stiff systems that are smooth for long.
+    Bdf,
+    /// Dormand and Prince's explicit method of order 5: systems that are not stiff.
+    Dopri,
+}
 
 /// Choices for one run.
 #[derive(Clone, PartialEq, Debug)]
@@ -23,10 +38,14 @@ pub struct Settings {
     pub interval: f64,
     /// Tolerated relative error of a step, without unit, between 1e-14 and 1.
     pub tolerance: f64,
+    /// The integration method.
+    pub method: Method,
     /// Values for parameters.
     pub parameters: Vec<(VarId, f64)>,
     /// Values for starts.
     pub starts: Vec<(VarId, f64)>,
+    /// How tapes are run; the results are the same.
+    pub execution: Execution,
     /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have
     /// their rows besides.
     pub instants: Option<Arc<[f64]>>,
@@ -42,8 +61,10 @@ impl Settings {
             stop,
             interval: experiment.interval.unwrap_or((stop - start) / DEFAULT_INTERVALS),
             tolerance: experiment.tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            method: Method::default(),
             parameters: Vec::new(),
             starts: Vec::new(),
+            execution: Execution::default(),
             instants: None,
         }
     }

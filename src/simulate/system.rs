@@ -2,7 +2,7 @@
 
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::system::{EvalError, System};
-use crate::ir::program::{Entry, Program};
+use crate::ir::program::{Entry, Program, Watch};
 use crate::math::numeric::pattern::Pattern;
 
 use super::sliding::Sliding;
@@ -20,11 +20,38 @@ pub struct Model<'p> {
     pub sliding: Option<Sliding>,
     differential: Vec<bool>,
     pattern: Pattern,
+    /// Relations that are searched on the trajectory.
+    watched: Vec<u32>,
+    looks: Looks,
     /// For each entry of the program its place in the pattern.
     places: Vec<usize>,
     moved: Vec<f64>,
     base: Vec<f64>,
     slope: Vec<f64>,
+}
+
+/// The last evaluations of derivatives, with whether a searched relation differed from its held value.
+#[derive(Default)]
+struct Looks {
+    /// As many as a step of Radau IIA makes after its last iteration began: three stages, the error
+    /// estimate, and the end.
+    recent: [(f64, bool); 5],
+    next: usize,
+    /// The memory is as the last one left it.
+    standing: bool,
+}
+
+impl Looks {
+    fn note(&mut self, t: f64, switched: bool) {
+        self.recent[self.next] = (t, switched);
+        self.next = (self.next + 1) % self.recent.len();
+        self.standing = true;
+    }
+}
+
+fn watched(program: &Program) -> Vec<u32> {
+    let count = program.watches.len() as u32;
+    (0..count).filter(|k| program.watches[*k as usize] == Watch::State).collect()
 }
 
 impl<'p> Model<'p> {
@@ -43,6 +70,8 @@ impl<'p> Model<'p> {
             sliding: None,
             differential: vec![true; n],
             pattern,
+            watched: watched(program),
+            looks: Looks::default(),
             places,
             moved: zeros(),
             base: zeros(),
@@ -50,8 +79,40 @@ impl<'p> Model<'p> {
         }
     }
 
+    /// An instant in the second half of a step before which the integrator looked at searched
+    /// relations and found none switched, if it looked into both halves: at the stages of a Runge-Kutta
+    /// method relations cost next to nothing.
+    pub fn quiet_until(&self, t0: f64, t1: f64) -> Option<f64> {
+        let middle = 0.5 * (t0 + t1);
+        let inside = || self.looks.recent.iter().filter(|look| t0 < look.0 && look.0 < t1);
+        let latest = inside().map(|look| look.0).fold(t0, f64::max);
+        let quiet = inside().all(|look| !look.1) && inside().any(|look| look.0 <= middle);
+        (quiet && latest > middle).then_some(latest)
+    }
+
+    /// True if searched relations in the memory are those at `(t, y)`.
+    pub fn stands_at(&self, t: f64, y: &[f64]) -> bool {
+        let instance = &self.instance;
+        self.looks.standing
+            && instance.get(instance.program.layout.time) == t
+            && instance.states() == &y[..instance.program.order()]
+    }
+
+    /// Evaluates searched relations where the derivatives were evaluated last.
+    fn look(&mut self, t: f64) {
+        let program = self.instance.program;
+        if self.beyond || self.sliding.is_some() || self.instance.run(&program.roots).is_err() {
+            return self.looks = Looks::default();
+        }
+        let (fresh, held) = (program.layout.fresh, program.layout.relations);
+        let switched = |k: &u32| self.instance.get(fresh + k) != self.instance.get(held + k);
+        let switched = self.watched.iter().any(switched);
+        self.looks.note(t, switched);
+    }
+
     /// Everything at `(t, y)`, relations held.
     pub fn evaluate_all(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+        self.looks.standing = false;
         if let Some(sliding) = &mut self.sliding {
             let n = self.instance.program.order();
             return sliding.evaluate_all(&mut self.instance, t, &y[..n]);
@@ -63,6 +124,7 @@ impl<'p> Model<'p> {
 
     /// Derivatives, searched relations and assertions at `(t, y)`.
     pub fn evaluate_roots(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+        self.looks.standing = false;
         let program = self.instance.program;
         self.instance.place(t, &y[..program.order()]);
         self.instance.run(&program.rhs)?;
@@ -99,6 +161,7 @@ impl<'p> Model<'p> {
 
     /// True if the derivatives at `(t, y)` exist.
     pub fn is_inside(&mut self, t: f64, y: &[f64]) -> bool {
+        self.looks.standing = false;
         let n = self.instance.program.order();
         self.instance.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
     }
@@ -106,6 +169,7 @@ impl<'p> Model<'p> {
     /// Runs the tape of the Jacobian; false if a torn block has no derivative there. That is no reason
     /// to fail: differences do.
     fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<bool, EvalError> {
+        self.looks.standing = false;
         let program = self.instance.program;
         let n = program.order();
         self.instance.place(t, &y[..n]);
@@ -175,8 +239,11 @@ impl System for Model<'_> {
             let slid = sliding.derivatives(&mut self.instance, t, &y[..n], &mut f[..n]);
             return slid.map_err(recoverable);
         }
+        self.looks.standing = false;
         derivatives(&mut self.instance, &mut self.beyond, self.strict, t, &y[..n], &mut f[..n])
-            .map_err(recoverable)
+            .map_err(recoverable)?;
+        self.look(t);
+        Ok(())
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], j: &mut [f64]) -> Result<(), EvalError> {

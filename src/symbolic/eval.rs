@@ -56,8 +56,21 @@ pub fn binary(op: Binary, a: f64, b: f64) -> f64 {
         Binary::And => truth(a != 0.0 && b != 0.0),
         Binary::Or => truth(a != 0.0 || b != 0.0),
         Binary::Atan2 => a.atan2(b),
-        Binary::Min => a.min(b),
-        Binary::Max => a.max(b),
+        // Which of two zeros is taken, and that NaN is the other one, is said here and not left open.
+        Binary::Min => {
+            if b < a || a.is_nan() {
+                b
+            } else {
+                a
+            }
+        }
+        Binary::Max => {
+            if b > a || a.is_nan() {
+                b
+            } else {
+                a
+            }
+        }
         Binary::Quotient => (a / b).trunc(),
         Binary::Mod => a - (a / b).floor() * b,
         Binary::Rem => a - (a / b).trunc() * b,

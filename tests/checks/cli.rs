@@ -171,6 +171,30 @@ fn stop_interval_tolerance_and_model() {
     assert_eq!(other.last("y"), 7.0);
 }
 
+/// Every method comes to `exp(-1)` within the tolerance, and the summary names it.
+#[test]
+fn methods() {
+    let folder = shop();
+    let part = ["simulate", "shop.mo", "--model", "Shop.Part", "--tolerance", "1e-8"];
+    let methods = [
+        ("auto", "by dopri (auto: 1 state, no events, not stiff)"),
+        ("radau", "by radau,"),
+        ("bdf", "by bdf,"),
+        ("dopri", "by dopri,"),
+    ];
+    for (method, said) in methods {
+        let ended = mocc(folder.path(), &[&part[..], &["--method", method]].concat());
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+        assert!(ended.out.contains(said), "{}", ended.out);
+        let table = read_csv(folder.path().join("shop.csv")).expect("a table");
+        let x = table.values("x").expect("a column");
+        let error = x[x.len() - 1] - (-1.0_f64).exp();
+        assert!(error.abs() < 1e-8, "{method}: {error}");
+    }
+    let ended = mocc(folder.path(), &["simulate", &example("oscillator.mol"), "--method", "bdf"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+}
+
 #[test]
 fn libraries_are_found_by_option_and_by_environment() {
     let folder = Scratch::new();
@@ -230,6 +254,7 @@ fn exit_statuses() {
     assert_eq!(status(&["simulate", "shop.mo", "--stop", "-1"]), 2);
     assert_eq!(status(&["simulate", "shop.mo", "--tolerance", "0"]), 2);
     assert_eq!(status(&["simulate", "shop.mo", "--interval", "0"]), 2);
+    assert_eq!(status(&["simulate", "shop.mo", "--method", "euler"]), 2);
     assert_eq!(status(&["simulate", "shop.mo", "--plot", "a.jpg"]), 2);
     assert_eq!(status(&["simulate", "shop.mo", "--show", "part[9].x"]), 2);
     assert_eq!(status(&["simulate", "shop.mo", "--output", "no/such/folder.csv"]), 2);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mocc::base::render::{Style, render, render_all};
+use mocc::codegen::jit::rent::Execution;
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::Program;
 use mocc::ir::trajectory::{Column, Event, Trajectory, position};
@@ -34,6 +35,11 @@ impl Case {
         let scratch = Scratch::new();
         let file = scratch.file("model.mo", text);
         Case { _scratch: Some(scratch), ..Case::file(file) }
+    }
+    /// A model of the file by its full name, instead of the last.
+    pub fn model(mut self, name: impl Into<String>) -> Case {
+        self.request.model = Some(name.into());
+        self
     }
     /// `NAME=VALUE`, as with `--set`.
     pub fn set(mut self, setting: impl Into<String>) -> Case {
@@ -160,6 +166,10 @@ impl Compiled {
         let (id, _) = variables.enumerate().find(|(_, v)| v.name == name).expect(name);
         self.settings.parameters.retain(|(other, _)| *other != id);
         self.settings.parameters.push((id, value));
+    }
+    /// How the next runs compute.
+    pub fn execute(&mut self, execution: Execution) {
+        self.settings.execution = execution;
     }
     /// The trajectory; panics with the failure.
     pub fn run(&self) -> Trajectory {

@@ -1,7 +1,7 @@
 //! The local error of a step, from an embedded formula of order 3.
 
 use crate::integrate::control::Point;
-use crate::integrate::radau::matrix::IterationMatrix;
+use crate::integrate::matrix::IterationMatrix;
 use crate::integrate::radau::tableau::ERROR;
 use crate::integrate::stats::Stats;
 use crate::integrate::system::System;

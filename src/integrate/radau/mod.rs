@@ -5,10 +5,7 @@
 //! (RADAU5 loosens `rtol` to `0.1 rtol^(2/3)`, by which just the ends of steps meet them): the dense
 //! output, whose error is of the order of the estimate, is used to find events and should meet them.
 pub mod estimate;
-pub mod matrix;
 pub mod polynomial;
-pub mod sparse;
-pub mod split;
 pub mod stages;
 pub mod tableau;
 pub mod variation;
@@ -19,10 +16,10 @@ mod tests;
 use crate::integrate::control::{
     Point, Span, error_weights, fit_to_stop, initial_step, resolution,
 };
+use crate::integrate::matrix::{IterationMatrix, Planes, Shift};
 use crate::integrate::options::{OptionError, Options};
 use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::radau::estimate::{ErrorEstimate, ORDER};
-use crate::integrate::radau::matrix::{IterationMatrix, Shift};
 use crate::integrate::radau::polynomial::Polynomial;
 use crate::integrate::radau::stages::{MAX_ITERATIONS, StageTrouble, Stages, shift};
 use crate::integrate::radau::variation::{AcceptedStep, NoVariation, Variation};
@@ -127,17 +124,13 @@ struct Success {
 impl Radau {
     /// A stepper for systems of `n` components, with dense matrices. All memory is allocated here.
     pub fn new(n: usize, options: Options) -> Result<Self, OptionError> {
-        Radau::with_matrix(n, IterationMatrix::dense(n), options)
+        Radau::with_matrix(n, IterationMatrix::dense(n, Planes::Complex), options)
     }
 
-    /// A stepper for this system: with sparse matrices if it is large and says which entries of its
-    /// Jacobian can be nonzero, else with dense ones. The memory of sparse decompositions is allocated
-    /// at the first one, and again where the zeros of the Jacobian change.
+    /// A stepper for this system, with the matrices of [`IterationMatrix::for_system`].
     pub fn for_system(system: &dyn System, options: Options) -> Result<Self, OptionError> {
-        match system.pattern().filter(|p| sparse::pays(p)) {
-            Some(p) => Radau::with_matrix(system.dim(), IterationMatrix::sparse(p), options),
-            None => Radau::new(system.dim(), options),
-        }
+        let matrix = IterationMatrix::for_system(system, Planes::Complex);
+        Radau::with_matrix(system.dim(), matrix, options)
     }
 
     fn with_matrix(

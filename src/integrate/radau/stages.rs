@@ -5,8 +5,8 @@
 //! the same over many iterations and steps.
 
 use crate::integrate::control::{Point, Span};
+use crate::integrate::matrix::{IterationMatrix, Shift};
 use crate::integrate::options::Options;
-use crate::integrate::radau::matrix::{IterationMatrix, Shift};
 use crate::integrate::radau::polynomial::Polynomial;
 use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};
 use crate::integrate::stats::Stats;

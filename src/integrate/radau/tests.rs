@@ -7,7 +7,6 @@ use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::pattern::Pattern;
 
 fn radau(rtol: f64, nominals: &[f64]) -> Radau {
     Radau::new(nominals.len(), Options::with_nominals(rtol, nominals)).unwrap()
@@ -507,68 +506,6 @@ fn large_systems_go_through_the_library() {
         assert!((y - s * (-lambda * 0.1).exp()).abs() < 1e-6);
     }
     assert_eq!(stats.jacobians, 1, "a linear system needs one Jacobian");
-}
-
-/// The heat equation with a cubic sink; its pattern has three diagonals.
-struct Heat {
-    pattern: Pattern,
-    differential: Vec<bool>,
-}
-
-impl Heat {
-    fn new(n: usize) -> Self {
-        let near = |j: usize| (j.saturating_sub(1)..(j + 2).min(n)).map(move |i| (i, j));
-        let entries: Vec<_> = (0..n).flat_map(near).collect();
-        let pattern = Pattern::from_entries(n, n, &entries);
-        Heat { pattern, differential: vec![true; n] }
-    }
-
-    fn scale(&self) -> f64 {
-        ((self.dim() + 1) * (self.dim() + 1)) as f64
-    }
-
-    fn derivative(&self, y: &[f64], i: usize, j: usize) -> f64 {
-        let scale = self.scale();
-        if i == j { -2.0 * scale - 3.0 * y[j] * y[j] } else { scale }
-    }
-}
-
-impl System for Heat {
-    fn dim(&self) -> usize {
-        self.differential.len()
-    }
-    fn differential(&self) -> &[bool] {
-        &self.differential
-    }
-    fn rhs(&mut self, _: f64, y: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-        let (n, scale) = (y.len(), self.scale());
-        for i in 0..n {
-            let left = if i > 0 { y[i - 1] } else { 0.0 };
-            let right = if i + 1 < n { y[i + 1] } else { 0.0 };
-            f[i] = scale * (left - 2.0 * y[i] + right) - y[i].powi(3);
-        }
-        Ok(())
-    }
-    fn jacobian(&mut self, _: f64, y: &[f64], out: &mut [f64]) -> Result<(), EvalError> {
-        let n = y.len();
-        for j in 0..n {
-            for &i in self.pattern.column(j) {
-                out[i + n * j] = self.derivative(y, i, j);
-            }
-        }
-        Ok(())
-    }
-    fn pattern(&self) -> Option<&Pattern> {
-        Some(&self.pattern)
-    }
-    fn jacobian_entries(&mut self, _: f64, y: &[f64], out: &mut [f64]) -> Result<(), EvalError> {
-        let columns =
-            (0..y.len()).flat_map(|j| self.pattern.column(j).iter().map(move |&i| (i, j)));
-        for (out, (i, j)) in out.iter_mut().zip(columns) {
-            *out = self.derivative(y, i, j);
-        }
-        Ok(())
-    }
 }
 
 /// Dense and sparse decompositions differ by rounding only, and each repeats to the bit.

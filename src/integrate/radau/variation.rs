@@ -8,7 +8,7 @@
 //! that converges as Newton's did; where it does not, the stage equations are solved at once.
 
 use crate::integrate::control::Point;
-use crate::integrate::radau::matrix::IterationMatrix;
+use crate::integrate::matrix::IterationMatrix;
 use crate::integrate::radau::polynomial::Polynomial;
 use crate::integrate::radau::stages::{advance, correct, shift, transform};
 use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};

@@ -60,9 +60,46 @@ pub fn factor(n: usize, a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singu
 
 /// Solves with the factors of [`factor`], overwriting the right side `b` by the solution.
 pub fn solve(n: usize, lu: &[f64], pivots: &[usize], b: &mut [f64]) {
-    if n == 0 {
-        return;
+    match n {
+        0 => {}
+        1 => solve_fixed::<1>(lu, pivots, b),
+        2 => solve_fixed::<2>(lu, pivots, b),
+        3 => solve_fixed::<3>(lu, pivots, b),
+        4 => solve_fixed::<4>(lu, pivots, b),
+        5 => solve_fixed::<5>(lu, pivots, b),
+        6 => solve_fixed::<6>(lu, pivots, b),
+        7 => solve_fixed::<7>(lu, pivots, b),
+        8 => solve_fixed::<8>(lu, pivots, b),
+        _ => solve_any(n, lu, pivots, b),
     }
+}
+
+/// [`solve`] for an order that the compiler knows: no loop remains, and the right side stays in
+/// registers.
+fn solve_fixed<const N: usize>(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
+    for (k, &pivot) in pivots[..N].iter().enumerate() {
+        b.swap(k, pivot);
+    }
+    let (columns, _) = lu.as_chunks::<N>();
+    let (Some(columns), Some(b)) = (columns.first_chunk::<N>(), b.first_chunk_mut::<N>()) else {
+        return;
+    };
+    let mut x = *b;
+    for k in 0..N {
+        for i in k + 1..N {
+            x[i] -= columns[k][i] * x[k];
+        }
+    }
+    for k in (0..N).rev() {
+        x[k] *= columns[k][k];
+        for i in 0..k {
+            x[i] -= columns[k][i] * x[k];
+        }
+    }
+    *b = x;
+}
+
+fn solve_any(n: usize, lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     for (k, &pivot) in pivots[..n].iter().enumerate() {
         b.swap(k, pivot);
     }
@@ -156,9 +193,61 @@ pub fn solve_complex(
     b_re: &mut [f64],
     b_im: &mut [f64],
 ) {
-    if n == 0 {
-        return;
+    let lu = (lu_re, lu_im);
+    match n {
+        0 => {}
+        1 => solve_complex_fixed::<1>(lu, pivots, b_re, b_im),
+        2 => solve_complex_fixed::<2>(lu, pivots, b_re, b_im),
+        3 => solve_complex_fixed::<3>(lu, pivots, b_re, b_im),
+        4 => solve_complex_fixed::<4>(lu, pivots, b_re, b_im),
+        5 => solve_complex_fixed::<5>(lu, pivots, b_re, b_im),
+        6 => solve_complex_fixed::<6>(lu, pivots, b_re, b_im),
+        7 => solve_complex_fixed::<7>(lu, pivots, b_re, b_im),
+        8 => solve_complex_fixed::<8>(lu, pivots, b_re, b_im),
+        _ => solve_complex_any(n, lu, pivots, b_re, b_im),
     }
+}
+
+/// [`solve_complex`] for an order that the compiler knows.
+fn solve_complex_fixed<const N: usize>(
+    (lu_re, lu_im): (&[f64], &[f64]),
+    pivots: &[usize],
+    b_re: &mut [f64],
+    b_im: &mut [f64],
+) {
+    for (k, &pivot) in pivots[..N].iter().enumerate() {
+        b_re.swap(k, pivot);
+        b_im.swap(k, pivot);
+    }
+    let ((re, _), (im, _)) = (lu_re.as_chunks::<N>(), lu_im.as_chunks::<N>());
+    let (Some(re), Some(im)) = (re.first_chunk::<N>(), im.first_chunk::<N>()) else { return };
+    let (b_re, b_im) = (b_re.first_chunk_mut::<N>(), b_im.first_chunk_mut::<N>());
+    let (Some(b_re), Some(b_im)) = (b_re, b_im) else { return };
+    let (mut x, mut y) = (*b_re, *b_im);
+    for k in 0..N {
+        for i in k + 1..N {
+            x[i] -= re[k][i] * x[k] - im[k][i] * y[k];
+            y[i] -= re[k][i] * y[k] + im[k][i] * x[k];
+        }
+    }
+    for k in (0..N).rev() {
+        let (r, i) = (re[k][k], im[k][k]);
+        (x[k], y[k]) = (x[k] * r - y[k] * i, x[k] * i + y[k] * r);
+        for i in 0..k {
+            x[i] -= re[k][i] * x[k] - im[k][i] * y[k];
+            y[i] -= re[k][i] * y[k] + im[k][i] * x[k];
+        }
+    }
+    (*b_re, *b_im) = (x, y);
+}
+
+fn solve_complex_any(
+    n: usize,
+    (lu_re, lu_im): (&[f64], &[f64]),
+    pivots: &[usize],
+    b_re: &mut [f64],
+    b_im: &mut [f64],
+) {
     for (k, &pivot) in pivots[..n].iter().enumerate() {
         b_re.swap(k, pivot);
         b_im.swap(k, pivot);

@@ -1,5 +1,6 @@
+// args: --stop 1.5 --interval 0.5 --method radau
 // status: 3
-// error[MO0902] 9:3
+// error[MO0902] 10:3
 model Gap
   parameter Real d_0 = 0;
   Real s(start = 1, fixed = true);

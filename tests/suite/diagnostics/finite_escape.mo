@@ -1,5 +1,6 @@
+// args: --method radau
 // status: 3
-// error[MO0909] 4:8
+// error[MO0909] 5:8
 model Escape
   Real x(start = 1, fixed = true);
 equation

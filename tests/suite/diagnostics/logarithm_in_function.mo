@@ -1,5 +1,6 @@
+// args: --method radau
 // status: 3
-// error[MO0902] 11:8
+// error[MO0902] 12:8
 model Entropy
   function s
     input Real x;

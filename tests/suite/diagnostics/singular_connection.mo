@@ -1,5 +1,5 @@
 // status: 1
-// error[MO0402] lib/Pneumatics/Source.mo:6:3
+// error[MO0402] lib/Pneumatics/Source.mo:20:5
 // error[MO0401] lib/Pneumatics/Port.mo:4:27
 model Supplies
   Pneumatics.Source left(p = 2e5);

@@ -1,7 +1,7 @@
 //! The Jacobian and the decompositions of a large system, by its sparsity pattern.
 
-use crate::integrate::radau::matrix::Shift;
-use crate::integrate::radau::split::{Columns, Split};
+use crate::integrate::matrix::split::{Columns, Split};
+use crate::integrate::matrix::{Planes, Shift};
 use crate::integrate::system::{EvalError, System};
 use crate::math::numeric::linear::{Complex, ComplexSparseLu, Singular, SparseLu};
 use crate::math::numeric::pattern::Pattern;
@@ -24,6 +24,7 @@ pub struct SparseParts {
     places: Vec<usize>,
     /// The Jacobian with the whole diagonal.
     jacobian: SparseJacobian,
+    planes: Planes,
     core: Core,
 }
 
@@ -44,8 +45,9 @@ struct Core {
     values: Vec<f64>,
     complex_values: Vec<Complex>,
     right_side: Vec<Complex>,
-    /// `None` before the first decomposition with these rows and columns.
-    solvers: Option<(SparseLu, ComplexSparseLu)>,
+    /// These are `None` before the first decomposition with these rows and columns.
+    real: Option<SparseLu>,
+    complex: Option<ComplexSparseLu>,
 }
 
 impl Columns for SparseJacobian {
@@ -59,7 +61,7 @@ impl Columns for SparseJacobian {
 
 impl SparseParts {
     /// For Jacobians with this pattern, which is square.
-    pub fn new(pattern: &Pattern) -> Self {
+    pub fn new(pattern: &Pattern, planes: Planes) -> Self {
         let n = pattern.columns();
         let mut all: Vec<(usize, usize)> = Vec::with_capacity(pattern.entries() + n);
         for j in 0..n {
@@ -76,6 +78,7 @@ impl SparseParts {
             entries: vec![0.0; pattern.entries()],
             places,
             jacobian: SparseJacobian { pattern: whole, values },
+            planes,
             core: Core::default(),
         }
     }
@@ -108,7 +111,7 @@ impl SparseParts {
         split.find(jacobian, mass);
         // The ordering serves as long as the same rows and columns remain.
         if self.core.rows != split.rows || self.core.columns != split.columns {
-            self.core = Core::of(&jacobian.pattern, split);
+            self.core = Core::of(&jacobian.pattern, split, self.planes);
         }
         Ok(())
     }
@@ -119,37 +122,52 @@ impl SparseParts {
         if core.rows.is_empty() {
             return Ok(());
         }
-        for (k, &source) in core.sources.iter().enumerate() {
-            let value = -self.jacobian.values[source];
-            core.values[k] = value;
-            core.complex_values[k] = Complex::new(value, 0.0);
+        for (value, &source) in core.values.iter_mut().zip(&core.sources) {
+            *value = -self.jacobian.values[source];
         }
         for &(k, i) in &core.diagonal {
             core.values[k] += mass[i] * shift.real;
+        }
+        let real = match &mut core.real {
+            Some(real) => real,
+            None => {
+                let pattern = core.pattern(&self.jacobian.pattern);
+                core.real.insert(SparseLu::new(pattern)?)
+            }
+        };
+        real.factor(&core.values)?;
+        if self.planes == Planes::Complex { self.factor_complex(mass, shift) } else { Ok(()) }
+    }
+
+    fn factor_complex(&mut self, mass: &[f64], shift: Shift) -> Result<(), Singular> {
+        let core = &mut self.core;
+        for (value, &source) in core.complex_values.iter_mut().zip(&core.sources) {
+            *value = Complex::new(-self.jacobian.values[source], 0.0);
+        }
+        for &(k, i) in &core.diagonal {
             core.complex_values[k].re += mass[i] * shift.re;
             core.complex_values[k].im += mass[i] * shift.im;
         }
-        if core.solvers.is_none() {
-            let pattern = core.pattern(&self.jacobian.pattern);
-            core.solvers = Some((SparseLu::new(pattern.clone())?, ComplexSparseLu::new(pattern)?));
-        }
-        if let Some((real, complex)) = &mut core.solvers {
-            real.factor(&core.values)?;
-            complex.factor(&core.complex_values)?;
-        }
-        Ok(())
+        let complex = match &mut core.complex {
+            Some(complex) => complex,
+            None => {
+                let pattern = core.pattern(&self.jacobian.pattern);
+                core.complex.insert(ComplexSparseLu::new(pattern)?)
+            }
+        };
+        complex.factor(&core.complex_values)
     }
 
     /// Solves with the core of the real matrix.
     pub fn solve_real(&mut self, b: &mut [f64]) {
-        if let Some((real, _)) = &mut self.core.solvers {
+        if let Some(real) = &mut self.core.real {
             real.solve_in_place(b);
         }
     }
 
     /// Solves with the core of the complex matrix.
     pub fn solve_complex(&mut self, b_re: &mut [f64], b_im: &mut [f64]) {
-        let Some((_, complex)) = &mut self.core.solvers else { return };
+        let Some(complex) = &mut self.core.complex else { return };
         let b = &mut self.core.right_side;
         for (z, (x, y)) in b.iter_mut().zip(b_re.iter().zip(b_im.iter())) {
             *z = Complex::new(*x, *y);
@@ -163,7 +181,7 @@ impl SparseParts {
 
 impl Core {
     /// The part of the pattern that the split leaves.
-    fn of(whole: &Pattern, split: &Split) -> Core {
+    fn of(whole: &Pattern, split: &Split, planes: Planes) -> Core {
         let mut in_core = vec![false; whole.rows()];
         split.rows.iter().for_each(|&i| in_core[i] = true);
         let mut core =
@@ -181,8 +199,10 @@ impl Core {
             }
         }
         core.values = vec![0.0; core.sources.len()];
-        core.complex_values = vec![Complex::new(0.0, 0.0); core.sources.len()];
-        core.right_side = vec![Complex::new(0.0, 0.0); core.rows.len()];
+        if planes == Planes::Complex {
+            core.complex_values = vec![Complex::new(0.0, 0.0); core.sources.len()];
+            core.right_side = vec![Complex::new(0.0, 0.0); core.rows.len()];
+        }
         core
     }
 

@@ -1,0 +1,19 @@
+within Effects;
+model Detent "Position that holds the body, or pushes it away"
+  // f = -F x exp((1 - x^2)/2) with x = (s - s_0)/w: the slope of a bell-shaped potential. It draws towards s_0 from
+  // both sides, most at s_0 +- w, where it is F; a negative F pushes away. Stiffness at s_0: F sqrt(e)/w. Work from
+  // s_0 to infinity: F w sqrt(e). Ball and groove, snap-in.
+  extends PartialForce;
+  parameter Units.Force    F   = 0      "Greatest force";
+  parameter Units.Position s_0 = 0      "Where it holds";
+  parameter Units.Length   w   = 0.2e-3 "Distance from s_0 at which it is greatest";
+
+  Units.Exponent x "Distance from s_0 in widths";
+equation
+  x = (s - s_0)/w;
+  f = -F*x*exp((1 - x^2)/2);
+
+  annotation(__mocc(
+    effect   = "amplitude=F; s_0=s(15); w=0.1e-3,0.2e-3,0.4e-3",
+    explains = "A detent holds %at around one position."));
+end Detent;

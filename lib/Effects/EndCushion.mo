@@ -1,0 +1,14 @@
+within Effects;
+model EndCushion "Damping that grows towards an end of the stroke"
+  // f = -d max(0, 1 - x/w)^2 v, x the way left to the end: air or grease that has to leave a narrowing gap. It acts
+  // on the way in and on the way out.
+  extends PartialEnd;
+  parameter Units.DampingCoefficient d = 0      "Damping coefficient at the end";
+  parameter Units.Length             w = 0.5e-3 "Length over which it acts";
+equation
+  f = -d*noEvent(max(0, 1 - x/w))^2*v;
+
+  annotation(__mocc(
+    effect   = "amplitude=d>0; side=-1,1; s_lo=min(s); s_hi=max(s); w=0.25e-3,0.5e-3,1e-3",
+    explains = "%at is cushioned at an end of its stroke."));
+end EndCushion;

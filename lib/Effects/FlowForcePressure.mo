@@ -1,0 +1,16 @@
+within Effects;
+model FlowForcePressure "Force of the air in the open gap of a seal: pressure on an area"
+  // f = A x (p_a - p_b), x the share of the gap that is open: where air flows the pressure on the face of the spool
+  // is not that of the chamber. The incompressible form of the flow force, 2 C_d A_gap cos(angle) dp, is of this
+  // kind. Merritt (1967), "Hydraulic Control Systems", section 5.6.
+  extends PartialSealForce;
+  parameter Units.EffectiveArea A = 0 "Effective area, fully open, positive if p_a pushes towards +s";
+
+  input Units.Fraction opening "Share of the gap that is open";
+equation
+  f = A*opening*dp;
+
+  annotation(__mocc(
+    effect   = "amplitude=A; host=spool,port_a,port_b; bind opening=gap.opening|opening",
+    explains = "The air that flows past %at pushes the spool: pressure in the gap."));
+end FlowForcePressure;

@@ -1,0 +1,16 @@
+within Effects;
+model FreeForceOverPosition "Force over the position as a free curve"
+  // f runs smoothly through the n amplitudes F at n positions, equally spaced from s_lo to s_hi (knotWeights). For
+  // effects of which nothing is known but that they depend on the position: what comes out shows what to look for.
+  extends PartialForce;
+  parameter Integer        n    = 8        "Number of knots";
+  parameter Units.Force    F[n] = zeros(n) "Force at each knot, positive towards +s";
+  parameter Units.Position s_lo = 0        "First knot";
+  parameter Units.Position s_hi = 1        "Last knot";
+equation
+  f = F*knotWeights((s - s_lo)/(s_hi - s_lo)*(n - 1), n);
+
+  annotation(__mocc(
+    effect   = "amplitude=F; s_lo=min(s); s_hi=max(s)",
+    explains = "A force that depends on position alone, in no form known before, acts on %at."));
+end FreeForceOverPosition;

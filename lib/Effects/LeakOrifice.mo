@@ -1,0 +1,13 @@
+within Effects;
+model LeakOrifice "Leak through a hole"
+  // m_flow after ISO 6358, as any restriction of the library (Pneumatics.iso6358).
+  extends PartialLeak;
+  parameter Units.SonicConductance C = 0   "Sonic conductance";
+  parameter Units.Fraction         b = 0.3 "Critical pressure ratio";
+equation
+  m_flow = Pneumatics.iso6358(p_a, p_b, C, b);
+
+  annotation(__mocc(
+    effect   = "amplitude=C>0; b=0.3",
+    explains = "%at leaks as through a hole."));
+end LeakOrifice;

@@ -1,0 +1,10 @@
+within Effects;
+partial model PartialForce "A force on a rigid connection"
+  Units.Position s "Position";
+  Units.Force    f "The force on what is connected, positive towards +s";
+
+  Translational.Flange flange "Where it acts";
+equation
+  s = flange.s;
+  flange.f = -f;
+end PartialForce;

@@ -1,0 +1,15 @@
+within Effects;
+model PositionFriction "Dry friction around one position"
+  // F exp(-((s - s_0)/w)^2) against the motion, and as much at rest: a rough or narrow place in the bore.
+  extends PartialFriction;
+  parameter Units.Force    F   = 0      "Friction at s_0";
+  parameter Units.Position s_0 = 0      "Where it is greatest";
+  parameter Units.Length   w   = 0.4e-3 "Width: distance at which 37 % of it act";
+equation
+  f_slide = F*exp(-((s - s_0)/w)^2);
+  f_static = f_slide;
+
+  annotation(__mocc(
+    effect   = "amplitude=F>0; s_0=s(15); w=0.2e-3,0.5e-3",
+    explains = "%at rubs more around one position."));
+end PositionFriction;

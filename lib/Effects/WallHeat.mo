@@ -1,0 +1,24 @@
+within Effects;
+model WallHeat "Air that warms when it is compressed and cools at the wall"
+  // The temperature T (1 + theta) of the air follows the pressure adiabatically and relaxes to that of the wall:
+  //   dtheta/dt = (kappa - 1)/kappa (dp/dt)/p - theta/tau,
+  // and the volume holds p V/(R T) (1 - theta), to first order in theta: k = 1 is the full effect, k = 0 none. Slow
+  // changes (tau dp/dt small against p) are isothermal, fast ones adiabatic. tau = m c_p/(h A) for the heat transfer
+  // coefficient h at the wall area A. Beater (2007), "Pneumatic Drives".
+  extends PartialStorage;
+  parameter Units.Fraction k   = 0     "Share of the full effect";
+  parameter Units.Time     tau = 10e-3 "Time constant of the heat transfer";
+
+  input Units.Volume V "Volume of the host";
+  Units.Fraction theta(start = 0, fixed = true) "Excess of its temperature, as a share of T";
+  Units.Mass     m_less                         "Air that warming displaces";
+  constant Units.Exponent kappa = 1.4 "Isentropic exponent of air";
+equation
+  der(theta) = (kappa - 1)/kappa*der(p)/p - theta/tau;
+  m_less = p*V*theta/(Pneumatics.Air.R*Pneumatics.Air.T);
+  m_flow = -k*der(m_less);
+
+  annotation(__mocc(
+    effect   = "amplitude=k>0; host=port; bind V=V; tau=3e-3,10e-3,30e-3",
+    explains = "The air in %at warms when it is compressed and cools at the wall."));
+end WallHeat;

@@ -1,0 +1,433 @@
+//! One instruction after the other: cells to values in registers, and back.
+//!
+//! Whatever is computed is also stored, for anything else that may read the cell; what is read again
+//! soon is taken from its register. Operators are those of IEEE 754, one machine instruction each,
+//! in the order of the tape, never contracted or rearranged: so results equal those of the
+//! interpreter to the bit.
+//!
+//! An elementary function costs as much as a dozen products, and is often asked for what it was
+//! asked last: what rests stays the same from one evaluation to the next, and equal parts of a
+//! machine ask for the same in a row. So each place that calls one remembers its last arguments and
+//! result, and looks at the memory of the place before it too.
+
+use cranelift::codegen::ir::{BlockArg, FuncRef, SigRef};
+use cranelift::prelude::*;
+
+use crate::base::index::FastMap;
+
+use crate::ir::expr::{Binary, Unary};
+use crate::ir::program::{Instr, Op, Slot};
+use crate::symbolic::eval;
+
+use super::external;
+
+/// Powers up to this exponent are multiplied out.
+const LONGEST_PRODUCT: f64 = 16.0;
+
+/// What is known of the cells at some point of a function, for any number of functions.
+pub struct Known {
+    /// The value of a cell.
+    values: Vec<Option<Value>>,
+    /// Its truth, where it was computed as such.
+    truths: Vec<Option<Value>>,
+    /// Which are not `None`.
+    touched: Vec<Slot>,
+    /// The values of literals, which no tape writes.
+    literals: Vec<Option<f64>>,
+    /// What the places that call elementary functions remember before the first call: arguments,
+    /// then the result.
+    pub memo: Vec<f64>,
+    /// The last place that calls a function, by address.
+    places: FastMap<usize, i32>,
+}
+
+impl Known {
+    /// For a memory of this many cells.
+    pub fn new(cells: usize, literals: &[(Slot, f64)]) -> Self {
+        let mut known = Known {
+            values: vec![None; cells],
+            truths: vec![None; cells],
+            touched: Vec::new(),
+            literals: vec![None; cells],
+            memo: Vec::new(),
+            places: FastMap::default(),
+        };
+        for &(slot, value) in literals {
+            known.literals[slot as usize] = Some(value);
+        }
+        known
+    }
+
+    fn forget(&mut self) {
+        for slot in self.touched.drain(..) {
+            self.values[slot as usize] = None;
+            self.truths[slot as usize] = None;
+        }
+    }
+}
+
+/// A function in the making, `fn(memory: *mut f64, memo: *mut f64) -> u32`.
+pub struct Cells<'a, 'k> {
+    /// Its instructions.
+    pub build: FunctionBuilder<'a>,
+    known: &'k mut Known,
+    memory: Value,
+    memo: Value,
+    call_conv: isa::CallConv,
+    signatures: [Option<SigRef>; 2],
+}
+
+impl<'a, 'k> Cells<'a, 'k> {
+    /// Begins the function with its first block.
+    pub fn begin(
+        mut build: FunctionBuilder<'a>,
+        known: &'k mut Known,
+        call_conv: isa::CallConv,
+    ) -> Self {
+        let entry = build.create_block();
+        build.append_block_params_for_function_params(entry);
+        build.switch_to_block(entry);
+        let parameters = build.block_params(entry);
+        let (memory, memo) = (parameters[0], parameters[1]);
+        known.forget();
+        Cells { build, known, memory, memo, call_conv, signatures: [None; 2] }
+    }
+
+    /// Forgets which registers hold what: where paths meet, and where something else may have
+    /// written to the memory.
+    pub fn forget(&mut self) {
+        self.known.forget();
+    }
+
+    /// The value of a cell.
+    pub fn get(&mut self, slot: Slot) -> Value {
+        if let Some(value) = self.known.values[slot as usize] {
+            return value;
+        }
+        let mut flags = MemFlagsData::trusted();
+        if self.known.literals[slot as usize].is_some() {
+            flags = flags.with_readonly();
+        }
+        let value = self.build.ins().load(types::F64, flags, self.memory, offset(slot));
+        self.known.values[slot as usize] = Some(value);
+        self.known.touched.push(slot);
+        value
+    }
+
+    /// Sets a cell.
+    pub fn set(&mut self, slot: Slot, value: Value) {
+        self.build.ins().store(MemFlagsData::trusted(), value, self.memory, offset(slot));
+        self.known.values[slot as usize] = Some(value);
+        self.known.truths[slot as usize] = None;
+        self.known.touched.push(slot);
+    }
+
+    /// A number.
+    pub fn number(&mut self, value: f64) -> Value {
+        self.build.ins().f64const(value)
+    }
+
+    /// Whether a cell is not zero; NaN is not.
+    pub fn truth(&mut self, slot: Slot) -> Value {
+        if let Some(truth) = self.known.truths[slot as usize] {
+            return truth;
+        }
+        let value = self.get(slot);
+        let zero = self.number(0.0);
+        let truth = self.build.ins().fcmp(FloatCC::NotEqual, value, zero);
+        self.known.truths[slot as usize] = Some(truth);
+        truth
+    }
+
+    /// Calls a function of the module; what it returns.
+    pub fn call(&mut self, function: FuncRef) -> Value {
+        let call = self.build.ins().call(function, &[self.memory, self.memo]);
+        self.forget();
+        self.build.inst_results(call)[0]
+    }
+
+    /// Returns from the function.
+    pub fn leave(&mut self, status: u32) {
+        let status = self.build.ins().iconst(types::I32, i64::from(status));
+        self.build.ins().return_(&[status]);
+    }
+
+    /// Returns from the function if `status` is not zero; goes on in a new block if it is.
+    pub fn leave_unless_fine(&mut self, status: Value) {
+        let (failed, fine) = (self.build.create_block(), self.build.create_block());
+        self.build.set_cold_block(failed);
+        self.build.ins().brif(status, failed, &[], fine, &[]);
+        self.build.switch_to_block(failed);
+        self.build.ins().return_(&[status]);
+        self.build.switch_to_block(fine);
+    }
+
+    /// Returns with `status` from the function unless something is true; else goes on in a new block.
+    pub fn leave_unless(&mut self, truth: Value, status: u32) {
+        let (failed, fine) = (self.build.create_block(), self.build.create_block());
+        self.build.set_cold_block(failed);
+        self.build.ins().brif(truth, fine, &[], failed, &[]);
+        self.build.switch_to_block(failed);
+        self.leave(status);
+        self.build.switch_to_block(fine);
+    }
+
+    /// An instruction that only computes; others do nothing.
+    pub fn compute(&mut self, i: &Instr) {
+        match i.op {
+            Op::Copy => {
+                let (value, truth) = (self.get(i.a), self.known.truths[i.a as usize]);
+                self.set(i.dst, value);
+                self.known.truths[i.dst as usize] = truth;
+            }
+            Op::CopyIf => {
+                let truth = self.truth(i.a);
+                let (old, new) = (self.get(i.dst), self.get(i.b));
+                let value = self.build.ins().select(truth, new, old);
+                self.set(i.dst, value);
+            }
+            Op::Input => {
+                let (a, b) = (self.get(i.a), self.get(i.b));
+                let missing = self.build.ins().fcmp(FloatCC::Unordered, b, b);
+                let value = self.build.ins().select(missing, a, b);
+                self.set(i.dst, value);
+            }
+            Op::Add => self.binary(Binary::Add, i),
+            Op::Sub => self.binary(Binary::Sub, i),
+            Op::Mul => self.binary(Binary::Mul, i),
+            Op::Div => self.binary(Binary::Div, i),
+            Op::Neg => self.unary(Unary::Neg, i),
+            Op::Unary(op) => self.unary(op, i),
+            Op::Binary(op) => self.binary(op, i),
+            Op::Solve | Op::Implicit | Op::Repeat | Op::Call => {}
+            Op::Jump | Op::JumpUnless | Op::Assert => {}
+        }
+    }
+
+    fn unary(&mut self, op: Unary, i: &Instr) {
+        let value = match op {
+            Unary::Not => {
+                // Of a NaN, which is true, too.
+                let truth = self.truth(i.a);
+                let not = self.build.ins().bxor_imm_u(truth, 1);
+                return self.set_truth(i.dst, not);
+            }
+            Unary::Neg => {
+                let a = self.get(i.a);
+                self.build.ins().fneg(a)
+            }
+            Unary::Abs => {
+                let a = self.get(i.a);
+                self.build.ins().fabs(a)
+            }
+            Unary::Sqrt => {
+                let a = self.get(i.a);
+                self.build.ins().sqrt(a)
+            }
+            Unary::Ordinal => self.get(i.a),
+            Unary::Sign | Unary::Floor | Unary::Ceil | Unary::ToInteger => {
+                let a = self.get(i.a);
+                self.external(external::unary(op), &[a])
+            }
+            _ => {
+                let a = self.get(i.a);
+                self.remembered(external::unary(op), &[a], eval::unary(op, 0.0))
+            }
+        };
+        self.set(i.dst, value);
+    }
+
+    fn binary(&mut self, op: Binary, i: &Instr) {
+        let compared = match op {
+            Binary::Less => Some(FloatCC::LessThan),
+            Binary::LessEqual => Some(FloatCC::LessThanOrEqual),
+            Binary::Greater => Some(FloatCC::GreaterThan),
+            Binary::GreaterEqual => Some(FloatCC::GreaterThanOrEqual),
+            Binary::Equal => Some(FloatCC::Equal),
+            Binary::NotEqual => Some(FloatCC::NotEqual),
+            _ => None,
+        };
+        if let Some(how) = compared {
+            let (a, b) = (self.get(i.a), self.get(i.b));
+            let truth = self.build.ins().fcmp(how, a, b);
+            return self.set_truth(i.dst, truth);
+        }
+        if matches!(op, Binary::And | Binary::Or) {
+            let (a, b) = (self.truth(i.a), self.truth(i.b));
+            let both = match op {
+                Binary::And => self.build.ins().band(a, b),
+                _ => self.build.ins().bor(a, b),
+            };
+            return self.set_truth(i.dst, both);
+        }
+        let (a, b) = (self.get(i.a), self.get(i.b));
+        let value = match op {
+            Binary::Add => self.build.ins().fadd(a, b),
+            Binary::Sub => self.build.ins().fsub(a, b),
+            Binary::Mul => self.build.ins().fmul(a, b),
+            Binary::Div => self.build.ins().fdiv(a, b),
+            Binary::Min => self.extreme(FloatCC::LessThan, a, b),
+            Binary::Max => self.extreme(FloatCC::GreaterThan, a, b),
+            Binary::Pow => match self.known.literals[i.b as usize] {
+                Some(n) if n.fract() == 0.0 && n.abs() <= LONGEST_PRODUCT => self.product(a, n),
+                _ => self.remembered(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0)),
+            },
+            Binary::Atan2 => {
+                self.remembered(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0))
+            }
+            _ => self.external(external::binary(op), &[a, b]),
+        };
+        self.set(i.dst, value);
+    }
+
+    /// `b` if it is beyond `a` or `a` is not a number, else `a`.
+    fn extreme(&mut self, beyond: FloatCC, a: Value, b: Value) -> Value {
+        let further = self.build.ins().fcmp(beyond, b, a);
+        let missing = self.build.ins().fcmp(FloatCC::Unordered, a, a);
+        let other = self.build.ins().bor(further, missing);
+        self.build.ins().select(other, b, a)
+    }
+
+    /// A power by repeated squaring, in the order in which `f64::powi` multiplies.
+    fn product(&mut self, a: Value, exponent: f64) -> Value {
+        let mut left = exponent.abs() as u32;
+        let (mut square, mut product) = (a, None);
+        loop {
+            if left & 1 == 1 {
+                product = Some(match product {
+                    None => square,
+                    Some(so_far) => self.build.ins().fmul(so_far, square),
+                });
+            }
+            left >>= 1;
+            if left == 0 {
+                break;
+            }
+            square = self.build.ins().fmul(square, square);
+        }
+        let product = product.unwrap_or_else(|| self.number(1.0));
+        if exponent < 0.0 {
+            let one = self.number(1.0);
+            self.build.ins().fdiv(one, product)
+        } else {
+            product
+        }
+    }
+
+    /// Sets a cell to one or zero.
+    fn set_truth(&mut self, slot: Slot, truth: Value) {
+        let one = self.build.ins().iconst(types::I64, 1.0_f64.to_bits() as i64);
+        let zero = self.build.ins().iconst(types::I64, 0);
+        let bits = self.build.ins().select(truth, one, zero);
+        let value = self.build.ins().bitcast(types::F64, MemFlagsData::new(), bits);
+        self.set(slot, value);
+        self.known.truths[slot as usize] = Some(truth);
+    }
+
+    /// Calls a function of Rust. No register outlives it: what is needed after it is read from the
+    /// memory again, as it would be from the stack.
+    fn external(&mut self, address: usize, arguments: &[Value]) -> Value {
+        let result = self.call_address(address, arguments);
+        self.forget();
+        result
+    }
+
+    /// As `external`, unless the arguments are those of the last call here, or of the last call of
+    /// the same function in the place before. `at_zero` is the result where all arguments are zero.
+    fn remembered(&mut self, address: usize, arguments: &[Value], at_zero: f64) -> Value {
+        let size = size_of::<f64>() as i32;
+        let place = self.known.memo.len() as i32 * size;
+        self.known.memo.extend(std::iter::repeat_n(0.0, arguments.len()));
+        self.known.memo.push(at_zero);
+        let before = self.known.places.insert(address, place);
+
+        let keys: Vec<Value> = arguments.iter().map(|a| self.bits(*a)).collect();
+        let (same, other, done) =
+            (self.build.create_block(), self.build.create_block(), self.build.create_block());
+        let result = self.build.append_block_param(done, types::F64);
+        let result_of = |place: i32| place + arguments.len() as i32 * size;
+        let trusted = MemFlagsData::trusted();
+
+        let unchanged = self.holds(place, &keys);
+        self.build.ins().brif(unchanged, same, &[], other, &[]);
+        self.build.switch_to_block(same);
+        let known = self.build.ins().load(types::F64, trusted, self.memo, result_of(place));
+        self.build.ins().jump(done, &[BlockArg::Value(known)]);
+
+        self.build.switch_to_block(other);
+        for (k, key) in keys.iter().enumerate() {
+            self.build.ins().store(trusted, *key, self.memo, place + k as i32 * size);
+        }
+        let found = match before {
+            None => self.call_address(address, arguments),
+            Some(before) => {
+                let (equal, new, found) = (
+                    self.build.create_block(),
+                    self.build.create_block(),
+                    self.build.create_block(),
+                );
+                let result = self.build.append_block_param(found, types::F64);
+                let as_before = self.holds(before, &keys);
+                self.build.ins().brif(as_before, equal, &[], new, &[]);
+                self.build.switch_to_block(equal);
+                let known =
+                    self.build.ins().load(types::F64, trusted, self.memo, result_of(before));
+                self.build.ins().jump(found, &[BlockArg::Value(known)]);
+                self.build.switch_to_block(new);
+                let computed = self.call_address(address, arguments);
+                self.build.ins().jump(found, &[BlockArg::Value(computed)]);
+                self.build.switch_to_block(found);
+                result
+            }
+        };
+        self.build.ins().store(trusted, found, self.memo, result_of(place));
+        self.build.ins().jump(done, &[BlockArg::Value(found)]);
+        self.build.switch_to_block(done);
+        self.forget();
+        result
+    }
+
+    fn bits(&mut self, value: Value) -> Value {
+        self.build.ins().bitcast(types::I64, MemFlagsData::new(), value)
+    }
+
+    /// Whether a place remembers just these arguments, to the bit.
+    fn holds(&mut self, place: i32, keys: &[Value]) -> Value {
+        let mut all = None;
+        for (k, key) in keys.iter().enumerate() {
+            let at = place + k as i32 * size_of::<f64>() as i32;
+            let flags = MemFlagsData::trusted();
+            let known = self.build.ins().load(types::I64, flags, self.memo, at);
+            let equal = self.build.ins().icmp(IntCC::Equal, known, *key);
+            all = Some(match all {
+                None => equal,
+                Some(so_far) => self.build.ins().band(so_far, equal),
+            });
+        }
+        all.unwrap_or_else(|| self.build.ins().iconst(types::I8, 0))
+    }
+
+    fn call_address(&mut self, address: usize, arguments: &[Value]) -> Value {
+        let signature = self.signature(arguments.len());
+        let address = self.build.ins().iconst(types::I64, address as i64);
+        let call = self.build.ins().call_indirect(signature, address, arguments);
+        self.build.inst_results(call)[0]
+    }
+
+    fn signature(&mut self, arguments: usize) -> SigRef {
+        if let Some(known) = self.signatures[arguments - 1] {
+            return known;
+        }
+        let mut signature = Signature::new(self.call_conv);
+        signature.params = vec![AbiParam::new(types::F64); arguments];
+        signature.returns = vec![AbiParam::new(types::F64)];
+        let imported = self.build.import_signature(signature);
+        self.signatures[arguments - 1] = Some(imported);
+        imported
+    }
+}
+
+fn offset(slot: Slot) -> i32 {
+    // Checked by `translate`: the memory is smaller than 2 GiB.
+    (slot * size_of::<f64>() as Slot) as i32
+}

@@ -1,0 +1,6 @@
+//! Finding what a model lacks.
+pub mod effect;
+pub mod place;
+pub mod score;
+pub mod search;
+pub mod text;

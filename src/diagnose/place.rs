@@ -1,0 +1,138 @@
+//! Where an effect fits: the compiler knows which connectors a model has and what they are connected
+//! with.
+
+use crate::base::index::FastSet;
+use crate::calibrate::plan::Plan;
+use crate::flatten::inventory::{End, Inventory, Part};
+
+use super::effect::Effect;
+
+/// A way to attach an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// What it is attached to, in words of the model.
+    pub at: Vec<String>,
+    /// Connectors of the effect and of the model.
+    pub connections: Vec<(String, String)>,
+    /// Inputs of the effect and what they are bound to.
+    pub binds: Vec<(String, String)>,
+    /// The signal that it stands before, by position in the plan.
+    pub signal: Option<usize>,
+}
+
+/// All places for an effect.
+pub fn places(
+    effect: &Effect,
+    inventory: &Inventory,
+    variables: &FastSet<&str>,
+    plan: &Plan,
+) -> Vec<Place> {
+    if effect.of_signal {
+        return signals(plan);
+    }
+    if !effect.host.is_empty() {
+        return inventory.parts.iter().filter_map(|p| hosted(effect, p, variables)).collect();
+    }
+    if !effect.binds.is_empty() {
+        return Vec::new();
+    }
+    match effect.connectors.as_slice() {
+        [only] => nodes(only, inventory),
+        [a, b] if a.class == b.class => pairs(a, b, inventory),
+        _ => Vec::new(),
+    }
+}
+
+fn signals(plan: &Plan) -> Vec<Place> {
+    let place = |(k, s): (usize, &crate::calibrate::plan::Signal)| Place {
+        at: vec![s.column.clone()],
+        connections: Vec::new(),
+        binds: vec![("u".to_owned(), s.variable.clone())],
+        signal: Some(k),
+    };
+    plan.signals.iter().enumerate().map(place).collect()
+}
+
+fn hosted(effect: &Effect, part: &Part, variables: &FastSet<&str>) -> Option<Place> {
+    if part.name.is_empty() {
+        return None;
+    }
+    let mut connections = Vec::new();
+    for end in &effect.connectors {
+        let namesake = part.connectors.iter().find(|c| c.name == end.name);
+        let fits = effect.host.contains(&end.name) && namesake?.class == end.class;
+        fits.then_some(())?;
+        connections.push((end.name.clone(), format!("{}.{}", part.name, end.name)));
+    }
+    let mut binds = Vec::new();
+    for (input, choices) in &effect.binds {
+        let full = choices.iter().map(|c| format!("{}.{c}", part.name));
+        binds.push((input.clone(), full.into_iter().find(|v| variables.contains(v.as_str()))?));
+    }
+    Some(Place { at: vec![part.name.clone()], connections, binds, signal: None })
+}
+
+/// One place for each set of connected connectors of the class. It is called after the component that
+/// has the fewest connectors of the class: a volume rather than what leads to it.
+fn nodes(end: &End, inventory: &Inventory) -> Vec<Place> {
+    let mut found: Vec<(usize, &Part, &End)> = Vec::new();
+    for (part, connector) in ends(inventory, &end.class) {
+        let rank =
+            |p: &Part| (p.connectors.iter().filter(|c| c.class == end.class).count(), p.name.len());
+        match found.iter_mut().find(|(node, ..)| *node == connector.node) {
+            None => found.push((connector.node, part, connector)),
+            Some(entry) if rank(part) < rank(entry.1) => *entry = (connector.node, part, connector),
+            Some(_) => {}
+        }
+    }
+    let place = |(_, part, connector): (usize, &Part, &End)| Place {
+        at: vec![part.name.clone()],
+        connections: vec![(end.name.clone(), format!("{}.{}", part.name, connector.name))],
+        binds: Vec::new(),
+        signal: None,
+    };
+    found.into_iter().map(place).collect()
+}
+
+/// Pairs that a component with two connectors of the class bridges, and every volume with ambient. Of
+/// several components that bridge one pair the one with most connectors gives the name: a seal rather
+/// than a line.
+fn pairs(a: &End, b: &End, inventory: &Inventory) -> Vec<Place> {
+    let mut parts: Vec<&Part> = inventory.parts.iter().filter(|p| !p.name.is_empty()).collect();
+    parts.sort_by_key(|p| std::cmp::Reverse(p.connectors.len()));
+    let mut known: Vec<(usize, usize)> = Vec::new();
+    let mut out = Vec::new();
+    let mut add = |at: &str, x: (String, usize), y: (String, usize)| {
+        let pair = (x.1.min(y.1), x.1.max(y.1));
+        if pair.0 == pair.1 || known.contains(&pair) {
+            return;
+        }
+        known.push(pair);
+        let connections = vec![(a.name.clone(), x.0), (b.name.clone(), y.0)];
+        out.push(Place { at: vec![at.to_owned()], connections, binds: Vec::new(), signal: None });
+    };
+    let path = |p: &Part, c: &End| (format!("{}.{}", p.name, c.name), c.node);
+    for part in &parts {
+        let own: Vec<&End> = part.connectors.iter().filter(|c| c.class == a.class).collect();
+        if let [x, y] = own.as_slice() {
+            add(&part.name, path(part, x), path(part, y));
+        }
+    }
+    let ambient = ends(inventory, &a.class).find(|(p, _)| p.class.ends_with("Ambient"));
+    if let Some((ambient, end)) = ambient {
+        for (part, connector) in ends(inventory, &a.class) {
+            let alone = part.connectors.iter().filter(|c| c.class == a.class).count() == 1;
+            if alone && part.name != ambient.name {
+                add(&part.name, path(part, connector), path(ambient, end));
+            }
+        }
+    }
+    out
+}
+
+fn ends<'a>(inventory: &'a Inventory, class: &'a str) -> impl Iterator<Item = (&'a Part, &'a End)> {
+    let parts = inventory.parts.iter().filter(|p| !p.name.is_empty());
+    parts
+        .flat_map(|p| p.connectors.iter().map(move |c| (p, c)))
+        .filter(move |(_, c)| c.class == class)
+}

@@ -1,0 +1,224 @@
+//! Which integration method a run uses.
+//!
+//! What a program is made of decides, never a clock, so that equal inputs give equal bits:
+//!
+//! - Radau wherever something can happen to the smooth course of a run: relations, changes of states,
+//!   derivatives by inputs. It restarts at its full order, where a multistep method begins anew with
+//!   order 1.
+//! - BDF for large systems without events, where decompositions rule: it has one real matrix to
+//!   decompose, not a real and a complex one, and does so more rarely. At equal error it takes half the
+//!   time of Radau on a plate of 400 to 3600 cells, and a quarter more on a rod, whose matrices are
+//!   decomposed in no time.
+//! - Otherwise Dormand-Prince for as long as the system does not turn out to be stiff, and Radau from
+//!   there on ([`Switching`]).
+//!
+//! The same tolerance should mean about the same error whichever method it is: Radau meets it with
+//! digits to spare, the others do not, and are given a smaller one.
+
+use crate::integrate::bdf::Bdf;
+use crate::integrate::explicit::DormandPrince;
+use crate::integrate::options::{OptionError, Options};
+use crate::integrate::outcome::{Failure, Step};
+use crate::integrate::radau::Radau;
+use crate::integrate::stats::Stats;
+use crate::integrate::stepper::{JacobianMemory, Stepper};
+use crate::integrate::switching::Switching;
+use crate::integrate::system::System;
+use crate::ir::program::Program;
+
+use super::settings::Method;
+
+/// States from which on BDF is chosen for a system without events.
+const MANY_STATES: usize = 150;
+/// Part of the tolerance that Dormand-Prince is given.
+const SHARPER_DOPRI: f64 = 0.1;
+/// Part of the tolerance that BDF is given: the errors of its many steps add up.
+const SHARPER_BDF: f64 = 0.01;
+/// Relative tolerances are not sharpened beyond this.
+const SHARPEST: f64 = 1e-13;
+
+/// The stepper of a run.
+pub enum Integrator {
+    /// Stiff systems, and systems with events.
+    Radau(Box<Radau>),
+    /// Large stiff systems that are smooth for long.
+    Bdf(Box<Bdf>),
+    /// Systems that are not stiff.
+    DormandPrince(Box<DormandPrince>),
+    /// Those of which it is not known.
+    Switching(Box<Switching>),
+}
+
+/// What was chosen.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Choice {
+    /// Name of the method in use at the end.
+    pub method: &'static str,
+    /// Why, if it was not asked for.
+    pub because: Option<String>,
+}
+
+impl Integrator {
+    /// The stepper for a program and its right side. `differentiated` asks for derivatives by inputs,
+    /// which only Radau can give.
+    pub fn new(
+        wanted: Method,
+        program: &Program,
+        differentiated: bool,
+        system: &dyn System,
+        options: Options,
+    ) -> Result<(Self, Choice), OptionError> {
+        let (method, because) = match wanted {
+            _ if differentiated => (Method::Radau, Some("derivatives by inputs".to_owned())),
+            Method::Auto => {
+                let (method, because) = choose(program);
+                (method, Some(because))
+            }
+            method => (method, None),
+        };
+        let integrator = match method {
+            Method::Radau => Integrator::Radau(Box::new(Radau::for_system(system, options)?)),
+            Method::Bdf => {
+                let options = sharpened(&options, SHARPER_BDF);
+                Integrator::Bdf(Box::new(Bdf::for_system(system, options)?))
+            }
+            Method::Dopri => {
+                let options = sharpened(&options, SHARPER_DOPRI);
+                Integrator::DormandPrince(Box::new(DormandPrince::new(system.dim(), options)?))
+            }
+            Method::Auto => {
+                let explicit = sharpened(&options, SHARPER_DOPRI);
+                Integrator::Switching(Box::new(Switching::for_system(system, explicit, options)?))
+            }
+        };
+        let choice = Choice { method: integrator.name(), because };
+        Ok((integrator, choice))
+    }
+
+    /// The name of the method in use, as the command line has it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Integrator::Radau(_) => "radau",
+            Integrator::Bdf(_) => "bdf",
+            Integrator::DormandPrince(_) => "dopri",
+            Integrator::Switching(s) if s.is_stiff() => "radau",
+            Integrator::Switching(_) => "dopri",
+        }
+    }
+
+    /// The choice after the run, when it is known whether the system was stiff.
+    pub fn describe(&self, mut choice: Choice) -> Choice {
+        choice.method = self.name();
+        if let (Integrator::Switching(s), Some(because)) = (self, &mut choice.because) {
+            because.push_str(&match s.stiff_since() {
+                Some(t) => format!(", stiff from {t:.3e} s on"),
+                None => ", not stiff".to_owned(),
+            });
+        }
+        choice
+    }
+
+    /// The stepper that can be differentiated.
+    pub fn radau(&mut self) -> Option<&mut Radau> {
+        match self {
+            Integrator::Radau(radau) => Some(radau),
+            _ => None,
+        }
+    }
+
+    fn inner(&self) -> &dyn Stepper {
+        match self {
+            Integrator::Radau(s) => &**s,
+            Integrator::Bdf(s) => &**s,
+            Integrator::DormandPrince(s) => &**s,
+            Integrator::Switching(s) => &**s,
+        }
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Stepper {
+        match self {
+            Integrator::Radau(s) => &mut **s,
+            Integrator::Bdf(s) => &mut **s,
+            Integrator::DormandPrince(s) => &mut **s,
+            Integrator::Switching(s) => &mut **s,
+        }
+    }
+}
+
+/// The same options with this part of the tolerances.
+fn sharpened(options: &Options, part: f64) -> Options {
+    let mut options = options.clone();
+    let part = part.max(SHARPEST / options.rtol).min(1.0);
+    options.rtol *= part;
+    options.atol.iter_mut().for_each(|a| *a *= part);
+    options
+}
+
+/// [`Method::Auto`] as the answer stands for: explicit until it is stiff.
+fn choose(program: &Program) -> (Method, String) {
+    let states = program.order();
+    let counted = if states == 1 { "1 state".to_owned() } else { format!("{states} states") };
+    let eventful = !program.watches.is_empty() || !program.state_sets.is_empty();
+    if states == 0 || eventful {
+        let what = if program.watches.is_empty() { "" } else { ", events" };
+        (Method::Radau, counted + what)
+    } else if states >= MANY_STATES {
+        (Method::Bdf, counted + ", no events")
+    } else {
+        (Method::Auto, counted + ", no events")
+    }
+}
+
+impl std::fmt::Display for Choice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.because {
+            Some(because) => write!(f, "{} (auto: {because})", self.method),
+            None => f.write_str(self.method),
+        }
+    }
+}
+
+/// One virtual call per step, beside the many of the right side.
+impl Stepper for Integrator {
+    fn restart(
+        &mut self,
+        system: &mut dyn System,
+        t: f64,
+        y: &[f64],
+        jacobian: JacobianMemory,
+    ) -> Result<(), Failure> {
+        self.inner_mut().restart(system, t, y, jacobian)
+    }
+
+    fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure> {
+        self.inner_mut().step(system, t_stop)
+    }
+
+    fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
+        self.inner_mut().shorten(system, t)
+    }
+
+    fn t(&self) -> f64 {
+        self.inner().t()
+    }
+
+    fn y(&self) -> &[f64] {
+        self.inner().y()
+    }
+
+    fn t_previous(&self) -> f64 {
+        self.inner().t_previous()
+    }
+
+    fn interpolate(&self, t: f64, out: &mut [f64]) {
+        self.inner().interpolate(t, out);
+    }
+
+    fn next_step(&self) -> f64 {
+        self.inner().next_step()
+    }
+
+    fn stats(&self) -> &Stats {
+        self.inner().stats()
+    }
+}

@@ -1,0 +1,140 @@
+//! Machine code leaves in every cell what the interpreter leaves, on whole models.
+
+use std::path::{Path, PathBuf};
+
+use mocc::codegen::interp::Instance;
+use mocc::codegen::jit::rent::Execution;
+use mocc::ir::program::Program;
+use mocc::ir::trajectory::Trajectory;
+use mocc::simulate::initial::initialise;
+use mocc::simulate::settings::Settings;
+
+use super::door::Case;
+
+/// The bits, where what is not a number is one value: Rust leaves its sign and payload open.
+fn bits(memory: &[f64]) -> Vec<u64> {
+    memory.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
+}
+
+fn translated(program: &Program) -> Execution {
+    let execution = Execution::translated(program);
+    assert!(matches!(execution, Execution::Machine(_)));
+    execution
+}
+
+/// Runs every tape in both ways, at the start and at states along a run, and compares all cells.
+fn compare_tapes(program: &Program, trajectory: &Trajectory, what: &str) {
+    let settings = Settings::of(&program.blocks.dae.experiment);
+    let mut both = [Instance::new(program), Instance::new(program)];
+    both[1].execute(&translated(program));
+    for instance in &mut both {
+        initialise(instance, &settings).expect("a start");
+    }
+    assert_eq!(bits(&both[0].memory), bits(&both[1].memory), "{what}: initialised");
+    let names = program.blocks.states.iter().map(|s| program.name(s.variable));
+    let columns: Vec<_> = names.map(|n| trajectory.values(n)).collect();
+    for row in (0..trajectory.rows()).step_by(1 + trajectory.rows() / 100) {
+        let own = both[0].states().to_vec();
+        let states = columns.iter().zip(own).map(|(column, own)| column.map_or(own, |c| c[row]));
+        let states: Vec<f64> = states.collect();
+        for instance in &mut both {
+            instance.place(trajectory.time[row], &states);
+        }
+        for (name, tape) in program.tapes() {
+            if matches!(name, "parameters" | "initial") {
+                continue;
+            }
+            let [oracle, fast] = &mut both;
+            let outcome = oracle.run(tape);
+            assert_eq!(fast.run(tape), outcome, "{what}: {name} at row {row}");
+            assert_eq!(bits(&fast.memory), bits(&oracle.memory), "{what}: {name} at row {row}");
+        }
+    }
+}
+
+/// Compares tapes along a run, and then whole runs.
+fn compare(case: &Case, what: &str) {
+    let mut compiled = case.compile();
+    compiled.execute(Execution::Interpreted);
+    let interpreted = compiled.run();
+    compare_tapes(&compiled.program, &interpreted, what);
+    let code = translated(&compiled.program);
+    compiled.execute(code);
+    let run = compiled.run();
+    assert_eq!(bits(&run.time), bits(&interpreted.time), "{what}");
+    assert_eq!(run.events, interpreted.events, "{what}");
+    for (column, (a, b)) in run.columns.iter().zip(run.data.iter().zip(&interpreted.data)) {
+        assert_eq!(bits(a), bits(b), "{what}: {}", column.name);
+    }
+}
+
+#[test]
+fn examples_run_equally() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let files = std::fs::read_dir(folder).expect("examples").flatten().map(|e| e.path());
+    let models: Vec<PathBuf> =
+        files.filter(|p| p.extension().is_some_and(|e| e == "mol")).collect();
+    assert!(!models.is_empty());
+    for path in models {
+        compare(&Case::file(&path), &path.display().to_string());
+    }
+}
+
+/// Loops, branches, assertions and calls of calls; the Jacobian needs their derivatives.
+#[test]
+fn functions_run_equally() {
+    let text = "function root
+        input Real a;
+        output Real x;
+        algorithm
+        assert(a > -1, \"out of range\");
+        x := 1 + a;
+        for k in 1:4 loop
+        x := x - (x*x - (1 + a))/(2*x);
+        end for;
+        end root;
+        function twice
+        input Real a;
+        output Real b;
+        output Real c;
+        algorithm
+        b := root(a) + root(a*a);
+        c := if b > 2 then min(b, 5) else max(-b, a^3);
+        end twice;
+        model M
+        Real x(start = 1, fixed = true);
+        Real y(start = 0.2, fixed = true);
+        Real b;
+        Real c;
+        equation
+        (b, c) = twice(abs(x) + y);
+        der(x) = -b*x;
+        der(y) = c - 3*y;
+        annotation(experiment(StopTime = 1));
+        end M;";
+    compare(&Case::text(text), "functions");
+}
+
+/// Torn blocks, linear and nonlinear, and a mixed one.
+#[test]
+fn blocks_run_equally() {
+    let text = "model M
+        Real x(start = 1, fixed = true);
+        Real u(start = 1);
+        Real v(start = 1);
+        Real p;
+        Real q;
+        Real r;
+        Boolean high(start = false, fixed = true);
+        equation
+        der(x) = -u + (if high then 0.1 else 0);
+        u^3 + v = x;
+        v^3 - u = x*x;
+        p + q + r = x;
+        p - 2*q = time;
+        q + sin(time)*r = 1;
+        high = u > 0.5;
+        annotation(experiment(StopTime = 2));
+        end M;";
+    compare(&Case::text(text), "blocks");
+}

@@ -1,0 +1,747 @@
+// Every effect of lib/Effects twice, read by tests/checks/effects.rs.
+//
+// Present: with an amplitude, on something so simple that a closed form is known; `found` must follow `exact`.
+// Absent:  on a valve's spool, piston and seal, with amplitudes of 0; it must move as the same without the effect.
+// A model is named after its effect, and an effect without its models fails the test.
+package EffectTests
+
+  partial model Check "What is compared"
+    parameter Integer n = 1 "How many values";
+    Real found[n] "By simulation";
+    Real exact[n] "Closed form";
+    Boolean compared = true "Whether the closed form holds now";
+  end Check;
+
+  partial model OnMass "A free mass"
+    extends Check;
+    parameter Real s_0 = 0 "Position at the start, m";
+    parameter Real v_0 = 0 "Speed at the start, m/s";
+    parameter Real m   = 2 "Mass, kg";
+    Translational.Mass mass(m = m, s_start = s_0, v_start = v_0);
+    Real s = mass.s;
+    Real v = mass.v;
+  end OnMass;
+
+  partial model OnSpool "A body between stops that are far away, sliding"
+    extends Check;
+    parameter Real v_0 = 1 "Speed at the start, m/s";
+    parameter Real m   = 2 "Mass, kg";
+    Translational.StopMass spool(m = m, s_min = -10, s_max = 10, s_start = 0, v_start = v_0,
+      mode_start = if v_0 > 0 then Translational.Motion.Forward else Translational.Motion.Locked);
+    Real s = spool.s;
+    Real v = spool.v;
+  end OnSpool;
+
+  partial model OnVessel "A vessel of 1 l"
+    extends Check;
+    parameter Real p_1 = 1e6  "Pressure at the start, Pa";
+    parameter Real V   = 1e-3 "Volume, m3";
+    constant Real RT    = 287.1*293.15;
+    constant Real rho_0 = 1.185;
+    Pneumatics.Volume vessel(V_0 = V, p_start = p_1);
+    Real p = vessel.p;
+  end OnVessel;
+
+  partial model Filled "A vessel that is filled at a constant rate: choked"
+    extends OnVessel(p_1 = 1e5);
+    parameter Real C = 1e-9 "Sonic conductance";
+    Pneumatics.Source      supply(p = 7e5);
+    Pneumatics.Restriction line(C = C, b = 0.5);
+    Real slope = C*rho_0*7e5*RT "dp/dt times the volume";
+  equation
+    connect(supply.port, line.port_a);
+    connect(line.port_b, vessel.port);
+  end Filled;
+
+  package Present
+    model ConstantForce
+      extends OnMass;
+      Effects.ConstantForce effect(F = 3);
+    equation
+      connect(effect.flange, mass.flange);
+      found = {s};
+      exact = {3*time^2/(2*m)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ConstantForce;
+
+    model ExtraSpring
+      extends OnMass(s_0 = 0.1);
+      Effects.ExtraSpring effect(c = 200, F_0 = 4, s_0 = 0.01);
+      Real s_rest = 0.01 - 4/200 "Where the spring is slack";
+    equation
+      connect(effect.flange, mass.flange);
+      found = {s};
+      exact = {s_rest + (0.1 - s_rest)*cos(sqrt(200/m)*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ExtraSpring;
+
+    model ViscousDrag
+      extends OnMass(v_0 = 1);
+      Effects.ViscousDrag effect(d = 3);
+    equation
+      connect(effect.flange, mass.flange);
+      found = {v};
+      exact = {exp(-3/m*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end ViscousDrag;
+
+    model QuadraticDrag
+      extends OnMass(v_0 = -1);
+      Effects.QuadraticDrag effect(k = 3);
+    equation
+      connect(effect.flange, mass.flange);
+      found = {v};
+      exact = {-1/(1 + 3/m*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end QuadraticDrag;
+
+    model AddedMass
+      extends OnMass;
+      Effects.AddedMass effect(m = 1);
+      Translational.Force force(f = 6);
+    equation
+      connect(effect.flange, mass.flange);
+      connect(force.flange, mass.flange);
+      found = {s};
+      exact = {6*time^2/(2*(m + 1))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end AddedMass;
+
+    model BellForce
+      extends OnMass(v_0 = 1, compared = s > 1);
+      // The work of the whole bell is F w sqrt(pi).
+      Effects.BellForce effect(F = 30, s_0 = 0.5, w = 0.05);
+    equation
+      connect(effect.flange, mass.flange);
+      found = {v};
+      exact = {sqrt(1 + 2/m*30*0.05*sqrt(3.14159265358979323846))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end BellForce;
+
+    model Detent
+      extends OnMass(v_0 = 2, compared = s > 0.6);
+      // The work from its middle to far away is F w sqrt(e).
+      Effects.Detent effect(F = 30, s_0 = 0, w = 0.05);
+    equation
+      connect(effect.flange, mass.flange);
+      found = {v};
+      exact = {sqrt(2^2 - 2/m*30*0.05*exp(0.5))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end Detent;
+
+    model MagneticForce
+      extends OnMass(s_0 = 1);
+      // Its potential is F d/(1 + x/d) with the way x left to the end.
+      Effects.MagneticForce effect(F = 30, d = 0.2, side = -1, s_lo = 0.1, s_hi = 2);
+      Real x = s - 0.1;
+    equation
+      connect(effect.flange, mass.flange);
+      found = {m*v^2/2};
+      exact = {30*0.2*(1/(1 + x/0.2) - 1/(1 + 0.9/0.2))};
+      annotation(experiment(StopTime = 0.9, Tolerance = 1e-9));
+    end MagneticForce;
+
+    model EndCushion
+      extends OnMass(v_0 = 1);
+      // Over the way its integral is d w/3 (1 - x/w)^3.
+      Effects.EndCushion effect(d = 6, w = 0.3, side = 1, s_lo = 0, s_hi = 1);
+      Real x = 1 - s;
+    equation
+      connect(effect.flange, mass.flange);
+      found = {v};
+      exact = {if x > 0.3 then 1 else 1 - 6/m*0.3/3*(1 - x/0.3)^3};
+      annotation(experiment(StopTime = 0.95, Tolerance = 1e-9));
+    end EndCushion;
+
+    model CompliantStop
+      extends Check(n = 2);
+      // Springing back: half a sine. Only damped: the speed falls with the square of the depth.
+      Translational.Mass mass(m = 2, s_start = 0, v_start = 1);
+      Translational.Mass damped(m = 2, s_start = 0, v_start = -1);
+      Effects.CompliantStop effect(c = 800, w = 0.4, side = 1, s_lo = 0, s_hi = 0.5);
+      Effects.CompliantStop damper(d = 60, w = 0.4, side = -1, s_lo = -0.5, s_hi = 0);
+      Real t = time - 0.1 "Since contact";
+      Real omega = sqrt(800/2);
+      constant Real pi = 3.14159265358979323846;
+    equation
+      connect(effect.flange, mass.flange);
+      connect(damper.flange, damped.flange);
+      found = {mass.s, damped.v};
+      exact = {if t < 0 then time elseif t < pi/omega then 0.1 + sin(omega*t)/omega else 0.1 - (t - pi/omega),
+        if damped.s > -0.1 then -1 else -(1 - 60/2*(damped.s + 0.1)^2/2)};
+      annotation(experiment(StopTime = 0.5, Tolerance = 1e-9));
+    end CompliantStop;
+
+    model DahlPresliding
+      extends Check(n = 2);
+      Translational.ConstantSpeed drive(v_0 = 1e-3);
+      Effects.DahlPresliding effect(F = 3, delta = 1e-5);
+    equation
+      connect(effect.flange, drive.flange);
+      found = {effect.f, effect.sigma_0};
+      exact = {-3*(1 - exp(-1e-3*time/1e-5)), 3e5};
+      annotation(experiment(StopTime = 0.1, Tolerance = 1e-9));
+    end DahlPresliding;
+
+    model LuGrePresliding
+      extends Check(n = 2);
+      // At a constant speed it creeps from presliding to the Stribeck curve F g(v).
+      constant Real v = 2e-3;
+      constant Real g = 1 + 0.5*exp(-(v/0.01)^2);
+      Translational.ConstantSpeed drive(v_0 = v);
+      Effects.LuGrePresliding effect(F = 3, delta = 1e-5, r = 0.5, v_s = 0.01, tau_z = 1e-3, v_d = 0.02);
+    equation
+      connect(effect.flange, drive.flange);
+      found = {effect.f, effect.sigma_0};
+      exact = {-3*(g + (1e-3*v/1e-5*exp(-(v/0.02)^2) - g)*exp(-v*time/(g*1e-5))), 3e5};
+      annotation(experiment(StopTime = 0.1, Tolerance = 1e-9));
+    end LuGrePresliding;
+
+    model FreeForceOverPosition
+      extends OnMass(s_0 = 0.1);
+      // Values on a straight line make a spring.
+      Effects.FreeForceOverPosition effect(n = 5, F = {40, 20, 0, -20, -40}, s_lo = -0.2, s_hi = 0.2);
+    equation
+      connect(effect.flange, mass.flange);
+      found = {s};
+      exact = {0.1*cos(sqrt(200/m)*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeForceOverPosition;
+
+    model FreeForceOverVelocity
+      extends OnSpool;
+      // Values on a straight line make a damper.
+      Effects.FreeForceOverVelocity effect(n = 5, F = {0, 1, 2, 3, 4}, v_hi = 1.5);
+    equation
+      connect(effect.spool, spool.seals);
+      found = {v};
+      exact = {exp(-4/1.5/m*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeForceOverVelocity;
+
+    model CoulombDrag
+      extends OnSpool;
+      Effects.CoulombDrag effect(F = 4);
+    equation
+      connect(effect.spool, spool.seals);
+      found = {s};
+      exact = {if time < m/4 then time - 4/m*time^2/2 else m/(2*4)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end CoulombDrag;
+
+    model PositionFriction
+      extends OnSpool(v_0 = 2, compared = s > 1);
+      // The work of the whole bell is F w sqrt(pi).
+      Effects.PositionFriction effect(F = 30, s_0 = 0.5, w = 0.05);
+    equation
+      connect(effect.spool, spool.seals);
+      found = {v};
+      exact = {sqrt(2^2 - 2/m*30*0.05*sqrt(3.14159265358979323846))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end PositionFriction;
+
+    model FlowForceEdge
+      extends OnSpool(v_0 = 0);
+      // Choked: the speed of the jet is that of sound at the throat.
+      Pneumatics.Source high(p = 7e5);
+      Pneumatics.Source low(p = 1e5);
+      Effects.FlowForceEdge effect(k = 0.3, m_flow = -1e-3);
+      constant Real w = sqrt(2*1.4/2.4*287.1*293.15);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, high.port);  connect(effect.port_b, low.port);
+      found = {s};
+      exact = {0.3*1e-3*w*time^2/(2*m)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FlowForceEdge;
+
+    model FlowForcePressure
+      extends OnSpool(v_0 = 0);
+      Pneumatics.Source high(p = 7e5);
+      Pneumatics.Source low(p = 1e5);
+      Effects.FlowForcePressure effect(A = 1e-5, opening = 0.4);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, high.port);  connect(effect.port_b, low.port);
+      found = {s};
+      exact = {1e-5*0.4*6e5*time^2/(2*m)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FlowForcePressure;
+
+    model SealPressureForce
+      extends OnSpool(v_0 = 0);
+      Pneumatics.Source high(p = 7e5);
+      Pneumatics.Source low(p = 1e5);
+      Effects.SealPressureForce effect(A = -1e-5);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, high.port);  connect(effect.port_b, low.port);
+      found = {s};
+      exact = {-1e-5*6e5*time^2/(2*m)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SealPressureForce;
+
+    model SealPressureFriction
+      extends OnSpool;
+      Pneumatics.Source high(p = 7e5);
+      Pneumatics.Source low(p = 1e5);
+      Effects.SealPressureFriction effect(A = 1e-5);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, high.port);  connect(effect.port_b, low.port);
+      found = {s};
+      exact = {if time < m/6 then time - 6/m*time^2/2 else m/(2*6)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SealPressureFriction;
+
+    model LeakLaminar
+      extends OnVessel;
+      Pneumatics.Ambient ambient;
+      Effects.LeakLaminar effect(G = 1e-14);
+      Real k = 1e-14*RT/V;
+      Real y = (1e6 - 1e5)/(1e6 + 1e5)*exp(-2*k*1e5*time);
+    equation
+      connect(effect.port_a, vessel.port);  connect(effect.port_b, ambient.port);
+      found = {p};
+      exact = {1e5*(1 + y)/(1 - y)};
+      annotation(experiment(StopTime = 10, Tolerance = 1e-9));
+    end LeakLaminar;
+
+    model LeakOrifice
+      extends OnVessel(compared = p > 4e5);
+      // Choked down to 1 bar/b.
+      Pneumatics.Ambient ambient;
+      Effects.LeakOrifice effect(C = 1e-9, b = 0.25);
+    equation
+      connect(effect.port_a, vessel.port);  connect(effect.port_b, ambient.port);
+      found = {p};
+      exact = {1e6*exp(-1e-9*rho_0*RT/V*time)};
+      annotation(experiment(StopTime = 10, Tolerance = 1e-9));
+    end LeakOrifice;
+
+    model FreeFlow
+      extends OnVessel;
+      // Values on a straight line make a flow in proportion to the pressure difference.
+      Pneumatics.Ambient ambient;
+      Effects.FreeFlow effect(n = 3, Q = {1e-4, 2e-4, 3e-4}, dp_hi = 1e6);
+    equation
+      connect(effect.port_a, vessel.port);  connect(effect.port_b, ambient.port);
+      found = {p};
+      exact = {1e5 + 9e5*exp(-3e-10*RT/V*time)};
+      annotation(experiment(StopTime = 50, Tolerance = 1e-9));
+    end FreeFlow;
+
+    model DeadVolume
+      extends Filled;
+      Effects.DeadVolume effect(V = 0.5e-3);
+    equation
+      connect(effect.port, vessel.port);
+      found = {p};
+      exact = {p_1 + slope/(V + 0.5e-3)*time};
+      annotation(experiment(StopTime = 3, Tolerance = 1e-9));
+    end DeadVolume;
+
+    model PolytropicStorage
+      extends Filled;
+      Effects.PolytropicStorage effect(k = 0.2, V = vessel.V);
+    equation
+      connect(effect.port, vessel.port);
+      found = {p};
+      exact = {p_1 + slope/(V*(1 - 0.2))*time};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end PolytropicStorage;
+
+    model WallHeat
+      extends Filled;
+      // Without heat transfer theta = (kappa - 1)/kappa ln(p/p_1), and the mass within grows at the rate of the filling.
+      Effects.WallHeat effect(k = 1, tau = 1e12, V = vessel.V);
+      Real p_iso = p*(1 - 0.4/1.4*log(p/p_1)) "What the same mass would have at T";
+    equation
+      connect(effect.port, vessel.port);
+      found = {p_iso};
+      exact = {p_1 + slope/V*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end WallHeat;
+
+    model DirectionalFriction
+      // With as much friction both ways: twice one way, none the other.
+      extends OnSpool(n = 2);
+      Effects.DirectionalFriction effect(F = 3, v_0 = 1e-6);
+      Effects.CoulombDrag drag(F = 3);
+      Translational.StopMass back(m = m, s_min = -10, s_max = 10, s_start = 0, v_start = -1,
+        mode_start = Translational.Motion.Backward);
+      Effects.DirectionalFriction effect_back(F = 3, v_0 = 1e-6);
+      Effects.CoulombDrag drag_back(F = 3);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(drag.spool, spool.seals);
+      connect(effect_back.spool, back.seals);
+      connect(drag_back.spool, back.seals);
+      found = {v, back.v};
+      exact = {1 - 6/m*time, -1};
+      annotation(experiment(StopTime = 0.3, Tolerance = 1e-9));
+    end DirectionalFriction;
+
+    model FreeLeakOverPosition
+      // Values on a straight line under a spool at constant speed: choked, the pressure falls with the square of time.
+      extends OnVessel(compared = p > 4e5);
+      Pneumatics.Ambient ambient;
+      Translational.GuidedSpool spool(s = 0.1*time);
+      Effects.FreeLeakOverPosition effect(n = 5, C = {0, 1e-9, 2e-9, 3e-9, 4e-9}, b = 0.25, s_lo = 0, s_hi = 1);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, vessel.port);  connect(effect.port_b, ambient.port);
+      found = {p};
+      exact = {1e6*exp(-4e-9*rho_0*RT/V*0.1*time^2/2)};
+      annotation(experiment(StopTime = 8, Tolerance = 1e-9));
+    end FreeLeakOverPosition;
+
+    model PilotValve
+      // It opens at 0.1 s with tau = 0.05 s, and closes from 0.1 + 0.02 s after the switch on with 0.08 s.
+      extends Check;
+      Signals.SwitchSignal switch(t_off = 1);
+      Signals.PilotValve effect(on = switch.on, t_delay = 0.1, tau = 0.05, t_off_more = 0.02, tau_off_more = 0.03);
+      Real t_close = 1 + 0.1 + 0.02;
+    equation
+      found = {effect.x};
+      exact = {if time < 0.1 then 0 elseif time < t_close then 1 - exp(-(time - 0.1)/0.05)
+        else (1 - exp(-(t_close - 0.1)/0.05))*exp(-(time - t_close)/0.08)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end PilotValve;
+
+    model Source
+      extends Check;
+      // A choked hole draws in proportion to the pressure before it, C rho_0 p: K = R C rho_0.
+      Pneumatics.Source      effect(p = 8e5, has_line = true, R_line = 2e8, tau_line = 0.05);
+      Pneumatics.Restriction hole(C = 1e-9, b = 0.4);
+      Pneumatics.Ambient     ambient;
+      constant Real K = 2e8*1e-9*1.185;
+    equation
+      connect(effect.port, hole.port_a);
+      connect(hole.port_b, ambient.port);
+      found = {effect.port.p};
+      exact = {8e5*(1 - K/(1 + K)*(1 - exp(-(1 + K)*time/0.05)))};
+      annotation(experiment(StopTime = 0.2, Tolerance = 1e-9));
+    end Source;
+
+    model SensorOffset
+      extends Check;
+      Effects.SensorOffset effect(offset = 0.3, u = time);
+    equation
+      found = {effect.y};
+      exact = {time + 0.3};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SensorOffset;
+
+    model SensorGain
+      extends Check;
+      Effects.SensorGain effect(g = 0.1, u = time);
+    equation
+      found = {effect.y};
+      exact = {1.1*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SensorGain;
+
+    model SensorLag
+      extends Check(n = 2);
+      // A ramp is read T late; with T = tau it is the first-order lag.
+      Effects.SensorLag effect(T = 0.05, tau = 0.2, u = time);
+      Effects.SensorLag lag(T = 0.2, tau = 0.2, u = time);
+    equation
+      found = {effect.y, lag.y};
+      exact = {time - 0.05*(1 - exp(-time/0.2)), time - 0.2*(1 - exp(-time/0.2))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SensorLag;
+
+    model SensorDelay
+      extends Check;
+      // Of a parabola Taylor leaves the square of the delay.
+      Effects.SensorDelay effect(t_d = 0.01, u = time^2);
+    equation
+      found = {effect.y};
+      exact = {(time - 0.01)^2 - 0.01^2};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SensorDelay;
+
+    model SensorHysteresis
+      extends Check;
+      // Up until 1, then down.
+      Real u = if time < 1 then time else 2 - time;
+      Real x(start = 0, fixed = true) "The same, as a state";
+      Effects.SensorHysteresis effect(h = 0.02, w = 0.1, u = x);
+      constant Real z_1 = 1 - exp(-1/0.1);
+    equation
+      der(x) = if time < 1 then 1 else -1;
+      found = {effect.y};
+      exact = {if time < 1 then u - 0.02*(1 - exp(-u/0.1)) else u - 0.02*(-1 + (1 + z_1)*exp(-(time - 1)/0.1))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end SensorHysteresis;
+  end Present;
+
+  model Base "A piston, a pilot, a seal at an edge, and a working volume"
+    Translational.StopMass         spool(m = 0.03, s_max = 3.5e-3, t_no_start = 1);
+    Translational.Spring           spring(c = 3e3, f_0 = 8);
+    Translational.Fixed            housing;
+    Seals.FlowSeal                 seal(contact = Seals.Contact.CloseToOpen, s_ce = 1.8e-3, F_ce = 1.2, w = 0.16e-3,
+                                     C = 2e-8, w_t = 0.12e-3, redeclare model FrictionLaw = Rubber);
+    Pneumatics.Source              supply(p = 7e5);
+    Pneumatics.Ambient             ambient;
+    Signals.SwitchSignal           switch(t_off = 0.02);
+    Signals.PilotValve             pilot(on = switch.on, t_delay = 1e-3, tau = 1e-3);
+    Pneumatics.VariableRestriction fill(C = 5e-10, x = pilot.x);
+    Pneumatics.VariableRestriction vent(C = 5e-10, x = 1 - pilot.x);
+    Pneumatics.CylinderChamber     chamber(A = 2e-4, V_dead = 1e-6);
+    Pneumatics.Volume              work(V_0 = 20e-6);
+    Units.Position         s   = spool.s;
+    Units.Velocity         v   = spool.v;
+    Units.AbsolutePressure p   = chamber.p;
+    Units.AbsolutePressure p_2 = work.p;
+
+    model Rubber = Friction.StribeckDwellPressure(F_Coulomb = 4, k_C = 0.2e-5, F_Stribeck_max = 10, k_S = 0.12e-5,
+        tau = 1500, n = 0.3, F_prop = 6, f_exp = 6);
+  equation
+    connect(chamber.flange, spool.flange);
+    connect(spring.flange_a, housing.flange);
+    connect(spring.flange_b, spool.flange);
+    connect(seal.spool, spool.seals);
+    connect(supply.port, fill.port_a);
+    connect(fill.port_b, chamber.port);
+    connect(vent.port_a, chamber.port);
+    connect(vent.port_b, ambient.port);
+    connect(supply.port, seal.port_a);
+    connect(seal.port_b, work.port);
+
+    annotation(experiment(StopTime = 0.08, Interval = 1e-4, Tolerance = 1e-9));
+  end Base;
+
+  package Absent
+    model ConstantForce
+      extends Base;
+      Effects.ConstantForce effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end ConstantForce;
+
+    model ExtraSpring
+      extends Base;
+      Effects.ExtraSpring effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end ExtraSpring;
+
+    model ViscousDrag
+      extends Base;
+      Effects.ViscousDrag effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end ViscousDrag;
+
+    model QuadraticDrag
+      extends Base;
+      Effects.QuadraticDrag effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end QuadraticDrag;
+
+    model AddedMass
+      extends Base;
+      Effects.AddedMass effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end AddedMass;
+
+    model BellForce
+      extends Base;
+      Effects.BellForce effect(s_0 = 1e-3);
+    equation
+      connect(effect.flange, spool.flange);
+    end BellForce;
+
+    model Detent
+      extends Base;
+      Effects.Detent effect(s_0 = 1e-3);
+    equation
+      connect(effect.flange, spool.flange);
+    end Detent;
+
+    model MagneticForce
+      extends Base;
+      Effects.MagneticForce effect(s_lo = 0, s_hi = 3.5e-3);
+    equation
+      connect(effect.flange, spool.flange);
+    end MagneticForce;
+
+    model EndCushion
+      extends Base;
+      Effects.EndCushion effect(s_lo = 0, s_hi = 3.5e-3);
+    equation
+      connect(effect.flange, spool.flange);
+    end EndCushion;
+
+    model CompliantStop
+      extends Base;
+      Effects.CompliantStop effect(s_lo = 0, s_hi = 3.5e-3);
+    equation
+      connect(effect.flange, spool.flange);
+    end CompliantStop;
+
+    model DahlPresliding
+      extends Base;
+      Effects.DahlPresliding effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end DahlPresliding;
+
+    model LuGrePresliding
+      extends Base;
+      Effects.LuGrePresliding effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end LuGrePresliding;
+
+    model FreeForceOverPosition
+      extends Base;
+      Effects.FreeForceOverPosition effect(s_lo = 0, s_hi = 3.5e-3);
+    equation
+      connect(effect.flange, spool.flange);
+    end FreeForceOverPosition;
+
+    model CoulombDrag
+      extends Base;
+      Effects.CoulombDrag effect;
+    equation
+      connect(effect.spool, spool.seals);
+    end CoulombDrag;
+
+    model PositionFriction
+      extends Base;
+      Effects.PositionFriction effect(s_0 = 1e-3);
+    equation
+      connect(effect.spool, spool.seals);
+    end PositionFriction;
+
+    model FreeForceOverVelocity
+      extends Base;
+      Effects.FreeForceOverVelocity effect;
+    equation
+      connect(effect.spool, spool.seals);
+    end FreeForceOverVelocity;
+
+    model FlowForceEdge
+      extends Base;
+      Effects.FlowForceEdge effect(m_flow = seal.gap.m_flow);
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end FlowForceEdge;
+
+    model FlowForcePressure
+      extends Base;
+      Effects.FlowForcePressure effect(opening = seal.gap.opening);
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end FlowForcePressure;
+
+    model SealPressureForce
+      extends Base;
+      Effects.SealPressureForce effect;
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end SealPressureForce;
+
+    model SealPressureFriction
+      extends Base;
+      Effects.SealPressureFriction effect;
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end SealPressureFriction;
+
+    model LeakLaminar
+      extends Base;
+      Effects.LeakLaminar effect;
+    equation
+      connect(effect.port_a, chamber.port);  connect(effect.port_b, ambient.port);
+    end LeakLaminar;
+
+    model LeakOrifice
+      extends Base;
+      Effects.LeakOrifice effect;
+    equation
+      connect(effect.port_a, chamber.port);  connect(effect.port_b, ambient.port);
+    end LeakOrifice;
+
+    model FreeFlow
+      extends Base;
+      Effects.FreeFlow effect(dp_hi = 6e5);
+    equation
+      connect(effect.port_a, chamber.port);  connect(effect.port_b, ambient.port);
+    end FreeFlow;
+
+    model DeadVolume
+      extends Base;
+      Effects.DeadVolume effect;
+    equation
+      connect(effect.port, chamber.port);
+    end DeadVolume;
+
+    model PolytropicStorage
+      extends Base;
+      Effects.PolytropicStorage effect(V = chamber.V);
+    equation
+      connect(effect.port, chamber.port);
+    end PolytropicStorage;
+
+    model WallHeat
+      extends Base;
+      Effects.WallHeat effect(V = chamber.V);
+    equation
+      connect(effect.port, chamber.port);
+    end WallHeat;
+
+    model SensorOffset
+      extends Base;
+      Effects.SensorOffset effect(u = s);
+    end SensorOffset;
+
+    model SensorGain
+      extends Base;
+      Effects.SensorGain effect(u = s);
+    end SensorGain;
+
+    model SensorLag
+      extends Base;
+      Effects.SensorLag effect(u = s);
+    end SensorLag;
+
+    model SensorDelay
+      extends Base;
+      Effects.SensorDelay effect(u = s);
+    end SensorDelay;
+
+    model SensorHysteresis
+      extends Base;
+      Effects.SensorHysteresis effect(u = s, w = 1e-4);
+    end SensorHysteresis;
+
+    model DirectionalFriction
+      extends Base;
+      Effects.DirectionalFriction effect;
+    equation
+      connect(effect.spool, spool.seals);
+    end DirectionalFriction;
+
+    model FreeLeakOverPosition
+      extends Base;
+      Effects.FreeLeakOverPosition effect(s_lo = 0, s_hi = 3.5e-3);
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end FreeLeakOverPosition;
+
+    model PilotValve
+      extends Base;
+    end PilotValve;
+
+    model Source
+      extends Base(supply(has_line = true));
+    end Source;
+  end Absent;
+end EffectTests;
