@@ -23,6 +23,8 @@ const FINE: f64 = 1.05;
 const OUTLYING: f64 = 1.3;
 /// Rounds of leaving out.
 const ROUNDS: usize = 4;
+/// Reduced sum of squares of the others at which leaving out has shown the way.
+const WELL: f64 = 1.5;
 /// A sum of squares must fall by this part to count as better.
 const BETTER: f64 = 1e-3;
 
@@ -83,38 +85,49 @@ pub fn fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
     best
 }
 
+/// Fits from the start of the plan, and leaves out what fits worst once: for models that may lack
+/// something, of which the best fit is bad in any case.
+pub fn quick_fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
+    let start = problem.start();
+    let found = search(problem, &start, &STOPPING, heed)?;
+    if reduced(problem, &found) < FINE {
+        return Some(found);
+    }
+    Some(leave_out(problem, &found, heed).unwrap_or(found))
+}
+
 /// Fits from one place, leaving out what fits worst as long as that helps.
 pub fn fit_from(problem: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>) -> Option<Fit> {
     let mut best = search(problem, start, &STOPPING, heed)?;
     for _ in 0..ROUNDS {
-        let by_recording = problem.sums(Split::Train, &best.x).ok()?.by_recording();
-        let mut better = None;
-        for left_out in suspects(&by_recording) {
-            if problem.stopped {
-                return Some(best);
-            }
-            problem.left_out = left_out;
-            let others = search(problem, &best.x, &ON_THE_WAY, heed);
-            problem.left_out = Vec::new();
-            if problem.stopped {
-                return Some(best);
-            }
-            let Some(others) = others else { continue };
-            let Some(found) = search(problem, &others.x, &STOPPING, heed) else { continue };
-            if found.normal.cost < (1.0 - BETTER) * best.normal.cost {
-                better = Some(found);
-                break;
-            }
-        }
-        match better {
-            Some(found) => best = found,
-            None => break,
-        }
         if reduced(problem, &best) < FINE {
             break;
         }
+        match leave_out(problem, &best, heed) {
+            Some(found) => best = found,
+            None => break,
+        }
     }
     Some(best)
+}
+
+/// A better fit to all, by way of a fit to those that do not fit worst: if these alone fit well.
+fn leave_out(problem: &mut Problem<'_>, best: &Fit, heed: &mut Heed<'_>) -> Option<Fit> {
+    let by_recording = problem.sums(Split::Train, &best.x).ok()?.by_recording();
+    for left_out in suspects(&by_recording) {
+        let kept = by_recording.len() - left_out.len();
+        let share = kept as f64 / by_recording.len() as f64;
+        let count = problem.count(Split::Train) as f64 * share;
+        problem.left_out = left_out;
+        let others = search(problem, &best.x, &ON_THE_WAY, heed);
+        problem.left_out = Vec::new();
+        let Some(others) = others.filter(|o| o.normal.cost / count < WELL) else { continue };
+        let Some(found) = search(problem, &others.x, &STOPPING, heed) else { continue };
+        if found.normal.cost < (1.0 - BETTER) * best.normal.cost {
+            return Some(found);
+        }
+    }
+    None
 }
 
 /// Sets of recordings to leave out, most promising first.

@@ -3,12 +3,15 @@
 use std::time::Instant;
 
 use super::args::Diagnose;
-use super::{Status, say};
+use super::progress::Working;
+use super::{Status, interrupt, print, say};
 use crate::base::diag::Problems;
 use crate::calibrate::{data, plan};
 use crate::diagnose::effect::catalogue;
 use crate::diagnose::search::{Case, Nothing, diagnose};
+use crate::diagnose::{page, result};
 use crate::driver::compile::{Request, Session};
+use crate::report::write::{create_folder, write_file};
 
 /// Runs the command.
 pub fn run(options: &Diagnose) -> Status {
@@ -48,7 +51,10 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         Err(wrong) => return wrong.into(),
     };
     let variables: Vec<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
-    let packages = vec!["Effects".to_owned()];
+    let mut packages = vec!["Effects".to_owned()];
+    if options.effects.is_some() {
+        packages.push(String::new());
+    }
     let effects = catalogue(session, &request, &packages);
     let case = Case {
         plan: &plan,
@@ -78,43 +84,60 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
             return Status::Usage;
         }
     }
-    let found = diagnose(&case, &mut |_, cost| {
-        eprintln!("  {:.1} s {cost:.1}", begun.elapsed().as_secs_f64());
-        true
+    let folder = options.out.clone().unwrap_or_else(|| {
+        let stem = options.plan.file_stem().map(|s| s.to_string_lossy().into_owned());
+        format!("{}-diagnosis", stem.unwrap_or_default()).into()
     });
+    if let Err(why) = create_folder(&folder) {
+        eprintln!("error: {why}");
+        return Status::Usage;
+    }
+    interrupt::listen();
+    let found = {
+        let _working = Working::new();
+        diagnose(&case, &mut |_, _| !interrupt::asked())
+    };
+    let complete = !interrupt::asked();
     let found = match found {
         Ok(found) => found,
         Err(Nothing::Model(wrong)) => return wrong.into(),
-        Err(Nothing::Run) => return Status::Numerics,
-    };
-    for ranking in &found.rankings {
-        eprintln!("ranking");
-        for s in ranking.iter().take(12) {
-            eprintln!(
-                "  {:10.1} {} {:?} {:?} {:?}",
-                s.gain, effects[s.effect].class, s.place.at, s.shape, s.amplitudes
-            );
-        }
-    }
-    let show = |what: &str, l: &crate::diagnose::search::Level| {
-        eprintln!("{what} train {:.4} validation {:.4}", l.chi2_train(), l.chi2_validation());
-        for c in &l.chosen {
-            eprintln!("   {} {:?}", effects[c.effect].class, c.place.at);
-        }
-        for (f, v) in l.plan.free.iter().zip(&l.values) {
-            eprintln!("   {} = {v}", f.name);
+        Err(Nothing::Run) => {
+            eprintln!("error: the model can not be run under the conditions of the recordings");
+            return Status::Numerics;
         }
     };
-    show("before", &found.before);
-    show("after", &found.after);
-    for r in &found.rejected {
-        eprintln!(
-            "rejected {:.4} {:.4} {:?}",
-            r.chi2_train(),
-            r.chi2_validation(),
-            r.chosen.last().map(|c| (&effects[c.effect].class, &c.place.at))
-        );
+    let original = match crate::driver::files::read(&plan.model) {
+        Ok(text) => text,
+        Err(why) => {
+            eprintln!("error: cannot read {}: {why}", plan.model.display());
+            return Status::Usage;
+        }
+    };
+    let amended = result::amended(&case, &found, &original);
+    let mut written = Vec::new();
+    let name = amended.as_ref().map(|(name, _)| format!("{name}.mol"));
+    let seconds = begun.elapsed().as_secs_f64();
+    let mut files = vec![(
+        "diagnosis.json".to_owned(),
+        result::json(&case, &found, name.as_deref(), seconds, complete),
+    )];
+    if let (Some(name), Some((_, text))) = (&name, &amended) {
+        files.push((name.clone(), text.clone()));
     }
-    eprintln!("{:.1} s", begun.elapsed().as_secs_f64());
-    Status::Done
+    files.push(("diagnosis.html".to_owned(), page::html(&case, &found, amended.as_ref())));
+    for (name, text) in files {
+        let path = folder.join(name);
+        if let Err(why) = write_file(&path, text.as_bytes()) {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
+        written.push(path);
+    }
+    let mut text = page::summary(&case, &found, seconds);
+    let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
+    text.push_str(&format!("wrote {}\n", names.join(", ")));
+    match print(&text) {
+        Status::Done if !complete => Status::Interrupted,
+        status => status,
+    }
 }

@@ -1,6 +1,8 @@
 //! Finding what a model lacks.
 pub mod effect;
+pub mod page;
 pub mod place;
+pub mod result;
 pub mod score;
 pub mod search;
 pub mod text;

@@ -4,9 +4,10 @@
 use crate::base::diag::Problems;
 use crate::base::index::FastSet;
 use crate::calibrate::data::{Data, Split};
-use crate::calibrate::fit::{Fit, Heed, STOPPING, fit, fit_from, search};
+use crate::calibrate::fit::{Fit, Heed, STOPPING, quick_fit, search};
 use crate::calibrate::plan::{Free, Plan};
 use crate::calibrate::problem::{Problem, Sums, record_also};
+use crate::calibrate::statistics::standard_errors;
 use crate::driver::compile::{Request, Session, Wrong};
 use crate::flatten::inventory::Inventory;
 use crate::ir::flat::Experiment;
@@ -78,6 +79,8 @@ pub struct Level {
     pub plan: Plan,
     /// Fitted values, in the order of the plan's free parameters.
     pub values: Vec<f64>,
+    /// Their standard errors.
+    pub errors: Vec<f64>,
     /// The fit.
     pub fit: Fit,
     /// Sums of squares of the training recordings.
@@ -144,11 +147,12 @@ pub enum Nothing {
 
 /// Looks for what the model lacks. `heed` is told about each step and ends the search by `false`.
 pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> {
-    let before = level(case, Vec::new(), case.plan.clone(), &mut |p| fit(p, heed))?;
+    let before = level(case, Vec::new(), case.plan.clone(), &mut |p| quick_fit(p, heed))?;
     let mut found =
         Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
     for depth in 0..DEPTH {
-        if depth > 0 && found.after.chi2_train() < COMPLETE {
+        if (depth > 0 && found.after.chi2_train() < COMPLETE) || !heed(0, found.after.train.total())
+        {
             break;
         }
         let ranking = rank(case, &found.after)?;
@@ -162,6 +166,9 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         found.rankings.push(ranking);
         let mut levels: Vec<Level> = Vec::new();
         for scored in &promising {
+            if !heed(0, found.after.train.total()) {
+                break;
+            }
             let (chosen, plan) = attach(case, &found.after, scored, depth);
             let look = &mut |p: &mut Problem<'_>| {
                 let start = p.start();
@@ -175,8 +182,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         for fitted in levels.iter_mut().take(SEARCHED) {
             let longer = &mut |p: &mut Problem<'_>| {
                 let start = p.start();
-                let found = search(p, &start, &STOPPING, heed)?;
-                fit_from(p, &found.x, heed)
+                search(p, &start, &STOPPING, heed)
             };
             if let Ok(better) = level(case, fitted.chosen.clone(), fitted.plan.clone(), longer) {
                 *fitted = better;
@@ -213,6 +219,7 @@ fn level(
     let mut problem = problem.ok_or(Nothing::Run)?;
     let fit = how(&mut problem).ok_or(Nothing::Run)?;
     let values = problem.values(&fit.x);
+    let errors = standard_errors(&fit.normal, &problem.parameters, &fit.x);
     let train = problem.sums(Split::Train, &fit.x).map_err(|_| Nothing::Run)?;
     // A recording that can not be run with what was fitted to the others speaks against it.
     let validation = problem.sums(Split::Validation, &fit.x).unwrap_or_else(|_| Sums {
@@ -222,7 +229,7 @@ fn level(
     for (free, value) in plan.free.iter_mut().zip(&values) {
         free.start = Some(*value);
     }
-    Ok(Level { chosen, plan, values, fit, train, validation })
+    Ok(Level { chosen, plan, values, errors, fit, train, validation })
 }
 
 fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
@@ -384,7 +391,16 @@ fn score_batch(case: &Case<'_>, level: &Level, batch: &mut [Scored]) -> Result<(
     let mut problems = Problems::new();
     let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
     let problem = problem.ok_or(Nothing::Run)?;
-    let Ok(normal) = problem.normal(&problem.start()) else { return Ok(()) };
+    let Ok(normal) = problem.normal(&problem.start()) else {
+        // One that can not be run must not keep the others from it.
+        let half = batch.len() / 2;
+        if half > 0 {
+            let (left, right) = batch.split_at_mut(half);
+            score_batch(case, level, left)?;
+            score_batch(case, level, right)?;
+        }
+        return Ok(());
+    };
     let mut first = free;
     for trial in batch {
         let effect = &case.effects[trial.effect];

@@ -112,8 +112,13 @@ impl Session {
     ) -> Vec<(String, Vec<(String, String)>)> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
-        let names = library.child_names(package);
         let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
+        if !package.is_empty() && find(&mut cx, package).is_none() {
+            return Vec::new();
+        }
+        let mut names = cx.library.child_names(package);
+        names.sort();
+        names.dedup();
         let mut out = Vec::new();
         for name in names {
             let full = if package.is_empty() { name } else { format!("{package}.{name}") };

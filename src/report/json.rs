@@ -12,6 +12,11 @@ impl Json {
         Json(Number::from_f64(x).map_or(Value::Null, Value::Number))
     }
 
+    /// Nothing.
+    pub fn null() -> Json {
+        Json(Value::Null)
+    }
+
     /// A count.
     pub fn count(n: usize) -> Json {
         Json(Value::from(n))

@@ -1,0 +1,206 @@
+//! What a diagnosis says: verdict, effects, error before and after, and the amended model.
+
+use crate::calibrate::data::{Data, Split};
+use crate::report::json::Json;
+
+use super::effect::Effect;
+use super::search::{COMPLETE, Case, Chosen, Found, Level};
+use super::text::{Attached, Setting, model};
+
+/// Share of the excess of the reduced sum of squares over one that effects must explain to be a
+/// finding.
+const EXPLAINED: f64 = 0.9;
+/// Reduced sum of squares of recordings that were never fitted, up to which nothing is left.
+const RESOLVED: f64 = 1.1;
+
+/// The outcome in one word.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Verdict {
+    /// Nothing is missing.
+    Complete,
+    /// What is missing was found.
+    EffectFound,
+    /// Structure is left that no candidate explains.
+    Unexplained,
+}
+
+impl Verdict {
+    /// Its name in `diagnosis.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Complete => "complete",
+            Verdict::EffectFound => "effect_found",
+            Verdict::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// The verdict on what was found.
+pub fn verdict(found: &Found) -> Verdict {
+    let (before, after) = (found.before.chi2_validation(), found.after.chi2_validation());
+    let left = after.max(found.after.chi2_train());
+    if found.after.chosen.is_empty() {
+        let whole = found.before.chi2_train() < 1.0 + 2.0 * (COMPLETE - 1.0);
+        return if whole { Verdict::Complete } else { Verdict::Unexplained };
+    }
+    let explained = (before - after) / (before - 1.0).max(f64::MIN_POSITIVE);
+    if left < RESOLVED || explained >= EXPLAINED && left < 3.0 {
+        Verdict::EffectFound
+    } else {
+        Verdict::Unexplained
+    }
+}
+
+/// `NAME_with_EFFECT`, the text that declares it, and all that it needs: the original before it.
+pub fn amended(case: &Case<'_>, found: &Found, original: &str) -> Option<(String, String)> {
+    let level = &found.after;
+    let last = level.chosen.first()?;
+    let short = |class: &str| class.rsplit('.').next().unwrap_or(class).to_owned();
+    let mut name = short(&case.base);
+    for c in &level.chosen {
+        name.push_str(if c.name == last.name { "_with_" } else { "_and_" });
+        name.push_str(&short(&case.effects[c.effect].class));
+    }
+    let error = |free: &str| {
+        let k = level.plan.free.iter().position(|f| f.name == free)?;
+        Some((level.values[k], level.errors[k]))
+    };
+    let mut settings = Vec::new();
+    for free in &case.plan.free {
+        let Some((value, error)) = error(&free.name) else { continue };
+        for target in &free.targets {
+            let comment = format!("+- {error:.2e}");
+            settings.push(Setting { name: target.clone(), value, comment });
+        }
+    }
+    let mut attached = Vec::new();
+    let mut comments = Vec::new();
+    for c in &level.chosen {
+        let mut values = Vec::new();
+        let mut said = Vec::new();
+        let effect = &case.effects[c.effect];
+        for parameter in &c.fitted {
+            let Some((value, error)) = error(&format!("{}.{parameter}", c.name)) else { continue };
+            values.push((parameter.clone(), value));
+            let base = parameter.split('[').next().unwrap_or(parameter).to_owned();
+            said.push((base, format!("+- {error:.2e} {}", unit(effect, parameter))));
+        }
+        let fixed = c.fixed.iter().filter(|(p, _)| !c.fitted.contains(p));
+        values.extend(fixed.cloned());
+        attached.push(Attached { effect, place: &c.place, name: c.name.clone(), values });
+        comments.push(said);
+    }
+    let e = case.experiment;
+    let items = [
+        ("StartTime", e.start),
+        ("StopTime", e.stop),
+        ("Interval", e.interval),
+        ("Tolerance", e.tolerance),
+    ];
+    let items: Vec<String> =
+        items.iter().filter_map(|(n, v)| v.map(|v| format!("{n} = {v}"))).collect();
+    let experiment = format!("experiment({})", items.join(", "));
+    let description = sentences(case.effects, &level.chosen).join(" ");
+    let text = model(
+        &name,
+        &case.base,
+        &description.replace('"', "'"),
+        (!items.is_empty()).then_some(experiment.as_str()),
+        &settings,
+        &attached,
+        &comments,
+    );
+    Some((name, format!("{}\n\n// Found by mocc diagnose:\n{text}", original.trim_end())))
+}
+
+/// One sentence for each effect.
+pub fn sentences(effects: &[Effect], chosen: &[Chosen]) -> Vec<String> {
+    let one = |c: &Chosen| effects[c.effect].explains.replace("%at", &c.place.at.join(" and "));
+    chosen.iter().map(one).collect()
+}
+
+/// The unit of an effect's parameter.
+fn unit(effect: &Effect, parameter: &str) -> String {
+    effect.units.iter().find(|(n, _)| n == parameter).map_or(String::new(), |(_, u)| u.clone())
+}
+
+/// The text of `diagnosis.json`.
+pub fn json(
+    case: &Case<'_>,
+    found: &Found,
+    amended_model: Option<&str>,
+    seconds: f64,
+    complete: bool,
+) -> String {
+    let best = found.after.bic();
+    let alternatives = found.rejected.iter().filter_map(|level| {
+        let new = level.chosen.last()?;
+        let delta = Json::number(level.bic() - best);
+        Some(effect_json(case.effects, level, new, vec![("delta_bic", delta)]))
+    });
+    let effects =
+        found.after.chosen.iter().map(|c| effect_json(case.effects, &found.after, c, Vec::new()));
+    let members = [
+        ("verdict", Json::text(verdict(found).name())),
+        ("effects", Json::list(effects)),
+        ("alternatives", Json::list(alternatives)),
+        ("before", quality(case.data, &found.before)),
+        ("after", quality(case.data, &found.after)),
+        ("amended_model", amended_model.map_or(Json::null(), Json::text)),
+        ("seconds", Json::number(seconds)),
+        ("complete", Json::flag(complete)),
+    ];
+    Json::object(members).pretty()
+}
+
+fn effect_json(
+    effects: &[Effect],
+    level: &Level,
+    chosen: &Chosen,
+    more: Vec<(&str, Json)>,
+) -> Json {
+    let effect = &effects[chosen.effect];
+    let parameter = |name: &String| {
+        let full = format!("{}.{name}", chosen.name);
+        let k = level.plan.free.iter().position(|f| f.name == full)?;
+        let members = [
+            ("value", Json::number(level.values[k])),
+            ("stderr", Json::number(level.errors[k])),
+            ("unit", Json::text(unit(effect, name))),
+        ];
+        Some((name.clone(), Json::object(members)))
+    };
+    let parameters: Vec<(String, Json)> = chosen.fitted.iter().filter_map(parameter).collect();
+    let sentence = sentences(effects, std::slice::from_ref(chosen)).join(" ");
+    let mut members = vec![
+        ("component", Json::text(effect.class.clone())),
+        ("at", Json::list(chosen.place.at.iter().map(|a| Json::text(a.clone())))),
+        ("parameters", Json::object(parameters)),
+        ("explains", Json::text(sentence)),
+    ];
+    members.extend(more);
+    Json::object(members)
+}
+
+fn quality(data: &Data, level: &Level) -> Json {
+    let signals = |split: Split| {
+        let sums = if split == Split::Train { &level.train } else { &level.validation };
+        let one = |(k, s): (usize, &crate::calibrate::plan::Signal)| {
+            let multiple = sums.of_signal(k);
+            let members = [
+                ("rmse", Json::number(multiple * data.sigmas[k])),
+                ("unit", Json::text(s.unit_name.clone())),
+                ("noise_multiple", Json::number(multiple)),
+            ];
+            (s.column.clone(), Json::object(members))
+        };
+        Json::object(level.plan.signals.iter().enumerate().map(one).collect::<Vec<_>>())
+    };
+    let part = |split: Split, chi2: f64| {
+        Json::object([("chi2", Json::number(chi2)), ("signals", signals(split))])
+    };
+    Json::object([
+        ("train", part(Split::Train, level.chi2_train())),
+        ("validation", part(Split::Validation, level.chi2_validation())),
+    ])
+}
