@@ -191,7 +191,7 @@ mod tests {
 
     fn parameter(name: &str, scale: Scale, bounds: (f64, f64)) -> Parameter {
         let (name, unit) = (name.to_owned(), String::new());
-        Parameter { name, unit, targets: Vec::new(), scale, start: 1.0, bounds }
+        Parameter { name, unit, targets: Vec::new(), scale, start: 1.0, bounds, acts_on: None }
     }
 
     fn positive(name: &str) -> Parameter {

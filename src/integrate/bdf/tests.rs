@@ -286,7 +286,7 @@ fn runs_repeat_to_the_bit() {
 #[test]
 fn a_system_without_components_only_passes_time() {
     let mut system = ode(0, |_, _: &[f64], _: &mut [f64]| Ok(()), |_, _: &[f64], _: &mut [f64]| {});
-    assert_eq!(run(&mut bdf(1e-6, &[]), &mut system, (0.0, &[]), 10.0).unwrap(), []);
+    assert_eq!(run(&mut bdf(1e-6, &[]), &mut system, (0.0, &[]), 10.0).unwrap(), [0.0; 0]);
 }
 
 /// Dense and sparse decompositions differ by rounding only; the first mode of the linear heat equation

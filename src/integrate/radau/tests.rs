@@ -469,7 +469,7 @@ fn a_stop_in_the_past_changes_nothing() {
 fn a_system_without_components_only_passes_time() {
     let mut system = ode(0, |_, _: &[f64], _: &mut [f64]| Ok(()), |_, _: &[f64], _: &mut [f64]| {});
     let mut stepper = radau(1e-6, &[]);
-    assert_eq!(run(&mut stepper, &mut system, (0.0, &[]), 10.0).unwrap(), []);
+    assert_eq!(run(&mut stepper, &mut system, (0.0, &[]), 10.0).unwrap(), [0.0; 0]);
 }
 
 /// The heat equation on a grid too large for the plain loops; its first mode decays by
