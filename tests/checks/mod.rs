@@ -7,6 +7,7 @@ mod architecture;
 mod calibrate;
 mod cli;
 mod closed_form;
+mod diagnose;
 mod diagnostics;
 mod effects;
 mod examples;

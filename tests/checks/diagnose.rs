@@ -1,0 +1,197 @@
+//! `mocc diagnose`: an oscillator whose recordings come from equations integrated here, with an effect
+//! that its model lacks, or with none.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use super::door::Scratch;
+use super::program::mocc;
+
+/// Standard deviation of the noise, m.
+const SIGMA: f64 = 5e-4;
+
+const MODEL: &str = "
+model Swing
+  parameter Real c = 80 \"Stiffness\";
+  parameter Real d = 1.5 \"Damping\";
+  parameter Real s_0 = 0.1 \"Deflection at the start\";
+  Translational.Mass   mass(m = 1, s_start = s_0);
+  Translational.Spring spring(c = c);
+  Translational.Damper damper(d = d);
+  Translational.Fixed  wall;
+equation
+  connect(wall.flange, spring.flange_a);
+  connect(wall.flange, damper.flange_a);
+  connect(spring.flange_b, mass.flange);
+  connect(damper.flange_b, mass.flange);
+  annotation(experiment(StopTime = 2, Tolerance = 1e-8));
+end Swing;
+";
+
+const PLAN: &str = r#"
+model = "swing.mo"
+[data]
+folder = "."
+table  = "table.csv"
+file   = "file"
+split  = "split"
+[conditions]
+s_0 = { parameter = "s_0", unit = "m" }
+[time]
+column = "t"
+unit   = "s"
+[signals]
+s = { variable = "mass.s", unit = "m", sigma = 5e-4 }
+[free]
+c = {}
+d = {}
+"#;
+
+/// Runge and Kutta's classical method for `s'' = -c s - d s' + more(s, s')` from rest at `s_0`.
+fn recording(s_0: f64, seed: u64, more: impl Fn(f64, f64) -> f64) -> String {
+    let rate = |s: f64, v: f64| (v, -100.0 * s - 2.0 * v + more(s, v));
+    let mut state = seed;
+    let mut uniform = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (mut s, mut v) = (s_0, 0.0);
+    let mut text = "t,s\n".to_owned();
+    let h = 1e-4;
+    for k in 0..=20_000 {
+        if k % 50 == 0 {
+            let normal: f64 = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+            writeln!(text, "{},{}", k as f64 * h, s + SIGMA * normal).expect("a String");
+        }
+        let (a1, b1) = rate(s, v);
+        let (a2, b2) = rate(s + 0.5 * h * a1, v + 0.5 * h * b1);
+        let (a3, b3) = rate(s + 0.5 * h * a2, v + 0.5 * h * b2);
+        let (a4, b4) = rate(s + h * a3, v + h * b3);
+        s += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        v += h / 6.0 * (b1 + 2.0 * b2 + 2.0 * b3 + b4);
+    }
+    text
+}
+
+/// The diagnosis of recordings with another force, and the folder it is in.
+fn diagnosis(more: impl Fn(f64, f64) -> f64) -> (Value, Scratch) {
+    let scratch = Scratch::new();
+    scratch.file("swing.mo", MODEL);
+    scratch.file("plan.toml", PLAN);
+    let mut table = "file,split,s_0\n".to_owned();
+    for (k, (s_0, split)) in
+        [(0.1, "train"), (0.06, "train"), (-0.08, "train"), (0.09, "validation")].iter().enumerate()
+    {
+        scratch.file(&format!("{k}.csv"), &recording(*s_0, 17 + k as u64, &more));
+        writeln!(table, "{k}.csv,{split},{s_0}").expect("a String");
+    }
+    scratch.file("table.csv", &table);
+    let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
+    (serde_json::from_str(&text).expect("JSON"), scratch)
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_missing() {
+    let (found, _scratch) = diagnosis(|_, _| 0.0);
+    assert_eq!(found["verdict"], "complete");
+    assert_eq!(found["effects"], Value::Array(Vec::new()));
+    assert_eq!(found["amended_model"], Value::Null);
+    let chi2 = found["after"]["validation"]["chi2"].as_f64().expect("a number");
+    assert!((chi2 - 1.0).abs() < 0.3, "{chi2}");
+}
+
+/// `-0.9 |v| v`: drag of a turbulent flow.
+#[test]
+fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
+    let (found, scratch) = diagnosis(|_, v| -0.9 * v.abs() * v);
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    let effect = &found["effects"][0];
+    assert_eq!(effect["component"], "Effects.QuadraticDrag", "{found:#}");
+    assert_eq!(effect["at"][0], "mass");
+    let (_, parameter) =
+        effect["parameters"].as_object().and_then(|p| p.iter().next()).expect("a parameter");
+    let [value, error] = ["value", "stderr"].map(|k| parameter[k].as_f64().expect("a number"));
+    assert!((value - 0.9).abs() < 4.0 * error && error < 0.1, "{value} +- {error}");
+    let (before, after) = (&found["before"], &found["after"]);
+    assert!(before["validation"]["chi2"].as_f64() > Some(2.0));
+    assert!(after["validation"]["chi2"].as_f64() < Some(1.3));
+    let multiple = after["train"]["signals"]["s"]["noise_multiple"].as_f64();
+    assert!(multiple.is_some_and(|m| (m - 1.0).abs() < 0.1), "{multiple:?}");
+
+    let amended = found["amended_model"].as_str().expect("a name");
+    assert_eq!(amended, "Swing_with_QuadraticDrag.mol");
+    let ended = mocc(&scratch.path().join("out"), &["simulate", amended]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let page = std::fs::read_to_string(scratch.path().join("out/diagnosis.html")).expect("a page");
+    assert!(page.contains("Effects.QuadraticDrag"));
+}
+
+/// A catalogue of the user's own: the effect is one more model with an annotation.
+#[test]
+fn a_users_effect_is_found_too() {
+    let effect = "within;
+model Cubic \"Spring that hardens\"
+  parameter Real k = 0 \"Force per cube of the deflection\";
+  Translational.Flange flange;
+equation
+  flange.f = k*flange.s^3;
+  annotation(__mocc(effect = \"amplitude=k\", explains = \"The spring at %at hardens.\"));
+end Cubic;
+";
+    let scratch = Scratch::new();
+    scratch.file("effects/Cubic.mo", effect);
+    let folder = scratch.path().join("effects");
+    let mut table = "file,split,s_0\n".to_owned();
+    scratch.file("swing.mo", MODEL);
+    scratch.file("plan.toml", PLAN);
+    for (k, (s_0, split)) in
+        [(0.1, "train"), (0.05, "train"), (0.08, "validation")].iter().enumerate()
+    {
+        let text = recording(*s_0, 3 + k as u64, |s, _| -4000.0 * s * s * s);
+        scratch.file(&format!("{k}.csv"), &text);
+        writeln!(table, "{k}.csv,{split},{s_0}").expect("a String");
+    }
+    scratch.file("table.csv", &table);
+    let folder = folder.display().to_string();
+    let arguments = ["diagnose", "plan.toml", "--out", "out", "--effects", &folder];
+    let ended = mocc(scratch.path(), &arguments);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
+    let found: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(found["effects"][0]["component"], "Cubic", "{found:#}");
+    assert_eq!(found["effects"][0]["explains"], "The spring at mass hardens.");
+}
+
+/// The verdicts on the recordings of the test stand; minutes without optimisation:
+/// `cargo test --release -- --ignored stand`.
+#[test]
+#[ignore = "five diagnoses of a minute each"]
+fn the_stand_is_diagnosed() {
+    let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let cases = [
+        ("valve52", "healthy", "complete", ""),
+        ("valve32", "healthy32", "complete", ""),
+        ("valve52", "case-a", "effect_found", "FlowForce"),
+        ("valve52", "case-b", "effect_found", "Leak"),
+        ("valve52", "case-c", "effect_found", "Detent"),
+    ];
+    for (plan, data, verdict, effect) in cases {
+        let scratch = Scratch::new();
+        let out = scratch.path().display().to_string();
+        let plan = format!("examples/{plan}.toml");
+        let data = format!("tests/data/teststand/{data}");
+        let ended = mocc(here, &["diagnose", &plan, "--data", &data, "--out", &out]);
+        assert_eq!(ended.status, 0, "{}", ended.err);
+        let text = std::fs::read_to_string(scratch.path().join("diagnosis.json")).expect("a file");
+        let found: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(found["verdict"], verdict, "{data}");
+        let component = found["effects"][0]["component"].as_str().unwrap_or_default();
+        assert!(component.contains(effect), "{data}: {component}");
+        let chi2 = |when: &str| found[when]["validation"]["chi2"].as_f64().expect("a number");
+        let removed = 1.0 - (chi2("after") - 1.0) / (chi2("before") - 1.0);
+        assert!(effect.is_empty() || removed > 0.95, "{data}: {removed}");
+    }
+}
