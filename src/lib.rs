@@ -47,8 +47,10 @@ pub mod report;
 // ---- The program ----
 
 // The recipe: from files to a compiled model.
-pub mod diagnose;
 pub mod driver;
-// The command line.
+// Parameters from recordings.
 pub mod calibrate;
+// What a model lacks, from recordings.
+pub mod diagnose;
+// The command line.
 pub mod cli;

@@ -140,13 +140,16 @@ fn recordings(
     out
 }
 
+/// Instants, and the values of each signal.
+type Measured = (Arc<[f64]>, Vec<Vec<f64>>);
+
 /// Time and signals of one file.
 fn measured(
     plan: &Plan,
     path: &Path,
     problems: &mut Problems,
     repairs: &mut Vec<String>,
-) -> Option<(Arc<[f64]>, Vec<Vec<f64>>)> {
+) -> Option<Measured> {
     let table = match read_text(path) {
         Ok(table) => table,
         Err(why) => {

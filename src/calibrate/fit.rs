@@ -30,6 +30,8 @@ const BETTER: f64 = 1e-3;
 
 /// When the search stops.
 pub const STOPPING: Stopping = Stopping { decrease: 1e-7, step: 1e-7, iterations: 60, reach: 1.0 };
+/// The same where the best fit is bad in any case.
+pub const QUICK: Stopping = Stopping { decrease: 1e-5, step: 1e-6, iterations: 25, reach: 1.0 };
 /// The same while recordings are left out: the way is what counts.
 const ON_THE_WAY: Stopping = Stopping { decrease: 1e-4, step: 1e-5, iterations: 15, reach: 1.0 };
 
@@ -89,7 +91,7 @@ pub fn fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
 /// something, of which the best fit is bad in any case.
 pub fn quick_fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
     let start = problem.start();
-    let found = search(problem, &start, &STOPPING, heed)?;
+    let found = search(problem, &start, &QUICK, heed)?;
     if reduced(problem, &found) < FINE {
         return Some(found);
     }

@@ -239,7 +239,8 @@ impl Reader<'_> {
                 ["start", "min", "max"].map(|key| self.number(table, key).map(|x| x.0));
             let low = min.unwrap_or(f64::NEG_INFINITY);
             let high = max.unwrap_or(f64::INFINITY);
-            if !(low < high) || start.is_some_and(|s| !(low..=high).contains(&s)) {
+            let is_room = low < high;
+            if !is_room || start.is_some_and(|s| !(low..=high).contains(&s)) {
                 self.problems.push(
                     Diagnostic::error(
                         "MO1006",

@@ -206,7 +206,7 @@ impl<'a> Problem<'a> {
                     let all = program.blocks.dae.variables.enumerate();
                     let all: Vec<&str> = all.map(|(v, _)| program.name(v)).collect();
                     let d = Diagnostic::error("MO1014", signal.span, message);
-                    problems.push(match did_you_mean(wanted, all.into_iter()) {
+                    problems.push(match did_you_mean(wanted, all) {
                         Some(near) => d.help(format!("did you mean `{near}`?")),
                         None => d.help("name a variable that moves, as in the model's results"),
                     });
@@ -509,7 +509,7 @@ fn input(program: &Program, wanted: &str, span: Span, problems: &mut Problems) -
             None => parameters().map(|v| program.name(v)).collect(),
             Some(_) => starts().map(|v| program.name(v)).collect(),
         };
-        problems.push(match did_you_mean(name, names.into_iter()) {
+        problems.push(match did_you_mean(name, names) {
             Some(near) => d.help(format!("did you mean `{near}`?")),
             None => d.help("name a real parameter that is not final and fixes no structure"),
         });

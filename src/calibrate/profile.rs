@@ -91,7 +91,7 @@ pub fn profile(
     goes_on: &mut dyn FnMut(usize) -> bool,
 ) -> Profiles {
     let mut intervals = quadratic(problem, fit, statistics);
-    for i in 0..fit.x.len() {
+    for (i, place) in intervals.iter_mut().enumerate() {
         if !statistics.spreads[i].is_finite() {
             continue;
         }
@@ -106,7 +106,7 @@ pub fn profile(
                 Side::Better(x) => return Profiles::Better(x),
             }
         }
-        intervals[i] = interval(problem, fit, i, ways, ends);
+        *place = interval(problem, fit, i, ways, ends);
     }
     Profiles::Intervals(intervals)
 }

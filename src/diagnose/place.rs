@@ -18,7 +18,24 @@ pub struct Place {
     pub binds: Vec<(String, String)>,
     /// The signal that it stands before, by position in the plan.
     pub signal: Option<usize>,
+    /// Further hosts, each with an effect of its own: one phenomenon at several places at once.
+    pub others: Vec<Place>,
 }
+
+impl Place {
+    /// The place and its others, each by itself.
+    pub fn members(&self) -> Vec<Place> {
+        let own = Place {
+            at: self.at.iter().take(1).cloned().collect(),
+            others: Vec::new(),
+            ..self.clone()
+        };
+        std::iter::once(own).chain(self.others.iter().cloned()).collect()
+    }
+}
+
+/// At most so many hosts have the effect together.
+const TOGETHER: usize = 8;
 
 /// All places for an effect.
 pub fn places(
@@ -31,7 +48,14 @@ pub fn places(
         return signals(plan);
     }
     if !effect.host.is_empty() {
-        return inventory.parts.iter().filter_map(|p| hosted(effect, p, variables)).collect();
+        let mut all: Vec<Place> =
+            inventory.parts.iter().filter_map(|p| hosted(effect, p, variables)).collect();
+        if effect.amplitudes.len() == 1 && (2..=TOGETHER).contains(&all.len()) {
+            let at = all.iter().flat_map(|p| p.at.iter().cloned()).collect();
+            let others = all[1..].to_vec();
+            all.push(Place { at, others, ..all[0].clone() });
+        }
+        return all;
     }
     if !effect.binds.is_empty() {
         return Vec::new();
@@ -49,6 +73,7 @@ fn signals(plan: &Plan) -> Vec<Place> {
         connections: Vec::new(),
         binds: vec![("u".to_owned(), s.variable.clone())],
         signal: Some(k),
+        others: Vec::new(),
     };
     plan.signals.iter().enumerate().map(place).collect()
 }
@@ -69,7 +94,8 @@ fn hosted(effect: &Effect, part: &Part, variables: &FastSet<&str>) -> Option<Pla
         let full = choices.iter().map(|c| format!("{}.{c}", part.name));
         binds.push((input.clone(), full.into_iter().find(|v| variables.contains(v.as_str()))?));
     }
-    Some(Place { at: vec![part.name.clone()], connections, binds, signal: None })
+    let at = vec![part.name.clone()];
+    Some(Place { at, connections, binds, signal: None, others: Vec::new() })
 }
 
 /// One place for each set of connected connectors of the class. It is called after the component that
@@ -90,6 +116,7 @@ fn nodes(end: &End, inventory: &Inventory) -> Vec<Place> {
         connections: vec![(end.name.clone(), format!("{}.{}", part.name, connector.name))],
         binds: Vec::new(),
         signal: None,
+        others: Vec::new(),
     };
     found.into_iter().map(place).collect()
 }
@@ -109,7 +136,13 @@ fn pairs(a: &End, b: &End, inventory: &Inventory) -> Vec<Place> {
         }
         known.push(pair);
         let connections = vec![(a.name.clone(), x.0), (b.name.clone(), y.0)];
-        out.push(Place { at: vec![at.to_owned()], connections, binds: Vec::new(), signal: None });
+        out.push(Place {
+            at: vec![at.to_owned()],
+            connections,
+            binds: Vec::new(),
+            signal: None,
+            others: Vec::new(),
+        });
     };
     let path = |p: &Part, c: &End| (format!("{}.{}", p.name, c.name), c.node);
     for part in &parts {

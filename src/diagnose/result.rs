@@ -57,9 +57,9 @@ pub fn amended(case: &Case<'_>, found: &Found, original: &str) -> Option<(String
     let last = level.chosen.first()?;
     let short = |class: &str| class.rsplit('.').next().unwrap_or(class).to_owned();
     let mut name = short(&case.base);
-    for c in &level.chosen {
-        name.push_str(if c.name == last.name { "_with_" } else { "_and_" });
-        name.push_str(&short(&case.effects[c.effect].class));
+    for group in groups(&level.chosen) {
+        name.push_str(if group[0].name == last.name { "_with_" } else { "_and_" });
+        name.push_str(&short(&case.effects[group[0].effect].class));
     }
     let error = |free: &str| {
         let k = level.plan.free.iter().position(|f| f.name == free)?;
@@ -115,8 +115,17 @@ pub fn amended(case: &Case<'_>, found: &Found, original: &str) -> Option<(String
 
 /// One sentence for each effect.
 pub fn sentences(effects: &[Effect], chosen: &[Chosen]) -> Vec<String> {
-    let one = |c: &Chosen| effects[c.effect].explains.replace("%at", &c.place.at.join(" and "));
-    chosen.iter().map(one).collect()
+    let one = |group: &[Chosen]| {
+        let at: Vec<&str> =
+            group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
+        effects[group[0].effect].explains.replace("%at", &at.join(", "))
+    };
+    groups(chosen).map(one).collect()
+}
+
+/// What is one phenomenon at one or several places.
+fn groups(chosen: &[Chosen]) -> impl Iterator<Item = &[Chosen]> {
+    chosen.chunk_by(|a, b| a.group == b.group)
 }
 
 /// The unit of an effect's parameter.
@@ -134,12 +143,12 @@ pub fn json(
 ) -> String {
     let best = found.after.bic();
     let alternatives = found.rejected.iter().filter_map(|level| {
-        let new = level.chosen.last()?;
+        let new = groups(&level.chosen).last()?;
         let delta = Json::number(level.bic() - best);
         Some(effect_json(case.effects, level, new, vec![("delta_bic", delta)]))
     });
     let effects =
-        found.after.chosen.iter().map(|c| effect_json(case.effects, &found.after, c, Vec::new()));
+        groups(&found.after.chosen).map(|g| effect_json(case.effects, &found.after, g, Vec::new()));
     let members = [
         ("verdict", Json::text(verdict(found).name())),
         ("effects", Json::list(effects)),
@@ -156,27 +165,32 @@ pub fn json(
 fn effect_json(
     effects: &[Effect],
     level: &Level,
-    chosen: &Chosen,
+    group: &[Chosen],
     more: Vec<(&str, Json)>,
 ) -> Json {
-    let effect = &effects[chosen.effect];
-    let parameter = |name: &String| {
-        let full = format!("{}.{name}", chosen.name);
-        let k = level.plan.free.iter().position(|f| f.name == full)?;
-        let members = [
-            ("value", Json::number(level.values[k])),
-            ("stderr", Json::number(level.errors[k])),
-            ("unit", Json::text(unit(effect, name))),
-        ];
-        Some((name.clone(), Json::object(members)))
-    };
-    let parameters: Vec<(String, Json)> = chosen.fitted.iter().filter_map(parameter).collect();
-    let sentence = sentences(effects, std::slice::from_ref(chosen)).join(" ");
+    let effect = &effects[group[0].effect];
+    let mut parameters: Vec<(String, Json)> = Vec::new();
+    for chosen in group {
+        for name in &chosen.fitted {
+            let full = format!("{}.{name}", chosen.name);
+            let Some(k) = level.plan.free.iter().position(|f| f.name == full) else { continue };
+            let members = [
+                ("value", Json::number(level.values[k])),
+                ("stderr", Json::number(level.errors[k])),
+                ("unit", Json::text(unit(effect, name))),
+            ];
+            let several = group.len() > 1;
+            let shown =
+                if several { format!("{name} at {}", chosen.place.at[0]) } else { name.clone() };
+            parameters.push((shown, Json::object(members)));
+        }
+    }
+    let at = group.iter().flat_map(|c| c.place.at.iter());
     let mut members = vec![
         ("component", Json::text(effect.class.clone())),
-        ("at", Json::list(chosen.place.at.iter().map(|a| Json::text(a.clone())))),
+        ("at", Json::list(at.map(|a| Json::text(a.clone())))),
         ("parameters", Json::object(parameters)),
-        ("explains", Json::text(sentence)),
+        ("explains", Json::text(sentences(effects, group).join(" "))),
     ];
     members.extend(more);
     Json::object(members)

@@ -14,7 +14,7 @@ use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
 use crate::math::numeric::least_squares::Stopping;
 
-use super::effect::Effect;
+use super::effect::{Effect, Start};
 use super::place::{Place, places};
 use super::score::score;
 use super::text::{Attached, model};
@@ -22,9 +22,9 @@ use super::text::{Attached, model};
 /// Instances of effects in one model of a score test.
 const BATCH: usize = 48;
 /// Places that are fitted after a score test.
-const FITTED: usize = 6;
+const FITTED: usize = 5;
 /// Of these, those that are searched for long.
-const SEARCHED: usize = 2;
+const SEARCHED: usize = 1;
 /// Effects that are looked for, one after the other.
 const DEPTH: usize = 2;
 /// Decrease of the Bayesian information criterion that counts, well above what the best of hundreds of
@@ -33,7 +33,7 @@ const EVIDENCE: f64 = 30.0;
 /// Reduced sum of squares up to which nothing is left to explain.
 pub const COMPLETE: f64 = 1.03;
 /// A first look at an effect.
-const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 8, reach: 1.0 };
+const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 6, reach: 1.0 };
 
 /// What is examined.
 pub struct Case<'a> {
@@ -68,6 +68,8 @@ pub struct Chosen {
     pub fixed: Vec<(String, f64)>,
     /// Parameters that are fitted.
     pub fitted: Vec<String>,
+    /// The same for those that are one phenomenon at several places.
+    pub group: usize,
 }
 
 /// A model with effects, fitted.
@@ -377,15 +379,18 @@ fn score_batch(case: &Case<'_>, level: &Level, batch: &mut [Scored]) -> Result<(
     let mut all = attached(case, &level.chosen);
     let mut plan = level.plan.clone();
     let free = plan.free.len();
+    let members: Vec<Vec<Place>> = batch.iter().map(|t| t.place.members()).collect();
     for (i, trial) in batch.iter().enumerate() {
         let effect = &case.effects[trial.effect];
-        let name = format!("trial_{i}");
-        for a in &effect.amplitudes {
-            let full = format!("{name}.{}", a.name);
-            plan.free.push(amplitude(&full, 0.0, None, &trial.place, &name));
+        for (j, place) in members[i].iter().enumerate() {
+            let name = format!("trial_{i}_{j}");
+            for a in &effect.amplitudes {
+                let full = format!("{name}.{}", a.name);
+                plan.free.push(amplitude(&full, 0.0, None, place, &name));
+            }
+            let values = trial.shape.clone();
+            all.push(Attached { effect, place, name, values });
         }
-        let values = trial.shape.clone();
-        all.push(Attached { effect, place: &trial.place, name, values });
     }
     let (session, program) = compile(case, &plan, &all, &[])?;
     let mut problems = Problems::new();
@@ -402,11 +407,13 @@ fn score_batch(case: &Case<'_>, level: &Level, batch: &mut [Scored]) -> Result<(
         return Ok(());
     };
     let mut first = free;
-    for trial in batch {
+    for (trial, members) in batch.iter_mut().zip(&members) {
         let effect = &case.effects[trial.effect];
-        let group: Vec<usize> = (first..first + effect.amplitudes.len()).collect();
-        first += group.len();
-        let positive: Vec<bool> = effect.amplitudes.iter().map(|a| a.positive).collect();
+        let count = members.len() * effect.amplitudes.len();
+        let group: Vec<usize> = (first..first + count).collect();
+        first += count;
+        let signs = effect.amplitudes.iter().map(|a| a.positive);
+        let positive: Vec<bool> = members.iter().flat_map(|_| signs.clone()).collect();
         if let Some(found) = score(&normal, free, &group, &positive) {
             // More than everything can not be explained: beyond its range the line does not hold.
             trial.gain = found.gain.min(level.train.total());
@@ -443,42 +450,42 @@ fn attach(case: &Case<'_>, level: &Level, scored: &Scored, depth: usize) -> (Vec
         name.push_str(&format!("_{}", depth + 1));
     }
     let mut plan = level.plan.clone();
-    let mut fitted = Vec::new();
-    for (a, start) in effect.amplitudes.iter().zip(&scored.amplitudes) {
-        let full = format!("{name}.{}", a.name);
-        let (start, min) = match a.positive {
-            true if *start > 0.0 => (*start, Some(0.0)),
-            true => (0.0, Some(0.0)),
-            false => (*start, None),
-        };
-        let mut free = amplitude(&full, start, min, &scored.place, &name);
-        // What the sensor says is the signal now.
-        free.acts_on = None;
-        fitted.push(a.name.clone());
-        plan.free.push(free);
-    }
-    let mut fixed = Vec::new();
-    for ((parameter, value), (_, starts)) in scored.shape.iter().zip(&effect.shapes) {
-        let several = starts.len() > 1
-            || starts.iter().any(|s| matches!(s, super::effect::Start::Spread(..)));
-        let side =
-            starts.iter().all(|s| matches!(s, super::effect::Start::Value(v) if v.abs() == 1.0));
-        if several && !side {
-            let full = format!("{name}.{parameter}");
-            let mut free = amplitude(&full, *value, None, &scored.place, &name);
-            free.acts_on = None;
-            plan.free.push(free);
-            fitted.push(parameter.clone());
-            fixed.push((parameter.clone(), *value));
-        } else {
-            fixed.push((parameter.clone(), *value));
-        }
-    }
-    if let Some(k) = scored.place.signal {
-        plan.signals[k].variable = format!("{name}.y");
-    }
-    let place = scored.place.clone();
     let mut chosen = level.chosen.clone();
-    chosen.push(Chosen { effect: scored.effect, place, name, fixed, fitted });
+    let members = scored.place.members();
+    for (j, place) in members.iter().enumerate() {
+        let component = if j == 0 { name.clone() } else { format!("{name}_at_{}", place.at[0]) };
+        let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
+        let mut fitted = Vec::new();
+        for (a, start) in effect.amplitudes.iter().zip(starts) {
+            let full = format!("{component}.{}", a.name);
+            let (start, min) = match a.positive {
+                true if *start > 0.0 => (*start, Some(0.0)),
+                true => (0.0, Some(0.0)),
+                false => (*start, None),
+            };
+            let mut free = amplitude(&full, start, min, place, &component);
+            // What the sensor says is the signal now.
+            free.acts_on = None;
+            fitted.push(a.name.clone());
+            plan.free.push(free);
+        }
+        for ((parameter, value), (_, starts)) in scored.shape.iter().zip(&effect.shapes) {
+            let several = starts.len() > 1 || starts.iter().any(|s| matches!(s, Start::Spread(..)));
+            let side = starts.iter().all(|s| matches!(s, Start::Value(v) if v.abs() == 1.0));
+            if several && !side {
+                let full = format!("{component}.{parameter}");
+                let mut free = amplitude(&full, *value, None, place, &component);
+                free.acts_on = None;
+                plan.free.push(free);
+                fitted.push(parameter.clone());
+            }
+        }
+        if let Some(k) = place.signal {
+            plan.signals[k].variable = format!("{component}.y");
+        }
+        let group = level.chosen.len();
+        let (place, fixed) = (place.clone(), scored.shape.clone());
+        chosen.push(Chosen { effect: scored.effect, place, name: component, fixed, fitted, group });
+    }
     (chosen, plan)
 }

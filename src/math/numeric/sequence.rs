@@ -16,7 +16,7 @@ const SKIPPED: u64 = 20;
 impl Halton {
     /// Points in `[0, 1)^n`.
     pub fn new(n: usize) -> Self {
-        let prime = |k: &u64| (2..*k).take_while(|d| d * d <= *k).all(|d| k % d != 0);
+        let prime = |k: &u64| (2..*k).take_while(|d| d * d <= *k).all(|d| !k.is_multiple_of(d));
         Halton { bases: (2..).filter(prime).take(n).collect(), index: SKIPPED }
     }
 
