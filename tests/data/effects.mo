@@ -268,6 +268,19 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end FlowForcePressure;
 
+    model FlowForceStream
+      extends OnSpool(v_0 = 0);
+      Pneumatics.Source high(p = 7e5);
+      Pneumatics.Source low(p = 1e5);
+      Effects.FlowForceStream effect(w = -200, m_flow = 0.01);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, high.port);  connect(effect.port_b, low.port);
+      found = {s};
+      exact = {-200*0.01*time^2/(2*m)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FlowForceStream;
+
     model SealPressureForce
       extends OnSpool(v_0 = 0);
       Pneumatics.Source high(p = 7e5);
@@ -640,6 +653,13 @@ package EffectTests
     equation
       connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
     end FlowForcePressure;
+
+    model FlowForceStream
+      extends Base;
+      Effects.FlowForceStream effect(m_flow = seal.gap.m_flow);
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end FlowForceStream;
 
     model SealPressureForce
       extends Base;
