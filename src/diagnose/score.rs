@@ -105,8 +105,8 @@ mod tests {
             normal.add(2.0 + mean - (2.0 + 3.0 * t), &[1.0, t, 5.0]);
         }
         let slope = score(&normal, 1, &[1], &[false]).unwrap();
-        assert!((slope.amplitudes[0] - 3.0).abs() < 1e-9);
-        assert!((slope.gain - normal.cost).abs() < 1e-9);
+        assert!((slope.amplitudes[0] - 3.0).abs() < 1e-8);
+        assert!((slope.gain - normal.cost).abs() < 1e-8);
         assert_eq!(score(&normal, 1, &[2], &[false]), None);
     }
 
@@ -115,6 +115,7 @@ mod tests {
         let mut normal = Normal::new(1);
         normal.add(1.0, &[1.0]);
         assert_eq!(score(&normal, 0, &[0], &[true]), None);
-        assert_eq!(score(&normal, 0, &[0], &[false]).unwrap().amplitudes, [-1.0]);
+        let amplitude = score(&normal, 0, &[0], &[false]).unwrap().amplitudes[0];
+        assert!((amplitude + 1.0).abs() < 1e-8);
     }
 }

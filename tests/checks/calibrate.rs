@@ -383,7 +383,7 @@ fn an_interrupted_search_writes_what_it_has() {
     let out = String::from_utf8_lossy(&ended.stdout);
     assert_eq!(ended.status.code(), Some(130), "{out}");
     assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
-    assert!(out.contains("interrupted after 1 step"), "{out}");
+    assert!(out.contains("interrupted after "), "{out}");
     let found = json(scratch.path(), "out");
     assert_eq!((&found["complete"], &found["converged"]), (&false.into(), &false.into()));
     assert_eq!(found["parameters"].as_array().map(Vec::len), Some(12));
