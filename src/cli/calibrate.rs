@@ -27,7 +27,7 @@ const RETURNS: usize = 3;
 pub fn run(options: &Calibrate) -> Status {
     let begun = Instant::now();
     let mut session = Session::default();
-    let Some((plan, data)) = inputs(options, &mut session) else {
+    let Some((plan, data)) = inputs(&options.plan, options.data.as_deref(), &mut session) else {
         say(&session);
         return Status::Usage;
     };
@@ -105,18 +105,22 @@ pub fn run(options: &Calibrate) -> Status {
     }
 }
 
-/// The plan and its recordings.
-fn inputs(options: &Calibrate, session: &mut Session) -> Option<(Plan, Data)> {
-    let text = match files::read(&options.plan) {
+/// The plan and its recordings, perhaps from another folder.
+pub(super) fn inputs(
+    path: &Path,
+    folder: Option<&Path>,
+    session: &mut Session,
+) -> Option<(Plan, Data)> {
+    let text = match files::read(path) {
         Ok(text) => text,
         Err(why) => {
-            eprintln!("error: cannot read {}: {why}", options.plan.display());
+            eprintln!("error: cannot read {}: {why}", path.display());
             return None;
         }
     };
-    let mut plan = plan::read(&options.plan, &text, &mut session.sources, &mut session.problems)?;
-    if let Some(folder) = &options.data {
-        plan.folder = folder.clone();
+    let mut plan = plan::read(path, &text, &mut session.sources, &mut session.problems)?;
+    if let Some(folder) = folder {
+        plan.folder = folder.to_owned();
     }
     let data = data::read(&plan, &mut session.problems)?;
     Some((plan, data))

@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use super::args::Diagnose;
+use super::calibrate::inputs;
 use super::progress::Working;
 use super::{Status, interrupt, print, say};
 use crate::base::diag::Problems;
-use crate::calibrate::{data, plan};
 use crate::diagnose::effect::catalogue;
 use crate::diagnose::search::{Case, Nothing, diagnose};
 use crate::diagnose::{page, result};
@@ -23,19 +23,8 @@ pub fn run(options: &Diagnose) -> Status {
 }
 
 fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status {
-    let text = match crate::driver::files::read(&options.plan) {
-        Ok(text) => text,
-        Err(why) => {
-            eprintln!("error: cannot read {}: {why}", options.plan.display());
-            return Status::Usage;
-        }
-    };
-    let plan = plan::read(&options.plan, &text, &mut session.sources, &mut session.problems);
-    let Some(mut plan) = plan else { return Status::Usage };
-    if let Some(folder) = &options.data {
-        plan.folder = folder.clone();
-    }
-    let Some(data) = data::read(&plan, &mut session.problems) else { return Status::Usage };
+    let inputs = inputs(&options.plan, options.data.as_deref(), session);
+    let Some((plan, data)) = inputs else { return Status::Usage };
     let mut folders = plan.libraries.clone();
     folders.extend(options.effects.clone());
     let request = Request {
