@@ -112,6 +112,8 @@ pub struct Variable {
     pub hidden: bool,
     /// Declared `protected`.
     pub protected: bool,
+    /// A constant, or a parameter whose value fixed the structure.
+    pub structural: bool,
     /// Place of the declaration.
     pub span: Span,
 }
@@ -135,6 +137,7 @@ impl Variable {
             description: None,
             hidden: false,
             protected: false,
+            structural: false,
             span,
         }
     }

@@ -156,6 +156,7 @@ fn classify(
         description: v.description.clone(),
         hidden: false,
         protected: v.protected,
+        structural: v.structural || v.variability == Variability::Constant,
         span: v.span,
     }
 }

@@ -21,3 +21,5 @@ mod results;
 mod sensitivity;
 mod start;
 mod suite;
+mod sweep;
+mod valve;

@@ -82,6 +82,7 @@ impl Builder {
             display_unit: name(""),
             description: None,
             hidden: false,
+            structural: false,
             protected: false,
             span: Span::NONE,
         })
