@@ -74,7 +74,12 @@ impl Chart {
     /// Height of headings and legends.
     fn head(&self) -> f64 {
         let lines = self.groups.iter().map(|g| legend(g, self.width_of_group()).1).max();
-        LINE * (1.0 + lines.unwrap_or(0) as f64) + 8.0
+        LINE * (self.headings() + lines.unwrap_or(0) as f64) + 8.0
+    }
+
+    /// Lines of headings.
+    fn headings(&self) -> f64 {
+        if self.groups.iter().any(|g| !g.heading.is_empty()) { 1.0 } else { 0.0 }
     }
 
     fn width_of_group(&self) -> f64 {
@@ -122,7 +127,12 @@ impl<'a> Drawing<'a> {
             .ok_or(PlotError::Empty("no table has what the horizontal axis shows"))?;
         let mut up = Vec::new();
         for panel in 0..chart.panels.len() {
-            let values = all().filter_map(|s| s.y[panel].as_ref()).flatten().copied();
+            // What stands outside of the horizontal axis does not count.
+            let of = |s: &'a Series| {
+                let places = s.x.iter().map(|x| chart.place(*x));
+                places.zip(s.y[panel].iter().flatten()).filter(|(x, _)| x.is_finite())
+            };
+            let values = all().flat_map(of).map(|(_, y)| *y);
             let (low, high) = ends(values.filter(finite))
                 .ok_or(PlotError::Empty("no table has what a panel shows"))?;
             let room = ROOM * (high - low);
@@ -143,7 +153,7 @@ impl<'a> Drawing<'a> {
             let left = MARGIN + 44.0 + g as f64 * (width + GAP);
             canvas.text(&group.heading, (left, HEAD + 8.0), &AXIS)?;
             for (k, (x, line)) in legend(group, width).0.into_iter().enumerate() {
-                let (x, y) = (left + x, HEAD + 8.0 + LINE * (1.0 + line as f64));
+                let (x, y) = (left + x, HEAD + 8.0 + LINE * (chart.headings() + line as f64));
                 canvas.line(&[(x, y), (x + SWATCH, y)], &curve_stroke(k))?;
                 canvas.text(&group.series[k].label, (x + SWATCH + SWATCH_GAP, y), &AXIS)?;
             }
@@ -213,14 +223,14 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// Least and greatest, apart from each other.
+/// Least and greatest, apart from each other: a constant is shown with zero.
 fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let size = low.abs().max(high.abs());
     match high - low {
         extent if extent > 1e-9 * size => Some((low, high)),
-        extent if extent >= 0.0 && size > 0.0 => Some((low - 0.1 * size, high + 0.1 * size)),
+        extent if extent >= 0.0 && size > 0.0 => Some((low.min(0.0), high.max(0.0))),
         extent if extent >= 0.0 => Some((-1.0, 1.0)),
         _ => None,
     }

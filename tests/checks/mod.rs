@@ -11,6 +11,7 @@ mod diagnose;
 mod diagnostics;
 mod effects;
 mod examples;
+mod figures;
 mod friction;
 mod hard;
 mod hybrid;

@@ -1,0 +1,36 @@
+//! The figures of `examples/figures` can be made again, all of them and no others.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::door::Scratch;
+
+fn pictures(folder: &Path) -> Vec<String> {
+    let list = std::fs::read_dir(folder).expect("a folder").flatten();
+    let names = list.map(|e| e.file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.filter(|n| n.ends_with(".svg")).collect();
+    names.sort();
+    names
+}
+
+#[cfg(unix)]
+#[test]
+fn the_script_makes_the_pictures_that_the_readme_names() {
+    let folder = Scratch::new();
+    let figures = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/figures");
+    let mut command = Command::new("sh");
+    command.arg(figures.join("make")).arg(folder.path());
+    command.env("MOCC", env!("CARGO_BIN_EXE_mocc")).env_remove("MODELICAPATH");
+    let output = command.output().expect("a shell");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let made = pictures(folder.path());
+    let mut committed = pictures(&figures);
+    committed.retain(|name| name != "valve52.svg");
+    assert_eq!(made, committed);
+    let readme = std::fs::read_to_string(figures.join("README.md")).expect("a text");
+    assert!(made.iter().all(|name| readme.contains(name.as_str())), "{made:?}");
+    for name in &made {
+        let svg = std::fs::read_to_string(folder.path().join(name)).expect("a picture");
+        assert!(svg.starts_with("<svg ") && svg.contains("<polyline"), "{name}");
+    }
+}
