@@ -9,7 +9,7 @@ use super::stream::{Stream, drawable};
 use super::{Status, interrupt, print, say, style};
 use crate::base::render::render;
 use crate::codegen::record;
-use crate::driver::compile::Session;
+use crate::driver::compile::{Request, Session};
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Kind, Trajectory, position};
 use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
@@ -31,7 +31,8 @@ pub fn run(options: &Simulate) -> Status {
     }
     let begun = Instant::now();
     let mut session = Session::default();
-    let program = session.compile(&options.model.request());
+    let program =
+        session.compile(&Request { form: options.mode.into(), ..options.model.request() });
     say(&session);
     let mut program = match program {
         Ok(program) => program,
@@ -267,8 +268,12 @@ fn summary(
     let i = &s.integration;
     let ms = |d: Duration| format!("{:.1} ms", 1e3 * d.as_secs_f64());
     let equations = dae.equations.len() + dae.discrete.len() + dae.eliminated.len();
+    let algebraics = match program.algebraics.len() {
+        0 => String::new(),
+        n => format!(" and {n} algebraic unknowns"),
+    };
     let mut out = format!(
-        "{}: {} states, {equations} equations ({} trivial), to {} s\n",
+        "{}: {} states{algebraics}, {equations} equations ({} trivial), to {} s\n",
         dae.name,
         program.blocks.states.len(),
         dae.eliminated.len(),

@@ -54,7 +54,9 @@ impl Simulation<'_, '_> {
             self.recent.alone = None;
             return Ok(false);
         };
-        if settled.acted || self.program.watches[k as usize] != Watch::State {
+        // Loops that the integrator solves would have two solutions at once there.
+        let implicit = !self.program.algebraics.is_empty();
+        if implicit || settled.acted || self.program.watches[k as usize] != Watch::State {
             self.recent.alone = None;
             return Ok(false);
         }
@@ -164,6 +166,11 @@ impl Simulation<'_, '_> {
         let diagnostic = Diagnostic::error("MO0911", span, message)
             .label("this relation chatters")
             .help("give the two branches a hysteresis or a smooth transition, or model the state between them (locked, resting) explicitly");
+        let diagnostic = if self.program.algebraics.is_empty() {
+            diagnostic
+        } else {
+            diagnostic.note("in the reduced mode a solution can stay where both branches lead back")
+        };
         Err(Failure::numerics(t, diagnostic))
     }
 }

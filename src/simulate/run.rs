@@ -100,6 +100,12 @@ pub fn simulate_with_sensitivities(
     sources: &SourceMap,
     sink: &mut dyn Sink,
 ) -> Result<Statistics, Failure> {
+    if !program.algebraics.is_empty() {
+        return Err(Failure::settings(
+            "a run can be differentiated in the reduced mode only: this program leaves algebraic loops to the integrator"
+                .to_owned(),
+        ));
+    }
     let Some(settings) = with_inputs(program, settings, inputs) else {
         return Err(Failure::settings(
             "a run can be differentiated by its inputs only: parameters and starts that are no constants"
