@@ -91,8 +91,8 @@ pub fn simulate_to(
 }
 
 /// As [`simulate_to`], and after each row hands over the derivatives of its values by the inputs
-/// ([`Sink::slopes`]). They are right across events; a solution that slides along the surface of a
-/// relation has none here, which is a failure.
+/// ([`Sink::slopes`]). They are right across events, and along the surface of a relation that the
+/// solution slides on.
 pub fn simulate_with_sensitivities(
     program: &Program,
     settings: &Settings,
@@ -323,7 +323,9 @@ impl<'p, 's> Simulation<'p, 's> {
         self.vary()?;
         self.record_grid(t, false)?;
         // Whatever happens, both sides are looked at anew.
-        self.model.sliding = None;
+        if let Some(mut sliding) = self.model.sliding.take() {
+            self.arrive_from_surface(&mut sliding, t);
+        }
         self.search.ignore(None);
         let held = self.held_relations();
         let mut nudge =
