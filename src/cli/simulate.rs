@@ -9,7 +9,7 @@ use super::stream::{Stream, drawable};
 use super::{Status, interrupt, print, say, style};
 use crate::base::render::render;
 use crate::codegen::record;
-use crate::driver::compile::Session;
+use crate::driver::compile::{Request, Session};
 use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Kind, Trajectory, position};
@@ -33,7 +33,7 @@ pub fn run(options: &Simulate) -> Status {
     }
     let begun = Instant::now();
     let mut session = Session::default();
-    let request = options.model.request();
+    let request = Request { form: options.mode.into(), ..options.model.request() };
     let program = match options.measures.as_slice() {
         [] => session.compile(&request).map(|program| (program, None)),
         texts => session.compile_measured(&request, texts).map(|(p, plan)| (p, Some(plan))),
@@ -330,8 +330,12 @@ fn summary(
     let i = &s.integration;
     let ms = |d: Duration| format!("{:.1} ms", 1e3 * d.as_secs_f64());
     let equations = dae.equations.len() + dae.discrete.len() + dae.eliminated.len();
+    let algebraics = match program.algebraics.len() {
+        0 => String::new(),
+        n => format!(" and {n} algebraic unknowns"),
+    };
     let mut out = format!(
-        "{}: {} states, {equations} equations ({} trivial), to {} s\n",
+        "{}: {} states{algebraics}, {equations} equations ({} trivial), to {} s\n",
         dae.name,
         program.blocks.states.len(),
         dae.eliminated.len(),

@@ -8,7 +8,7 @@ use super::args::Sweep as Options;
 use super::progress::Progress;
 use super::simulate::{names_in, settings_of};
 use super::{Status, interrupt, print, say};
-use crate::driver::compile::Session;
+use crate::driver::compile::{Request, Session, Wrong};
 use crate::report::journal::{Fingerprint, Found, Journal, exists, remove};
 use crate::report::write::create_folder;
 use crate::simulate::settings::Settings;
@@ -34,7 +34,7 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     let design = design(options)?;
     let files = Files::of(options)?;
     let model = Model {
-        request: options.model.request(),
+        request: Request { form: options.mode.into(), ..options.model.request() },
         measures: options.measures.clone(),
         keep: files.traces.is_some().then(|| keep(options)),
     };
@@ -60,9 +60,9 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     if !first.is_empty() {
         let mut session = Session::default();
         let all: Vec<String> = options.model.settings.iter().chain(&first).cloned().collect();
-        let request = crate::driver::compile::Request { settings: all, ..options.model.request() };
+        let request = Request { settings: all, ..options.model.request() };
         if let Err(wrong) = session.flatten(&request)
-            && wrong == crate::driver::compile::Wrong::Request
+            && wrong == Wrong::Request
         {
             say(&session);
             return Ok(Status::Usage);
@@ -156,7 +156,7 @@ fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
                 &options.model.folders
             ),
             (&options.vary, &options.sample, options.seed, &options.measures),
-            (options.stop, options.interval, options.tolerance, options.method),
+            (options.stop, options.interval, options.tolerance, options.method, options.mode),
             (options.traces, &options.show, pattern),
         )
     );

@@ -1,6 +1,6 @@
 //! What can be wrong with a measure: `MO11..`.
 
-use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 
 const EXAMPLE: &str = "write NAME = EXPRESSION, such as `t_switch = when(spool.s > 0.95*s_max)`";
@@ -60,14 +60,4 @@ pub fn moves(span: Span, name: &str) -> Diagnostic {
     Diagnostic::error("MO1105", span, format!("the measure `{name}` is no single number"))
         .label("depends on variables that change during the run")
         .help("say which value of them is meant: `final(e)`, `max(e)`, `mean(e)`, `at(e, t)`, ...")
-}
-
-/// A variable that is asked for is not there.
-pub fn unknown(wanted: &str, names: &[&str]) -> Diagnostic {
-    let d =
-        Diagnostic::error("MO1106", Span::NONE, format!("the model has no variable `{wanted}`"));
-    match did_you_mean(wanted, names.iter().copied()) {
-        Some(near) => d.help(format!("did you mean `{near}`?")),
-        None => d.help("`mocc flatten FILE` lists all variables"),
-    }
 }

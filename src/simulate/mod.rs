@@ -26,6 +26,7 @@ pub mod selection;
 pub mod sensitivity;
 pub mod settings;
 pub mod sliding;
+pub mod surface;
 pub mod system;
 
 #[cfg(test)]

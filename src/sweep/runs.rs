@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::design::Design;
 use super::error::SweepError;
 use super::pool;
-use super::variant::{Compiled, Entry, Variants, in_one_line};
+use super::variant::{Compiled, Variants, in_one_line};
 use super::vary::Value;
 use crate::ir::trajectory::{Column, Constant, Event};
 use crate::measure::observe::Observer;
@@ -227,11 +227,6 @@ impl Sweep<'_> {
         outcome?;
         records.finish()?;
         Ok(tally)
-    }
-
-    /// Number of programs besides the one for all inputs: true if there are any.
-    pub fn compiles_anew(&self) -> bool {
-        self.variants.entries.contains(&Entry::Structure)
     }
 }
 

@@ -15,6 +15,7 @@ mod figures;
 mod friction;
 mod hard;
 mod hybrid;
+mod implicit;
 mod language;
 mod machine_code;
 mod reference;
