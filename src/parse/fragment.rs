@@ -67,7 +67,8 @@ mod tests {
             let place = whole.find('=').unwrap() + 1;
             let sum = binding("--set", whole, place, None, &mut sources).unwrap();
             let ExprKind::Binary(_, a, b) = &sum.kind else { panic!("{sum:?}") };
-            assert_eq!((sources.text(a.span), sources.text(b.span)), (Some("a"), Some("b")));
+            let text = |e: &Expr| sources.text(e.span).map(str::trim);
+            assert_eq!((text(a), text(b)), (Some("a"), Some("b")));
         }
         let mut sources = SourceMap::default();
         for whole in ["y=a +", "y=", "y=1; Real z"] {

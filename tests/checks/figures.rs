@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::door::Scratch;
+use super::program::mocc;
 
 fn pictures(folder: &Path) -> Vec<String> {
     let list = std::fs::read_dir(folder).expect("a folder").flatten();
@@ -33,4 +34,27 @@ fn the_script_makes_the_pictures_that_the_readme_names() {
         let svg = std::fs::read_to_string(folder.path().join(name)).expect("a picture");
         assert!(svg.starts_with("<svg ") && svg.contains("<polyline"), "{name}");
     }
+}
+
+#[test]
+fn what_a_table_does_not_have_is_said() {
+    let folder = Scratch::new();
+    folder.file("run.csv", "time,a.x[1],note\n0,1,\n1,2,late\n");
+    let plot = |more: &[&str]| {
+        let mut all = vec!["plot", "run.csv=run", "--output", "out.svg"];
+        all.extend(more);
+        mocc(folder.path(), &all)
+    };
+    let drawn = plot(&["--x", "time in s: t_s | time", "--y", "twice x: 2*a.x[1]"]);
+    assert_eq!((drawn.status, drawn.err.as_str()), (0, ""));
+    let said = |more: &[&str]| {
+        let ended = plot(more);
+        assert_eq!(ended.status, 2, "{}", ended.err);
+        ended.err
+    };
+    assert!(said(&["--x", "t: t_s", "--y", "x: time"]).contains("no columns for `t`"));
+    assert!(said(&["--x", "t: time", "--y", "x: b"]).contains("no table has what a panel shows"));
+    assert!(said(&["--x", "t: time", "--y", "x: sin(time)"]).contains("are known here"));
+    assert!(said(&["--x", "t: time", "--y", "time"]).contains("TEXT: FORMULA"));
+    assert!(said(&["--x", "t: time", "--y", "x: 1 +"]).contains("is no formula"));
 }

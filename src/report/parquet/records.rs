@@ -115,3 +115,51 @@ impl RecordsWriter {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field as Read;
+
+    use super::*;
+    use crate::report::write::tests::Scratch;
+
+    #[test]
+    fn rows_with_missing_values_read_back() {
+        let dir = Scratch::new("records");
+        let field = |name: &str, ty, unit: &str| Field {
+            name: name.into(),
+            ty,
+            unit: unit.into(),
+            description: String::new(),
+        };
+        let fields = [
+            field("run", Type::Whole, ""),
+            field("t", Type::Real, "s"),
+            field("error", Type::Text, ""),
+        ];
+        let file = AtomicFile::create(dir.path("sweep.parquet")).unwrap();
+        let mut writer = RecordsWriter::new(file, &fields).unwrap();
+        writer.row(&[Cell::Whole(1), Cell::Real(0.25), Cell::Missing]).unwrap();
+        writer.row(&[Cell::Whole(2), Cell::Missing, Cell::Text("Ä, b".into())]).unwrap();
+        writer.finish().unwrap().finish().unwrap();
+
+        let reader = SerializedFileReader::new(File::open(dir.path("sweep.parquet")).unwrap());
+        let reader = reader.unwrap();
+        let told = reader.metadata().file_metadata().key_value_metadata().unwrap();
+        let columns = "{\"run\":{},\"t\":{\"unit\":\"s\"},\"error\":{}}";
+        assert_eq!(told[0].value.as_deref(), Some(columns));
+        let rows: Vec<Vec<Read>> = reader
+            .get_row_iter(None)
+            .unwrap()
+            .map(|row| row.unwrap().get_column_iter().map(|(_, value)| value.clone()).collect())
+            .collect();
+        let expected = [
+            vec![Read::Long(1), Read::Double(0.25), Read::Null],
+            vec![Read::Long(2), Read::Null, Read::Str("Ä, b".into())],
+        ];
+        assert_eq!(rows, expected);
+    }
+}
