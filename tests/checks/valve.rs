@@ -250,7 +250,7 @@ fn check(table: &Table) {
     all("lost", &|x| x.abs() < 1e-6);
     // Ten newtons by the speed that is left where an event finds it zero.
     all("P_friction", &|x| x <= 1e-7);
-    all("E_friction", &|x| x < 0.0);
+    all("E_friction", &|x| x <= 0.0);
     all("s_least", &|x| x > -1e-9);
     all("s_most", &|x| x < 1.0 + 1e-9);
     all("p_least", &|x| x > 0.99e5);
