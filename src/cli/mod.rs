@@ -7,6 +7,7 @@ pub mod progress;
 pub mod show;
 pub mod simulate;
 pub mod stream;
+pub mod writer;
 
 use std::process::ExitCode;
 
