@@ -340,6 +340,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let (settled, before) = loop {
             self.go_to(t)?;
             self.take_row(t)?;
+            self.look(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
             let derivatives = self.arrive(t, cause);
             ticked |= self.clocks.raise(&mut self.model.instance, t);
@@ -493,7 +494,7 @@ impl<'p, 's> Simulation<'p, 's> {
             taken = self.recorder.take(&self.model.instance);
         }
         if taken.is_ok() {
-            self.look(t)?;
+            self.look_at_row(t)?;
         }
         taken.map_err(|v| {
             let reader = Reader::new(self.program, &self.model.instance.memory);

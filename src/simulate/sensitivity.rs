@@ -17,13 +17,15 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::codegen::interp::{Fault, Instance};
 use crate::codegen::tangent::Tangents;
+use crate::codegen::tangent::forcing::Forcing;
+use crate::codegen::tangent::outputs::needed;
 use crate::integrate::radau::Radau;
 use crate::integrate::radau::variation::{NoVariation, Variation};
 use crate::integrate::stepper::Stepper;
 use crate::integrate::system::{EvalError, System};
 use crate::integrate::variational::Variational;
 use crate::ir::expr::VarId;
-use crate::ir::program::{Program, Slot, Watch};
+use crate::ir::program::{Instr, Program, Slot, Watch};
 
 use super::clock::Clocks;
 use super::error::{Failure, of_fault};
@@ -49,6 +51,12 @@ pub struct Sensitivity {
     tangents: Option<Box<Tangents>>,
     variation: Variation,
     linearisation: Linearisation,
+    /// Of the rates, by the inputs alone.
+    forcing: Box<Forcing>,
+    /// The memory depends on the inputs in another way than when `forcing` was prepared.
+    stale: bool,
+    /// What the recorded variables depend on.
+    outputs: Vec<Instr>,
     s: Vec<f64>,
     /// How the instant of the event at hand moves with each input.
     shift: Vec<f64>,
@@ -126,11 +134,15 @@ impl Sensitivity {
             rows,
         };
         let recorded: Vec<Slot> = program.recorded.iter().map(|v| program.slot(*v)).collect();
+        let outputs = needed(program, &[&program.rhs, &program.roots, &program.rest], &recorded);
         Some(Sensitivity {
             count,
             tangents: Some(Box::new(tangents)),
             variation: Variation::new(n, count),
             linearisation,
+            forcing: Box::new(Forcing::new(program, count)),
+            stale: true,
+            outputs,
             s: vec![0.0; n],
             shift: vec![0.0; count + 1],
             slopes: vec![0.0; recorded.len() * count],
@@ -143,6 +155,7 @@ impl Sensitivity {
     /// From here on everything that runs is followed.
     pub fn attach(&mut self, instance: &mut Instance<'_>) {
         instance.tangents = self.tangents.take();
+        self.stale = true;
     }
 
     /// Ends what `attach` began.
@@ -159,6 +172,7 @@ impl Sensitivity {
     pub fn restore(&mut self, snapshot: Option<&Tangents>) {
         if let (Some(tangents), Some(snapshot)) = (&mut self.tangents, snapshot) {
             tangents.copy_from(snapshot);
+            self.stale = true;
         }
     }
 
@@ -182,18 +196,51 @@ impl Sensitivity {
             self.tangents = along.tangents.take();
             return outcome;
         }
-        let mut along = Along { model, tangents: Some(tangents), memory: &mut self.linearisation };
-        let outcome = stepper.vary(&mut along, &mut self.variation);
-        self.tangents = along.tangents.take();
-        outcome
+        if std::mem::take(&mut self.stale) {
+            self.forcing.prepare(model.instance.program, &tangents);
+        }
+        self.tangents = Some(tangents);
+        let (forcing, memory) = (&mut *self.forcing, &mut self.linearisation);
+        let mut along = Along { model, forcing, memory };
+        stepper.vary(&mut along, &mut self.variation)
     }
 
     /// Derivatives of everything at `t` within the last step, where everything has been evaluated.
     pub fn look(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
         let program = instance.program;
-        let Some(tangents) = &mut self.tangents else { return Ok(()) };
         let layout = &program.layout;
-        let order = program.order();
+        self.place(program, t);
+        let Some(tangents) = &mut self.tangents else { return Ok(()) };
+        // The last direction moves along the trajectory.
+        for i in 0..program.order() {
+            let rate = match &self.arrival {
+                Some(rates) => rates[i],
+                None => instance.get(layout.derivatives[i]),
+            };
+            tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
+        }
+        tangents.of_mut(layout.time)[self.count] = 1.0;
+        for tape in [&program.rhs, &program.roots, &program.rest] {
+            tangents.follow(instance, tape)?;
+        }
+        self.read_slopes();
+        Ok(())
+    }
+
+    /// Derivatives of what is recorded at `t` within the last step, where everything has been evaluated.
+    pub fn look_at_row(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
+        self.place(instance.program, t);
+        if let Some(tangents) = &mut self.tangents {
+            tangents.follow(instance, &self.outputs)?;
+        }
+        self.read_slopes();
+        Ok(())
+    }
+
+    /// Takes the derivatives of the states at `t` within the last step; time rests.
+    fn place(&mut self, program: &Program, t: f64) {
+        let Some(tangents) = &mut self.tangents else { return };
+        let layout = &program.layout;
         for direction in 0..self.count {
             match &self.surface {
                 Some(surface) => {
@@ -203,30 +250,18 @@ impl Sensitivity {
                 }
                 None => self.variation.interpolate(direction, t, &mut self.s),
             }
-            for i in 0..order {
+            for i in 0..program.order() {
                 tangents.of_mut(layout.states + i as Slot)[direction] = self.s[i];
             }
         }
-        // The last direction moves along the trajectory.
-        for i in 0..order {
-            let rate = match &self.arrival {
-                Some(rates) => rates[i],
-                None => instance.get(layout.derivatives[i]),
-            };
-            tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
-        }
-        let time = tangents.of_mut(layout.time);
-        time.fill(0.0);
-        time[self.count] = 1.0;
-        let mut followed = Ok(());
-        for tape in [&program.rhs, &program.roots, &program.rest] {
-            followed = followed.and_then(|()| tangents.follow(instance, tape));
-        }
-        followed?;
+        tangents.of_mut(layout.time).fill(0.0);
+    }
+
+    fn read_slopes(&mut self) {
+        let Some(tangents) = &self.tangents else { return };
         for (slopes, slot) in self.slopes.chunks_exact_mut(self.count.max(1)).zip(&self.recorded) {
             slopes.copy_from_slice(&tangents.of(*slot)[..self.count]);
         }
-        Ok(())
     }
 
     /// Takes everything along to the moving instant of a relation that switches, looked at last.
@@ -411,6 +446,17 @@ impl Simulation<'_, '_> {
         looked.map_err(|f| of_fault(&self.model.instance, f, t))
     }
 
+    /// The derivatives of what is recorded at `t` in the last step, if they are wanted.
+    pub(super) fn look_at_row(&mut self, t: f64) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let looked = if self.model.sliding.is_some() {
+            s.look_at_surface(&mut self.model, t)
+        } else {
+            s.look_at_row(&mut self.model.instance, t)
+        };
+        looked.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
     /// Takes the derivatives along to an event, where they will be followed; a copy of what they were.
     pub(super) fn arrive(&mut self, t: f64, cause: Cause) -> Option<Tangents> {
         let s = self.sensitivity.as_mut()?;
@@ -451,40 +497,29 @@ fn not_differentiable(why: NoVariation, t: f64) -> Failure {
 /// The variational equations along a run.
 struct Along<'a, 'p> {
     model: &'a mut Model<'p>,
-    tangents: Option<Box<Tangents>>,
+    forcing: &'a mut Forcing,
     memory: &'a mut Linearisation,
 }
 
 impl Variational for Along<'_, '_> {
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
-        let Along { model, tangents, memory } = self;
+        let Along { model, forcing, memory } = self;
         model.jacobian_entries(t, y, &mut memory.jacobian[stage])?;
         let instance = &mut model.instance;
         let program = instance.program;
-        let layout = &program.layout;
-        let order = program.order();
-        instance.place(t, &y[..order]);
-        if let Some(tangents) = tangents {
-            tangents.of_mut(layout.time).fill(0.0);
-            for i in 0..order {
-                tangents.of_mut(layout.states + i as Slot).fill(0.0);
-            }
-        }
-        instance.tangents = tangents.take();
+        instance.place(t, &y[..program.order()]);
         let mut outcome = instance.run(&program.rhs);
-        if outcome.is_err_and(of_domain) {
-            instance.inside = true;
+        let beyond = outcome.is_err_and(of_domain);
+        instance.inside = beyond;
+        if beyond {
             outcome = instance.run(&program.rhs);
-            instance.inside = false;
         }
-        *tangents = instance.tangents.take();
+        let outcome = outcome.and_then(|()| forcing.follow(instance));
+        instance.inside = false;
         outcome.map_err(|_| EvalError::Recoverable(0))?;
-        if let Some(tangents) = tangents {
-            let count = tangents.directions() - 1;
-            for (i, slot) in layout.derivatives.iter().enumerate() {
-                for (direction, d) in tangents.of(*slot)[..count].iter().enumerate() {
-                    memory.forcing[stage][direction * memory.n + i] = *d;
-                }
+        for (i, slot) in program.layout.derivatives.iter().enumerate() {
+            for (direction, d) in forcing.of(*slot).iter().enumerate() {
+                memory.forcing[stage][direction * memory.n + i] = *d;
             }
         }
         Ok(())
