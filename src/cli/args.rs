@@ -21,6 +21,8 @@ struct Arguments {
 pub enum Command {
     /// Compile a model, run it, write a table and a picture.
     Simulate(Simulate),
+    /// Make a page with the diagram, the parameters and the runs of a model.
+    Report(Report),
     /// Print the flat model: all variables and equations as one Modelica model.
     Flatten(Model),
     /// Fit the free parameters of a plan to recordings.
@@ -68,6 +70,26 @@ pub struct Simulate {
     /// The model.
     #[command(flatten)]
     pub model: Model,
+    /// How it is run.
+    #[command(flatten)]
+    pub running: Running,
+    /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
+    #[arg(long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+    /// Picture, .svg or .png [default: MODEL.svg; nothing if only --output is given].
+    #[arg(long, value_name = "PATH")]
+    pub plot: Option<PathBuf>,
+    /// Variables to draw, separated by commas.
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
+    /// List the events.
+    #[arg(long)]
+    pub events: bool,
+}
+
+/// How a model is run.
+#[derive(Args, Debug)]
+pub struct Running {
     /// End of the run, s [default: from the experiment annotation, else 1].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub stop: Option<f64>,
@@ -80,21 +102,39 @@ pub struct Simulate {
     /// Integration method.
     #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
     pub method: Method,
-    /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
-    #[arg(long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
-    /// Picture, .svg or .png [default: MODEL.svg; nothing if only --output is given].
-    #[arg(long, value_name = "PATH")]
-    pub plot: Option<PathBuf>,
-    /// Variables to draw, separated by commas.
-    #[arg(long, value_name = "NAME,...")]
-    pub show: Option<String>,
     /// Record only variables in whose names this regular expression is found.
     #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
     pub variables: Option<Regex>,
-    /// List the events.
-    #[arg(long)]
-    pub events: bool,
+}
+
+/// A page about a model and its runs.
+#[derive(Args, Debug)]
+pub struct Report {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// How it is run.
+    #[command(flatten)]
+    pub running: Running,
+    /// The page, .html [default: MODEL_report.html; nothing if only --diagram is given].
+    #[arg(long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+    /// Draw the components and their connections, .svg or .png.
+    #[arg(long, value_name = "PATH")]
+    pub diagram: Option<PathBuf>,
+    /// A run with other parameters, as "LABEL: NAME=VALUE, ..."; several are laid over each other.
+    #[arg(long = "run", value_name = "RUN")]
+    pub runs: Vec<String>,
+    /// A recording to lay over the runs, .csv: names in the first line, the time first.
+    #[arg(long, value_name = "PATH")]
+    pub data: Vec<PathBuf>,
+    /// Which variable a column of the recordings is, and its unit: COLUMN=VARIABLE:UNIT [default: columns
+    /// that are called like a variable, in SI units].
+    #[arg(long = "signal", value_name = "SIGNAL")]
+    pub signals: Vec<String>,
+    /// Variables to show at first, separated by commas.
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
 }
 
 /// An integration method.

@@ -11,6 +11,7 @@ use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
 use crate::flatten::inventory::Inventory;
 use crate::instantiate::{Context, ROOT};
+use crate::ir::assembly::Assembly;
 use crate::ir::ast::{
     self, Argument, ArgumentKind, ClassBody, ClassKind, ElementKind, Modification,
 };
@@ -69,6 +70,11 @@ impl Session {
     /// The flat model of a request, and what the model is made of.
     pub fn inspect(&mut self, request: &Request) -> Result<(FlatModel, Inventory), Wrong> {
         self.flatten_by(request, crate::flatten::flatten_with_inventory)
+    }
+
+    /// The flat model of a request, and what it is put together from.
+    pub fn take_apart(&mut self, request: &Request) -> Result<(FlatModel, Assembly), Wrong> {
+        self.flatten_by(request, crate::flatten::flatten_with_assembly)
     }
 
     fn flatten_by<T>(
@@ -177,6 +183,11 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
         let flat = self.flatten(request)?;
+        self.finish(flat)
+    }
+
+    /// The program of a flat model.
+    pub fn finish(&mut self, flat: FlatModel) -> Result<Program, Wrong> {
         let between = crate::lower::homotopy::between(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate(blocks)?;

@@ -1,0 +1,184 @@
+//! The order within the layers, with few crossings.
+
+use super::layers::{Graph, Node};
+
+/// Passes over all layers.
+const PASSES: usize = 24;
+/// Layers up to this length are tried with every place for every node, longer ones with neighbours
+/// only.
+const SHORT: usize = 24;
+/// What a crossing costs, in places of displacement.
+const CROSSING: f64 = 6.0;
+/// What a place costs between two nodes of a layer that are joined.
+const APART: f64 = 1.5;
+
+/// Orders the nodes of each layer.
+pub fn order(graph: &mut Graph) {
+    begin(graph);
+    let first = graph.layers.clone();
+    let count = graph.layers.len();
+    for pass in 0..PASSES {
+        let mut better = false;
+        let layers: Vec<usize> =
+            if pass % 2 == 0 { (0..count).collect() } else { (0..count).rev().collect() };
+        for layer in layers {
+            better |= improve(graph, layer);
+        }
+        if !better {
+            break;
+        }
+    }
+    exchange(graph);
+    // A picture and its mirror image are equally simple: the one nearer to the order of the text stays.
+    let turned: isize = graph.layers.iter().zip(&first).map(|(a, b)| inversions(a, b)).sum();
+    if turned > 0 {
+        graph.layers.iter_mut().for_each(|layer| layer.reverse());
+    }
+}
+
+/// Pairs of a layer that stand the other way round than before, less those that do not.
+fn inversions(after: &[usize], before: &[usize]) -> isize {
+    let place = |n: &usize| before.iter().position(|m| m == n);
+    let places: Vec<Option<usize>> = after.iter().map(place).collect();
+    let mut sum = 0;
+    for (i, a) in places.iter().enumerate() {
+        for b in &places[i + 1..] {
+            sum += if a > b { 1 } else { -1 };
+        }
+    }
+    sum
+}
+
+/// Exchanges neighbours and lets the layers around follow: what no node can gain by moving alone.
+fn exchange(graph: &mut Graph) {
+    let count = graph.layers.len();
+    if graph.layers.iter().any(|l| l.len() > SHORT) {
+        return;
+    }
+    let total = |graph: &Graph| (0..count).map(|l| cost(graph, l)).sum::<f64>();
+    let mut best = total(graph);
+    for layer in 1..count {
+        for i in 1..graph.layers[layer].len() {
+            let before = graph.layers.clone();
+            graph.layers[layer].swap(i - 1, i);
+            for follower in [layer + 1, layer.wrapping_sub(1), layer] {
+                if follower < count && (follower != layer || total(graph) < best) {
+                    improve(graph, follower);
+                }
+            }
+            let new = total(graph);
+            if new < best - 1e-9 {
+                best = new;
+            } else {
+                graph.layers = before;
+            }
+        }
+    }
+}
+
+/// The neighbours of a bar in the middle of their row if many stand at one connector, those of its
+/// other connectors to the left and right in turn; other layers below their neighbours.
+fn begin(graph: &mut Graph) {
+    let hub = graph.layers.first().and_then(|l| l.first()).copied();
+    if let Some(hub) = hub.filter(|h| graph.nodes[*h].bar && graph.layers.len() > 1) {
+        let port = |node: usize| {
+            let at = |p: &&super::layers::Piece| p.nodes == [hub, node];
+            graph.pieces.iter().find(at).map(|p| p.ports[0].clone()).unwrap_or_default()
+        };
+        let row: Vec<(usize, String)> = graph.layers[1].iter().map(|n| (*n, port(*n))).collect();
+        let size = |port: &str| row.iter().filter(|(_, p)| p == port).count();
+        let most = row.iter().map(|(_, p)| size(p)).max().unwrap_or(0);
+        let main = row.iter().find(|(_, p)| size(p) == most).map(|(_, p)| p.clone());
+        let (middle, others): (Vec<_>, Vec<_>) =
+            row.iter().partition(|(_, p)| Some(p) == main.as_ref());
+        let mut new: Vec<usize> = others.iter().step_by(2).map(|(n, _)| *n).collect();
+        new.extend(middle.iter().map(|(n, _)| *n));
+        new.extend(others.iter().skip(1).step_by(2).map(|(n, _)| *n));
+        graph.layers[1] = new;
+    }
+    for layer in 1..graph.layers.len() {
+        let place = places(graph);
+        let mean = |node: usize| {
+            let below = graph.pieces.iter().filter(|p| p.nodes[1] == node && !graph.is_level(p));
+            let below: Vec<f64> =
+                below.filter(|p| !graph.nodes[p.nodes[0]].bar).map(|p| place[p.nodes[0]]).collect();
+            (!below.is_empty()).then(|| below.iter().sum::<f64>() / below.len() as f64)
+        };
+        let mut keyed: Vec<(f64, usize)> =
+            graph.layers[layer].iter().map(|&n| (mean(n).unwrap_or(place[n]), n)).collect();
+        if layer > 1 || !graph.nodes[graph.layers[0][0]].bar {
+            keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        graph.layers[layer] = keyed.into_iter().map(|(_, n)| n).collect();
+    }
+}
+
+/// The place of each node in its layer, from the middle.
+fn places(graph: &Graph) -> Vec<f64> {
+    let mut place = vec![0.0; graph.nodes.len()];
+    for layer in &graph.layers {
+        for (i, &n) in layer.iter().enumerate() {
+            place[n] = i as f64 - 0.5 * (layer.len() as f64 - 1.0);
+        }
+    }
+    place
+}
+
+/// Moves nodes of a layer as long as that makes the picture simpler.
+fn improve(graph: &mut Graph, layer: usize) -> bool {
+    let count = graph.layers[layer].len();
+    let mut best = cost(graph, layer);
+    let mut better = false;
+    for from in 0..count {
+        let reach = if count <= SHORT { count } else { 2 };
+        for to in from.saturating_sub(reach)..(from + reach + 1).min(count) {
+            let before = graph.layers[layer].clone();
+            let node = graph.layers[layer].remove(from);
+            graph.layers[layer].insert(to, node);
+            let new = cost(graph, layer);
+            if new < best - 1e-9 {
+                (best, better) = (new, true);
+            } else {
+                graph.layers[layer] = before;
+            }
+        }
+    }
+    better
+}
+
+/// Crossings in the channels around a layer, and how far what is joined stands apart.
+fn cost(graph: &Graph, layer: usize) -> f64 {
+    let place = places(graph);
+    let bar = |n: usize| graph.nodes[n].bar;
+    let free = |n: &Node| !n.bar;
+    let mut sum = 0.0;
+    for low in layer.saturating_sub(1)..=layer {
+        let between: Vec<(f64, f64)> = graph
+            .pieces
+            .iter()
+            .filter(|p| graph.nodes[p.nodes[0]].layer == low && !graph.is_level(p))
+            .filter(|p| free(&graph.nodes[p.nodes[0]]) && free(&graph.nodes[p.nodes[1]]))
+            .map(|p| (place[p.nodes[0]], place[p.nodes[1]]))
+            .collect();
+        for (i, a) in between.iter().enumerate() {
+            sum += 0.1 * (a.0 - a.1).abs();
+            let crossing = |b: &&(f64, f64)| (a.0 - b.0) * (a.1 - b.1) < 0.0;
+            sum += CROSSING * between[i + 1..].iter().filter(crossing).count() as f64;
+        }
+    }
+    for p in graph.pieces.iter().filter(|p| graph.nodes[p.nodes[0]].layer == layer) {
+        let [a, b] = p.nodes;
+        if !graph.is_level(p) || bar(a) || bar(b) {
+            continue;
+        }
+        let (left, right) = (place[a].min(place[b]), place[a].max(place[b]));
+        sum += APART * (right - left);
+        // Lines that rise from between the two cross what joins them.
+        let rising = graph.pieces.iter().filter(|q| {
+            let at = place[q.nodes[0]];
+            graph.nodes[q.nodes[0]].layer == layer && !graph.is_level(q) && left < at && at < right
+        });
+        sum += CROSSING * rising.count() as f64;
+    }
+    sum
+}
