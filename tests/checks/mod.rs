@@ -17,6 +17,7 @@ mod hybrid;
 mod language;
 mod machine_code;
 mod reference;
+mod report;
 mod results;
 mod sensitivity;
 mod start;

@@ -56,7 +56,7 @@ const mocc = (() => {
   function figures(x, digits = 5) {
     if (!Number.isFinite(x)) return '';
     const size = Math.abs(x);
-    if (x !== 0 && (size < 1e-3 || size >= 1e7)) return x.toExponential(digits - 2);
+    if (x !== 0 && (size < 1e-3 || size >= 1e7)) return x.toExponential(digits - 2).replaceAll('-', '−');
     return String(Number(x.toPrecision(digits))).replace('-', '−');
   }
 

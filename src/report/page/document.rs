@@ -259,7 +259,7 @@ fn texts(doc: &Document<'_>) -> String {
     for (k, (path, text)) in doc.texts.iter().enumerate() {
         let open = if k == 0 { " open" } else { "" };
         out.push_str(&format!(
-            "<details class=\"group\"{open}><summary><code>{}</code></summary>\n<pre class=\"text\">",
+            "<details class=\"group\"{open}><summary><code>{}</code></summary>\n<pre class=\"source\">",
             escaped(path)
         ));
         for (line, words) in text.lines().enumerate() {

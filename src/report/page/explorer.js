@@ -110,12 +110,13 @@ mocc.report = () => {
 
   // Branches are filled when they are opened: a model may have thousands of variables.
   function branch(prefix, members, parent) {
-    const own = members.filter(k => !data.variables[k].name.slice(prefix.length).includes('.') || data.variables[k].name.startsWith('der('));
-    own.forEach(k => leaf(k, parent, false));
     const inner = new Map();
-    for (const k of members.filter(k => !own.includes(k))) {
+    for (const k of members) {
       const name = data.variables[k].name;
-      const next = name.slice(prefix.length, name.indexOf('.', prefix.length));
+      const dot = name.indexOf('.', prefix.length);
+      const derived = name.startsWith('der(');
+      if (prefix === 'derivatives.' || (dot < 0 && !derived)) { leaf(k, parent, derived); continue; }
+      const next = derived ? 'derivatives' : name.slice(prefix.length, dot);
       if (!inner.has(next)) inner.set(next, []);
       inner.get(next).push(k);
     }

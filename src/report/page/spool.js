@@ -2,12 +2,13 @@
 // through the gaps that are open. Not to scale: along the axis the stroke is enlarged.
 mocc.machine = (root, spool, data, value, column, heard) => {
   const { svg, html } = mocc;
-  const PITCH = 104, STROKE = 46, ROD = 15, PISTON = 29, BORE = 35, GROOVE = 54, BODY = 82, END = 92, RUN = 10;
+  const PITCH = 104, STROKE = 46, ROD = 15, PISTON = 29, BORE = 35, GROOVE = 54, END = 44, RUN = 10;
   const n = spool.seals.length;
+  const BODY = n > 0 ? 82 : 58;
   const [low, high] = spool.stops;
   const shift = s => STROKE * (s - low) / (high - low);
-  const seat = k => END + 20 + k * PITCH;
-  const width = n > 0 ? seat(n - 1) + STROKE + 24 + END : 2 * END + 320;
+  const seat = k => END + 46 + k * PITCH;
+  const width = n > 0 ? seat(n - 1) + STROKE + 46 + END : 2 * END + 420;
   const left = END, right = width - END;
   const uid = 'spool-clip';
 
@@ -27,7 +28,10 @@ mocc.machine = (root, spool, data, value, column, heard) => {
   // ---- What stands still ----
 
   const middle = BODY + 44;
-  const picture = svg('svg', { viewBox: `0 0 ${width} ${2 * middle + 30}`, role: 'img', 'aria-label': 'spool in its housing' }, root);
+  // The scale of the pressure stands beside that of the stroke, or below it.
+  const narrow = width < 720;
+  const picture = svg('svg', { viewBox: `0 0 ${width} ${2 * middle + (narrow ? 52 : 30)}`, role: 'img', 'aria-label': 'spool in its housing' }, root);
+  picture.style.maxWidth = `${1.25 * width}px`;
   const hatch = svg('pattern', { id: 'spool-hatch', width: 7, height: 7, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)' }, svg('defs', {}, picture));
   svg('rect', { width: 7, height: 7, fill: '#e9ecef' }, hatch);
   svg('path', { d: 'M0 0V7', stroke: '#b9c1c9', 'stroke-width': 1.5 }, hatch);
@@ -58,6 +62,8 @@ mocc.machine = (root, spool, data, value, column, heard) => {
     : `M${left} ${-BORE}H${right}V${BORE}H${left}Z`;
   svg('path', { d: inside }, svg('clipPath', { id: uid }, scene));
   svg('rect', { x: left - 14, y: -BODY, width: right - left + 28, height: 2 * BODY, rx: 6, fill: 'url(#spool-hatch)', stroke: '#5b6470' }, scene);
+
+  svg('path', { d: inside, fill: '#ffffff' }, scene);
 
   // ---- Chambers: between seals, and at the ends ----
 
@@ -92,8 +98,8 @@ mocc.machine = (root, spool, data, value, column, heard) => {
     // The port through the housing, with its name.
     const chamber = spool.chambers[split ? before ?? after : k > 0 ? before : after];
     if (chamber) {
-      const x = k === 0 ? left + 26 : k === n ? right - 26 : wall;
-      if (k > 0 && k < n && !split) {
+      const x = k === 0 ? left + 17 : k === n ? right - 17 : wall;
+      if (!split && chamber.ports.length > 0) {
         rooms[rooms.length - 1].port = svg('rect', { x: x - 8, y: -BODY - 6, width: 16, height: BODY - GROOVE + 8 }, scene);
         svg('path', { d: `M${x - 8} ${-BODY - 6}V${-GROOVE}M${x + 8} ${-BODY - 6}V${-GROOVE}`, stroke: '#5b6470' }, scene);
       }
@@ -109,17 +115,20 @@ mocc.machine = (root, spool, data, value, column, heard) => {
 
   const drives = spool.drives.filter(d => d.chamber === null);
   const ends = drives.map(d => {
-    const room = d.piston ? svg('rect', { y: -BORE, height: 2 * BORE }, air) : null;
+    const room = d.piston ? svg('rect', { y: -GROOVE, height: 2 * GROOVE }, air) : null;
     const spring = d.piston ? null : svg('path', { fill: 'none', stroke: '#3c4650', 'stroke-width': 2.2 }, scene);
-    svg('text', { x: d.right ? right - 6 : left + 6, y: BODY + 18, 'text-anchor': d.right ? 'end' : 'start', 'font-weight': 600 }, scene, d.name);
+    // Above its end, or below where a chamber has its name there.
+    const named = n > 0 && spool.seals[d.right ? n - 1 : 0][d.right ? 'right' : 'left'] !== null;
+    const place = named ? { y: BODY + 52 } : { y: -BODY - 14 };
+    svg('text', { x: d.right ? right + 12 : left - 12, ...place, 'text-anchor': d.right ? 'end' : 'start', 'font-weight': 600 }, scene, d.name);
     return { d, room, spring };
   });
 
   // ---- What moves ----
 
   const moving = svg('g', { class: 'moving' }, scene);
-  const first = n > 0 ? seat(0) : left + 90;
-  const last = n > 0 ? seat(n - 1) : right - 90 - STROKE;
+  const first = n > 0 ? seat(0) : left + 110;
+  const last = n > 0 ? seat(n - 1) : right - 110 - STROKE;
   svg('rect', { x: first - 22, y: -ROD, width: last - first + 44, height: 2 * ROD, fill: '#cfd6dd', stroke: '#3c4650' }, moving);
   const rings = spool.seals.map((seal, k) => {
     const x = seat(k);
@@ -142,7 +151,7 @@ mocc.machine = (root, spool, data, value, column, heard) => {
 
   // Stops: the range of the stroke below the housing, with a pointer.
   const scaleY = BODY + 52;
-  const scaleX = width / 2 - 110;
+  const scaleX = width / 2 - (narrow ? 110 : 150);
   svg('path', { d: `M${scaleX} ${scaleY - 5}V${scaleY + 5}M${scaleX} ${scaleY}H${scaleX + 220}M${scaleX + 220} ${scaleY - 5}V${scaleY + 5}`, stroke: '#5b6470' }, scene);
   svg('text', { x: scaleX - 8, y: scaleY + 4, 'text-anchor': 'end' }, scene, `${mocc.number(1e3 * low)} mm`);
   svg('text', { x: scaleX + 228, y: scaleY + 4 }, scene, `${mocc.number(1e3 * high)} mm`);
@@ -151,9 +160,10 @@ mocc.machine = (root, spool, data, value, column, heard) => {
     const gradient = svg('linearGradient', { id: 'spool-scale' }, svg('defs', {}, picture));
     svg('stop', { offset: 0, 'stop-color': tint(lowest) }, gradient);
     svg('stop', { offset: 1, 'stop-color': tint(highest) }, gradient);
-    svg('rect', { x: width - 210, y: scaleY - 6, width: 100, height: 11, fill: 'url(#spool-scale)', stroke: '#8a939e' }, scene);
-    svg('text', { x: width - 216, y: scaleY + 4, 'text-anchor': 'end' }, scene, mocc.number(lowest / 1e5, 3));
-    svg('text', { x: width - 104, y: scaleY + 4 }, scene, `${mocc.number(highest / 1e5, 3)} bar`);
+    const [gx, gy] = narrow ? [width / 2 - 50, scaleY + 24] : [width / 2 + 190, scaleY];
+    svg('rect', { x: gx, y: gy - 6, width: 100, height: 11, fill: 'url(#spool-scale)', stroke: '#8a939e' }, scene);
+    svg('text', { x: gx - 6, y: gy + 4, 'text-anchor': 'end' }, scene, mocc.number(lowest / 1e5, 3));
+    svg('text', { x: gx + 106, y: gy + 4 }, scene, `${mocc.number(highest / 1e5, 3)} bar`);
   }
 
   // The greatest flow through a seal: the widest arrow.

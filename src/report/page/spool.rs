@@ -279,7 +279,7 @@ impl Nodes {
             name: named.map_or_else(String::new, |m| assembly.short(m).to_owned()),
             p: pressure,
             // The surroundings have many: none of them says anything.
-            ports: if ports.len() > 3 { Vec::new() } else { ports },
+            ports: if ports.len() > 2 { Vec::new() } else { ports },
         }
     }
 }

@@ -91,10 +91,10 @@ fn begin(graph: &mut Graph) {
         let main = row.iter().find(|(_, p)| size(p) == most).map(|(_, p)| p.clone());
         let (middle, others): (Vec<_>, Vec<_>) =
             row.iter().partition(|(_, p)| Some(p) == main.as_ref());
-        let mut new: Vec<usize> = others.iter().step_by(2).map(|(n, _)| *n).collect();
+        let mut new: Vec<usize> = others.iter().step_by(2).rev().map(|(n, _)| *n).collect();
         new.extend(middle.iter().map(|(n, _)| *n));
         new.extend(others.iter().skip(1).step_by(2).map(|(n, _)| *n));
-        graph.layers[1] = new;
+        graph.layers[1] = chained(graph, &new);
     }
     for layer in 1..graph.layers.len() {
         let place = places(graph);
@@ -111,6 +111,61 @@ fn begin(graph: &mut Graph) {
         }
         graph.layers[layer] = keyed.into_iter().map(|(_, n)| n).collect();
     }
+}
+
+/// The nodes of a row so that those stand side by side that share a neighbour, as seals share the
+/// chamber between them: heaviest pairs first, as long as they make chains. Chains stand where their
+/// nodes stood.
+fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
+    let around = |node: usize| {
+        let other = |p: &super::layers::Piece| match p.nodes {
+            [a, b] if a == node => Some(b),
+            [a, b] if b == node => Some(a),
+            _ => None,
+        };
+        let mut all: Vec<usize> = graph.pieces.iter().filter_map(other).collect();
+        all.retain(|&n| !graph.nodes[n].bar && graph.nodes[n].part.is_some());
+        all
+    };
+    let near: Vec<Vec<usize>> = row.iter().map(|&n| around(n)).collect();
+    let mut pairs: Vec<(usize, usize, usize)> = Vec::new();
+    for i in 0..row.len() {
+        for j in i + 1..row.len() {
+            let shared = near[i].iter().filter(|n| near[j].contains(n)).count();
+            let joined = near[i].iter().filter(|n| **n == row[j]).count();
+            if shared + joined > 0 {
+                pairs.push((shared + 2 * joined, i, j));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let mut chains: Vec<Vec<usize>> = (0..row.len()).map(|i| vec![i]).collect();
+    for (_, i, j) in pairs {
+        let of = |k: usize| chains.iter().position(|c| c.contains(&k));
+        let (Some(a), Some(b)) = (of(i), of(j)) else { continue };
+        let end = |c: &[usize], k: usize| c.first() == Some(&k) || c.last() == Some(&k);
+        if a == b || !end(&chains[a], i) || !end(&chains[b], j) {
+            continue;
+        }
+        let mut second = chains[b].clone();
+        let first = &mut chains[a];
+        if first.last() != Some(&i) {
+            first.reverse();
+        }
+        if second.first() != Some(&j) {
+            second.reverse();
+        }
+        first.extend(second);
+        chains.remove(b);
+    }
+    for chain in &mut chains {
+        if inversions(chain, &(0..row.len()).collect::<Vec<usize>>()) > 0 {
+            chain.reverse();
+        }
+    }
+    let middle = |c: &[usize]| c.iter().sum::<usize>() as f64 / c.len() as f64;
+    chains.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+    chains.into_iter().flatten().map(|i| row[i]).collect()
 }
 
 /// The place of each node in its layer, from the middle.
