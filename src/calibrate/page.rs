@@ -189,13 +189,13 @@ fn panels(c: &Comparison, found: &Calibration) -> Vec<Panel> {
                 curve(format!("{} measured", channel.column), si(measured), Stroke::Points, 0),
                 curve(format!("{} model", channel.column), si(predicted), Stroke::Line, 1),
             ],
-            low: false,
+            height: None,
         });
         let of_noise = predicted.iter().zip(measured).map(|(p, m)| (p - m) / channel.sigma);
         residuals.push(curve(channel.column.clone(), of_noise.collect(), Stroke::Line, k));
     }
     let label = "residuals / noise".to_owned();
     let (unit, display_unit) = (String::new(), String::new());
-    panels.push(Panel { label, unit, display_unit, curves: residuals, low: false });
+    panels.push(Panel { label, unit, display_unit, curves: residuals, height: None });
     panels
 }

@@ -1,9 +1,13 @@
 //! A diagnosis for people: the summary for the terminal and one page of HTML that needs nothing else.
 
 use crate::calibrate::data::Split;
+use crate::calibrate::plan::Signal;
 use crate::report::markup::escaped;
+use crate::report::page::diff::unified;
+use crate::report::page::figure::{Curve, Panel, Stroke, figure};
 use crate::report::page::frame::Page;
 
+use super::residual::residuals;
 use super::result::{sentences, verdict};
 use super::search::{Case, Found, Level, Scored};
 
@@ -40,7 +44,12 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
 }
 
 /// The page.
-pub fn html(case: &Case<'_>, found: &Found, amended: Option<&(String, String)>) -> String {
+pub fn html(
+    case: &Case<'_>,
+    found: &Found,
+    original: &str,
+    amended: Option<&(String, String)>,
+) -> String {
     let mut page = Page::new(&format!("{}: diagnosis", case.base));
     page.add(&format!(
         "<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n",
@@ -71,12 +80,40 @@ pub fn html(case: &Case<'_>, found: &Found, amended: Option<&(String, String)>) 
         let text = part(&|out| rejected(case, found, out));
         page.section("rejected", "Fitted and not kept", &text);
     }
-    if let Some((name, text)) = amended {
-        let at = text.find(&format!("model {name} ")).unwrap_or(0);
-        let text = format!("<pre>{}</pre>\n", escaped(&text[at..]));
-        page.section("amended", "The amended model", &text);
+    page.section("residuals", "What is left of each recording", &multiples(case, found));
+    if let Some((_, text)) = amended {
+        page.section("amended", "What was added to the model", &unified(original, text));
     }
     page.finish()
+}
+
+/// Residuals in units of the noise: a small figure for each recording, a panel for each signal.
+fn multiples(case: &Case<'_>, found: &Found) -> String {
+    let mut out = String::from(
+        "<p>Model less measurement, in units of the sensor's noise, before and after.</p>\n<div class=\"multiples\">\n",
+    );
+    let kept = !found.after.chosen.is_empty();
+    for (i, r) in residuals(case, found).iter().enumerate() {
+        let curve = |name: &str, all: &[Vec<f64>], k: usize, colour| {
+            let (x, y) = (r.time.to_vec(), all.get(k)?.clone());
+            Some(Curve { name: name.to_owned(), x, y, stroke: Stroke::Line, colour })
+        };
+        let panel = |(k, signal): (usize, &Signal)| {
+            let after = if kept { curve("after", &r.after, k, 0) } else { None };
+            let curves = curve("before", &r.before, k, 1).into_iter().chain(after).collect();
+            let (label, unit) = (signal.column.clone(), String::new());
+            Panel { label, display_unit: unit.clone(), unit, curves, height: Some(90) }
+        };
+        let panels: Vec<Panel> = case.plan.signals.iter().enumerate().map(panel).collect();
+        out.push_str(&format!(
+            "<div><b>{}</b> <span class=\"sub\">{}</span>\n{}</div>\n",
+            escaped(&r.name),
+            r.split.name(),
+            figure(&format!("residual-{i}"), &panels)
+        ));
+    }
+    out.push_str("</div>\n");
+    out
 }
 
 fn errors(case: &Case<'_>, found: &Found, out: &mut String) {

@@ -234,7 +234,7 @@ fn level(
     Ok(Level { chosen, plan, values, errors, fit, train, validation })
 }
 
-fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
+pub(super) fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
     let one = |c: &'a Chosen| Attached {
         effect: &case.effects[c.effect],
         place: &c.place,
@@ -245,7 +245,7 @@ fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
 }
 
 /// Compiles the model with what is attached, recording the signals and `others`.
-fn compile(
+pub(super) fn compile(
     case: &Case<'_>,
     plan: &Plan,
     attached: &[Attached<'_>],

@@ -102,7 +102,7 @@ const mocc = (() => {
   // ---- Figures ----
 
   // A figure in `root`. `time` is the scale of the abscissa. Panels are
-  // { label, scale, low, curves: [{ name, x, y, factor, points, colour, dash, title }], marks, remove }.
+  // { label, scale, low, height, curves: [{ name, x, y, factor, points, colour, dash, title }], marks, remove }.
   class Figure {
     constructor(root, time) {
       this.root = root;
@@ -306,7 +306,7 @@ const mocc = (() => {
 
     drawPanel(own, last) {
       const { panel, plot } = own;
-      const high = (panel.low ? 64 : 168) + (last ? AXIS : 8);
+      const high = (panel.height ?? (panel.low ? 64 : 168)) + (last ? AXIS : 8);
       const bottom = high - (last ? AXIS : 8);
       plot.setAttribute('viewBox', `0 0 ${this.width} ${high}`);
       plot.setAttribute('height', high);
@@ -321,7 +321,7 @@ const mocc = (() => {
       const y = v => bottom - (bottom - TOP) * (warp(v) - low) / (top - low);
       own.y = y;
 
-      for (const v of ticks(range.low, range.high, panel.low ? 1 : 5, own.log)) {
+      for (const v of ticks(range.low, range.high, panel.low ? 1 : panel.height < 120 ? 3 : 5, own.log)) {
         const py = y(v);
         if (py < TOP - 1 || py > bottom + 1) continue;
         svg('path', { d: `M${LEFT} ${py}H${this.width - RIGHT}`, stroke: '#eceff2' }, plot);

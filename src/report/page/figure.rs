@@ -40,8 +40,8 @@ pub struct Panel {
     pub display_unit: String,
     /// The curves.
     pub curves: Vec<Curve>,
-    /// Half as high as usual.
-    pub low: bool,
+    /// Height of the area of its curves, px; as usual if not given.
+    pub height: Option<u32>,
 }
 
 /// The element of a figure, which the script finds by its class. `id` is unique in the page.
@@ -74,12 +74,15 @@ pub fn figure(id: &str, panels: &[Panel]) -> String {
                 ("colour", Json::count(c.colour)),
             ]));
         }
-        list.push(Json::object([
+        let mut members = vec![
             ("label", Json::text(panel.label.as_str())),
             ("scale", scale_of(&scale)),
-            ("low", Json::flag(panel.low)),
             ("curves", Json::list(curves)),
-        ]));
+        ];
+        if let Some(height) = panel.height {
+            members.push(("height", Json::count(height as usize)));
+        }
+        list.push(Json::object(members));
     }
     let spec = Json::object([
         ("time", scale_of(&time)),

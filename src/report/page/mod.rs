@@ -5,6 +5,7 @@
 //! Equal inputs give equal bytes. The scripts stand in files of their own and are put into the page.
 
 pub mod columns;
+pub mod diff;
 pub mod document;
 pub mod figure;
 pub mod frame;

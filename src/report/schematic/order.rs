@@ -15,20 +15,26 @@ const APART: f64 = 1.5;
 /// Orders the nodes of each layer.
 pub fn order(graph: &mut Graph) {
     begin(graph);
+    // What stands on a bar at the bottom stays as the chains put it: that is the order of the machine.
+    let pinned = graph.layers.first().is_some_and(|l| l.iter().any(|&n| graph.nodes[n].bar));
+    let is_free = |layer: usize| layer != 1 || !pinned;
     let first = graph.layers.clone();
     let count = graph.layers.len();
     for pass in 0..PASSES {
         let mut better = false;
         let layers: Vec<usize> =
             if pass % 2 == 0 { (0..count).collect() } else { (0..count).rev().collect() };
-        for layer in layers {
+        for layer in layers.into_iter().filter(|l| is_free(*l)) {
             better |= improve(graph, layer);
         }
         if !better {
             break;
         }
     }
-    exchange(graph);
+    exchange(graph, &is_free);
+    if pinned {
+        return;
+    }
     // A picture and its mirror image are equally simple: the one nearer to the order of the text stays.
     let turned: isize = graph.layers.iter().zip(&first).map(|(a, b)| inversions(a, b)).sum();
     if turned > 0 {
@@ -50,19 +56,19 @@ fn inversions(after: &[usize], before: &[usize]) -> isize {
 }
 
 /// Exchanges neighbours and lets the layers around follow: what no node can gain by moving alone.
-fn exchange(graph: &mut Graph) {
+fn exchange(graph: &mut Graph, is_free: &dyn Fn(usize) -> bool) {
     let count = graph.layers.len();
     if graph.layers.iter().any(|l| l.len() > SHORT) {
         return;
     }
     let total = |graph: &Graph| (0..count).map(|l| cost(graph, l)).sum::<f64>();
     let mut best = total(graph);
-    for layer in 1..count {
+    for layer in (1..count).filter(|l| is_free(*l)) {
         for i in 1..graph.layers[layer].len() {
             let before = graph.layers.clone();
             graph.layers[layer].swap(i - 1, i);
             for follower in [layer + 1, layer.wrapping_sub(1), layer] {
-                if follower < count && (follower != layer || total(graph) < best) {
+                if follower < count && is_free(follower) && (follower != layer || total(graph) < best) {
                     improve(graph, follower);
                 }
             }
@@ -117,6 +123,7 @@ fn begin(graph: &mut Graph) {
 /// chamber between them: heaviest pairs first, as long as they make chains. Chains stand where their
 /// nodes stood.
 fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
+    let hub = graph.layers[0][0];
     let around = |node: usize| {
         let other = |p: &super::layers::Piece| match p.nodes {
             [a, b] if a == node => Some(b),
@@ -124,17 +131,29 @@ fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
             _ => None,
         };
         let mut all: Vec<usize> = graph.pieces.iter().filter_map(other).collect();
-        all.retain(|&n| !graph.nodes[n].bar && graph.nodes[n].part.is_some());
-        all
+        all.retain(|&n| n != hub);
+        // A long line leads to where it ends.
+        let end = |n: usize| {
+            if graph.nodes[n].part.is_some() {
+                return n;
+            }
+            let wire = graph.pieces.iter().find(|p| p.nodes[1] == n).map(|p| p.wire);
+            let last = graph.pieces.iter().filter(|p| Some(p.wire) == wire).last();
+            last.map_or(n, |p| p.nodes[1])
+        };
+        all.into_iter().map(end).collect::<Vec<usize>>()
     };
     let near: Vec<Vec<usize>> = row.iter().map(|&n| around(n)).collect();
+    // What they share with many others says less.
+    let weight = |n: usize| if graph.nodes[n].bar { 1 } else { 8 };
     let mut pairs: Vec<(usize, usize, usize)> = Vec::new();
     for i in 0..row.len() {
         for j in i + 1..row.len() {
-            let shared = near[i].iter().filter(|n| near[j].contains(n)).count();
-            let joined = near[i].iter().filter(|n| **n == row[j]).count();
+            let shared: usize =
+                near[i].iter().filter(|n| near[j].contains(n)).map(|n| weight(*n)).sum();
+            let joined = 16 * near[i].iter().filter(|n| **n == row[j]).count();
             if shared + joined > 0 {
-                pairs.push((shared + 2 * joined, i, j));
+                pairs.push((shared + joined, i, j));
             }
         }
     }
