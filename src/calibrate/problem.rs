@@ -2,7 +2,7 @@
 //!
 //! A residual is the difference between a signal and its variable in units of the sensor's noise. Its
 //! derivatives are those of the run (`simulate::sensitivity`): exact, also where an event moves. Where a
-//! run has none, because it slides along a surface, central differences take their place.
+//! run has none, because one does not exist, central differences take their place.
 
 use std::sync::Arc;
 

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use regex_lite::Regex;
 
 use crate::driver::compile::Request;
+use crate::ir::program::Form;
 use crate::simulate::settings;
 
 /// A compiler and simulator for models of machines written in Modelica.
@@ -102,6 +103,9 @@ pub struct Running {
     /// Integration method.
     #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
     pub method: Method,
+    /// Who solves algebraic loops while the model runs.
+    #[arg(long, value_name = "MODE", value_enum, default_value_t = Mode::Reduced)]
+    pub mode: Mode,
     /// Record only variables in whose names this regular expression is found.
     #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
     pub variables: Option<Regex>,
@@ -148,6 +152,24 @@ pub enum Method {
     Bdf,
     /// Dormand-Prince of order 5, explicit: models that are not stiff.
     Dopri,
+}
+
+/// Who solves algebraic loops.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Mode {
+    /// The model itself, in each evaluation of its derivatives.
+    Reduced,
+    /// The integrator, together with the states: for large loops.
+    Dae,
+}
+
+impl From<Mode> for Form {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Reduced => Form::Reduced,
+            Mode::Dae => Form::Implicit,
+        }
+    }
 }
 
 impl From<Method> for settings::Method {
@@ -202,6 +224,7 @@ impl Model {
             file: self.file.clone(),
             model: self.model.clone(),
             appended: None,
+            form: Form::default(),
             settings: self.settings.clone(),
             folders: self.folders.clone(),
             modelica_path: std::env::var_os("MODELICAPATH"),

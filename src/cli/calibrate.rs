@@ -17,6 +17,7 @@ use crate::calibrate::statistics::{Statistics, reduced};
 use crate::calibrate::{data, model, page, plan};
 use crate::driver::compile::{Request, Session};
 use crate::driver::files;
+use crate::ir::program::Form;
 use crate::report::write::{create_folder, write_file};
 use crate::simulate::error::{Failure, FailureKind};
 
@@ -35,6 +36,7 @@ pub fn run(options: &Calibrate) -> Status {
         file: Some(plan.model.clone()),
         model: plan.name.clone(),
         appended: None,
+        form: Form::Reduced,
         settings: plan.fixed.clone(),
         folders: plan.libraries.clone(),
         modelica_path: std::env::var_os("MODELICAPATH"),

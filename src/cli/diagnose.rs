@@ -11,6 +11,7 @@ use crate::diagnose::effect::catalogue;
 use crate::diagnose::search::{Case, Nothing, diagnose};
 use crate::diagnose::{page, result};
 use crate::driver::compile::{Request, Session};
+use crate::ir::program::Form;
 use crate::report::write::{create_folder, write_file};
 
 /// Runs the command.
@@ -31,6 +32,7 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         file: Some(plan.model.clone()),
         model: plan.name.clone(),
         appended: None,
+        form: Form::Reduced,
         settings: plan.fixed.clone(),
         folders,
         modelica_path: std::env::var_os("MODELICAPATH"),

@@ -62,7 +62,8 @@ fn make(options: &Report) -> Result<Status, Status> {
     let signals = signals(&options.signals).map_err(wrong)?;
     let whole = options.diagram.is_none() || options.output.is_some();
     let mut session = Session::default();
-    let request = Request { settings: asked[0].settings.clone(), ..options.model.request() };
+    let base = running::request(&options.model, &options.running);
+    let request = Request { settings: asked[0].settings.clone(), ..base.clone() };
     let apart = session.take_apart(&request);
     let (flat, assembly) = match apart {
         Ok(found) => found,
@@ -84,7 +85,7 @@ fn make(options: &Report) -> Result<Status, Status> {
         .map(|v| v.name.clone())
         .collect();
     let description = flat.description.as_deref().unwrap_or_default().to_owned();
-    let first = session.finish(flat);
+    let first = session.finish(flat, base.form);
     say(&session);
     let first = first.map_err(Status::from)?;
     let output = match &options.output {
@@ -97,7 +98,7 @@ fn make(options: &Report) -> Result<Status, Status> {
     let mut went = vec![go(options, &asked[0], first, &session.sources, &mut remarks)?];
     for ask in &asked[1..] {
         let mut own = Session::default();
-        let request = Request { settings: ask.settings.clone(), ..options.model.request() };
+        let request = Request { settings: ask.settings.clone(), ..base.clone() };
         let program = own.compile(&request);
         say(&own);
         let program = program.map_err(Status::from)?;

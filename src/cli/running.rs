@@ -8,6 +8,7 @@ use super::{Status, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;
 use crate::codegen::record;
+use crate::driver::compile::Request;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Kind, Trajectory};
 use crate::simulate::error::{Failure, FailureKind};
@@ -15,6 +16,11 @@ use crate::simulate::settings::{DEFAULT_INTERVALS, Settings};
 
 /// At most so many curves are drawn unless the user names them.
 const MAX_CURVES: usize = 8;
+
+/// What to compile for a run.
+pub(super) fn request(model: &Model, options: &Running) -> Request {
+    Request { form: options.mode.into(), ..model.request() }
+}
 
 /// Restricts the program to the variables that the user wants; an error if there are none.
 pub(super) fn restrict(options: &Running, program: &mut Program) -> Result<(), String> {

@@ -25,7 +25,7 @@ pub fn run(options: &Simulate) -> Status {
     }
     let begun = Instant::now();
     let mut session = Session::default();
-    let program = session.compile(&options.model.request());
+    let program = session.compile(&running::request(&options.model, &options.running));
     say(&session);
     let mut program = match program {
         Ok(program) => program,
@@ -185,8 +185,12 @@ fn summary(
     let i = &s.integration;
     let ms = |d: Duration| format!("{:.1} ms", 1e3 * d.as_secs_f64());
     let equations = dae.equations.len() + dae.discrete.len() + dae.eliminated.len();
+    let algebraics = match program.algebraics.len() {
+        0 => String::new(),
+        n => format!(" and {n} algebraic unknowns"),
+    };
     let mut out = format!(
-        "{}: {} states, {equations} equations ({} trivial), to {} s\n",
+        "{}: {} states{algebraics}, {equations} equations ({} trivial), to {} s\n",
         dae.name,
         program.blocks.states.len(),
         dae.eliminated.len(),

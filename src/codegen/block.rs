@@ -20,7 +20,8 @@ pub fn compile_block(e: &mut Emitter, block: &Block, place: BlockPlace) {
     }
 }
 
-fn compile_assignment(e: &mut Emitter, a: &Assignment) {
+/// Emits an assignment.
+pub fn compile_assignment(e: &mut Emitter, a: &Assignment) {
     e.span = source_span(&e.dae, a.source);
     if let Source::Start(v) = a.source
         && let Some(&start) = e.starts.get(&v)

@@ -15,8 +15,8 @@ use crate::ir::program::{Entry, Implicit, Op};
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::rewrite::Rewriter;
 
-use super::Order;
 use super::emit::Emitter;
+use super::{Order, algebraic};
 
 /// The derivatives of one value by the seeds, in order of seed.
 pub type Row = Vec<(u32, ExprId)>;
@@ -198,8 +198,9 @@ pub fn of_torn(e: &mut Emitter, torn: &Torn) -> Vec<(u32, u32, ExprId)> {
     entries
 }
 
-/// Emits the Jacobian of the derivatives by the states to the top layer. `needed` are the
-/// continuous blocks that derivatives depend on, in order; `solvers` the number of each torn one.
+/// Emits the Jacobian of the derivatives by the states to the top layer, and of the residuals by the
+/// unknowns that are integrated besides. `needed` are the continuous blocks that derivatives depend
+/// on, in order; `solvers` the number of each torn one that is solved inside.
 pub fn of_system(
     e: &mut Emitter,
     blocks: &Order,
@@ -207,8 +208,9 @@ pub fn of_system(
     solvers: &FastMap<usize, u32>,
 ) -> Vec<Entry> {
     let mut rows = Rows::default();
-    for (j, state) in blocks.states.iter().enumerate() {
-        rows.seed(e, state.variable, j as u32);
+    let components = blocks.components();
+    for (j, v) in components.iter().enumerate() {
+        rows.seed(e, *v, j as u32);
     }
     for &i in needed {
         match &blocks.continuous[i] {
@@ -216,18 +218,25 @@ pub fn of_system(
                 let row = rows.of(e, a.value);
                 rows.set(a.variable, row);
             }
+            Block::Torn(t) if algebraic::position(&blocks.algebraics, t).is_some() => {
+                for a in &t.explicit {
+                    let row = rows.of(e, a.value);
+                    rows.set(a.variable, row);
+                }
+            }
             Block::Torn(t) => {
                 let solver = solvers.get(&i).copied().unwrap_or(0);
-                through_torn(e, &mut rows, t, solver, blocks.states.len() as u32);
+                through_torn(e, &mut rows, t, solver, components.len() as u32);
             }
             // Nothing discrete is determined between events.
             Block::Mixed(_) => {}
         }
     }
     let mut entries = Vec::new();
-    for (i, state) in blocks.states.iter().enumerate() {
-        let derivative = e.read(state.derivative);
-        for (j, value) in rows.of(e, derivative) {
+    let mut results: Vec<ExprId> = blocks.states.iter().map(|s| e.read(s.derivative)).collect();
+    results.extend(blocks.algebraics.iter().map(|a| a.residual));
+    for (i, result) in results.into_iter().enumerate() {
+        for (j, value) in rows.of(e, result) {
             if e.dae.graph.as_number(value) != Some(0.0) {
                 let (slot, _) = e.emit(value);
                 entries.push(Entry { row: i as u32, column: j, slot });

@@ -9,16 +9,17 @@ use crate::ir::program::Slot;
 use super::Order;
 use super::emit::Emitter;
 
-/// Gives every variable, flag and input its cell.
+/// Gives every variable, flag and input its cell; what is integrated stands in a row.
 pub fn allocate(e: &mut Emitter, blocks: &Order) {
     e.layout.time = e.cell(0.0);
     e.layout.initial = e.cell(0.0);
     e.layout.terminal = e.cell(0.0);
     let count = e.dae.variables.len();
     let mut slots: Vec<Option<Slot>> = vec![None; count];
-    e.layout.states = e.cells(blocks.states.len(), 0.0);
-    for (i, state) in blocks.states.iter().enumerate() {
-        slots[state.variable.idx()] = Some(e.layout.states + i as Slot);
+    let components = blocks.components();
+    e.layout.states = e.cells(components.len(), 0.0);
+    for (i, v) in components.into_iter().enumerate() {
+        slots[v.idx()] = Some(e.layout.states + i as Slot);
     }
     e.layout.variables = slots
         .into_iter()
@@ -28,6 +29,9 @@ pub fn allocate(e: &mut Emitter, blocks: &Order) {
         })
         .collect();
     e.layout.derivatives = blocks.states.iter().map(|s| e.slot(s.derivative)).collect();
+    let algebraics = blocks.algebraics.len();
+    let residuals = e.cells(algebraics, 0.0);
+    e.layout.derivatives.extend(residuals..residuals + algebraics as Slot);
     let relations = e.dae.relations.len();
     e.layout.relations = e.cells(relations, 0.0);
     e.layout.fresh = e.cells(relations, 0.0);

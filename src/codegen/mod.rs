@@ -6,6 +6,7 @@
 //!
 //! Sources: A. Griewank, A. Walther, *Evaluating Derivatives* (2nd ed. 2008) for the Jacobian;
 //! Modelica specification 3.6, section 8.6 for the event sequence.
+pub mod algebraic;
 pub mod block;
 pub mod emit;
 pub mod error;
@@ -28,17 +29,28 @@ mod tests;
 
 use crate::base::diag::Problems;
 use crate::ir::blocks::{Block, Blocks, State};
-use crate::ir::program::Program;
+use crate::ir::expr::VarId;
+use crate::ir::program::{Algebraic, Form, Program};
 use emit::Emitter;
 
-/// Compiles the sorted system.
+/// Compiles the sorted system to ordinary differential equations.
 ///
 /// Errors are diagnostics of codes `MO0801` and following.
 pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
+    compile_as(blocks, Form::Reduced)
+}
+
+/// Compiles the sorted system to a program of this form.
+///
+/// Errors are diagnostics of codes `MO0801` and following.
+pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
     let Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts } =
         blocks;
-    let order = Order { states, initial, event, continuous };
+    let mut order = Order { states, algebraics: Vec::new(), initial, event, continuous };
     let mut emitter = Emitter::new(dae);
+    if form == Form::Implicit {
+        order.algebraics = algebraic::find(&mut emitter, &order);
+    }
     layout::allocate(&mut emitter, &order);
     function::compile_all(&mut emitter);
     sequence::parameters(&mut emitter, &order);
@@ -52,7 +64,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
     let literals = emitter.literal_cells();
     let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
-    let Order { states, initial, event, continuous } = order;
+    let Order { states, algebraics, initial, event, continuous } = order;
     let mut program = Program {
         recorded: record::all(&dae),
         constants: record::constants(&dae),
@@ -79,6 +91,7 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
         roots: between.roots,
         rest: between.rest,
         jacobian: between.jacobian,
+        algebraics,
         jacobian_entries: between.jacobian_entries,
         selection,
         state_sets: set_cells,
@@ -103,10 +116,20 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
 pub struct Order {
     /// See [`Blocks::states`].
     pub states: Vec<State>,
+    /// What is integrated besides the states.
+    pub algebraics: Vec<Algebraic>,
     /// See [`Blocks::initial`].
     pub initial: Vec<Block>,
     /// See [`Blocks::event`].
     pub event: Vec<Block>,
     /// See [`Blocks::continuous`].
     pub continuous: Vec<Block>,
+}
+
+impl Order {
+    /// What is integrated: states, then algebraic unknowns.
+    pub fn components(&self) -> Vec<VarId> {
+        let states = self.states.iter().map(|s| s.variable);
+        states.chain(self.algebraics.iter().map(|a| a.variable)).collect()
+    }
 }

@@ -5,7 +5,6 @@
 //! neither of them is certain, errors count from a small part of it on.
 
 use crate::base::index::FastMap;
-use crate::ir::blocks::State;
 use crate::ir::dae::{EqId, Kind};
 use crate::ir::expr::{Binary, ExprId, Unary, VarId};
 use crate::ir::program::Slot;
@@ -18,10 +17,10 @@ use super::emit::{Emitter, PARAMETER};
 /// The part of a size that is not given at which errors become absolute.
 const CAUTION: f64 = 1e-2;
 
-/// Emits the sizes of the states to the parameter tape; their cells.
-pub fn of_states(e: &mut Emitter, states: &[State]) -> Vec<Slot> {
+/// Emits the sizes of what is integrated to the parameter tape; their cells.
+pub fn of_components(e: &mut Emitter, components: &[VarId]) -> Vec<Slot> {
     let mut equations: FastMap<VarId, Vec<EqId>> = FastMap::default();
-    let open = states.iter().map(|s| s.variable).filter(|v| e.dae.variables[*v].nominal.is_none());
+    let open = components.iter().copied().filter(|v| e.dae.variables[*v].nominal.is_none());
     equations.extend(open.map(|v| (v, Vec::new())));
     if !equations.is_empty() {
         for (id, equation) in e.dae.equations.enumerate() {
@@ -34,11 +33,11 @@ pub fn of_states(e: &mut Emitter, states: &[State]) -> Vec<Slot> {
             }
         }
     }
-    let size = |s: &State| match equations.get(&s.variable) {
-        None => nominal(e, s.variable),
-        Some(list) => estimate(e, s.variable, list),
+    let size = |v: &VarId| match equations.get(v) {
+        None => nominal(e, *v),
+        Some(list) => estimate(e, *v, list),
     };
-    states.iter().map(size).collect()
+    components.iter().map(size).collect()
 }
 
 fn estimate(e: &mut Emitter, v: VarId, equations: &[EqId]) -> Slot {

@@ -12,7 +12,7 @@ use super::block::{compile_block, compile_mixed};
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
 use super::layout::{block_unknowns, block_values, resting_value};
 use super::relation::{evaluate_relation, relations_in, watch_relations};
-use super::{Order, error, jacobian, scale};
+use super::{Order, algebraic, error, jacobian, scale};
 
 /// The initial or the event sequence.
 pub struct Discrete {
@@ -74,7 +74,7 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         e.push(PARAMETER, Op::Input, start, default, input);
         e.layout.starts.push((v, input, start));
     }
-    e.layout.nominals = scale::of_states(e, &blocks.states);
+    e.layout.nominals = scale::of_components(e, &blocks.components());
     for k in 0..e.dae.samples.len() {
         let sample = e.dae.samples[k].clone();
         let (start, _) = parameter_value(e, sample.start);
@@ -133,8 +133,8 @@ pub fn event(e: &mut Emitter, blocks: &Order) -> Discrete {
 pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
     begin(e, true);
     e.moving = MOVING;
-    for state in &blocks.states {
-        e.levels[state.variable.idx()] = Some(MOVING);
+    for v in blocks.components() {
+        e.levels[v.idx()] = Some(MOVING);
     }
     let derivatives: Vec<ExprId> = blocks.states.iter().map(|s| e.read(s.derivative)).collect();
     let need = Needs::new(e, &blocks.continuous);
@@ -148,6 +148,12 @@ pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
     let mut needed = Vec::new();
     for (i, block) in blocks.continuous.iter().enumerate().filter(|(i, _)| for_rhs[*i]) {
         needed.push(i);
+        if let Block::Torn(torn) = block
+            && let Some(k) = algebraic::position(&blocks.algebraics, torn)
+        {
+            algebraic::compile(e, torn, blocks.states.len() + k);
+            continue;
+        }
         solvers.insert(i, e.solvers.len() as u32);
         compile_block(e, block, BlockPlace { sequence: Sequence::Continuous, index: i });
     }
@@ -197,7 +203,7 @@ pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
 }
 
 /// Forgets what the last sequence computed. `initialised`: parameters with `fixed = false` are known.
-fn begin(e: &mut Emitter, initialised: bool) {
+pub fn begin(e: &mut Emitter, initialised: bool) {
     for (v, variable) in e.dae.variables.enumerate() {
         e.levels[v.idx()] = match variable.kind {
             Kind::Parameter => Some(PARAMETER),
@@ -235,13 +241,14 @@ fn watched_expressions(dae: &Dae) -> Vec<ExprId> {
 }
 
 /// Which blocks determine what.
-struct Needs {
+pub struct Needs {
     maker: FastMap<VarId, usize>,
     reads: Vec<Vec<VarId>>,
 }
 
 impl Needs {
-    fn new(e: &Emitter, blocks: &[Block]) -> Self {
+    /// Of a sequence.
+    pub fn new(e: &Emitter, blocks: &[Block]) -> Self {
         let mut maker = FastMap::default();
         let mut reads = Vec::new();
         for (i, block) in blocks.iter().enumerate() {
@@ -255,7 +262,7 @@ impl Needs {
     }
 
     /// The blocks that `roots` depend on.
-    fn below(&self, e: &Emitter, roots: &[ExprId]) -> Vec<bool> {
+    pub fn below(&self, e: &Emitter, roots: &[ExprId]) -> Vec<bool> {
         let mut needed = vec![false; self.reads.len()];
         let mut pending = e.reads(roots);
         while let Some(v) = pending.pop() {

@@ -21,7 +21,7 @@ use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::FlatModel;
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::Setting;
-use crate::ir::program::{Continuation, Program};
+use crate::ir::program::{Continuation, Form, Program};
 use crate::resolve::library::Library;
 
 /// What to compile.
@@ -35,6 +35,8 @@ pub struct Request {
     pub appended: Option<String>,
     /// `NAME=VALUE`.
     pub settings: Vec<String>,
+    /// How algebraic loops are solved while the model runs.
+    pub form: Form,
     /// Folders of libraries.
     pub folders: Vec<PathBuf>,
     /// The value of `MODELICAPATH`.
@@ -171,8 +173,13 @@ impl Session {
 
     /// The program of a sorted system.
     pub fn generate(&mut self, blocks: Blocks) -> Result<Program, Wrong> {
+        self.generate_as(blocks, Form::Reduced)
+    }
+
+    /// The program of a sorted system, in this form.
+    pub fn generate_as(&mut self, blocks: Blocks, form: Form) -> Result<Program, Wrong> {
         let begun = Instant::now();
-        let program = crate::codegen::compile(blocks);
+        let program = crate::codegen::compile_as(blocks, form);
         self.times.push(("codegen", begun.elapsed()));
         program.map_err(|problems| {
             self.problems.extend(problems);
@@ -183,14 +190,14 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
         let flat = self.flatten(request)?;
-        self.finish(flat)
+        self.finish(flat, request.form)
     }
 
-    /// The program of a flat model.
-    pub fn finish(&mut self, flat: FlatModel) -> Result<Program, Wrong> {
+    /// The program of a flat model, in this form.
+    pub fn finish(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
         let between = crate::lower::homotopy::between(&flat);
         let blocks = self.sort(flat)?;
-        let mut program = self.generate(blocks)?;
+        let mut program = self.generate_as(blocks, form)?;
         program.continuation = between.and_then(|flat| continuation(flat, &program)).map(Box::new);
         Ok(program)
     }

@@ -18,7 +18,7 @@ use std::ops::{Deref, DerefMut};
 
 use super::blocks::{Blocks, Source};
 use super::dae::Dae;
-use super::expr::{Binary, Unary, VarId};
+use super::expr::{Binary, ExprId, Unary, VarId};
 use crate::base::source::Span;
 
 /// A cell of the memory.
@@ -281,6 +281,29 @@ pub struct StateSetCells {
     pub jacobian: Vec<Entry>,
 }
 
+/// What the integrator of a program sees besides time: how algebraic loops are solved.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Form {
+    /// Ordinary differential equations `y' = f(t, y)`: loops are solved inside of each evaluation.
+    #[default]
+    Reduced,
+    /// Differential-algebraic equations `M y' = f(t, y)` of index 1: the unknowns of the loops that
+    /// derivatives depend on are components of `y`, and their equations stand below those of the
+    /// states.
+    Implicit,
+}
+
+/// An unknown of an algebraic loop that the integrator finds, in a program of [`Form::Implicit`].
+#[derive(Clone, Copy, Debug)]
+pub struct Algebraic {
+    /// The unknown.
+    pub variable: VarId,
+    /// Its equation `residual = 0`.
+    pub residual: ExprId,
+    /// Where that comes from.
+    pub source: Source,
+}
+
 /// Where everything lies in the memory.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
@@ -292,11 +315,12 @@ pub struct Layout {
     pub terminal: Slot,
     /// Each variable of the model.
     pub variables: Vec<Slot>,
-    /// First state; the others follow in the order of `blocks.states`.
+    /// First state; the others follow in the order of `blocks.states`, and then the unknowns in the
+    /// order of [`Program::algebraics`].
     pub states: Slot,
-    /// Derivative of each state.
+    /// Derivative of each state, then the residual of each algebraic equation.
     pub derivatives: Vec<Slot>,
-    /// The size of each state at which its error becomes absolute.
+    /// The size of each state and unknown at which its error becomes absolute.
     pub nominals: Vec<Slot>,
     /// Discrete and other variables whose `pre` is read: variable, its cell, cell of `pre`.
     pub pre: Vec<(VarId, Slot, Slot)>,
@@ -341,8 +365,10 @@ pub struct Program {
     pub roots: Tape,
     /// The other variables.
     pub rest: Tape,
-    /// Entries of the Jacobian of the derivatives by the states.
+    /// Entries of the Jacobian of the derivatives (and residuals) by the states (and unknowns).
     pub jacobian: Tape,
+    /// The unknowns beyond the states, and their equations; none in [`Form::Reduced`].
+    pub algebraics: Vec<Algebraic>,
     /// Its entries that can differ from zero, by row, then column.
     pub jacobian_entries: Vec<Entry>,
     /// What the selection of states is judged by; all variables must be in the memory.
@@ -391,9 +417,18 @@ pub struct Continuation {
 }
 
 impl Program {
-    /// Number of states.
+    /// Number of components that the integrator sees: states, then algebraic unknowns.
     pub fn order(&self) -> usize {
         self.layout.derivatives.len()
+    }
+
+    /// The variable that a component of the integrator is.
+    pub fn component(&self, i: usize) -> Option<VarId> {
+        let states = &self.blocks.states;
+        match i.checked_sub(states.len()) {
+            None => Some(states[i].variable),
+            Some(k) => self.algebraics.get(k).map(|a| a.variable),
+        }
     }
 
     /// Cell of a variable.

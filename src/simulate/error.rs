@@ -40,7 +40,7 @@ pub struct Failure {
 impl Failure {
     /// The run itself is fine, but has no derivatives by its inputs.
     pub fn is_without_derivatives(&self) -> bool {
-        matches!(self.diagnostic.code, "MO0917" | "MO0918")
+        self.diagnostic.code == "MO0917"
     }
 
     /// A failure of the numerics.
@@ -68,9 +68,15 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
     let reader = Reader::new(program, &instance.fault_memory);
     let diagnostic = match fault {
         Fault::Derivative { state } => {
-            let state = program.blocks.states[state];
+            let states = &program.blocks.states;
             let sequence = Sequence::Continuous;
-            reader.not_finite(state.derivative, sequence, time)
+            match state.checked_sub(states.len()) {
+                None => reader.not_finite(states[state].derivative, sequence, time),
+                Some(k) => {
+                    let a = program.algebraics[k];
+                    reader.expression_not_finite(a.residual, a.source, sequence, time)
+                }
+            }
         }
         Fault::NotFinite { solver, residual } => {
             let place = program.solvers[solver].place;
@@ -133,7 +139,7 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
 pub fn of_integration(instance: &Instance<'_>, failure: Integration, time: f64) -> Failure {
     let program = instance.program;
     let reader = Reader::new(program, &instance.memory);
-    let state = |component: usize| program.blocks.states.get(component).map(|s| s.variable);
+    let state = |component: usize| program.component(component);
     match failure {
         Integration::Options(error) => Failure::settings(error.to_string()),
         Integration::Start { component } => {

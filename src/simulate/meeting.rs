@@ -54,7 +54,9 @@ impl Simulation<'_, '_> {
             self.recent.alone = None;
             return Ok(false);
         };
-        if settled.acted || self.program.watches[k as usize] != Watch::State {
+        // Loops that the integrator solves would have two solutions at once there.
+        let implicit = !self.program.algebraics.is_empty();
+        if implicit || settled.acted || self.program.watches[k as usize] != Watch::State {
             self.recent.alone = None;
             return Ok(false);
         }
@@ -79,15 +81,8 @@ impl Simulation<'_, '_> {
             back.map_err(|f| of_fault(&self.model.instance, f, t))?;
             return Ok(false);
         }
-        if self.sensitivity.is_some() {
-            let span = self.relation_span(k);
-            let what = self.relation_text(k);
-            let message = format!(
-                "at time {t} s the solution begins to slide along the surface where `{what}` switches, and has no derivatives by the inputs there"
-            );
-            return Err(Failure::numerics(t, Diagnostic::error("MO0914", span, message)));
-        }
         self.model.sliding = Some(sliding);
+        self.enter_surface(t, truth)?;
         self.search.ignore(Some(k));
         self.recent.alone = None;
         let evaluated = self.model.evaluate_all(t, &self.y);
@@ -123,11 +118,11 @@ impl Simulation<'_, '_> {
         }
         let (t, k) = (outside, sliding.relation());
         self.model.sliding = Some(sliding);
+        self.vary()?;
         self.record_grid(t, true)?;
         self.stepper.interpolate(t, &mut self.y);
         if let Some(sliding) = self.model.sliding.take() {
-            let left = sliding.switch(&mut self.model.instance, usize::from(part > 0.5));
-            left.map_err(|f| of_fault(&self.model.instance, f, t))?;
+            self.leave_surface(&sliding, t, part > 0.5)?;
         }
         self.t = t;
         self.tell_of_sliding(t, k, "switches again");
@@ -164,6 +159,11 @@ impl Simulation<'_, '_> {
         let diagnostic = Diagnostic::error("MO0911", span, message)
             .label("this relation chatters")
             .help("give the two branches a hysteresis or a smooth transition, or model the state between them (locked, resting) explicitly");
+        let diagnostic = if self.program.algebraics.is_empty() {
+            diagnostic
+        } else {
+            diagnostic.note("in the reduced mode a solution can stay where both branches lead back")
+        };
         Err(Failure::numerics(t, diagnostic))
     }
 }

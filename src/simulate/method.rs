@@ -12,6 +12,8 @@
 //! - Otherwise Dormand-Prince for as long as the system does not turn out to be stiff, and Radau from
 //!   there on ([`Switching`]).
 //!
+//! A system that keeps algebraic equations is never given to an explicit method.
+//!
 //! The same tolerance should mean about the same error whichever method it is: Radau meets it with
 //! digits to spare, the others do not, and are given a smaller one.
 
@@ -58,6 +60,22 @@ pub struct Choice {
     pub because: Option<String>,
 }
 
+/// Why there is no integrator.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum NoMethod {
+    /// An option is out of range.
+    #[error(transparent)]
+    Options(#[from] OptionError),
+    /// An explicit method can not solve algebraic equations.
+    #[error(
+        "dopri is explicit: it can not find the {unknowns} unknowns of algebraic loops; take radau, bdf or the reduced mode"
+    )]
+    Explicit {
+        /// Their number.
+        unknowns: usize,
+    },
+}
+
 impl Integrator {
     /// The stepper for a program and its right side. `differentiated` asks for derivatives by inputs,
     /// which only Radau can give.
@@ -67,7 +85,7 @@ impl Integrator {
         differentiated: bool,
         system: &dyn System,
         options: Options,
-    ) -> Result<(Self, Choice), OptionError> {
+    ) -> Result<(Self, Choice), NoMethod> {
         let (method, because) = match wanted {
             _ if differentiated => (Method::Radau, Some("derivatives by inputs".to_owned())),
             Method::Auto => {
@@ -81,6 +99,9 @@ impl Integrator {
             Method::Bdf => {
                 let options = sharpened(&options, SHARPER_BDF);
                 Integrator::Bdf(Box::new(Bdf::for_system(system, options)?))
+            }
+            Method::Dopri if !program.algebraics.is_empty() => {
+                return Err(NoMethod::Explicit { unknowns: program.algebraics.len() });
             }
             Method::Dopri => {
                 let options = sharpened(&options, SHARPER_DOPRI);
@@ -156,10 +177,16 @@ fn sharpened(options: &Options, part: f64) -> Options {
 
 /// [`Method::Auto`] as the answer stands for: explicit until it is stiff.
 fn choose(program: &Program) -> (Method, String) {
-    let states = program.order();
-    let counted = if states == 1 { "1 state".to_owned() } else { format!("{states} states") };
+    let (states, algebraics) = (program.order(), program.algebraics.len());
+    let mut counted = match states - algebraics {
+        1 => "1 state".to_owned(),
+        states => format!("{states} states"),
+    };
+    if algebraics > 0 {
+        counted.push_str(&format!(", {algebraics} algebraic"));
+    }
     let eventful = !program.watches.is_empty() || !program.state_sets.is_empty();
-    if states == 0 || eventful {
+    if states == 0 || eventful || (algebraics > 0 && states < MANY_STATES) {
         let what = if program.watches.is_empty() { "" } else { ", events" };
         (Method::Radau, counted + what)
     } else if states >= MANY_STATES {

@@ -25,6 +25,7 @@ pub mod selection;
 pub mod sensitivity;
 pub mod settings;
 pub mod sliding;
+pub mod surface;
 pub mod system;
 
 #[cfg(test)]

@@ -91,8 +91,8 @@ pub fn simulate_to(
 }
 
 /// As [`simulate_to`], and after each row hands over the derivatives of its values by the inputs
-/// ([`Sink::slopes`]). They are right across events; a solution that slides along the surface of a
-/// relation has none here, which is a failure.
+/// ([`Sink::slopes`]). They are right across events, and along the surface of a relation that the
+/// solution slides on.
 pub fn simulate_with_sensitivities(
     program: &Program,
     settings: &Settings,
@@ -100,6 +100,12 @@ pub fn simulate_with_sensitivities(
     sources: &SourceMap,
     sink: &mut dyn Sink,
 ) -> Result<Statistics, Failure> {
+    if !program.algebraics.is_empty() {
+        return Err(Failure::settings(
+            "a run can be differentiated in the reduced mode only: this program leaves algebraic loops to the integrator"
+                .to_owned(),
+        ));
+    }
     let Some(settings) = with_inputs(program, settings, inputs) else {
         return Err(Failure::settings(
             "a run can be differentiated by its inputs only: parameters and starts that are no constants"
@@ -317,7 +323,9 @@ impl<'p, 's> Simulation<'p, 's> {
         self.vary()?;
         self.record_grid(t, false)?;
         // Whatever happens, both sides are looked at anew.
-        self.model.sliding = None;
+        if let Some(mut sliding) = self.model.sliding.take() {
+            self.arrive_from_surface(&mut sliding, t);
+        }
         self.search.ignore(None);
         let held = self.held_relations();
         let mut nudge =
@@ -327,6 +335,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let (settled, before) = loop {
             self.go_to(t)?;
             self.take_row(t)?;
+            self.look(t)?;
             triggers.extend(self.search.switched(&self.model.instance));
             let derivatives = self.arrive(t, cause);
             ticked |= self.clocks.raise(&mut self.model.instance, t);
@@ -480,7 +489,7 @@ impl<'p, 's> Simulation<'p, 's> {
             taken = self.recorder.take(&self.model.instance);
         }
         if taken.is_ok() {
-            self.look(t)?;
+            self.look_at_row(t)?;
         }
         taken.map_err(|v| {
             let reader = Reader::new(self.program, &self.model.instance.memory);

@@ -10,24 +10,29 @@
 //! and every discrete equation, and `S` leaves as `X - f dt/dp` with the `f` that holds afterwards
 //! (S. Galán, W. F. Feehery, P. I. Barton, *Parametric sensitivity functions for hybrid discrete/
 //! continuous systems*, Applied Numerical Mathematics 31, 1999). An instant that is known in advance
-//! moves with the parameters that it is computed from.
+//! moves with the parameters that it is computed from. Along a surface that the solution slides on
+//! the equations are those of `surface`.
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::codegen::interp::{Fault, Instance};
 use crate::codegen::tangent::Tangents;
+use crate::codegen::tangent::forcing::Forcing;
+use crate::codegen::tangent::outputs::needed;
 use crate::integrate::radau::Radau;
 use crate::integrate::radau::variation::{NoVariation, Variation};
 use crate::integrate::stepper::Stepper;
 use crate::integrate::system::{EvalError, System};
 use crate::integrate::variational::Variational;
 use crate::ir::expr::VarId;
-use crate::ir::program::{Program, Slot, Watch};
+use crate::ir::program::{Instr, Program, Slot, Watch};
 
 use super::clock::Clocks;
 use super::error::{Failure, of_fault};
 use super::run::{Cause, Simulation};
 use super::settings::Settings;
+use super::sliding::Sliding;
+use super::surface::{AlongSurface, Surface};
 use super::system::{Model, of_domain};
 
 /// What a run is differentiated by.
@@ -46,11 +51,22 @@ pub struct Sensitivity {
     tangents: Option<Box<Tangents>>,
     variation: Variation,
     linearisation: Linearisation,
+    /// Of the rates, by the inputs alone.
+    forcing: Box<Forcing>,
+    /// The memory depends on the inputs in another way than when `forcing` was prepared.
+    stale: bool,
+    /// What the recorded variables depend on.
+    outputs: Vec<Instr>,
     s: Vec<f64>,
     /// How the instant of the event at hand moves with each input.
     shift: Vec<f64>,
     recorded: Vec<Slot>,
     slopes: Vec<f64>,
+    /// While the solution slides, in place of `variation`.
+    surface: Option<Box<Surface>>,
+    /// The rates of the states on their way to an event, where those in the memory are not: at the
+    /// end of a motion along a surface.
+    arrival: Option<Vec<f64>>,
 }
 
 /// The variational equations at the stages of a step.
@@ -118,21 +134,28 @@ impl Sensitivity {
             rows,
         };
         let recorded: Vec<Slot> = program.recorded.iter().map(|v| program.slot(*v)).collect();
+        let outputs = needed(program, &[&program.rhs, &program.roots, &program.rest], &recorded);
         Some(Sensitivity {
             count,
             tangents: Some(Box::new(tangents)),
             variation: Variation::new(n, count),
             linearisation,
+            forcing: Box::new(Forcing::new(program, count)),
+            stale: true,
+            outputs,
             s: vec![0.0; n],
             shift: vec![0.0; count + 1],
             slopes: vec![0.0; recorded.len() * count],
             recorded,
+            surface: None,
+            arrival: None,
         })
     }
 
     /// From here on everything that runs is followed.
     pub fn attach(&mut self, instance: &mut Instance<'_>) {
         instance.tangents = self.tangents.take();
+        self.stale = true;
     }
 
     /// Ends what `attach` began.
@@ -149,6 +172,7 @@ impl Sensitivity {
     pub fn restore(&mut self, snapshot: Option<&Tangents>) {
         if let (Some(tangents), Some(snapshot)) = (&mut self.tangents, snapshot) {
             tangents.copy_from(snapshot);
+            self.stale = true;
         }
     }
 
@@ -165,41 +189,79 @@ impl Sensitivity {
         stepper: &mut Radau,
     ) -> Result<(), NoVariation> {
         let Some(tangents) = self.tangents.take() else { return Ok(()) };
-        let mut along = Along { model, tangents: Some(tangents), memory: &mut self.linearisation };
-        let outcome = stepper.vary(&mut along, &mut self.variation);
-        self.tangents = along.tangents.take();
-        outcome
+        if let (Some(surface), true) = (&mut self.surface, model.sliding.is_some()) {
+            let Surface { variation, equations, .. } = &mut **surface;
+            let mut along = AlongSurface { model, tangents: Some(tangents), equations };
+            let outcome = stepper.vary(&mut along, variation);
+            self.tangents = along.tangents.take();
+            return outcome;
+        }
+        if std::mem::take(&mut self.stale) {
+            self.forcing.prepare(model.instance.program, &tangents);
+        }
+        self.tangents = Some(tangents);
+        let (forcing, memory) = (&mut *self.forcing, &mut self.linearisation);
+        let mut along = Along { model, forcing, memory };
+        stepper.vary(&mut along, &mut self.variation)
     }
 
     /// Derivatives of everything at `t` within the last step, where everything has been evaluated.
     pub fn look(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
         let program = instance.program;
-        let Some(tangents) = &mut self.tangents else { return Ok(()) };
         let layout = &program.layout;
-        let order = program.order();
+        self.place(program, t);
+        let Some(tangents) = &mut self.tangents else { return Ok(()) };
+        // The last direction moves along the trajectory.
+        for i in 0..program.order() {
+            let rate = match &self.arrival {
+                Some(rates) => rates[i],
+                None => instance.get(layout.derivatives[i]),
+            };
+            tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
+        }
+        tangents.of_mut(layout.time)[self.count] = 1.0;
+        for tape in [&program.rhs, &program.roots, &program.rest] {
+            tangents.follow(instance, tape)?;
+        }
+        self.read_slopes();
+        Ok(())
+    }
+
+    /// Derivatives of what is recorded at `t` within the last step, where everything has been evaluated.
+    pub fn look_at_row(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
+        self.place(instance.program, t);
+        if let Some(tangents) = &mut self.tangents {
+            tangents.follow(instance, &self.outputs)?;
+        }
+        self.read_slopes();
+        Ok(())
+    }
+
+    /// Takes the derivatives of the states at `t` within the last step; time rests.
+    fn place(&mut self, program: &Program, t: f64) {
+        let Some(tangents) = &mut self.tangents else { return };
+        let layout = &program.layout;
         for direction in 0..self.count {
-            self.variation.interpolate(direction, t, &mut self.s);
-            for i in 0..order {
+            match &self.surface {
+                Some(surface) => {
+                    self.s.push(0.0);
+                    surface.variation.interpolate(direction, t, &mut self.s);
+                    self.s.pop();
+                }
+                None => self.variation.interpolate(direction, t, &mut self.s),
+            }
+            for i in 0..program.order() {
                 tangents.of_mut(layout.states + i as Slot)[direction] = self.s[i];
             }
         }
-        // The last direction moves along the trajectory.
-        for i in 0..order {
-            let rate = instance.get(layout.derivatives[i]);
-            tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
-        }
-        let time = tangents.of_mut(layout.time);
-        time.fill(0.0);
-        time[self.count] = 1.0;
-        let mut followed = Ok(());
-        for tape in [&program.rhs, &program.roots, &program.rest] {
-            followed = followed.and_then(|()| tangents.follow(instance, tape));
-        }
-        followed?;
+        tangents.of_mut(layout.time).fill(0.0);
+    }
+
+    fn read_slopes(&mut self) {
+        let Some(tangents) = &self.tangents else { return };
         for (slopes, slot) in self.slopes.chunks_exact_mut(self.count.max(1)).zip(&self.recorded) {
             slopes.copy_from_slice(&tangents.of(*slot)[..self.count]);
         }
-        Ok(())
     }
 
     /// Takes everything along to the moving instant of a relation that switches, looked at last.
@@ -253,6 +315,7 @@ impl Sensitivity {
             self.s[order..].fill(0.0);
             self.variation.restart(t, direction, &self.s);
         }
+        (self.surface, self.arrival) = (None, None);
     }
 
     /// Stands at `t` with the derivatives of the states as they are in the memory.
@@ -265,10 +328,18 @@ impl Sensitivity {
             self.s[program.order()..].fill(0.0);
             self.variation.restart(t, direction, &self.s);
         }
+        self.surface = None;
     }
 
     /// Forgets the history of the last steps at `t`, the end of the last one.
     pub fn restart(&mut self, t: f64) {
+        if let Some(surface) = &mut self.surface {
+            for direction in 0..self.count {
+                let s = surface.variation.at_end(direction).to_vec();
+                surface.variation.restart(t, direction, &s);
+            }
+            return;
+        }
         for direction in 0..self.count {
             self.s.copy_from_slice(self.variation.at_end(direction));
             self.variation.restart(t, direction, &self.s);
@@ -276,7 +347,86 @@ impl Sensitivity {
     }
 }
 
+impl Sensitivity {
+    /// Derivatives of what is recorded at `t` of a motion along a surface, whose values stand in the
+    /// memory.
+    fn look_at_surface(&mut self, model: &mut Model<'_>, t: f64) -> Result<(), Fault> {
+        let (Some(surface), Some(sliding)) = (&mut self.surface, &mut model.sliding) else {
+            return Ok(());
+        };
+        let (instance, tangents) = (&mut model.instance, &mut self.tangents);
+        surface.look(instance, sliding, tangents, t, &self.recorded, &mut self.slopes)
+    }
+
+    /// Enters the surface of `model.sliding` at `(t, y)`, from the side on which its relation is `truth`.
+    fn enter_surface(
+        &mut self,
+        model: &mut Model<'_>,
+        t: f64,
+        y: &[f64],
+        truth: bool,
+    ) -> Result<(), EvalError> {
+        let program = model.instance.program;
+        let (cells, n) = (program.image.len(), program.order());
+        let mut surface = Box::new(Surface::new(cells, n, self.count, self.recorded.len()));
+        let variation = &self.variation;
+        let before = |direction: usize, s: &mut [f64]| {
+            s.copy_from_slice(&variation.at_end(direction)[..s.len()]);
+        };
+        surface.enter(model, &mut self.tangents, (t, y), truth, before)?;
+        self.surface = Some(surface);
+        Ok(())
+    }
+
+    /// Leaves the surface at `t` in the last step, where the solution does so smoothly.
+    fn leave_surface(&mut self, t: f64) {
+        let Some(surface) = self.surface.take() else { return };
+        let mut s = vec![0.0; self.s.len() + 1];
+        for direction in 0..self.count {
+            surface.variation.interpolate(direction, t, &mut s);
+            self.variation.restart(t, direction, &s[..self.s.len()]);
+        }
+    }
+}
+
 impl Simulation<'_, '_> {
+    /// The derivatives where the solution begins to stay on a surface, if they are wanted.
+    pub(super) fn enter_surface(&mut self, t: f64, truth: bool) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let entered = s.enter_surface(&mut self.model, t, &self.y, truth);
+        entered.map_err(|error| not_differentiable(NoVariation::Eval(error), t))
+    }
+
+    /// The derivatives where the solution leaves a surface for the side of `truth`, if they are wanted.
+    pub(super) fn leave_surface(
+        &mut self,
+        sliding: &Sliding,
+        t: f64,
+        truth: bool,
+    ) -> Result<(), Failure> {
+        let instance = &mut self.model.instance;
+        if let Some(s) = &mut self.sensitivity {
+            s.attach(instance);
+        }
+        let left = sliding.switch(instance, usize::from(truth));
+        if let Some(s) = &mut self.sensitivity {
+            s.detach(instance);
+            s.leave_surface(t);
+        }
+        left.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
+    /// The end at `t` of a motion along a surface by an event of something else: the states arrive with
+    /// the rates that they had on it.
+    pub(super) fn arrive_from_surface(&mut self, sliding: &mut Sliding, t: f64) {
+        let Some(s) = &mut self.sensitivity else { return };
+        let n = self.program.order();
+        let mut rates = vec![0.0; n];
+        self.stepper.interpolate(t, &mut self.y);
+        let slid = sliding.derivatives(&mut self.model.instance, t, &self.y[..n], &mut rates);
+        s.arrival = slid.is_ok().then_some(rates);
+    }
+
     /// The derivatives over the last step, if they are wanted.
     pub(super) fn vary(&mut self) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
@@ -288,7 +438,23 @@ impl Simulation<'_, '_> {
     /// The derivatives of everything at `t` in the last step, if they are wanted.
     pub(super) fn look(&mut self, t: f64) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
-        s.look(&mut self.model.instance, t).map_err(|f| of_fault(&self.model.instance, f, t))
+        let looked = if self.model.sliding.is_some() {
+            s.look_at_surface(&mut self.model, t)
+        } else {
+            s.look(&mut self.model.instance, t)
+        };
+        looked.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
+    /// The derivatives of what is recorded at `t` in the last step, if they are wanted.
+    pub(super) fn look_at_row(&mut self, t: f64) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let looked = if self.model.sliding.is_some() {
+            s.look_at_surface(&mut self.model, t)
+        } else {
+            s.look_at_row(&mut self.model.instance, t)
+        };
+        looked.map_err(|f| of_fault(&self.model.instance, f, t))
     }
 
     /// Takes the derivatives along to an event, where they will be followed; a copy of what they were.
@@ -331,40 +497,29 @@ fn not_differentiable(why: NoVariation, t: f64) -> Failure {
 /// The variational equations along a run.
 struct Along<'a, 'p> {
     model: &'a mut Model<'p>,
-    tangents: Option<Box<Tangents>>,
+    forcing: &'a mut Forcing,
     memory: &'a mut Linearisation,
 }
 
 impl Variational for Along<'_, '_> {
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
-        let Along { model, tangents, memory } = self;
+        let Along { model, forcing, memory } = self;
         model.jacobian_entries(t, y, &mut memory.jacobian[stage])?;
         let instance = &mut model.instance;
         let program = instance.program;
-        let layout = &program.layout;
-        let order = program.order();
-        instance.place(t, &y[..order]);
-        if let Some(tangents) = tangents {
-            tangents.of_mut(layout.time).fill(0.0);
-            for i in 0..order {
-                tangents.of_mut(layout.states + i as Slot).fill(0.0);
-            }
-        }
-        instance.tangents = tangents.take();
+        instance.place(t, &y[..program.order()]);
         let mut outcome = instance.run(&program.rhs);
-        if outcome.is_err_and(of_domain) {
-            instance.inside = true;
+        let beyond = outcome.is_err_and(of_domain);
+        instance.inside = beyond;
+        if beyond {
             outcome = instance.run(&program.rhs);
-            instance.inside = false;
         }
-        *tangents = instance.tangents.take();
+        let outcome = outcome.and_then(|()| forcing.follow(instance));
+        instance.inside = false;
         outcome.map_err(|_| EvalError::Recoverable(0))?;
-        if let Some(tangents) = tangents {
-            let count = tangents.directions() - 1;
-            for (i, slot) in layout.derivatives.iter().enumerate() {
-                for (direction, d) in tangents.of(*slot)[..count].iter().enumerate() {
-                    memory.forcing[stage][direction * memory.n + i] = *d;
-                }
+        for (i, slot) in program.layout.derivatives.iter().enumerate() {
+            for (direction, d) in forcing.of(*slot).iter().enumerate() {
+                memory.forcing[stage][direction * memory.n + i] = *d;
             }
         }
         Ok(())

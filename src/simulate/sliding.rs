@@ -62,6 +62,11 @@ impl Sliding {
         self.relation
     }
 
+    /// The derivatives where the relation is false, and where it is true, as looked at last.
+    pub fn sides(&self) -> [&[f64]; 2] {
+        [&self.sides[0], &self.sides[1]]
+    }
+
     /// The rates of the gap on both sides. The relation is left true.
     pub fn rates(
         &mut self,

@@ -7,8 +7,9 @@ use crate::math::numeric::pattern::Pattern;
 
 use super::sliding::Sliding;
 
-/// The derivatives of the states. A model without states has one that rests, so that events of its
-/// algebraic variables are found by the same loop.
+/// The derivatives of the states, and the residuals of the loops that are left to the integrator. A
+/// model without states has one that rests, so that events of its algebraic variables are found by
+/// the same loop.
 pub struct Model<'p> {
     /// The run.
     pub instance: Instance<'p>,
@@ -57,7 +58,8 @@ fn watched(program: &Program) -> Vec<u32> {
 impl<'p> Model<'p> {
     /// A run that has not begun.
     pub fn new(program: &'p Program) -> Self {
-        let n = program.order().max(1);
+        let (states, order) = (program.blocks.states.len(), program.order());
+        let n = order.max(1);
         let zeros = || vec![0.0; n];
         let position = |e: &Entry| (e.row as usize, e.column as usize);
         let entries: Vec<_> = program.jacobian_entries.iter().map(position).collect();
@@ -68,7 +70,7 @@ impl<'p> Model<'p> {
             beyond: false,
             strict: false,
             sliding: None,
-            differential: vec![true; n],
+            differential: (0..n).map(|i| !(states..order).contains(&i)).collect(),
             pattern,
             watched: watched(program),
             looks: Looks::default(),

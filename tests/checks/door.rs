@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use mocc::base::render::{Style, render, render_all};
 use mocc::codegen::jit::rent::Execution;
 use mocc::driver::compile::{Request, Session};
-use mocc::ir::program::Program;
+use mocc::ir::program::{Form, Program};
 use mocc::ir::trajectory::{Column, Event, Trajectory, position};
 use mocc::simulate::record::Sink;
 use mocc::simulate::run::{simulate, simulate_with_sensitivities};
 use mocc::simulate::sensitivity::Input;
-use mocc::simulate::settings::Settings;
+use mocc::simulate::settings::{Method, Settings};
 
 /// A model on its way to a run.
 pub struct Case {
@@ -44,6 +44,11 @@ impl Case {
     /// `NAME=VALUE`, as with `--set`.
     pub fn set(mut self, setting: impl Into<String>) -> Case {
         self.request.settings.push(setting.into());
+        self
+    }
+    /// Who solves algebraic loops.
+    pub fn form(mut self, form: Form) -> Case {
+        self.request.form = form;
         self
     }
     /// Another end than the annotation's.
@@ -166,6 +171,10 @@ impl Compiled {
         let (id, _) = variables.enumerate().find(|(_, v)| v.name == name).expect(name);
         self.settings.parameters.retain(|(other, _)| *other != id);
         self.settings.parameters.push((id, value));
+    }
+    /// The integrator of the next runs.
+    pub fn method(&mut self, method: Method) {
+        self.settings.method = method;
     }
     /// How the next runs compute.
     pub fn execute(&mut self, execution: Execution) {

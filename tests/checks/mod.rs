@@ -14,6 +14,7 @@ mod examples;
 mod friction;
 mod hard;
 mod hybrid;
+mod implicit;
 mod language;
 mod machine_code;
 mod reference;

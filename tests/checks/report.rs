@@ -103,7 +103,7 @@ fn every_component_has_its_box_and_every_connect_its_line() {
         let of_model = match name {
             // Classes before the model have their own.
             "evolution/c_seal_signals.mol" => 9,
-            // One in a loop over four.
+            // One of two arrays of four.
             "evolution/d_dwell.mol" => 4,
             _ => written.map(|l| l.matches("connect(").count()).sum(),
         };
@@ -167,7 +167,17 @@ fn boxes_stand_apart_and_mimic_the_valve() {
     let other = page_of(folder.path(), "valve53.mol");
     let other = boxes(other.split("<figure").nth(1).expect("a diagram"));
     let left = |name: &str| other.iter().find(|(n, _)| n == name).expect(name).1[0];
-    let along = ["chamber_14", "seal_p", "seal_a", "seal_45", "seal_14", "seal_12", "seal_23", "seal_b", "chamber_12"];
+    let along = [
+        "chamber_14",
+        "seal_p",
+        "seal_a",
+        "seal_45",
+        "seal_14",
+        "seal_12",
+        "seal_23",
+        "seal_b",
+        "chamber_12",
+    ];
     assert!(along.windows(2).all(|w| left(w[0]) < left(w[1])), "the order of the 5/3-way valve");
     // Along the spool as in the valve: drive, seals with the chambers between them, air spring.
     let row = [

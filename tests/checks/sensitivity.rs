@@ -242,3 +242,167 @@ fn the_valve_by_eight_of_its_parameters() {
         }
     }
 }
+
+/// A relay holds `y` on the moving line `b t + d`: `y' = c + r t - k u` with `u` the sign of the distance.
+/// From above it is met at the root of `y0 + (c - k) t + r t^2 / 2 = b t + d`; on it `u = (c + r t - b) / k`;
+/// it is left smoothly when `u` reaches one. `z' = u` adds up what the relay does.
+#[test]
+fn a_relay_that_slides_and_leaves() {
+    let text = "model Relay
+      parameter Real c = 0.2;
+      parameter Real r = 0.5;
+      parameter Real k = 1;
+      parameter Real b = 0.3;
+      parameter Real d = 0.1;
+      parameter Real y0 = 0.8;
+      Real y(start = y0, fixed = true);
+      Real z(start = 0, fixed = true);
+      Real u = if y - b * time > d then 1 else -1;
+    equation
+      der(y) = c + r * time - k * u;
+      der(z) = u;
+    end Relay;";
+    let inputs = ["c", "r", "k", "b", "d", "y0"];
+    let run = Case::text(text).stop(3.5).tolerance(1e-9).compile().differentiate(&inputs);
+    let exact = |p: [f64; 6], t: f64| {
+        let [c, r, k, b, d, y0] = p;
+        let slope = c - k - b;
+        let enters = (-slope - (slope * slope - 2.0 * r * (y0 - d)).sqrt()) / r;
+        let leaves = (k + b - c) / r;
+        let (met, left) = (t.min(enters), t.min(leaves));
+        let on = |t: f64| ((c - b) * t + r * t * t / 2.0) / k;
+        let z = if t <= enters { t } else { enters + on(left) - on(enters) + t - left };
+        let free = |t: f64| (c - k) * t + r * t * t / 2.0;
+        let y = if t <= enters { y0 + free(met) } else { b * left + d + free(t) - free(left) };
+        [y, z]
+    };
+    let p = [0.2, 0.5, 1.0, 0.3, 0.1, 0.8];
+    let enters = run.trajectory.times_of("stays where it switches");
+    let leaves = run.trajectory.times_of("switches again");
+    assert_eq!((enters.len(), leaves.len()), (1, 1));
+    assert!((leaves[0] - 2.2).abs() < 1e-6, "{}", leaves[0]);
+    for (input, name) in inputs.iter().enumerate() {
+        // The closed form is smooth in each phase: its central difference is exact to ten digits.
+        let by = |column: usize| {
+            move |t: f64| {
+                let moved = |h: f64| {
+                    let mut p = p;
+                    p[input] += h;
+                    exact(p, t)[column]
+                };
+                (moved(1e-5) - moved(-1e-5)) / 2e-5
+            }
+        };
+        for (k, column) in ["y", "z"].into_iter().enumerate() {
+            let found = run.by(input, column);
+            for (row, t) in run.trajectory.time.iter().enumerate() {
+                let near = |e: &f64| (e - t).abs() < 1e-3;
+                if enters.iter().chain(&leaves).any(near) {
+                    continue;
+                }
+                let expected = by(k)(*t);
+                assert!(
+                    (found[row] - expected).abs() < 1e-6 * (1.0 + expected.abs()),
+                    "d {column} / d {name} at {t} s: {} instead of {expected}",
+                    found[row]
+                );
+            }
+        }
+        // On the line the relay's own value moves: u = (c + r t - b) / k.
+        let (u, t) = (run.by(input, "u"), &run.trajectory.time);
+        let row = t.partition_point(|t| *t < 1.5);
+        let exact = [1.0, t[row], -(0.2 + 0.5 * t[row] - 0.3), -1.0, 0.0, 0.0][input];
+        assert!((u[row] - exact).abs() < 1e-5, "d u / d {name}: {} instead of {exact}", u[row]);
+    }
+}
+
+/// On a circle of radius `R`, which the relay holds against the flow, the angle turns at
+/// `w + m c / k`: the surface is curved, and its gradient moves along.
+#[test]
+fn a_relay_on_a_circle() {
+    let text = "model Circle
+      parameter Real c = 0.4;
+      parameter Real k = 1;
+      parameter Real w = 2;
+      parameter Real m = 0.5;
+      parameter Real R = 1.5;
+      parameter Real r0 = 2;
+      Real x(start = r0, fixed = true);
+      Real y(start = 0, fixed = true);
+      Real u = if x ^ 2 + y ^ 2 > R ^ 2 then 1 else -1;
+    equation
+      der(x) = x * (c - k * u) - y * (w + m * u);
+      der(y) = y * (c - k * u) + x * (w + m * u);
+    end Circle;";
+    let inputs = ["c", "k", "w", "m", "R", "r0"];
+    let run = Case::text(text).stop(2.0).tolerance(1e-9).compile().differentiate(&inputs);
+    let at_end = |p: [f64; 6]| {
+        let [c, k, w, m, radius, r0] = p;
+        let enters = (r0 / radius).ln() / (k - c);
+        let angle = (w + m) * enters + (w + m * c / k) * (2.0 - enters);
+        [radius * angle.cos(), radius * angle.sin()]
+    };
+    let p = [0.4, 1.0, 2.0, 0.5, 1.5, 2.0];
+    for (input, name) in inputs.iter().enumerate() {
+        let moved = |h: f64| {
+            let mut p = p;
+            p[input] += h;
+            at_end(p)
+        };
+        let (above, below) = (moved(1e-5), moved(-1e-5));
+        for (k, column) in ["x", "y"].into_iter().enumerate() {
+            let expected = (above[k] - below[k]) / 2e-5;
+            let found = *run.by(input, column).last().unwrap();
+            assert!(
+                (found - expected).abs() < 1e-5 * (1.0 + expected.abs()),
+                "d {column} / d {name}: {found} instead of {expected}"
+            );
+        }
+    }
+}
+
+/// Another event ends the motion along a surface, which begins again at once: `y` is held at `d`, and
+/// at `x = h`, an instant that moves with `v`, the flow that the relay holds changes from `c` to `e`.
+#[test]
+fn an_event_while_a_relay_slides() {
+    let text = "model Twice
+      parameter Real c = 0.2;
+      parameter Real e = -0.4;
+      parameter Real k = 1;
+      parameter Real d = 0.1;
+      parameter Real v = 0.7;
+      parameter Real h = 0.9;
+      Real x(start = 0, fixed = true);
+      Real y(start = 0.5, fixed = true);
+      Real z(start = 0, fixed = true);
+      Real u = if y > d then 1 else -1;
+    equation
+      der(x) = v;
+      der(y) = (if x > h then e else c) - k * u;
+      der(z) = u;
+    end Twice;";
+    let inputs = ["c", "e", "k", "d", "v", "h"];
+    let run = Case::text(text).stop(2.0).tolerance(1e-9).compile().differentiate(&inputs);
+    let at_end = |p: [f64; 6]| {
+        let [c, e, k, d, v, h] = p;
+        let enters = (0.5 - d) / (k - c);
+        let switches = h / v;
+        enters + c / k * (switches - enters) + e / k * (2.0 - switches)
+    };
+    let p = [0.2, -0.4, 1.0, 0.1, 0.7, 0.9];
+    for (input, name) in inputs.iter().enumerate() {
+        let moved = |by: f64| {
+            let mut p = p;
+            p[input] += by;
+            at_end(p)
+        };
+        let expected = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+        let found = *run.by(input, "z").last().unwrap();
+        assert!(
+            (found - expected).abs() < 1e-5 * (1.0 + expected.abs()),
+            "d z / d {name}: {found} instead of {expected}"
+        );
+        let (y, on_d) = (*run.by(input, "y").last().unwrap(), f64::from(*name == "d"));
+        assert!((y - on_d).abs() < 1e-6, "d y / d {name}: {y}");
+    }
+}

@@ -32,6 +32,8 @@ pub struct Variation {
     r: [Vec<f64>; 3],
     stage: Vec<f64>,
     whole: Option<Box<Whole>>,
+    /// The diagonal of `M`, where it is not that of the solution.
+    mass: Option<Vec<f64>>,
 }
 
 /// One direction.
@@ -79,7 +81,18 @@ impl Variation {
             r: zeros(),
             stage: vec![0.0; n],
             whole: None,
+            mass: None,
         }
+    }
+
+    /// As [`Variation::new`], for differential equations of `n` components that a constraint holds,
+    /// with a last component that makes it do so: a system of index 2. Its stages are always solved at
+    /// once, and between them the last component is the parabola through its stages: the value at
+    /// the start of a step, of which the stages know nothing, need not lie on it.
+    pub fn constrained(n: usize, directions: usize) -> Self {
+        let mut mass = vec![1.0; n];
+        mass.push(0.0);
+        Variation { mass: Some(mass), ..Variation::new(n + 1, directions) }
     }
 
     /// The derivatives in a direction at the accepted point.
@@ -120,15 +133,23 @@ impl Variation {
             whole.ready = false;
         }
         for direction in 0..self.directions.len() {
-            if !self.iterate(system, direction, &step, matrix) {
-                self.solve_at_once(system, direction, h, matrix.mass())?;
-            }
+            let own = self.mass.take();
+            let solved = match &own {
+                Some(mass) => self.solve_at_once(system, direction, h, mass),
+                None if self.iterate(system, direction, &step, matrix) => Ok(()),
+                None => self.solve_at_once(system, direction, h, matrix.mass()),
+            };
+            self.mass = own;
+            solved?;
             let d = &mut self.directions[direction];
+            if self.mass.is_some() {
+                d.level_last();
+            }
             for (s, z) in d.s.iter_mut().zip(&d.z[2]) {
                 *s += z;
             }
             d.polynomial.set(h, end, &d.s, &d.z, d.continued);
-            d.continued = true;
+            d.continued = self.mass.is_none();
         }
         Ok(())
     }
@@ -212,6 +233,23 @@ impl Variation {
             return Err(NoVariation::Singular { component: 0 });
         }
         Ok(())
+    }
+}
+
+impl Direction {
+    /// Moves the last component at the start of the step onto the parabola through its stages.
+    fn level_last(&mut self) {
+        let last = self.s.len() - 1;
+        let nodes = [C1, C2, 1.0];
+        let at_start: f64 = (0..3)
+            .map(|k| {
+                let others = (0..3).filter(|j| *j != k);
+                let weight: f64 = others.map(|j| nodes[j] / (nodes[j] - nodes[k])).product();
+                weight * self.z[k][last]
+            })
+            .sum();
+        self.s[last] += at_start;
+        self.z.iter_mut().for_each(|z| z[last] -= at_start);
     }
 }
 

@@ -68,7 +68,10 @@ fn exchange(graph: &mut Graph, is_free: &dyn Fn(usize) -> bool) {
             let before = graph.layers.clone();
             graph.layers[layer].swap(i - 1, i);
             for follower in [layer + 1, layer.wrapping_sub(1), layer] {
-                if follower < count && is_free(follower) && (follower != layer || total(graph) < best) {
+                if follower < count
+                    && is_free(follower)
+                    && (follower != layer || total(graph) < best)
+                {
                     improve(graph, follower);
                 }
             }

@@ -10,6 +10,9 @@ use crate::ir::program::{CallSite, Instr, Op, Slot};
 use crate::math::numeric::linear::DenseLu;
 use crate::symbolic::partial;
 
+pub mod forcing;
+pub mod outputs;
+
 use super::interp::{Fault, Instance, JUMP_LIMIT, LOOP_LIMIT, step, watched_slot};
 
 /// Directions are handled in groups of so many.
@@ -83,11 +86,7 @@ impl Tangents {
     }
 
     /// Follows a tape that has just run.
-    pub fn follow<'p>(
-        &mut self,
-        instance: &mut Instance<'p>,
-        tape: &'p [Instr],
-    ) -> Result<(), Fault> {
+    pub fn follow(&mut self, instance: &mut Instance<'_>, tape: &[Instr]) -> Result<(), Fault> {
         for i in tape {
             match i.op {
                 Op::Solve => self.solve(instance, i.a as usize)?,
@@ -103,36 +102,12 @@ impl Tangents {
     /// The chain rule for one instruction whose value stands in the memory.
     #[inline]
     fn step(&mut self, instance: &Instance<'_>, i: &Instr) {
-        let memory = &instance.memory;
-        let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
-        let value = memory[i.dst as usize];
-        match i.op {
-            Op::Copy => self.copy(i.dst, i.a),
-            Op::CopyIf if a != 0.0 => self.copy(i.dst, i.b),
-            Op::CopyIf => {}
-            Op::Input => self.copy(i.dst, if b.is_nan() { i.a } else { i.b }),
-            Op::Add => self.combine(i, 1.0, 1.0),
-            Op::Sub => self.combine(i, 1.0, -1.0),
-            Op::Mul => self.combine(i, b, a),
-            Op::Div if instance.inside && a == 0.0 && b == 0.0 => self.clear(i.dst),
-            Op::Div => self.combine(i, 1.0 / b, -value / b),
-            Op::Neg => self.scale(i, -1.0),
-            Op::Unary(op) => {
-                let factor = partial::unary(op, a, value);
-                // At the border of a domain the branch goes on level.
-                let level = instance.inside && !factor.is_finite();
-                self.scale(i, if level { 0.0 } else { factor });
-            }
-            Op::Binary(op) => {
-                let (mut by_a, mut by_b) = partial::binary(op, a, b, value);
-                if instance.inside {
-                    by_a = if by_a.is_finite() { by_a } else { 0.0 };
-                    by_b = if by_b.is_finite() { by_b } else { 0.0 };
-                }
-                self.combine(i, by_a, by_b);
-            }
-            Op::Solve | Op::Implicit | Op::Repeat | Op::Call => {}
-            Op::Jump | Op::JumpUnless | Op::Assert => {}
+        match rule(instance, i) {
+            Rule::Keep => {}
+            Rule::Clear => self.clear(i.dst),
+            Rule::Copy(from) => self.copy(i.dst, from),
+            Rule::Scale(factor) => self.scale(i, factor),
+            Rule::Combine(by_a, by_b) => self.combine(i, by_a, by_b),
         }
     }
 
@@ -347,6 +322,57 @@ impl Tangents {
             // The others do not read the operands.
             _ => self.step(instance, i),
         }
+    }
+}
+
+/// What an instruction does to derivatives.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Rule {
+    /// Nothing.
+    Keep,
+    /// `d dst = 0`
+    Clear,
+    /// `d dst = d from`
+    Copy(Slot),
+    /// `d dst = factor * d a`
+    Scale(f64),
+    /// `d dst = by_a * d a + by_b * d b`
+    Combine(f64, f64),
+}
+
+/// The chain rule for an instruction whose value stands in the memory.
+#[inline]
+fn rule(instance: &Instance<'_>, i: &Instr) -> Rule {
+    let memory = &instance.memory;
+    let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
+    let value = memory[i.dst as usize];
+    match i.op {
+        Op::Copy => Rule::Copy(i.a),
+        Op::CopyIf if a != 0.0 => Rule::Copy(i.b),
+        Op::CopyIf => Rule::Keep,
+        Op::Input => Rule::Copy(if b.is_nan() { i.a } else { i.b }),
+        Op::Add => Rule::Combine(1.0, 1.0),
+        Op::Sub => Rule::Combine(1.0, -1.0),
+        Op::Mul => Rule::Combine(b, a),
+        Op::Div if instance.inside && a == 0.0 && b == 0.0 => Rule::Clear,
+        Op::Div => Rule::Combine(1.0 / b, -value / b),
+        Op::Neg => Rule::Scale(-1.0),
+        Op::Unary(op) => {
+            let factor = partial::unary(op, a, value);
+            // At the border of a domain the branch goes on level.
+            let level = instance.inside && !factor.is_finite();
+            Rule::Scale(if level { 0.0 } else { factor })
+        }
+        Op::Binary(op) => {
+            let (mut by_a, mut by_b) = partial::binary(op, a, b, value);
+            if instance.inside {
+                by_a = if by_a.is_finite() { by_a } else { 0.0 };
+                by_b = if by_b.is_finite() { by_b } else { 0.0 };
+            }
+            Rule::Combine(by_a, by_b)
+        }
+        Op::Solve | Op::Implicit | Op::Repeat | Op::Call => Rule::Keep,
+        Op::Jump | Op::JumpUnless | Op::Assert => Rule::Keep,
     }
 }
 
