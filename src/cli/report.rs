@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::args::Report;
 use super::progress::Progress;
 use super::{Status, interrupt, print, running, say};
-use crate::base::index::FastSet;
+use crate::base::index::{FastMap, FastSet};
 use crate::base::source::{SourceMap, Span};
 use crate::calibrate::unit::Unit;
 use crate::codegen::record;
@@ -30,6 +30,9 @@ use crate::simulate::run::{Statistics, simulate_to};
 const PNG_SCALE: u32 = 2;
 /// Variables in a page; those of the model itself come first.
 const MOST_VARIABLES: usize = 5000;
+
+/// Parameters in a page, in order of declaration.
+const MOST_PARAMETERS: usize = 10_000;
 
 /// Runs the command.
 pub fn run(options: &Report) -> Status {
@@ -322,15 +325,20 @@ fn parameters_of(
             rest.is_some_and(|r| r.is_empty() || r.starts_with(['[', '.']))
         })
     };
+    let by_name: Vec<FastMap<&str, &Value>> = went
+        .iter()
+        .map(|w| w.values.iter().map(|(c, v, _)| (c.name.as_str(), v)).collect())
+        .collect();
     let mut out = Vec::new();
-    for (column, _, span) in went[0].values.iter().filter(|(c, ..)| names.contains(&c.name)) {
-        let of = |w: &Went| {
-            let found = w.values.iter().find(|(c, ..)| c.name == column.name);
-            found.map_or(Value::Text(String::new()), |(_, v, _)| v.clone())
+    let own = went[0].values.iter().filter(|(c, ..)| names.contains(&c.name));
+    for (column, _, span) in own.take(MOST_PARAMETERS) {
+        let of = |values: &FastMap<&str, &Value>| match values.get(column.name.as_str()) {
+            Some(value) => (*value).clone(),
+            None => Value::Text(String::new()),
         };
         out.push(Parameter {
             name: column.name.clone(),
-            values: went.iter().map(of).collect(),
+            values: by_name.iter().map(of).collect(),
             unit: column.unit.clone(),
             display_unit: column.display_unit.clone(),
             description: column.description.clone(),

@@ -1,7 +1,7 @@
 //! What a model is put together from: its components with their connectors, what `connect` joins,
 //! and which inputs read which components.
 
-use crate::base::index::FastMap;
+use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::instantiate::Context;
 use crate::ir::assembly::{Assembly, Domain, End, Link, Part, Port};
@@ -122,6 +122,7 @@ impl Finder {
 
     /// Inputs whose values read variables of other components.
     fn inputs(&mut self, cx: &mut Context<'_>, flat: &FlatModel) {
+        let mut known: FastSet<(usize, String, usize, String)> = FastSet::default();
         for (v, variable) in flat.variables.enumerate() {
             let Some(value) = variable.binding else { continue };
             let (input, _) = cx.evaluation.instance_of[v.0 as usize];
@@ -130,11 +131,15 @@ impl Finder {
             }
             let Some(reader) = self.holder(cx, input) else { continue };
             for read in cx.graph.variables(value) {
-                let moves = flat.variables[read].variability > Variability::Parameter;
-                if let (true, Some(link)) =
-                    (moves, self.input(cx, input, reader, read, variable.span))
-                    && !self.assembly.links.contains(&link)
-                {
+                if flat.variables[read].variability <= Variability::Parameter {
+                    continue;
+                }
+                let Some(link) = self.input(cx, input, reader, read, variable.span) else {
+                    continue;
+                };
+                let [from, to] = &link.ends;
+                let pair = (from.part, from.port.clone(), to.part, to.port.clone());
+                if known.insert(pair) {
                     self.assembly.links.push(link);
                 }
             }

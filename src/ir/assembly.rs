@@ -139,6 +139,15 @@ impl Assembly {
         (0..self.parts.len()).filter(|&k| self.parts[k].parent == Some(part)).collect()
     }
 
+    /// Of each component whether it holds others.
+    pub fn holders(&self) -> Vec<bool> {
+        let mut holds = vec![false; self.parts.len()];
+        for parent in self.parts.iter().filter_map(|p| p.parent) {
+            holds[parent] = true;
+        }
+        holds
+    }
+
     /// The last part of a component's name, with its subscripts.
     pub fn short(&self, part: usize) -> &str {
         let full = self.parts[part].name.as_str();

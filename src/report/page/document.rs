@@ -174,7 +174,8 @@ fn diagrams(doc: &Document<'_>) -> String {
     let place = |link: usize| (doc.place)(assembly.links[link].place);
     let mut out = String::new();
     let mut drawn = 0;
-    for level in 0..assembly.parts.len() {
+    let holders = assembly.holders();
+    for level in (0..assembly.parts.len()).filter(|l| holders[*l]) {
         if drawn >= MOST_LEVELS {
             break;
         }

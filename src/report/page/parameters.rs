@@ -1,5 +1,6 @@
 //! The table of parameters: values with units, what they mean, where they are declared.
 
+use crate::base::index::FastMap;
 use crate::report::markup::escaped;
 use crate::report::scale;
 
@@ -67,12 +68,14 @@ pub fn figures(x: f64) -> String {
 /// The tables: parameters of the model itself open, those of each component folded.
 pub fn tables(parameters: &[Parameter], runs: &[String], link: &dyn Fn(&str) -> String) -> String {
     let mut groups: Vec<(&str, Vec<&Parameter>)> = Vec::new();
+    let mut known: FastMap<&str, usize> = FastMap::default();
     for p in parameters {
         let holder = holder(&p.name);
-        match groups.iter_mut().find(|(name, _)| *name == holder) {
-            Some((_, list)) => list.push(p),
-            None => groups.push((holder, vec![p])),
-        }
+        let k = *known.entry(holder).or_insert_with(|| {
+            groups.push((holder, Vec::new()));
+            groups.len() - 1
+        });
+        groups[k].1.push(p);
     }
     let mut out = String::from(
         "<p><label>Find <input type=\"search\" class=\"filter\" data-filter=\"parameters\" placeholder=\"name or text\"></label></p>\n<div id=\"parameters\">\n",

@@ -192,16 +192,14 @@ fn body(assembly: &Assembly, known: &Known<'_>, seals: &[usize]) -> Option<(usiz
         };
         return parts.into_iter().find_map(between);
     }
-    let riders = |k: usize| {
-        let of_seal = |l: &&crate::ir::assembly::Link| {
-            let [a, b] = [l.ends[0].part, l.ends[1].part];
-            l.domain != Domain::Fluid
-                && ((a == k && seals.contains(&b)) || (b == k && seals.contains(&a)))
-        };
-        assembly.links.iter().filter(of_seal).count()
-    };
+    let mut riders = vec![0; assembly.parts.len()];
+    for link in assembly.links.iter().filter(|l| l.domain != Domain::Fluid) {
+        let [a, b] = [link.ends[0].part, link.ends[1].part];
+        riders[a] += usize::from(seals.contains(&b));
+        riders[b] += usize::from(seals.contains(&a));
+    }
     let counted: Vec<(usize, usize)> =
-        parts.filter(|k| !seals.contains(k)).map(|k| (k, riders(k))).collect();
+        parts.filter(|k| !seals.contains(k)).map(|k| (k, riders[k])).collect();
     let most = counted.iter().map(|c| c.1).max().filter(|m| *m > 0)?;
     let (body, _) = *counted.iter().find(|c| c.1 == most)?;
     Some((body, inside(assembly, known, body, "s")?))

@@ -51,8 +51,9 @@ pub fn svg(
          <rect width=\"{width}\" height=\"{total}\" fill=\"#ffffff\"/>\n"
     );
     lines(picture, assembly, place, &mut out);
+    let holders = assembly.holders();
     for shape in &picture.shapes {
-        part(shape, assembly, note, &mut out);
+        part(shape, assembly, holders[shape.part], note, &mut out);
     }
     terminals(picture, assembly, &mut out);
     if legend > 0.0 {
@@ -107,7 +108,13 @@ fn told(assembly: &Assembly, link: usize, place: String) -> String {
     }
 }
 
-fn part(shape: &Shape, assembly: &Assembly, note: &dyn Fn(usize) -> Vec<String>, out: &mut String) {
+fn part(
+    shape: &Shape,
+    assembly: &Assembly,
+    opens: bool,
+    note: &dyn Fn(usize) -> Vec<String>,
+    out: &mut String,
+) {
     let [x, y, w, h] = shape.area;
     let p = &assembly.parts[shape.part];
     if let Some(pin) = &shape.pin {
@@ -124,7 +131,6 @@ fn part(shape: &Shape, assembly: &Assembly, note: &dyn Fn(usize) -> Vec<String>,
         );
         return;
     }
-    let opens = assembly.parts.iter().any(|q| q.parent == Some(shape.part));
     let mut said = vec![format!("{}: {}", p.name, p.class)];
     said.extend([&p.description, &p.meaning].into_iter().filter(|t| !t.trim().is_empty()).cloned());
     said.dedup();

@@ -4,6 +4,8 @@ use super::layers::{Graph, Node};
 
 /// Passes over all layers.
 const PASSES: usize = 24;
+/// Pieces beyond which there are an eighth of the passes: a picture of so many is read for its parts.
+const MANY: usize = 250;
 /// Layers up to this length are tried with every place for every node, longer ones with neighbours
 /// only.
 const SHORT: usize = 24;
@@ -20,7 +22,8 @@ pub fn order(graph: &mut Graph) {
     let is_free = |layer: usize| layer != 1 || !pinned;
     let first = graph.layers.clone();
     let count = graph.layers.len();
-    for pass in 0..PASSES {
+    let passes = if graph.pieces.len() > MANY { PASSES / 8 } else { PASSES };
+    for pass in 0..passes {
         let mut better = false;
         let layers: Vec<usize> =
             if pass % 2 == 0 { (0..count).collect() } else { (0..count).rev().collect() };
