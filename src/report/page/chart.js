@@ -156,7 +156,8 @@ const mocc = (() => {
       });
       const log = html('button', { 'aria-pressed': 'false', title: 'logarithmic axis' }, header, 'log');
       const all = panel.curves.flatMap(c => c.points ? [] : [c]);
-      log.hidden = panel.low || !all.some(c => c.y.some(y => c.factor * y > 0));
+      const some = is => all.some(c => c.y.some(y => is(c.factor * y)));
+      log.hidden = panel.low || !some(y => y > 0) || some(y => y < 0);
       const plot = svg('svg', { role: 'img', tabindex: '0', 'aria-label': panel.label || 'curves' }, element);
       const own = { panel, element, values, plot, log: false, k };
       log.addEventListener('click', () => {
@@ -321,7 +322,7 @@ const mocc = (() => {
       const y = v => bottom - (bottom - TOP) * (warp(v) - low) / (top - low);
       own.y = y;
 
-      for (const v of ticks(range.low, range.high, panel.low ? 1 : panel.height < 120 ? 3 : 5, own.log)) {
+      for (const v of ticks(range.low, range.high, panel.low ? 1 : panel.height < 120 ? 4 : 5, own.log)) {
         const py = y(v);
         if (py < TOP - 1 || py > bottom + 1) continue;
         svg('path', { d: `M${LEFT} ${py}H${this.width - RIGHT}`, stroke: '#eceff2' }, plot);

@@ -106,6 +106,8 @@ mod tests {
         assert!(text.contains("<p>{title}</p>"));
         assert!(text.contains("\"\\u003c/script\\u003e\\u003cscript\\u003ealert(1)\""));
         assert_eq!(text.matches("</script>").count(), 2);
-        assert!(!text.contains("http"), "nothing comes from elsewhere");
+        for elsewhere in ["src=", "<link", "@import", "fetch(", "url(h"] {
+            assert!(!text.contains(elsewhere), "`{elsewhere}`: nothing is loaded");
+        }
     }
 }

@@ -103,6 +103,14 @@ fn begin(graph: &mut Graph) {
         let main = row.iter().find(|(_, p)| size(p) == most).map(|(_, p)| p.clone());
         let (middle, others): (Vec<_>, Vec<_>) =
             row.iter().partition(|(_, p)| Some(p) == main.as_ref());
+        // What is joined with others of the row stands nearer to them than what is not, and comes first:
+        // the piston on the left, the spring on the right.
+        let shares = |node: usize| {
+            row.iter().any(|(other, _)| *other != node && near(graph, hub, node, *other) > 0)
+        };
+        let (mut others, alone): (Vec<_>, Vec<_>) =
+            others.into_iter().partition(|(n, _)| shares(*n));
+        others.extend(alone);
         let mut new: Vec<usize> = others.iter().step_by(2).rev().map(|(n, _)| *n).collect();
         new.extend(middle.iter().map(|(n, _)| *n));
         new.extend(others.iter().skip(1).step_by(2).map(|(n, _)| *n));
@@ -130,36 +138,12 @@ fn begin(graph: &mut Graph) {
 /// nodes stood.
 fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
     let hub = graph.layers[0][0];
-    let around = |node: usize| {
-        let other = |p: &super::layers::Piece| match p.nodes {
-            [a, b] if a == node => Some(b),
-            [a, b] if b == node => Some(a),
-            _ => None,
-        };
-        let mut all: Vec<usize> = graph.pieces.iter().filter_map(other).collect();
-        all.retain(|&n| n != hub);
-        // A long line leads to where it ends.
-        let end = |n: usize| {
-            if graph.nodes[n].part.is_some() {
-                return n;
-            }
-            let wire = graph.pieces.iter().find(|p| p.nodes[1] == n).map(|p| p.wire);
-            let last = graph.pieces.iter().filter(|p| Some(p.wire) == wire).last();
-            last.map_or(n, |p| p.nodes[1])
-        };
-        all.into_iter().map(end).collect::<Vec<usize>>()
-    };
-    let near: Vec<Vec<usize>> = row.iter().map(|&n| around(n)).collect();
-    // What they share with many others says less.
-    let weight = |n: usize| if graph.nodes[n].bar { 1 } else { 8 };
     let mut pairs: Vec<(usize, usize, usize)> = Vec::new();
     for i in 0..row.len() {
         for j in i + 1..row.len() {
-            let shared: usize =
-                near[i].iter().filter(|n| near[j].contains(n)).map(|n| weight(*n)).sum();
-            let joined = 16 * near[i].iter().filter(|n| **n == row[j]).count();
-            if shared + joined > 0 {
-                pairs.push((shared + joined, i, j));
+            let weight = near(graph, hub, row[i], row[j]);
+            if weight > 0 {
+                pairs.push((weight, i, j));
             }
         }
     }
@@ -191,6 +175,33 @@ fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
     let middle = |c: &[usize]| c.iter().sum::<usize>() as f64 / c.len() as f64;
     chains.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
     chains.into_iter().flatten().map(|i| row[i]).collect()
+}
+
+/// How much two nodes of the hub's row belong together: by a line between them, by neighbours that they
+/// share; what they share with many others says less.
+fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
+    let around = |node: usize| {
+        let other = |p: &super::layers::Piece| match p.nodes {
+            [x, y] if x == node => Some(y),
+            [x, y] if y == node => Some(x),
+            _ => None,
+        };
+        // A long line leads to where it ends.
+        let end = |n: usize| {
+            if graph.nodes[n].part.is_some() {
+                return n;
+            }
+            let wire = graph.pieces.iter().find(|p| p.nodes[1] == n).map(|p| p.wire);
+            let last = graph.pieces.iter().filter(|p| Some(p.wire) == wire).last();
+            last.map_or(n, |p| p.nodes[1])
+        };
+        let all = graph.pieces.iter().filter_map(other).filter(|n| *n != hub);
+        all.map(end).collect::<Vec<usize>>()
+    };
+    let (of_a, of_b) = (around(a), around(b));
+    let weight = |n: &usize| if graph.nodes[*n].bar { 1 } else { 8 };
+    let shared: usize = of_a.iter().filter(|n| of_b.contains(n)).map(weight).sum();
+    shared + 16 * of_a.iter().filter(|n| **n == b).count()
 }
 
 /// The place of each node in its layer, from the middle.
