@@ -78,10 +78,10 @@ fn lines(
         let dash = if first.connect { "" } else { " stroke-dasharray=\"5 3\"" };
         let kind = if first.connect { "connect" } else { "reads" };
         let texts: Vec<String> = line.links.iter().map(|k| told(assembly, *k, place(*k))).collect();
-        let _ = write!(
+        let _ = writeln!(
             out,
             "<g class=\"wire {kind} {}\"><path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"{dash} stroke-linejoin=\"round\"/>\
-             <path class=\"grip\" d=\"{path}\" fill=\"none\" stroke=\"#000000\" stroke-opacity=\"0\" stroke-width=\"9\"><title>{}</title></path></g>\n",
+             <path class=\"grip\" d=\"{path}\" fill=\"none\" stroke=\"#000000\" stroke-opacity=\"0\" stroke-width=\"9\"><title>{}</title></path></g>",
             first.domain.name(),
             colour(first.domain),
             escaped(&texts.join("\n")),
@@ -118,11 +118,11 @@ fn part(
     let [x, y, w, h] = shape.area;
     let p = &assembly.parts[shape.part];
     if let Some(pin) = &shape.pin {
-        let _ = write!(
+        let _ = writeln!(
             out,
             "<g class=\"pin\"><title>{0}: connector of this component</title>\
              <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"{1}\" fill=\"#eef1f4\" stroke=\"{FAINT}\" stroke-dasharray=\"3 2\"/>\
-             <text x=\"{2}\" y=\"{3}\" font-size=\"{CLASS_SIZE}\" fill=\"{INK}\" text-anchor=\"middle\">{4}</text></g>\n",
+             <text x=\"{2}\" y=\"{3}\" font-size=\"{CLASS_SIZE}\" fill=\"{INK}\" text-anchor=\"middle\">{4}</text></g>",
             escaped(pin),
             0.5 * h,
             x + 0.5 * w,
@@ -159,9 +159,9 @@ fn part(
     if h < 34.0 {
         // A bar: one line of text.
         let class = escaped(class);
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<text x=\"{middle}\" y=\"{}\" font-size=\"{NAME_SIZE}\" fill=\"{INK}\" text-anchor=\"middle\"><tspan font-weight=\"600\">{name}</tspan><tspan dx=\"7\" font-size=\"{CLASS_SIZE}\" fill=\"{FAINT}\">{class}</tspan></text></g>\n",
+            "<text x=\"{middle}\" y=\"{}\" font-size=\"{NAME_SIZE}\" fill=\"{INK}\" text-anchor=\"middle\"><tspan font-weight=\"600\">{name}</tspan><tspan dx=\"7\" font-size=\"{CLASS_SIZE}\" fill=\"{FAINT}\">{class}</tspan></text></g>",
             y + 0.5 * h + 4.3
         );
         return;

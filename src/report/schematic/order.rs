@@ -192,7 +192,7 @@ fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
                 return n;
             }
             let wire = graph.pieces.iter().find(|p| p.nodes[1] == n).map(|p| p.wire);
-            let last = graph.pieces.iter().filter(|p| Some(p.wire) == wire).last();
+            let last = graph.pieces.iter().rfind(|p| Some(p.wire) == wire);
             last.map_or(n, |p| p.nodes[1])
         };
         let all = graph.pieces.iter().filter_map(other).filter(|n| *n != hub);
