@@ -198,6 +198,9 @@ pub struct Diagnose {
     /// Folder with further effects, beside the shipped ones.
     #[arg(long, value_name = "DIR")]
     pub effects: Option<PathBuf>,
+    /// Say on the standard error what is scored, fitted and found, with times.
+    #[arg(long)]
+    pub verbose: bool,
 }
 
 /// A fit.

@@ -111,13 +111,8 @@ impl Session {
         Ok(flat)
     }
 
-    /// The classes of a package, each with the texts of its annotation `__mocc`; those without one are
-    /// left out.
-    pub fn annotated(
-        &mut self,
-        request: &Request,
-        package: &str,
-    ) -> Vec<(String, Vec<(String, String)>)> {
+    /// The full names of the classes of a package, sorted; an empty name stands for the top level.
+    pub fn members(&mut self, request: &Request, package: &str) -> Vec<String> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
         let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
@@ -127,9 +122,22 @@ impl Session {
         let mut names = cx.library.child_names(package);
         names.sort();
         names.dedup();
+        let full = |name| if package.is_empty() { name } else { format!("{package}.{name}") };
+        names.into_iter().map(full).collect()
+    }
+
+    /// Classes of libraries, each with the texts of its annotation `__mocc`; those without one are left
+    /// out.
+    pub fn annotated(
+        &mut self,
+        request: &Request,
+        classes: &[String],
+    ) -> Vec<(String, Vec<(String, String)>)> {
+        let path = request.modelica_path.as_deref();
+        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
         let mut out = Vec::new();
-        for name in names {
-            let full = if package.is_empty() { name } else { format!("{package}.{name}") };
+        for full in classes.iter().cloned() {
             let Some(class) = find(&mut cx, &full) else { continue };
             let annotation = cx.text(class).and_then(|t| t.annotation.clone());
             let Some(annotation) = annotation else { continue };

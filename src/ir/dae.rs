@@ -108,6 +108,8 @@ pub struct Variable {
     pub display_unit: Name,
     /// The description string.
     pub description: Option<Arc<str>>,
+    /// A parameter whose value in the text is 0: nothing is to be divided by it.
+    pub vanishes: bool,
     /// Made by the compiler: not written to results.
     pub hidden: bool,
     /// Declared `protected`.
@@ -133,6 +135,7 @@ impl Variable {
             unit: Name::from(""),
             display_unit: Name::from(""),
             description: None,
+            vanishes: false,
             hidden: false,
             protected: false,
             span,

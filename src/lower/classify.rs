@@ -154,6 +154,7 @@ fn classify(
         unit: v.unit,
         display_unit: v.display_unit,
         description: v.description.clone(),
+        vanishes: false,
         hidden: false,
         protected: v.protected,
         span: v.span,

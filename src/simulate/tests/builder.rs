@@ -81,6 +81,7 @@ impl Builder {
             unit: name(""),
             display_unit: name(""),
             description: None,
+            vanishes: false,
             hidden: false,
             protected: false,
             span: Span::NONE,
