@@ -3,12 +3,15 @@ pub mod args;
 pub mod calibrate;
 pub mod diagnose;
 pub mod interrupt;
+pub mod plot;
 pub mod progress;
 pub mod report;
 pub mod running;
 pub mod show;
 pub mod simulate;
 pub mod stream;
+pub mod sweep;
+pub mod writer;
 
 use std::process::ExitCode;
 
@@ -54,6 +57,8 @@ pub fn run() -> Status {
         args::Command::Report(options) => report::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Diagnose(options) => diagnose::run(&options),
+        args::Command::Plot(options) => plot::run(&options),
+        args::Command::Sweep(options) => sweep::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
         args::Command::Structure(options) => show::structure(&options),
     }

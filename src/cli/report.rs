@@ -88,7 +88,7 @@ fn make(options: &Report) -> Result<Status, Status> {
         .map(|v| v.name.clone())
         .collect();
     let description = flat.description.as_deref().unwrap_or_default().to_owned();
-    let first = session.finish(flat, base.form);
+    let first = session.compile_flat(flat, base.form);
     say(&session);
     let first = first.map_err(Status::from)?;
     let output = match &options.output {
@@ -229,7 +229,7 @@ fn go(
 ) -> Result<Went, Status> {
     // What is recorded is restricted, what parameters are told is not.
     let constants = program.constants.clone();
-    running::restrict(&options.running, &mut program).map_err(wrong)?;
+    running::restrict(&options.running, &mut program, None).map_err(wrong)?;
     let all = program.recorded.len();
     if all > MOST_VARIABLES {
         let names = program.recorded.iter().map(|v| program.name(*v));
@@ -242,7 +242,7 @@ fn go(
         ));
     }
     program.constants = constants;
-    let settings = running::settings(&options.running, &program);
+    let settings = running::settings(&options.running, &program.blocks.dae.experiment);
     let mut kept =
         Kept { progress: Progress::of(settings.start, settings.stop), ..Kept::default() };
     let outcome = simulate_to(&program, &settings, sources, &mut kept);

@@ -9,8 +9,10 @@ use crate::base::render::render;
 use crate::base::source::SourceMap;
 use crate::codegen::record;
 use crate::driver::compile::Request;
+use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Kind, Trajectory};
+use crate::measure::observe::Plan;
 use crate::simulate::error::{Failure, FailureKind};
 use crate::simulate::settings::{DEFAULT_INTERVALS, Settings};
 
@@ -22,19 +24,32 @@ pub(super) fn request(model: &Model, options: &Running) -> Request {
     Request { form: options.mode.into(), ..model.request() }
 }
 
-/// Restricts the program to the variables that the user wants; an error if there are none.
-pub(super) fn restrict(options: &Running, program: &mut Program) -> Result<(), String> {
+/// Restricts the program to the variables that the user wants, and what measures need; an error if
+/// there are none.
+pub(super) fn restrict(
+    options: &Running,
+    program: &mut Program,
+    measures: Option<&mut Plan>,
+) -> Result<(), String> {
     let Some(wanted) = &options.variables else { return Ok(()) };
-    record::only(program, |name| wanted.is_match(name));
-    match program.recorded.is_empty() {
-        true => Err(format!("no variable has a name that `{wanted}` matches")),
-        false => Ok(()),
+    let shown = match measures {
+        Some(plan) => {
+            plan.record(program, |name| wanted.is_match(name));
+            plan.shown
+        }
+        None => {
+            record::only(program, |name| wanted.is_match(name));
+            program.recorded.len()
+        }
+    };
+    match shown {
+        0 => Err(format!("no variable has a name that `{wanted}` matches")),
+        _ => Ok(()),
     }
 }
 
-/// What the user asks for, and the model where the user does not.
-pub(super) fn settings(options: &Running, program: &Program) -> Settings {
-    let experiment = &program.blocks.dae.experiment;
+/// What the user asks for, and the annotation of the model where the user does not.
+pub(super) fn settings(options: &Running, experiment: &Experiment) -> Settings {
     let mut settings = Settings::of(experiment);
     if let Some(stop) = options.stop {
         if options.interval.is_none() && experiment.interval.is_none() {

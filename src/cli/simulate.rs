@@ -10,7 +10,8 @@ use super::{Status, interrupt, print, running, say, style};
 use crate::base::render::render;
 use crate::driver::compile::Session;
 use crate::ir::program::Program;
-use crate::ir::trajectory::{Trajectory, position};
+use crate::ir::trajectory::{Column, Trajectory, position};
+use crate::measure::observe::{Observer, Plan};
 use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::report::plot;
 use crate::report::results::Format;
@@ -25,21 +26,26 @@ pub fn run(options: &Simulate) -> Status {
     }
     let begun = Instant::now();
     let mut session = Session::default();
-    let program = session.compile(&running::request(&options.model, &options.running));
+    let request = running::request(&options.model, &options.running);
+    let program = match options.measures.as_slice() {
+        [] => session.compile(&request).map(|program| (program, None)),
+        texts => session.compile_measured(&request, texts).map(|(p, plan)| (p, Some(plan))),
+    };
     say(&session);
-    let mut program = match program {
+    let (mut program, mut measures) = match program {
         Ok(program) => program,
         Err(wrong) => return wrong.into(),
     };
-    if let Err(why) = running::restrict(&options.running, &mut program) {
+    if let Err(why) = running::restrict(&options.running, &mut program, measures.as_mut()) {
         eprintln!("error: {why}");
         return Status::Usage;
     }
     let compiled = begun.elapsed();
 
-    let settings = running::settings(&options.running, &program);
+    let mut settings = running::settings(&options.running, &program.blocks.dae.experiment);
     let files = Files::of(options, &program);
-    let mut stream = match files.stream(options, &program) {
+    let columns = &columns(&program)[..shown(&program, measures.as_ref())];
+    let mut stream = match files.stream(options, &program, columns) {
         Ok(stream) => stream,
         Err(why) => {
             eprintln!("error: {why}");
@@ -50,10 +56,23 @@ pub fn run(options: &Simulate) -> Status {
     if let Some(progress) = Progress::of(settings.start, settings.stop) {
         stream.show(progress);
     }
-    let outcome = simulate_to(&program, &settings, &session.sources, &mut stream);
+    let outcome = match &measures {
+        None => {
+            simulate_to(&program, &settings, &session.sources, &mut stream).map(|s| (s, Vec::new()))
+        }
+        Some(plan) => {
+            plan.ask(&mut settings);
+            let mut observer = Observer::new(plan, &program, &mut stream);
+            let outcome = simulate_to(&program, &settings, &session.sources, &mut observer);
+            outcome.map(|s| {
+                let values = plan.evaluate(&program, &settings, &observer, &s);
+                (s, values)
+            })
+        }
+    };
     stream.hide();
-    let statistics = match outcome {
-        Ok(statistics) => statistics,
+    let (statistics, values) = match outcome {
+        Ok(ended) => ended,
         Err(failure) => return running::failed(&failure, &session.sources),
     };
     for warning in &statistics.warnings {
@@ -72,6 +91,9 @@ pub fn run(options: &Simulate) -> Status {
     };
     let mut text = if options.events { events(&run.trajectory) } else { String::new() };
     text.push_str(&summary(&program, &run, compiled, begun.elapsed(), &written));
+    if let Some(plan) = &measures {
+        text.push_str(&measured(&plan.columns, &values));
+    }
     let status = match print(&text) {
         Status::Done if run.statistics.interrupted => Status::Interrupted,
         status => status,
@@ -79,6 +101,26 @@ pub fn run(options: &Simulate) -> Status {
     // Gigabytes of a large model need not be given back piece by piece at the end.
     std::mem::forget(program);
     status
+}
+
+/// Number of variables of the user that are recorded: the first.
+fn shown(program: &Program, measures: Option<&Plan>) -> usize {
+    measures.map_or(program.recorded.len(), |plan| plan.shown)
+}
+
+/// The measures, one a line.
+fn measured(columns: &[Column], values: &[Option<f64>]) -> String {
+    let mut out = String::new();
+    for (column, value) in columns.iter().zip(values) {
+        let (name, unit) = (&column.name, &column.unit);
+        let unit = if unit == "1" { "" } else { unit };
+        out.push_str(&match value {
+            Some(value) => format!("  {name} = {value} {unit}").trim_end().to_owned(),
+            None => format!("  {name}: did not happen"),
+        });
+        out.push('\n');
+    }
+    out
 }
 
 /// The files that a run makes.
@@ -101,8 +143,12 @@ impl Files {
     }
 
     /// Takes the rows; what cannot be drawn is said before anything is run.
-    fn stream(&self, options: &Simulate, program: &Program) -> Result<Stream, String> {
-        let columns = &columns(program);
+    fn stream(
+        &self,
+        options: &Simulate,
+        program: &Program,
+        columns: &[Column],
+    ) -> Result<Stream, String> {
         let kept = match (&self.picture, &options.show) {
             (None, _) => Vec::new(),
             (Some(_), None) => drawable(columns),
@@ -121,7 +167,8 @@ impl Files {
             Some(path) => Some((path.clone(), Format::of(path).map_err(|e| e.to_string())?)),
             None => None,
         };
-        Stream::new(columns, &courses(program), output, kept).map_err(|e| e.to_string())
+        Stream::new(columns, &courses(program)[..columns.len()], output, kept)
+            .map_err(|e| e.to_string())
     }
 
     /// Draws the picture; the name of its file if there is anything to draw.

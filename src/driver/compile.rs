@@ -22,6 +22,9 @@ use crate::ir::flat::FlatModel;
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::Setting;
 use crate::ir::program::{Continuation, Form, Program};
+use crate::measure::model as extended;
+use crate::measure::observe::Plan;
+use crate::measure::text::Measures;
 use crate::resolve::library::Library;
 
 /// What to compile.
@@ -103,8 +106,10 @@ impl Session {
         self.times.push(("flatten", begun.elapsed()));
         let sources = &self.sources;
         let of_setting = |d: &Diagnostic| {
-            matches!(d.code, "MO0240" | "MO0241")
-                || sources.get(d.primary.0.file).is_some_and(|f| f.path == Path::new("--set"))
+            matches!(d.code, "MO0240" | "MO0241" | "MO1101" | "MO1102")
+                || sources.get(d.primary.0.file).is_some_and(|f| {
+                    f.path == Path::new("--set") || f.path == Path::new("--measure")
+                })
         };
         let only_settings = self.problems.iter().all(of_setting);
         self.checked(if only_settings { Wrong::Request } else { Wrong::Model })?;
@@ -198,11 +203,37 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
         let flat = self.flatten(request)?;
-        self.finish(flat, request.form)
+        self.compile_flat(flat, request.form)
+    }
+
+    /// The program of a request, extended by what measures need; and the measures in it.
+    pub fn compile_measured(
+        &mut self,
+        request: &Request,
+        measures: &[String],
+    ) -> Result<(Program, Plan), Wrong> {
+        let mut read = Measures::default();
+        let flat = self.flatten_by(request, |cx, class, settings| {
+            read = Measures::read(measures, cx.sources, cx.problems);
+            let base = cx.classes[class].full_name.to_string();
+            let annotation = cx.text(class).and_then(|t| t.annotation.clone());
+            let file = extended::file(&read, &base, annotation, cx.sources);
+            cx.library.add_file(&file, cx.sources, cx.problems);
+            let extended = find(cx, extended::MODEL).unwrap_or(class);
+            let mut flat = crate::flatten::flatten(cx, extended, settings);
+            flat.name = base;
+            flat
+        })?;
+        extended::check(&flat, &read, &mut self.problems);
+        self.checked(Wrong::Request)?;
+        let mut program = self.compile_flat(flat, request.form)?;
+        let plan = Plan::new(read, &mut program, &mut self.problems);
+        self.checked(Wrong::Request)?;
+        plan.map(|plan| (program, plan)).ok_or(Wrong::Request)
     }
 
     /// The program of a flat model, in this form.
-    pub fn finish(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
+    pub fn compile_flat(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
         let between = crate::lower::homotopy::between(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate_as(blocks, form)?;

@@ -114,6 +114,8 @@ pub struct Variable {
     pub hidden: bool,
     /// Declared `protected`.
     pub protected: bool,
+    /// A constant, or a parameter whose value fixed the structure.
+    pub structural: bool,
     /// Place of the declaration.
     pub span: Span,
 }
@@ -138,6 +140,7 @@ impl Variable {
             vanishes: false,
             hidden: false,
             protected: false,
+            structural: false,
             span,
         }
     }

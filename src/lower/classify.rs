@@ -157,6 +157,7 @@ fn classify(
         vanishes: false,
         hidden: false,
         protected: v.protected,
+        structural: v.structural || v.variability == Variability::Constant,
         span: v.span,
     }
 }

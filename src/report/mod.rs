@@ -5,10 +5,12 @@
 //! ([`plot::plot`]). Every file is written whole or not at all ([`write`](mod@write)).
 
 pub mod axis;
+pub mod chart;
 pub mod decimate;
 pub mod dot;
 pub mod figure;
 pub mod incidence;
+pub mod journal;
 pub mod json;
 pub mod layout;
 pub mod markup;
@@ -17,6 +19,7 @@ pub mod page;
 pub mod parquet;
 pub mod plot;
 pub mod raster;
+pub mod records;
 pub mod results;
 pub mod scale;
 pub mod schematic;

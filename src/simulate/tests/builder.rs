@@ -83,6 +83,7 @@ impl Builder {
             description: None,
             vanishes: false,
             hidden: false,
+            structural: false,
             protected: false,
             span: Span::NONE,
         })
