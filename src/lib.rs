@@ -46,8 +46,12 @@ pub mod report;
 
 // ---- The program ----
 
+// Derived quantities of a run.
+pub mod measure;
 // The recipe: from files to a compiled model.
 pub mod driver;
+// Many runs of one model.
+pub mod sweep;
 // Parameters from recordings.
 pub mod calibrate;
 // What a model lacks, from recordings.

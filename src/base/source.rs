@@ -84,6 +84,10 @@ impl SourceMap {
     pub fn get(&self, id: FileId) -> Option<&SourceFile> {
         self.files.get(id.0 as usize)
     }
+    /// All texts, in the order in which they were added.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|f| &*f.text)
+    }
     /// `file:line:column` of the start of a span, or nothing where it has no place.
     pub fn place(&self, span: Span) -> Option<String> {
         let file = self.get(span.file)?;

@@ -24,7 +24,7 @@ const OUTLYING: f64 = 1.3;
 /// Rounds of leaving out.
 const ROUNDS: usize = 4;
 /// Reduced sum of squares of the others at which leaving out has shown the way.
-const WELL: f64 = 1.5;
+pub const WELL: f64 = 1.5;
 /// A sum of squares must fall by this part to count as better.
 const BETTER: f64 = 1e-3;
 
@@ -100,7 +100,12 @@ pub fn quick_fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> 
 
 /// Fits from one place, leaving out what fits worst as long as that helps.
 pub fn fit_from(problem: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>) -> Option<Fit> {
-    let mut best = search(problem, start, &STOPPING, heed)?;
+    let best = search(problem, start, &STOPPING, heed)?;
+    Some(refine(problem, best, heed))
+}
+
+/// Leaves out what fits worst as long as that helps.
+pub fn refine(problem: &mut Problem<'_>, mut best: Fit, heed: &mut Heed<'_>) -> Fit {
     for _ in 0..ROUNDS {
         if reduced(problem, &best) < FINE {
             break;
@@ -110,7 +115,7 @@ pub fn fit_from(problem: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>) -
             None => break,
         }
     }
-    Some(best)
+    best
 }
 
 /// A better fit to all, by way of a fit to those that do not fit worst: if these alone fit well.

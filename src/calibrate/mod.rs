@@ -3,6 +3,7 @@ pub mod calibration;
 pub mod data;
 pub mod fit;
 pub mod model;
+pub mod modification;
 pub mod page;
 pub mod parallel;
 pub mod plan;

@@ -5,6 +5,7 @@ use crate::codegen::interp::Instance;
 use crate::ir::program::Program;
 
 use super::calibration::{Calibration, Estimate, shown};
+use super::modification::{Tree, parts, without_subscripts};
 use super::plan::Plan;
 
 /// The text. `original` is that of the model's file.
@@ -15,7 +16,7 @@ pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration)
         Some(quoted) => format!("'{quoted}_calibrated'"),
         None => format!("{base}_calibrated"),
     };
-    let mut root = Node::default();
+    let mut root = Tree::default();
     let mut left_over = Vec::new();
     for setting in &plan.fixed {
         if let Some((path, value)) = setting.split_once('=') {
@@ -52,7 +53,7 @@ pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration)
         out.push_str(&format!("// Not expressible as a modification; use `--set`: {line}\n"));
     }
     out.push_str(&format!("model {name} \"{base}, calibrated\"\n  extends {full}"));
-    if !root.children.is_empty() {
+    if !root.is_empty() {
         out.push_str("(\n");
         root.print(4, &mut out);
         out.push_str("  )");
@@ -134,94 +135,4 @@ fn experiment(program: &Program) -> Option<String> {
 
 fn file_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
-}
-
-/// The name without what stands in brackets.
-fn without_subscripts(name: &str) -> String {
-    let mut depth = 0;
-    let outside = |c: &char| {
-        depth += i32::from(*c == '[');
-        let out = depth == 0;
-        depth -= i32::from(*c == ']');
-        out
-    };
-    name.chars().filter(outside).collect()
-}
-
-/// The parts of a dotted name; dots in quoted identifiers do not part.
-fn parts(name: &str) -> Vec<String> {
-    let mut out = vec![String::new()];
-    let mut quoted = false;
-    for c in name.chars() {
-        quoted ^= c == '\'';
-        match (c, out.last_mut()) {
-            ('.', _) if !quoted => out.push(String::new()),
-            (_, Some(last)) => last.push(c),
-            _ => {}
-        }
-    }
-    out
-}
-
-/// Modifications by name.
-#[derive(Default)]
-struct Node {
-    children: Vec<(String, Node)>,
-    /// A value and what to say about it.
-    value: Option<(String, String)>,
-}
-
-impl Node {
-    fn set(&mut self, path: &[String], value: String, comment: String) {
-        let Some((first, rest)) = path.split_first() else {
-            self.value = Some((value, comment));
-            return;
-        };
-        let at = self.children.iter().position(|(name, _)| name == first).unwrap_or_else(|| {
-            self.children.push((first.clone(), Node::default()));
-            self.children.len() - 1
-        });
-        self.children[at].1.set(rest, value, comment);
-    }
-
-    fn print(&self, indent: usize, out: &mut String) {
-        for (i, (name, node)) in self.children.iter().enumerate() {
-            let comma = if i + 1 < self.children.len() { "," } else { "" };
-            out.push_str(&format!("{:indent$}{name}", ""));
-            if !node.children.is_empty() {
-                out.push_str("(\n");
-                node.print(indent + 2, out);
-                out.push_str(&format!("{:indent$})", ""));
-            }
-            match &node.value {
-                Some((value, comment)) => {
-                    out.push_str(&format!(" = {value}{comma} // {comment}\n"));
-                }
-                None => out.push_str(&format!("{comma}\n")),
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_parted_at_dots_outside_quotes() {
-        assert_eq!(parts("a.'b.c'.d"), ["a", "'b.c'", "d"]);
-        assert_eq!(without_subscripts("a[2].b[1, 3].c"), "a.b.c");
-    }
-
-    #[test]
-    fn modifications_are_nested() {
-        let mut root = Node::default();
-        root.set(&parts("m"), "1.0".into(), "kg".into());
-        root.set(&parts("spring.k"), "2.0".into(), "+- 1".into());
-        root.set(&parts("spring.x.start"), "3.0".into(), "m".into());
-        let mut text = String::new();
-        root.print(2, &mut text);
-        let expected = "  m = 1.0, // kg\n  spring(\n    k = 2.0, // +- 1\n    x(\n      start = 3.0 // m\n    )\n  )\n";
-        assert_eq!(text, expected);
-    }
 }

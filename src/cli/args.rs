@@ -22,6 +22,10 @@ struct Arguments {
 pub enum Command {
     /// Compile a model, run it, write a table and a picture.
     Simulate(Simulate),
+    /// Run a model many times with other parameters, write a table with a row for each run.
+    Sweep(Sweep),
+    /// Draw a chart of tables: runs, sweeps or recordings, overlaid and side by side.
+    Plot(Plot),
     /// Print the flat model: all variables and equations as one Modelica model.
     Flatten(Model),
     /// Fit the free parameters of a plan to recordings.
@@ -99,6 +103,94 @@ pub struct Simulate {
     /// List the events.
     #[arg(long)]
     pub events: bool,
+    /// A number to be taken of the run and printed, such as "t = when(s > 0.95*s_max)"; repeatable.
+    #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
+    pub measures: Vec<String>,
+}
+
+/// A chart.
+#[derive(Args, Debug)]
+pub struct Plot {
+    /// Tables, .csv, each perhaps with a label: FILE or FILE=LABEL.
+    #[arg(value_name = "FILE[=LABEL]", required = true)]
+    pub tables: Vec<String>,
+    /// Tables that stand beside them, with the same axes.
+    #[arg(long, value_name = "FILE[=LABEL]", num_args = 1..)]
+    pub beside: Vec<String>,
+    /// The horizontal axis: a text and a formula of columns; several for tables of different kinds.
+    #[arg(long, value_name = "TEXT: FORMULA[|...]", allow_hyphen_values = true)]
+    pub x: String,
+    /// A panel: its text and formula; repeatable.
+    #[arg(long, value_name = "TEXT: FORMULA[|...]", allow_hyphen_values = true, required = true)]
+    pub y: Vec<String>,
+    /// Draw only this part of the horizontal axis.
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, value_parser = ends)]
+    pub range: Option<(f64, f64)>,
+    /// The horizontal axis is logarithmic.
+    #[arg(long)]
+    pub log_x: bool,
+    /// Line at the top.
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    /// Line above the tables, and then above those beside them.
+    #[arg(long = "heading", value_name = "TEXT")]
+    pub headings: Vec<String>,
+    /// Picture, .svg or .png.
+    #[arg(long, value_name = "PATH")]
+    pub output: PathBuf,
+}
+
+/// Many runs.
+#[derive(Args, Debug)]
+pub struct Sweep {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// What varies: NAME=FROM:TO:COUNT, NAME=VALUE,VALUE,... or NAME=VALUE; repeatable, all combinations.
+    #[arg(long, value_name = "NAME=VALUES")]
+    pub vary: Vec<String>,
+    /// Instead of all combinations a Latin hypercube of N runs over the ranges.
+    #[arg(long, value_name = "lhs:N")]
+    pub sample: Option<String>,
+    /// Seed of the sample.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// A number to be taken of each run, such as "t = when(s > 0.95*s_max)"; repeatable.
+    #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
+    pub measures: Vec<String>,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Folder, or table as .csv or .parquet.
+    #[arg(long, value_name = "PATH")]
+    pub output: PathBuf,
+    /// Begin anew, and replace what is there.
+    #[arg(long, visible_alias = "force")]
+    pub restart: bool,
+    /// End of each run, s [default: from the experiment annotation, else 1].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub stop: Option<f64>,
+    /// Time between rows of the courses, s [default: from the annotation, else a 500th of the run].
+    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
+    pub interval: Option<f64>,
+    /// Relative tolerance [default: from the annotation, else 1e-6].
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Integration method.
+    #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
+    pub method: Method,
+    /// Who solves algebraic loops while the model runs.
+    #[arg(long, value_name = "MODE", value_enum, default_value_t = Mode::Reduced)]
+    pub mode: Mode,
+    /// Keep the course of each run, in the folder `runs`.
+    #[arg(long)]
+    pub traces: bool,
+    /// Keep the course of these variables only, separated by commas.
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
+    /// Keep the course of variables in whose names this regular expression is found.
+    #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
+    pub variables: Option<Regex>,
 }
 
 /// An integration method.
@@ -158,6 +250,9 @@ pub struct Diagnose {
     /// Folder with further effects, beside the shipped ones.
     #[arg(long, value_name = "DIR")]
     pub effects: Option<PathBuf>,
+    /// Say on the standard error what is scored, fitted and found, with times.
+    #[arg(long)]
+    pub verbose: bool,
 }
 
 /// A fit.
@@ -190,6 +285,13 @@ impl Model {
             modelica_path: std::env::var_os("MODELICAPATH"),
         }
     }
+}
+
+/// `FROM:TO`
+fn ends(text: &str) -> Result<(f64, f64), String> {
+    let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    let ends = text.split_once(':').and_then(|(from, to)| Some((number(from)?, number(to)?)));
+    ends.filter(|(from, to)| from < to).ok_or_else(|| "write FROM:TO, two numbers".to_owned())
 }
 
 /// Reads the arguments of the process; on a usage error says so and ends it with status 2.

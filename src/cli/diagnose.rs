@@ -46,7 +46,9 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
     if options.effects.is_some() {
         packages.push(String::new());
     }
-    let effects = catalogue(session, &request, &packages);
+    let units: Vec<(String, String)> =
+        flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
+    let effects = catalogue(session, &request, &packages, &inventory, &units);
     let case = Case {
         plan: &plan,
         request,
@@ -56,6 +58,11 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         effects: &effects,
         inventory: &inventory,
         variables: &variables,
+        say: &|text| {
+            if options.verbose {
+                eprintln!("{:7.2} s  {text}", begun.elapsed().as_secs_f64());
+            }
+        },
     };
     // What the plan names wrongly is said before the search.
     if let Ok(program) = Session::default().compile(&case.request) {

@@ -3,10 +3,12 @@ pub mod args;
 pub mod calibrate;
 pub mod diagnose;
 pub mod interrupt;
+pub mod plot;
 pub mod progress;
 pub mod show;
 pub mod simulate;
 pub mod stream;
+pub mod sweep;
 pub mod writer;
 
 use std::process::ExitCode;
@@ -52,6 +54,8 @@ pub fn run() -> Status {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Diagnose(options) => diagnose::run(&options),
+        args::Command::Plot(options) => plot::run(&options),
+        args::Command::Sweep(options) => sweep::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
         args::Command::Structure(options) => show::structure(&options),
     }

@@ -25,7 +25,7 @@ pub struct Progress {
 }
 
 struct Shared {
-    /// The bits of the time that the run has reached, s.
+    /// The bits of the time that the run has reached, s, or of the number of runs.
     reached: AtomicU64,
     done: AtomicBool,
 }
@@ -33,19 +33,34 @@ struct Shared {
 impl Progress {
     /// Of a run from `start` to `stop`, s; none where the standard error is not a terminal.
     pub fn of(start: f64, stop: f64) -> Option<Progress> {
+        // Four digits of the duration.
+        let digits = (3.0 - (stop - start).log10().floor()).clamp(0.0, 15.0) as usize;
+        Progress::shown(start, stop, move |time| format!("{time:.digits$} s"))
+    }
+
+    /// Of many runs, `done` of `all` before it begins; none where the standard error is not a terminal.
+    pub fn of_runs(done: u64, all: u64) -> Option<Progress> {
+        Progress::shown(done as f64, all as f64, move |reached| format!("{reached} of {all} runs"))
+    }
+
+    fn shown(
+        start: f64,
+        stop: f64,
+        text: impl Fn(f64) -> String + Send + 'static,
+    ) -> Option<Progress> {
         let visible = std::io::stderr().is_terminal() && stop > start;
         visible.then(|| {
             let reached = AtomicU64::new(start.to_bits());
             let shared = Arc::new(Shared { reached, done: AtomicBool::new(false) });
             let thread = {
                 let shared = Arc::clone(&shared);
-                spawn(move || draw(&shared, start, stop))
+                spawn(move || draw(&shared, start, stop, &text))
             };
             Progress { shared, thread: Some(thread) }
         })
     }
 
-    /// The run has reached this time, s.
+    /// The run has reached this time, s, or so many are done.
     pub fn reached(&self, time: f64) {
         self.shared.reached.store(time.to_bits(), Ordering::Relaxed);
     }
@@ -100,7 +115,7 @@ impl Drop for Working {
     }
 }
 
-fn draw(shared: &Shared, start: f64, stop: f64) {
+fn draw(shared: &Shared, start: f64, stop: f64, text: &dyn Fn(f64) -> String) {
     let is_done = || shared.done.load(Ordering::Acquire);
     let begun = Instant::now();
     park_timeout(PATIENCE);
@@ -112,8 +127,6 @@ fn draw(shared: &Shared, start: f64, stop: f64) {
     if let Ok(style) = ProgressStyle::with_template(style) {
         bar.set_style(style);
     }
-    // Four digits of the duration.
-    let digits = (3.0 - (stop - start).log10().floor()).clamp(0.0, 15.0) as usize;
     while !is_done() {
         let time = f64::from_bits(shared.reached.load(Ordering::Relaxed));
         let part = part(time, start, stop);
@@ -121,7 +134,7 @@ fn draw(shared: &Shared, start: f64, stop: f64) {
             Some(left) => format!(", {} left", HumanDuration(left)),
             None => String::new(),
         };
-        bar.set_message(format!("{time:.digits$} s{left}"));
+        bar.set_message(format!("{}{left}", text(time)));
         bar.set_position(part);
         park_timeout(PERIOD);
     }
@@ -164,7 +177,7 @@ mod tests {
         let shared = Arc::new(Shared { reached: AtomicU64::new(0), done: AtomicBool::new(false) });
         let thread = {
             let shared = Arc::clone(&shared);
-            spawn(move || draw(&shared, 0.0, 1.0))
+            spawn(move || draw(&shared, 0.0, 1.0, &|time| format!("{time}")))
         };
         drop(Progress { shared, thread: Some(thread) });
     }

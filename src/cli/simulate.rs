@@ -10,8 +10,10 @@ use super::{Status, interrupt, print, say, style};
 use crate::base::render::render;
 use crate::codegen::record;
 use crate::driver::compile::{Request, Session};
+use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
-use crate::ir::trajectory::{Kind, Trajectory, position};
+use crate::ir::trajectory::{Column, Kind, Trajectory, position};
+use crate::measure::observe::{Observer, Plan};
 use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::report::plot;
 use crate::report::results::Format;
@@ -31,36 +33,35 @@ pub fn run(options: &Simulate) -> Status {
     }
     let begun = Instant::now();
     let mut session = Session::default();
-    let program =
-        session.compile(&Request { form: options.mode.into(), ..options.model.request() });
+    let request = Request { form: options.mode.into(), ..options.model.request() };
+    let program = match options.measures.as_slice() {
+        [] => session.compile(&request).map(|program| (program, None)),
+        texts => session.compile_measured(&request, texts).map(|(p, plan)| (p, Some(plan))),
+    };
     say(&session);
-    let mut program = match program {
+    let (mut program, mut measures) = match program {
         Ok(program) => program,
         Err(wrong) => return wrong.into(),
     };
     if let Some(wanted) = &options.variables {
-        record::only(&mut program, |name| wanted.is_match(name));
-        if program.recorded.is_empty() {
+        match &mut measures {
+            Some(plan) => plan.record(&mut program, |name| wanted.is_match(name)),
+            None => record::only(&mut program, |name| wanted.is_match(name)),
+        }
+        if shown(&program, measures.as_ref()) == 0 {
             eprintln!("error: no variable has a name that `{wanted}` matches");
             return Status::Usage;
         }
     }
     let compiled = begun.elapsed();
 
-    let mut settings = Settings::of(&program.blocks.dae.experiment);
-    if let Some(stop) = options.stop {
-        if options.interval.is_none() && program.blocks.dae.experiment.interval.is_none() {
-            settings.interval =
-                (stop - settings.start) / crate::simulate::settings::DEFAULT_INTERVALS;
-        }
-        settings.stop = stop;
-    }
-    settings.interval = options.interval.unwrap_or(settings.interval);
-    settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
+    let experiment = &program.blocks.dae.experiment;
+    let mut settings = settings_of(experiment, options.stop, options.interval, options.tolerance);
     settings.method = options.method.into();
 
     let files = Files::of(options, &program);
-    let mut stream = match files.stream(options, &program) {
+    let columns = &columns(&program)[..shown(&program, measures.as_ref())];
+    let mut stream = match files.stream(options, &program, columns) {
         Ok(stream) => stream,
         Err(why) => {
             eprintln!("error: {why}");
@@ -71,10 +72,23 @@ pub fn run(options: &Simulate) -> Status {
     if let Some(progress) = Progress::of(settings.start, settings.stop) {
         stream.show(progress);
     }
-    let outcome = simulate_to(&program, &settings, &session.sources, &mut stream);
+    let outcome = match &measures {
+        None => {
+            simulate_to(&program, &settings, &session.sources, &mut stream).map(|s| (s, Vec::new()))
+        }
+        Some(plan) => {
+            plan.ask(&mut settings);
+            let mut observer = Observer::new(plan, &program, &mut stream);
+            let outcome = simulate_to(&program, &settings, &session.sources, &mut observer);
+            outcome.map(|s| {
+                let values = plan.evaluate(&program, &settings, &observer, &s);
+                (s, values)
+            })
+        }
+    };
     stream.hide();
-    let statistics = match outcome {
-        Ok(statistics) => statistics,
+    let (statistics, values) = match outcome {
+        Ok(ended) => ended,
         Err(failure) => {
             eprintln!("{}", render(&failure.diagnostic, &session.sources, style()));
             return match failure.kind {
@@ -100,6 +114,9 @@ pub fn run(options: &Simulate) -> Status {
     };
     let mut text = if options.events { events(&run.trajectory) } else { String::new() };
     text.push_str(&summary(&program, &run, compiled, begun.elapsed(), &written));
+    if let Some(plan) = &measures {
+        text.push_str(&measured(&plan.columns, &values));
+    }
     let status = match print(&text) {
         Status::Done if run.statistics.interrupted => Status::Interrupted,
         status => status,
@@ -107,6 +124,46 @@ pub fn run(options: &Simulate) -> Status {
     // Gigabytes of a large model need not be given back piece by piece at the end.
     std::mem::forget(program);
     status
+}
+
+/// What a run chooses: the annotation's values where the user gives none.
+pub(super) fn settings_of(
+    experiment: &Experiment,
+    stop: Option<f64>,
+    interval: Option<f64>,
+    tolerance: Option<f64>,
+) -> Settings {
+    let mut settings = Settings::of(experiment);
+    if let Some(stop) = stop {
+        if experiment.interval.is_none() {
+            settings.interval =
+                (stop - settings.start) / crate::simulate::settings::DEFAULT_INTERVALS;
+        }
+        settings.stop = stop;
+    }
+    settings.interval = interval.unwrap_or(settings.interval);
+    settings.tolerance = tolerance.unwrap_or(settings.tolerance);
+    settings
+}
+
+/// Number of variables of the user that are recorded: the first.
+fn shown(program: &Program, measures: Option<&Plan>) -> usize {
+    measures.map_or(program.recorded.len(), |plan| plan.shown)
+}
+
+/// The measures, one a line.
+fn measured(columns: &[Column], values: &[Option<f64>]) -> String {
+    let mut out = String::new();
+    for (column, value) in columns.iter().zip(values) {
+        let (name, unit) = (&column.name, &column.unit);
+        let unit = if unit == "1" { "" } else { unit };
+        out.push_str(&match value {
+            Some(value) => format!("  {name} = {value} {unit}").trim_end().to_owned(),
+            None => format!("  {name}: did not happen"),
+        });
+        out.push('\n');
+    }
+    out
 }
 
 /// The files that a run makes.
@@ -129,8 +186,12 @@ impl Files {
     }
 
     /// Takes the rows; what cannot be drawn is said before anything is run.
-    fn stream(&self, options: &Simulate, program: &Program) -> Result<Stream, String> {
-        let columns = &columns(program);
+    fn stream(
+        &self,
+        options: &Simulate,
+        program: &Program,
+        columns: &[Column],
+    ) -> Result<Stream, String> {
         let kept = match (&self.picture, &options.show) {
             (None, _) => Vec::new(),
             (Some(_), None) => drawable(columns),
@@ -149,7 +210,8 @@ impl Files {
             Some(path) => Some((path.clone(), Format::of(path).map_err(|e| e.to_string())?)),
             None => None,
         };
-        Stream::new(columns, &courses(program), output, kept).map_err(|e| e.to_string())
+        Stream::new(columns, &courses(program)[..columns.len()], output, kept)
+            .map_err(|e| e.to_string())
     }
 
     /// Draws the picture; the name of its file if there is anything to draw.
@@ -205,7 +267,7 @@ fn figure(options: &Simulate, program: &Program, run: &Run) -> Result<Option<Plo
 }
 
 /// Names between commas; commas in subscripts do not part.
-fn names_in(list: &str) -> Vec<String> {
+pub(super) fn names_in(list: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut depth = 0;
     for c in list.chars() {

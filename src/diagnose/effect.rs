@@ -24,6 +24,10 @@ pub struct Effect {
     pub of_signal: bool,
     /// Units of its parameters.
     pub units: Vec<(String, String)>,
+    /// It is built into components of the class, and only set there.
+    pub built_in: bool,
+    /// Settings, besides its parameters, that make it part of a model.
+    pub with: Vec<(String, String)>,
 }
 
 /// An amplitude.
@@ -76,34 +80,65 @@ impl Start {
     }
 }
 
-/// All effects of the packages that are found with a request, in order of their names; classes whose
-/// annotation can not be understood are left out.
-pub fn catalogue(session: &mut Session, request: &Request, packages: &[String]) -> Vec<Effect> {
+/// All effects of the packages that are found with a request, in order of their names, and after them
+/// those that are built into components of the model; classes whose annotation can not be understood are
+/// left out. `units` are those of the model's variables, by name.
+pub fn catalogue(
+    session: &mut Session,
+    request: &Request,
+    packages: &[String],
+    model: &Inventory,
+    units: &[(String, String)],
+) -> Vec<Effect> {
     let mut effects = Vec::new();
+    let mut known = Vec::new();
     for package in packages {
-        for (class, texts) in session.annotated(request, package) {
-            let of = |key: &str| texts.iter().find(|(k, _)| k == key).map(|(_, t)| t.as_str());
-            let Some(description) = of("effect") else { continue };
-            let Some(mut effect) = read(&class, description) else { continue };
-            effect.explains = of("explains").unwrap_or("%at has this effect.").to_owned();
-            let own = Request {
-                file: None,
-                appended: None,
-                settings: Vec::new(),
-                model: Some(class),
-                ..request.clone()
-            };
-            let mut apart = Session::default();
-            let Ok((flat, inventory)) = apart.inspect(&own) else { continue };
-            complete(&mut effect, &inventory);
-            let names: Vec<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
-            effect.amplitudes = elements(&effect.amplitudes, &names);
-            let units = flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string()));
-            effect.units = units.collect();
-            effects.push(effect);
+        let classes = session.members(request, package);
+        for (class, texts) in session.annotated(request, &classes) {
+            known.push(class.clone());
+            effects.extend(described(&class, &texts).and_then(|e| component(e, request)));
         }
     }
+    let mut hosts: Vec<String> = model.parts.iter().map(|p| p.class.clone()).collect();
+    hosts.sort();
+    hosts.dedup();
+    hosts.retain(|class| !class.is_empty() && !known.contains(class));
+    for (class, texts) in session.annotated(request, &hosts) {
+        let Some(mut effect) = described(&class, &texts) else { continue };
+        let Some(host) = model.parts.iter().find(|p| p.class == class) else { continue };
+        let prefix = format!("{}.", host.name);
+        let own =
+            |(n, u): &(String, String)| Some((n.strip_prefix(&prefix)?.to_owned(), u.clone()));
+        effect.units = units.iter().filter_map(own).collect();
+        effect.built_in = true;
+        effects.push(effect);
+    }
     effects
+}
+
+fn described(class: &str, texts: &[(String, String)]) -> Option<Effect> {
+    let of = |key: &str| texts.iter().find(|(k, _)| k == key).map(|(_, t)| t.as_str());
+    let mut effect = read(class, of("effect")?)?;
+    effect.explains = of("explains").unwrap_or("%at has this effect.").to_owned();
+    Some(effect)
+}
+
+/// An effect that is a component of its own, with what its class says about its connectors.
+fn component(mut effect: Effect, request: &Request) -> Option<Effect> {
+    let own = Request {
+        file: None,
+        appended: None,
+        settings: Vec::new(),
+        model: Some(effect.class.clone()),
+        ..request.clone()
+    };
+    let (flat, inventory) = Session::default().inspect(&own).ok()?;
+    complete(&mut effect, &inventory);
+    let names: Vec<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
+    effect.amplitudes = elements(&effect.amplitudes, &names);
+    let units = flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string()));
+    effect.units = units.collect();
+    Some(effect)
 }
 
 fn complete(effect: &mut Effect, inventory: &Inventory) {
@@ -142,12 +177,19 @@ fn read(class: &str, text: &str) -> Option<Effect> {
         connectors: Vec::new(),
         of_signal: false,
         units: Vec::new(),
+        built_in: false,
+        with: Vec::new(),
     };
     for entry in text.split(';').map(str::trim).filter(|e| !e.is_empty()) {
         if let Some(bind) = entry.strip_prefix("bind ") {
             let (input, variables) = bind.split_once('=')?;
             let variables = variables.split('|').map(|v| v.trim().to_owned()).collect();
             effect.binds.push((input.trim().to_owned(), variables));
+            continue;
+        }
+        if let Some(setting) = entry.strip_prefix("with ") {
+            let (name, value) = setting.split_once('=')?;
+            effect.with.push((name.trim().to_owned(), value.trim().to_owned()));
             continue;
         }
         let (key, value) = entry.split_once('=')?;
@@ -206,6 +248,8 @@ mod tests {
         assert_eq!(effect.shapes[2].1, [Start::Least("s".into())]);
         assert_eq!(effect.host, ["spool", "port_a"]);
         assert_eq!(effect.binds[0].1, ["gap.m_flow", "m_flow"]);
+        let built_in = read("P.Source", "with has_line=true; amplitude=R>0").unwrap();
+        assert_eq!(built_in.with, [("has_line".to_owned(), "true".to_owned())]);
         assert!(read("Effects.Y", "w=1").is_none());
     }
 

@@ -2,6 +2,7 @@
 pub mod effect;
 pub mod page;
 pub mod place;
+pub mod rank;
 pub mod result;
 pub mod score;
 pub mod search;

@@ -47,9 +47,11 @@ pub fn places(
     if effect.of_signal {
         return signals(plan);
     }
-    if !effect.host.is_empty() {
-        let mut all: Vec<Place> =
-            inventory.parts.iter().filter_map(|p| hosted(effect, p, variables)).collect();
+    if effect.built_in || !effect.host.is_empty() {
+        let mut all: Vec<Place> = match effect.built_in {
+            true => inventory.parts.iter().filter_map(|p| built_in(effect, p)).collect(),
+            false => inventory.parts.iter().filter_map(|p| hosted(effect, p, variables)).collect(),
+        };
         if effect.amplitudes.len() == 1 && (2..=TOGETHER).contains(&all.len()) {
             let at = all.iter().flat_map(|p| p.at.iter().cloned()).collect();
             let others = all[1..].to_vec();
@@ -76,6 +78,16 @@ fn signals(plan: &Plan) -> Vec<Place> {
         others: Vec::new(),
     };
     plan.signals.iter().enumerate().map(place).collect()
+}
+
+fn built_in(effect: &Effect, part: &Part) -> Option<Place> {
+    (part.class == effect.class).then(|| Place {
+        at: vec![part.name.clone()],
+        connections: Vec::new(),
+        binds: Vec::new(),
+        signal: None,
+        others: Vec::new(),
+    })
 }
 
 fn hosted(effect: &Effect, part: &Part, variables: &FastSet<&str>) -> Option<Place> {

@@ -2,9 +2,8 @@
 //! keep what the data ask for, and look once more.
 
 use crate::base::diag::Problems;
-use crate::base::index::FastSet;
 use crate::calibrate::data::{Data, Split};
-use crate::calibrate::fit::{Fit, Heed, STOPPING, quick_fit, search};
+use crate::calibrate::fit::{Fit, Heed, STOPPING, WELL, quick_fit, refine, search};
 use crate::calibrate::plan::{Free, Plan};
 use crate::calibrate::problem::{Problem, Sums, record_also};
 use crate::calibrate::statistics::standard_errors;
@@ -15,18 +14,20 @@ use crate::ir::program::Program;
 use crate::math::numeric::least_squares::Stopping;
 
 use super::effect::{Effect, Start};
-use super::place::{Place, places};
-use super::score::score;
+use super::place::Place;
+use super::rank::rank;
 use super::text::{Attached, model};
 
-/// Instances of effects in one model of a score test.
-const BATCH: usize = 48;
 /// Places that are fitted after a score test.
 const FITTED: usize = 5;
-/// Of these, those that are searched for long.
-const SEARCHED: usize = 1;
+/// Of these, those that are searched for long, at most.
+const SEARCHED: usize = 3;
+/// They are, if what they leave over after a first look is not more than this multiple of the least.
+const CLOSE: f64 = 3.0;
 /// Effects that are looked for, one after the other.
-const DEPTH: usize = 2;
+const DEPTH: usize = 3;
+/// An amplitude that is not so many standard errors from zero may not be needed.
+const WEAK: f64 = 10.0;
 /// Decrease of the Bayesian information criterion that counts, well above what the best of hundreds of
 /// places reaches by chance.
 const EVIDENCE: f64 = 30.0;
@@ -53,6 +54,15 @@ pub struct Case<'a> {
     pub inventory: &'a Inventory,
     /// Names of its variables.
     pub variables: &'a [String],
+    /// Told what is being done.
+    pub say: &'a dyn Fn(&str),
+}
+
+impl Case<'_> {
+    /// An effect at a place, in words.
+    fn named(&self, effect: usize, place: &Place) -> String {
+        format!("{} at {}", self.effects[effect].class, place.at.join(", "))
+    }
 }
 
 /// An effect that belongs to a level.
@@ -150,6 +160,7 @@ pub enum Nothing {
 /// Looks for what the model lacks. `heed` is told about each step and ends the search by `false`.
 pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> {
     let before = level(case, Vec::new(), case.plan.clone(), &mut |p| quick_fit(p, heed))?;
+    (case.say)(&format!("calibrated: reduced chi-square {:.4}", before.chi2_train()));
     let mut found =
         Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
     for depth in 0..DEPTH {
@@ -165,6 +176,11 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             .take(FITTED)
             .cloned()
             .collect();
+        for s in ranking.iter().take(2 * FITTED) {
+            let share = s.gain / found.after.train.total();
+            let name = case.named(s.effect, &s.place);
+            (case.say)(&format!("  score {:5.1} %  {name} {:?}", 100.0 * share, s.shape));
+        }
         found.rankings.push(ranking);
         let mut levels: Vec<Level> = Vec::new();
         for scored in &promising {
@@ -177,16 +193,25 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
                 search(p, &start, &LOOK, heed)
             };
             if let Ok(fitted) = level(case, chosen, plan, look) {
+                let name = case.named(scored.effect, &scored.place);
+                (case.say)(&format!("looked at {name}: {:.4}", fitted.chi2_train()));
                 levels.push(fitted);
             }
         }
         levels.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
-        for fitted in levels.iter_mut().take(SEARCHED) {
+        let least = levels.first().map_or(0.0, |best| best.chi2_train() - 1.0);
+        let reach = 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
+        for fitted in levels.iter_mut().take(SEARCHED).filter(|l| l.chi2_train() < reach) {
             let longer = &mut |p: &mut Problem<'_>| {
                 let start = p.start();
-                search(p, &start, &STOPPING, heed)
+                let found = search(p, &start, &STOPPING, heed)?;
+                Some(if mostly_fits(p, &found) { refine(p, found, heed) } else { found })
             };
             if let Ok(better) = level(case, fitted.chosen.clone(), fitted.plan.clone(), longer) {
+                let name = better.chosen.last().map(|c| case.named(c.effect, &c.place));
+                let (train, validation) = (better.chi2_train(), better.chi2_validation());
+                let name = name.unwrap_or_default();
+                (case.say)(&format!("fitted {name}: {train:.4}, validation {validation:.4}"));
                 *fitted = better;
             }
         }
@@ -196,7 +221,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         let evident = best.bic() < found.after.bic() - EVIDENCE;
         let holds = best.chi2_validation() < found.after.chi2_validation();
         if evident && holds {
-            found.after = best;
+            found.after = simplified(case, best, heed);
             found.rejected.extend(levels);
         } else {
             found.rejected.push(best);
@@ -205,6 +230,62 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         }
     }
     Ok(found)
+}
+
+/// True if most recordings fit: the others may stand on the wrong side of a jump.
+fn mostly_fits(problem: &Problem<'_>, fit: &Fit) -> bool {
+    let Ok(sums) = problem.sums(Split::Train, &fit.x) else { return false };
+    let mut each = sums.by_recording();
+    each.sort_by(f64::total_cmp);
+    each.get(each.len() / 2).is_some_and(|median| *median < WELL)
+}
+
+/// Without those effects that the data do not ask for beside the others.
+fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
+    let last = level.chosen.last().map_or(0, |c| c.group);
+    for group in 0..=last {
+        let of_group = |c: &&Chosen| c.group == group;
+        let others = level.chosen.iter().any(|c| c.group != group);
+        let own: Vec<String> = level
+            .chosen
+            .iter()
+            .filter(of_group)
+            .flat_map(|c| c.fitted.iter().map(|p| format!("{}.{p}", c.name)))
+            .collect();
+        let amplitudes = level.chosen.iter().filter(of_group).flat_map(|c| {
+            let all = &case.effects[c.effect].amplitudes;
+            all.iter().map(|a| format!("{}.{}", c.name, a.name))
+        });
+        let mut amplitudes = amplitudes.peekable();
+        let weak = |name: String| {
+            let at = level.plan.free.iter().position(|f| f.name == name);
+            at.is_none_or(|k| {
+                let significant = level.values[k].abs() > WEAK * level.errors[k];
+                !significant
+            })
+        };
+        if !others || amplitudes.peek().is_none() || !amplitudes.all(weak) {
+            continue;
+        }
+        let mut plan = level.plan.clone();
+        plan.free.retain(|f| !own.contains(&f.name));
+        for c in level.chosen.iter().filter(of_group) {
+            if let (Some(k), Some((_, variable))) = (c.place.signal, c.place.binds.first()) {
+                plan.signals[k].variable.clone_from(variable);
+            }
+        }
+        let chosen = level.chosen.iter().filter(|c| c.group != group).cloned().collect();
+        let again = &mut |p: &mut Problem<'_>| {
+            let start = p.start();
+            search(p, &start, &STOPPING, heed)
+        };
+        if let Ok(without) = self::level(case, chosen, plan, again)
+            && without.bic() < level.bic() + EVIDENCE
+        {
+            level = without;
+        }
+    }
+    level
 }
 
 /// Compiles the model with effects and fits it by `how`.
@@ -234,7 +315,8 @@ fn level(
     Ok(Level { chosen, plan, values, errors, fit, train, validation })
 }
 
-fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
+/// The effects of a level as they are attached.
+pub fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
     let one = |c: &'a Chosen| Attached {
         effect: &case.effects[c.effect],
         place: &c.place,
@@ -245,7 +327,7 @@ fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
 }
 
 /// Compiles the model with what is attached, recording the signals and `others`.
-fn compile(
+pub fn compile(
     case: &Case<'_>,
     plan: &Plan,
     attached: &[Attached<'_>],
@@ -267,163 +349,8 @@ fn compile(
     Ok((session, program))
 }
 
-/// Scores every effect at every place with every shape; of the shapes the best is kept.
-fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
-    let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
-    let mut all: Vec<(usize, Place)> = Vec::new();
-    for (k, effect) in case.effects.iter().enumerate() {
-        for place in places(effect, case.inventory, &names, case.plan) {
-            let known = level.chosen.iter().any(|c| c.effect == k && c.place == place);
-            if !known {
-                all.push((k, place));
-            }
-        }
-    }
-    let ranges = ranges(case, level, &all)?;
-    let mut trials: Vec<Scored> = Vec::new();
-    for (k, place) in &all {
-        for shape in shapes(&case.effects[*k], |variable| ranges_of(&ranges, *k, place, variable)) {
-            let (effect, place) = (*k, place.clone());
-            trials.push(Scored { effect, place, shape, amplitudes: Vec::new(), gain: 0.0 });
-        }
-    }
-    let mut scored: Vec<Scored> = Vec::new();
-    for batch in trials.chunks_mut(BATCH) {
-        score_batch(case, level, batch)?;
-        for trial in batch.iter().filter(|t| t.gain > 0.0) {
-            let same = |s: &&mut Scored| s.effect == trial.effect && s.place == trial.place;
-            match scored.iter_mut().find(same) {
-                Some(known) if known.gain >= trial.gain => {}
-                Some(known) => *known = trial.clone(),
-                None => scored.push(trial.clone()),
-            }
-        }
-    }
-    let price = (level.train.count() as f64).ln();
-    let worth = |s: &Scored| s.gain - price * s.amplitudes.len() as f64;
-    scored.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    Ok(scored)
-}
-
-type Ranges = Vec<((usize, Place), String, (f64, f64))>;
-
-fn ranges_of(ranges: &Ranges, effect: usize, place: &Place, variable: &str) -> (f64, f64) {
-    let found = ranges.iter().find(|((k, p), v, _)| *k == effect && p == place && v == variable);
-    found.map_or((0.0, 1.0), |(.., range)| *range)
-}
-
-/// The ranges that the variables of effects cover at their places.
-fn ranges(case: &Case<'_>, level: &Level, all: &[(usize, Place)]) -> Result<Ranges, Nothing> {
-    let mut out = Ranges::new();
-    let mut wanted: Vec<(usize, &Place, Vec<String>)> = Vec::new();
-    for (k, place) in all {
-        let mut variables: Vec<String> = Vec::new();
-        for start in case.effects[*k].shapes.iter().flat_map(|(_, starts)| starts) {
-            if let Some(v) = start.variable()
-                && !variables.iter().any(|known| known == v)
-            {
-                variables.push(v.to_owned());
-            }
-        }
-        if !variables.is_empty() {
-            wanted.push((*k, place, variables));
-        }
-    }
-    for batch in wanted.chunks(BATCH) {
-        let mut probes = attached(case, &level.chosen);
-        let mut names = Vec::new();
-        for (i, (k, place, variables)) in batch.iter().enumerate() {
-            let name = format!("probe_{i}");
-            names.extend(variables.iter().map(|v| format!("{name}.{v}")));
-            let effect = &case.effects[*k];
-            probes.push(Attached { effect, place, name, values: Vec::new() });
-        }
-        let (session, program) = compile(case, &level.plan, &probes, &names)?;
-        let mut problems = Problems::new();
-        let problem =
-            Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems);
-        let problem = problem.ok_or(Nothing::Run)?;
-        let found = problem.ranges(&problem.start(), &names).map_err(|_| Nothing::Run)?;
-        let mut found = found.into_iter();
-        for (k, place, variables) in batch {
-            for v in variables {
-                let range = found.next().unwrap_or((0.0, 1.0));
-                out.push(((*k, (*place).clone()), v.clone(), range));
-            }
-        }
-    }
-    Ok(out)
-}
-
-/// All combinations of what the parameters of a shape start from.
-fn shapes(effect: &Effect, range: impl Fn(&str) -> (f64, f64)) -> Vec<Vec<(String, f64)>> {
-    let mut out = vec![Vec::new()];
-    for (name, starts) in &effect.shapes {
-        let values: Vec<f64> =
-            starts.iter().flat_map(|s| s.values(s.variable().map_or((0.0, 1.0), &range))).collect();
-        out = out
-            .iter()
-            .flat_map(|shape: &Vec<(String, f64)>| {
-                values.iter().map(|v| {
-                    let mut longer = shape.clone();
-                    longer.push((name.clone(), *v));
-                    longer
-                })
-            })
-            .collect();
-    }
-    out
-}
-
-fn score_batch(case: &Case<'_>, level: &Level, batch: &mut [Scored]) -> Result<(), Nothing> {
-    let mut all = attached(case, &level.chosen);
-    let mut plan = level.plan.clone();
-    let free = plan.free.len();
-    let members: Vec<Vec<Place>> = batch.iter().map(|t| t.place.members()).collect();
-    for (i, trial) in batch.iter().enumerate() {
-        let effect = &case.effects[trial.effect];
-        for (j, place) in members[i].iter().enumerate() {
-            let name = format!("trial_{i}_{j}");
-            for a in &effect.amplitudes {
-                let full = format!("{name}.{}", a.name);
-                plan.free.push(amplitude(&full, 0.0, None, place, &name));
-            }
-            let values = trial.shape.clone();
-            all.push(Attached { effect, place, name, values });
-        }
-    }
-    let (session, program) = compile(case, &plan, &all, &[])?;
-    let mut problems = Problems::new();
-    let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
-    let problem = problem.ok_or(Nothing::Run)?;
-    let Ok(normal) = problem.normal(&problem.start()) else {
-        // One that can not be run must not keep the others from it.
-        let half = batch.len() / 2;
-        if half > 0 {
-            let (left, right) = batch.split_at_mut(half);
-            score_batch(case, level, left)?;
-            score_batch(case, level, right)?;
-        }
-        return Ok(());
-    };
-    let mut first = free;
-    for (trial, members) in batch.iter_mut().zip(&members) {
-        let effect = &case.effects[trial.effect];
-        let count = members.len() * effect.amplitudes.len();
-        let group: Vec<usize> = (first..first + count).collect();
-        first += count;
-        let signs = effect.amplitudes.iter().map(|a| a.positive);
-        let positive: Vec<bool> = members.iter().flat_map(|_| signs.clone()).collect();
-        if let Some(found) = score(&normal, free, &group, &positive) {
-            // More than everything can not be explained: beyond its range the line does not hold.
-            trial.gain = found.gain.min(level.train.total());
-            trial.amplitudes = found.amplitudes;
-        }
-    }
-    Ok(())
-}
-
-fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, component: &str) -> Free {
+/// An amplitude as a free parameter.
+pub fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, component: &str) -> Free {
     Free {
         name: full.to_owned(),
         targets: vec![full.to_owned()],
@@ -453,7 +380,11 @@ fn attach(case: &Case<'_>, level: &Level, scored: &Scored, depth: usize) -> (Vec
     let mut chosen = level.chosen.clone();
     let members = scored.place.members();
     for (j, place) in members.iter().enumerate() {
-        let component = if j == 0 { name.clone() } else { format!("{name}_at_{}", place.at[0]) };
+        let component = match j {
+            _ if effect.built_in => place.at[0].clone(),
+            0 => name.clone(),
+            _ => format!("{name}_at_{}", place.at[0]),
+        };
         let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
         let mut fitted = Vec::new();
         for (a, start) in effect.amplitudes.iter().zip(starts) {
@@ -483,7 +414,7 @@ fn attach(case: &Case<'_>, level: &Level, scored: &Scored, depth: usize) -> (Vec
         if let Some(k) = place.signal {
             plan.signals[k].variable = format!("{component}.y");
         }
-        let group = level.chosen.len();
+        let group = level.chosen.last().map_or(0, |c| c.group + 1);
         let (place, fixed) = (place.clone(), scored.shape.clone());
         chosen.push(Chosen { effect: scored.effect, place, name: component, fixed, fitted, group });
     }

@@ -1,5 +1,7 @@
 //! Models as text: a model with effects attached to it.
 
+use crate::calibrate::modification::{Tree, parts};
+
 use super::effect::Effect;
 use super::place::Place;
 
@@ -39,22 +41,29 @@ pub fn model(
 ) -> String {
     let mut out = format!("model {name} \"{description}\"\n");
     out.push_str(&format!("  extends {base}"));
-    if !settings.is_empty() {
-        let mut lines = Vec::new();
-        let last = settings.len() - 1;
-        for (k, s) in settings.iter().enumerate() {
-            let comma = if k < last { "," } else { ");" };
-            let comment =
-                if s.comment.is_empty() { String::new() } else { format!(" // {}", s.comment) };
-            lines.push(format!("    {}{comma}{comment}", modification(&s.name, s.value)));
-        }
-        out.push_str("(\n");
-        out.push_str(&lines.join("\n"));
-        out.push('\n');
-    } else {
-        out.push_str(";\n");
+    let mut modifications = Tree::default();
+    for s in settings {
+        modifications.set(&path(&s.name), number(s.value), s.comment.clone());
     }
-    for (k, a) in attached.iter().enumerate() {
+    for (k, a) in attached.iter().enumerate().filter(|(_, a)| a.effect.built_in) {
+        let inner = |parameter: &str| path(&format!("{}.{parameter}", a.name));
+        for (parameter, value) in &a.effect.with {
+            modifications.set(&inner(parameter), value.clone(), String::new());
+        }
+        for (parameter, value) in &a.values {
+            let said = comments.get(k).and_then(|list| list.iter().find(|(p, _)| p == parameter));
+            let comment = said.map_or(String::new(), |(_, c)| c.clone());
+            modifications.set(&inner(parameter), number(*value), comment);
+        }
+    }
+    if modifications.is_empty() {
+        out.push_str(";\n");
+    } else {
+        out.push_str("(\n");
+        modifications.print(4, &mut out);
+        out.push_str("  );\n");
+    }
+    for (k, a) in attached.iter().enumerate().filter(|(_, a)| !a.effect.built_in) {
         let said = comments.get(k);
         let mut arguments: Vec<(String, String)> = Vec::new();
         for (parameter, value) in grouped(&a.values) {
@@ -94,20 +103,12 @@ pub fn model(
     out
 }
 
-/// `a.b.c = v` as `a(b(c = v))`.
-fn modification(name: &str, value: f64) -> String {
-    let start = name.strip_prefix("start(").and_then(|rest| rest.strip_suffix(')'));
-    let full = match start {
-        Some(variable) => format!("{variable}.start"),
-        None => name.to_owned(),
-    };
-    let mut parts: Vec<&str> = full.split('.').collect();
-    let last = parts.pop().unwrap_or_default();
-    let mut text = format!("{last} = {}", number(value));
-    for part in parts.iter().rev() {
-        text = format!("{part}({text})");
+/// Where a setting stands among the modifications.
+fn path(name: &str) -> Vec<String> {
+    match name.strip_prefix("start(").and_then(|rest| rest.strip_suffix(')')) {
+        Some(variable) => parts(&format!("{variable}.start")),
+        None => parts(name),
     }
-    text
 }
 
 /// Parameters with their values; elements of an array in braces.
@@ -141,10 +142,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nested_names_become_nested_modifications() {
-        assert_eq!(modification("F_Coulomb", 1.25), "F_Coulomb = 1.25");
-        assert_eq!(modification("seal_p.friction.F", 2e-7), "seal_p(friction(F = 2e-7))");
-        assert_eq!(modification("start(body.s)", 0.5), "body(s(start = 0.5))");
+    fn a_start_is_a_modification_of_its_variable() {
+        assert_eq!(path("start(body.s)"), ["body", "s", "start"]);
+        assert_eq!(path("seal_p.friction.F"), ["seal_p", "friction", "F"]);
     }
 
     #[test]

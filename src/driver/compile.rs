@@ -21,6 +21,9 @@ use crate::ir::flat::FlatModel;
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::Setting;
 use crate::ir::program::{Continuation, Form, Program};
+use crate::measure::model as extended;
+use crate::measure::observe::Plan;
+use crate::measure::text::Measures;
 use crate::resolve::library::Library;
 
 /// What to compile.
@@ -97,21 +100,18 @@ impl Session {
         self.times.push(("flatten", begun.elapsed()));
         let sources = &self.sources;
         let of_setting = |d: &Diagnostic| {
-            matches!(d.code, "MO0240" | "MO0241")
-                || sources.get(d.primary.0.file).is_some_and(|f| f.path == Path::new("--set"))
+            matches!(d.code, "MO0240" | "MO0241" | "MO1101" | "MO1102")
+                || sources.get(d.primary.0.file).is_some_and(|f| {
+                    f.path == Path::new("--set") || f.path == Path::new("--measure")
+                })
         };
         let only_settings = self.problems.iter().all(of_setting);
         self.checked(if only_settings { Wrong::Request } else { Wrong::Model })?;
         Ok(flat)
     }
 
-    /// The classes of a package, each with the texts of its annotation `__mocc`; those without one are
-    /// left out.
-    pub fn annotated(
-        &mut self,
-        request: &Request,
-        package: &str,
-    ) -> Vec<(String, Vec<(String, String)>)> {
+    /// The full names of the classes of a package, sorted; an empty name stands for the top level.
+    pub fn members(&mut self, request: &Request, package: &str) -> Vec<String> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
         let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
@@ -121,9 +121,22 @@ impl Session {
         let mut names = cx.library.child_names(package);
         names.sort();
         names.dedup();
+        let full = |name| if package.is_empty() { name } else { format!("{package}.{name}") };
+        names.into_iter().map(full).collect()
+    }
+
+    /// Classes of libraries, each with the texts of its annotation `__mocc`; those without one are left
+    /// out.
+    pub fn annotated(
+        &mut self,
+        request: &Request,
+        classes: &[String],
+    ) -> Vec<(String, Vec<(String, String)>)> {
+        let path = request.modelica_path.as_deref();
+        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
         let mut out = Vec::new();
-        for name in names {
-            let full = if package.is_empty() { name } else { format!("{package}.{name}") };
+        for full in classes.iter().cloned() {
             let Some(class) = find(&mut cx, &full) else { continue };
             let annotation = cx.text(class).and_then(|t| t.annotation.clone());
             let Some(annotation) = annotation else { continue };
@@ -184,9 +197,39 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
         let flat = self.flatten(request)?;
+        self.compile_flat(flat, request.form)
+    }
+
+    /// The program of a request, extended by what measures need; and the measures in it.
+    pub fn compile_measured(
+        &mut self,
+        request: &Request,
+        measures: &[String],
+    ) -> Result<(Program, Plan), Wrong> {
+        let mut read = Measures::default();
+        let flat = self.flatten_by(request, |cx, class, settings| {
+            read = Measures::read(measures, cx.sources, cx.problems);
+            let base = cx.classes[class].full_name.to_string();
+            let annotation = cx.text(class).and_then(|t| t.annotation.clone());
+            let file = extended::file(&read, &base, annotation, cx.sources);
+            cx.library.add_file(&file, cx.sources, cx.problems);
+            let extended = find(cx, extended::MODEL).unwrap_or(class);
+            let mut flat = crate::flatten::flatten(cx, extended, settings);
+            flat.name = base;
+            flat
+        })?;
+        extended::check(&flat, &read, &mut self.problems);
+        self.checked(Wrong::Request)?;
+        let mut program = self.compile_flat(flat, request.form)?;
+        let plan = Plan::new(read, &mut program, &mut self.problems);
+        self.checked(Wrong::Request)?;
+        plan.map(|plan| (program, plan)).ok_or(Wrong::Request)
+    }
+
+    fn compile_flat(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
         let between = crate::lower::homotopy::between(&flat);
         let blocks = self.sort(flat)?;
-        let mut program = self.generate_as(blocks, request.form)?;
+        let mut program = self.generate_as(blocks, form)?;
         program.continuation = between.and_then(|flat| continuation(flat, &program)).map(Box::new);
         Ok(program)
     }

@@ -7,9 +7,10 @@ use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
 use crate::instantiate::Context;
-use crate::ir::ast::{ClassBody, ElementKind, Expr, Variability};
+use crate::ir::ast::{Expr, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
 use crate::ir::modification::Setting;
+use crate::parse::fragment::binding;
 
 /// Reads `NAME=VALUE`; the value is an expression of the language.
 pub fn read(text: &str, sources: &mut SourceMap, problems: &mut Problems) -> Option<Rc<Setting>> {
@@ -51,48 +52,25 @@ fn part(text: &str) -> Option<(crate::base::name::Name, Vec<usize>)> {
     (plain || quoted).then(|| (name(word), subscripts))
 }
 
-/// Parses the value as the binding of a declaration.
+/// Parses the value.
 fn expression(
     value: &str,
     whole: &str,
     sources: &mut SourceMap,
     problems: &mut Problems,
 ) -> Option<Expr> {
-    // The value stands at the same place in the text that is shown and in the one that is parsed, so that
-    // messages about any part of it show the setting itself.
-    let (declaration, place) = ("model S Real x", whole.len() - value.len());
-    let shown_from = (declaration.len() + 1).saturating_sub(place);
-    let id = sources.add("--set", format!("{:shown_from$}{whole}", ""));
-    let width = place + shown_from - 1;
-    let file = format!("{declaration:width$}={value}; end S;");
-    let mut own = Problems::new();
-    let parsed = crate::parse::grammar::parse(id, &file, &mut own);
-    let class = parsed.classes.first();
-    let found = class.and_then(|c| match &c.body {
-        ClassBody::Long(composition) => composition.elements.iter().find_map(|e| match &e.kind {
-            ElementKind::Components(clause) => clause
-                .components
-                .first()
-                .and_then(|c| c.modification.as_ref())
-                .and_then(|m| m.binding.clone()),
-            _ => None,
-        }),
-        _ => None,
-    });
-    match found {
-        Some(e) if !own.has_errors() => Some((*e).clone()),
-        _ => {
-            problems.push(
-                Diagnostic::error(
-                    "MO0240",
-                    Span::NONE,
-                    format!("the value in the setting `{whole}` is no expression"),
-                )
-                .help("write a number, true, false, a literal such as Contact.Free, or {1, 2}"),
-            );
-            None
-        }
+    let found = binding("--set", whole, whole.len() - value.len(), None, sources);
+    if found.is_none() {
+        problems.push(
+            Diagnostic::error(
+                "MO0240",
+                Span::NONE,
+                format!("the value in the setting `{whole}` is no expression"),
+            )
+            .help("write a number, true, false, a literal such as Contact.Free, or {1, 2}"),
+        );
     }
+    found
 }
 
 /// Reports settings that no component took, and settings of what is no parameter.

@@ -108,10 +108,14 @@ pub struct Variable {
     pub display_unit: Name,
     /// The description string.
     pub description: Option<Arc<str>>,
+    /// A parameter whose value in the text is 0: nothing is to be divided by it.
+    pub vanishes: bool,
     /// Made by the compiler: not written to results.
     pub hidden: bool,
     /// Declared `protected`.
     pub protected: bool,
+    /// A constant, or a parameter whose value fixed the structure.
+    pub structural: bool,
     /// Place of the declaration.
     pub span: Span,
 }
@@ -133,8 +137,10 @@ impl Variable {
             unit: Name::from(""),
             display_unit: Name::from(""),
             description: None,
+            vanishes: false,
             hidden: false,
             protected: false,
+            structural: false,
             span,
         }
     }

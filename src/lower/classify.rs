@@ -154,8 +154,10 @@ fn classify(
         unit: v.unit,
         display_unit: v.display_unit,
         description: v.description.clone(),
+        vanishes: false,
         hidden: false,
         protected: v.protected,
+        structural: v.structural || v.variability == Variability::Constant,
         span: v.span,
     }
 }

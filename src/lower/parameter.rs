@@ -5,7 +5,7 @@ use super::error;
 use super::event::{Mode, Rewriting};
 use crate::base::index::{FastMap, IndexVec};
 use crate::ir::dae::{self, Kind};
-use crate::ir::expr::{ExprId, Type, VarId};
+use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{Variability, Variable};
 use crate::math::graph::scc;
 
@@ -50,10 +50,23 @@ pub fn ordered(
             let origin = declaration_origin(&flat[v]);
             initial.push(dae::Equation { lhs, rhs: value, residual, origin, derivative_of: None });
         } else {
+            r.variables[v].vanishes = vanishes(value, r);
             list.push((v, value));
         }
     }
     list
+}
+
+/// True for the literal 0, a parameter that vanishes, and products with one.
+fn vanishes(value: ExprId, r: &Rewriting<'_>) -> bool {
+    match r.graph.node(value) {
+        Node::Const(c) => c.number() == Some(0.0),
+        Node::Var(v) => r.variables[v].vanishes,
+        Node::Unary(Unary::Neg, a) => vanishes(a, r),
+        Node::Binary(Binary::Mul, a, b) => vanishes(a, r) || vanishes(b, r),
+        Node::Binary(Binary::Div, a, _) => vanishes(a, r),
+        _ => false,
+    }
 }
 
 fn values(flat: &IndexVec<VarId, Variable>, r: &mut Rewriting<'_>) -> Vec<(VarId, ExprId)> {

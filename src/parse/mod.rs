@@ -7,6 +7,7 @@
 pub mod build;
 pub mod error;
 mod explain;
+pub mod fragment;
 pub mod grammar;
 pub mod lexer;
 pub mod token;

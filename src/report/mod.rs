@@ -5,16 +5,19 @@
 //! ([`plot::plot`]). Every file is written whole or not at all ([`write`](mod@write)).
 
 pub mod axis;
+pub mod chart;
 pub mod decimate;
 pub mod dot;
 pub mod figure;
 pub mod incidence;
+pub mod journal;
 pub mod json;
 pub mod layout;
 pub mod mat;
 pub mod parquet;
 pub mod plot;
 pub mod raster;
+pub mod records;
 pub mod results;
 pub mod scale;
 pub mod table;

@@ -30,15 +30,23 @@ pub fn plot(
     spec: &PlotSpec,
     path: impl AsRef<Path>,
 ) -> Result<(), PlotError> {
-    let path = path.as_ref();
+    write(path.as_ref(), (spec.width, spec.height), || svg(trajectory, spec))
+}
+
+/// Writes a picture of this size in px, as SVG or PNG by the extension; whole or not at all.
+pub(super) fn write(
+    path: &Path,
+    (width, height): (u32, u32),
+    svg: impl FnOnce() -> Result<String, PlotError>,
+) -> Result<(), PlotError> {
     let extension = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
     let bytes = match extension.as_deref() {
-        Some("svg") => svg(trajectory, spec)?.into_bytes(),
+        Some("svg") => svg()?.into_bytes(),
         Some("png") => {
-            if u64::from(spec.width) * u64::from(spec.height) > MOST_AREA {
-                return Err(PlotError::TooLarge { width: spec.width, height: spec.height });
+            if u64::from(width) * u64::from(height) > MOST_AREA {
+                return Err(PlotError::TooLarge { width, height });
             }
-            raster::png(&svg(trajectory, spec)?, PNG_SCALE).map_err(PlotError::Drawing)?
+            raster::png(&svg()?, PNG_SCALE).map_err(PlotError::Drawing)?
         }
         _ => return Err(PlotError::Extension { path: path.to_path_buf() }),
     };
@@ -77,38 +85,49 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
         return Err(too_small(size.1));
     }
 
+    on_canvas((spec.width, spec.height), |canvas| {
+        if titled {
+            let title =
+                layout::shortened(&spec.title, layout::TITLE_SIZE, layout.right - layout.left);
+            canvas.text(&title, (layout.left, layout.title), &TITLE)?;
+        }
+        let frame = Frame { trajectory, times: &times, layout: &layout };
+        let time_marks = times.time_ticks(layout.right - layout.left);
+        let instants = if spec.events { frame.instants() } else { Vec::new() };
+        let points = POINTS / axes.iter().map(|a| a.curves.len()).sum::<usize>();
+        for ((axis, place), (marks, text)) in
+            axes.iter().zip(&layout.panels).zip(marks.iter().zip(&texts))
+        {
+            frame.grid(canvas, axis, place, marks, &time_marks, &instants)?;
+            frame.curves(canvas, axis, place, points)?;
+            canvas.text(&text.axis, (layout.left, place.axis), &AXIS)?;
+            frame.legend(canvas, text, place)?;
+        }
+        frame.time_axis(canvas, &time_marks)
+    })
+}
+
+/// What `draw` leaves on a white surface of this size in px, as SVG.
+pub(super) fn on_canvas(
+    (width, height): (u32, u32),
+    draw: impl FnOnce(&mut Canvas<'_>) -> Result<(), PlotError>,
+) -> Result<String, PlotError> {
     let mut drawing = String::new();
-    let extent = (spec.width * TENTHS as u32, spec.height * TENTHS as u32);
+    let extent = (width * TENTHS as u32, height * TENTHS as u32);
     let mut canvas = Canvas { svg: SVGBackend::with_string(&mut drawing, extent) };
     canvas.background(extent)?;
-    if titled {
-        let title = layout::shortened(&spec.title, layout::TITLE_SIZE, layout.right - layout.left);
-        canvas.text(&title, (layout.left, layout.title), &TITLE)?;
-    }
-    let frame = Frame { trajectory, times: &times, layout: &layout };
-    let time_marks = times.time_ticks(layout.right - layout.left);
-    let instants = if spec.events { frame.instants() } else { Vec::new() };
-    let points = POINTS / axes.iter().map(|a| a.curves.len()).sum::<usize>();
-    for ((axis, place), (marks, text)) in
-        axes.iter().zip(&layout.panels).zip(marks.iter().zip(&texts))
-    {
-        frame.grid(&mut canvas, axis, place, marks, &time_marks, &instants)?;
-        frame.curves(&mut canvas, axis, place, points)?;
-        canvas.text(&text.axis, (layout.left, place.axis), &AXIS)?;
-        frame.legend(&mut canvas, text, place)?;
-    }
-    frame.time_axis(&mut canvas, &time_marks)?;
+    draw(&mut canvas)?;
     drop(canvas);
     // The inner drawing counts in tenths of a px; the outer frame makes px of them.
     Ok(format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
          viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n{drawing}</svg>\n",
-        spec.width, spec.height, extent.0, extent.1
+        width, height, extent.0, extent.1
     ))
 }
 
 /// Units of the drawing per px.
-const TENTHS: f64 = 10.0;
+pub(super) const TENTHS: f64 = 10.0;
 /// Greatest width and height, px.
 const MOST_LENGTH: u32 = 20_000;
 /// Greatest area of a PNG, px: a quarter of a gigabyte while it is drawn.
@@ -122,7 +141,7 @@ const EVENT_SPACING: f64 = 12.0;
 
 /// The colours of Okabe and Ito (2008), which also colour-blind readers tell apart; those that
 /// differ most first, the pale yellow last.
-const PALETTE: [RGBColor; 8] = [
+pub(super) const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -132,8 +151,8 @@ const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(240, 228, 66),
 ];
-const GRID: Stroke = Stroke { colour: RGBColor(232, 232, 232), width: 0.8 };
-const BASE: Stroke = Stroke { colour: RGBColor(140, 140, 140), width: 1.0 };
+pub(super) const GRID: Stroke = Stroke { colour: RGBColor(232, 232, 232), width: 0.8 };
+pub(super) const BASE: Stroke = Stroke { colour: RGBColor(140, 140, 140), width: 1.0 };
 const EVENT: Stroke = Stroke { colour: RGBColor(190, 205, 222), width: 1.0 };
 const CURVE_WIDTH: f64 = 1.8;
 /// From one Boolean curve of a panel up to the next, px.
@@ -141,19 +160,19 @@ const BOOLEAN_STEP: f64 = 2.4;
 /// Width of the curves once the colours begin anew.
 const REPEATED_WIDTH: f64 = 1.0;
 
-const TITLE: Lettering = Lettering {
+pub(super) const TITLE: Lettering = Lettering {
     size: layout::TITLE_SIZE,
     colour: RGBColor(26, 26, 26),
     bold: true,
     at: HPos::Left,
 };
-const AXIS: Lettering = Lettering {
+pub(super) const AXIS: Lettering = Lettering {
     size: layout::TEXT_SIZE,
     colour: RGBColor(51, 51, 51),
     bold: false,
     at: HPos::Left,
 };
-const NUMBER: Lettering = Lettering {
+pub(super) const NUMBER: Lettering = Lettering {
     size: layout::NUMBER_SIZE,
     colour: RGBColor(100, 100, 100),
     bold: false,
@@ -268,7 +287,7 @@ impl Frame<'_> {
     }
     fn time_axis(&self, canvas: &mut Canvas<'_>, marks: &Ticks) -> Result<(), PlotError> {
         let Some(last) = self.layout.panels.last() else { return Ok(()) };
-        let centred = Lettering { at: HPos::Center, ..NUMBER };
+        let centred = NUMBER.centred();
         for (&mark, label) in marks.values.iter().zip(&marks.labels) {
             let x = self.mark(mark);
             canvas.line(&[(x, last.bottom), (x, last.bottom + 4.0)], &BASE)?;
@@ -276,25 +295,26 @@ impl Frame<'_> {
         }
         let text = format!("time in {}", self.times.scale.unit);
         let middle = (self.layout.left + self.layout.right) / 2.0;
-        let centred = Lettering { at: HPos::Center, ..AXIS };
+        let centred = AXIS.centred();
         canvas.text(&text, (middle, self.layout.time_axis), &centred)
     }
 }
 
 /// The stroke of the curve at this position in its panel.
-fn curve_stroke(i: usize) -> Stroke {
+pub(super) fn curve_stroke(i: usize) -> Stroke {
     let width = if i < PALETTE.len() { CURVE_WIDTH } else { REPEATED_WIDTH };
     Stroke { colour: PALETTE[i % PALETTE.len()], width }
 }
 
 /// A line's colour and width in px.
-struct Stroke {
-    colour: RGBColor,
-    width: f64,
+pub(super) struct Stroke {
+    pub(super) colour: RGBColor,
+    pub(super) width: f64,
 }
 
 /// A text's size in px, colour, weight, and which end of it stands at its place.
-struct Lettering {
+#[derive(Clone, Copy)]
+pub(super) struct Lettering {
     size: f64,
     colour: RGBColor,
     bold: bool,
@@ -302,8 +322,15 @@ struct Lettering {
 }
 
 /// The surface: px in, tenths of a px out.
-struct Canvas<'a> {
+pub(super) struct Canvas<'a> {
     svg: SVGBackend<'a>,
+}
+
+impl Lettering {
+    /// The same with its middle at its place.
+    pub(super) fn centred(self) -> Self {
+        Lettering { at: HPos::Center, ..self }
+    }
 }
 
 impl Canvas<'_> {
@@ -311,15 +338,23 @@ impl Canvas<'_> {
         let corner = (width as i32, height as i32);
         self.svg.draw_rect((0, 0), corner, &RGBColor(255, 255, 255), true).map_err(undrawn)
     }
-    fn line(&mut self, points: &[(f64, f64); 2], stroke: &Stroke) -> Result<(), PlotError> {
+    pub(super) fn line(
+        &mut self,
+        points: &[(f64, f64); 2],
+        stroke: &Stroke,
+    ) -> Result<(), PlotError> {
         self.path(points.iter().copied().map(tenths).collect(), stroke)
     }
-    fn path(&mut self, points: Vec<(i32, i32)>, stroke: &Stroke) -> Result<(), PlotError> {
+    pub(super) fn path(
+        &mut self,
+        points: Vec<(i32, i32)>,
+        stroke: &Stroke,
+    ) -> Result<(), PlotError> {
         let stroke_width = (stroke.width * TENTHS).round() as u32;
         let style = ShapeStyle { color: stroke.colour.into(), filled: false, stroke_width };
         self.svg.draw_path(points, &style).map_err(undrawn)
     }
-    fn text(
+    pub(super) fn text(
         &mut self,
         text: &str,
         place: (f64, f64),
@@ -342,7 +377,7 @@ impl Canvas<'_> {
 const FAMILIES: &str = "Inter, Helvetica, Arial, sans-serif";
 
 /// Coordinates as the surface counts them.
-fn tenths((x, y): (f64, f64)) -> (i32, i32) {
+pub(super) fn tenths((x, y): (f64, f64)) -> (i32, i32) {
     ((x * TENTHS).round() as i32, (y * TENTHS).round() as i32)
 }
 

@@ -181,7 +181,7 @@ pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), 
 
 /// Whole numbers below 2^53 plainly where the column is whole, otherwise the shortest text that
 /// reads back as the same value. A negative zero keeps its sign.
-fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
+pub(super) fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let plain = whole && value.fract() == 0.0 && value.abs() < EXACT;
     let mut buffer = zmij::Buffer::new();
@@ -191,7 +191,7 @@ fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
 }
 
 /// Quotes what holds a comma, a quote or a line break, doubling quotes.
-fn push_quoted(header: &mut String, name: &str) {
+pub(super) fn push_quoted(header: &mut String, name: &str) {
     if name.contains([',', '"', '\n', '\r']) {
         header.push('"');
         header.push_str(&name.replace('"', "\"\""));

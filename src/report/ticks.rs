@@ -28,6 +28,25 @@ pub fn ticks(low: f64, high: f64, wanted: usize) -> Ticks {
     Ticks { values, labels }
 }
 
+/// Marks at the powers of ten within a range of a logarithmic axis, whose ends are given as logarithms.
+pub fn decades(low: f64, high: f64) -> Ticks {
+    let (first, last) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
+    let every = ((last - first) / 12 + 1) as usize;
+    let powers = (first..=last).step_by(every);
+    let label = |power: i32| match power {
+        -2..=4 => format!("{}", 10_f64.powi(power)),
+        _ => {
+            let raised = |c: char| match c {
+                '-' => '⁻',
+                _ => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹']
+                    [c.to_digit(10).unwrap_or(0) as usize],
+            };
+            format!("10{}", power.to_string().chars().map(raised).collect::<String>())
+        }
+    };
+    Ticks { values: powers.clone().map(f64::from).collect(), labels: powers.map(label).collect() }
+}
+
 /// Of 1, 2, 5 times a power of ten the one with the ratio to `rough` nearest to one.
 fn round_step(rough: f64) -> f64 {
     let power = 10_f64.powf(rough.log10().floor());

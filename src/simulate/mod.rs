@@ -14,6 +14,7 @@ pub mod echo;
 pub mod error;
 pub mod events;
 pub mod explain;
+pub mod extremes;
 pub mod homotopy;
 pub mod initial;
 pub mod meeting;

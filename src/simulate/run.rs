@@ -17,6 +17,7 @@ use super::echo::{Echo, nothing_moved};
 use super::error::{Failure, no_start, of_fault, of_integration, unsettled};
 use super::events::{Search, Settled, Unsettled, settle};
 use super::explain::{Reader, relation_text};
+use super::extremes::Extremes;
 use super::initial::initialise;
 use super::meeting::Recent;
 use super::method::{Choice, Integrator};
@@ -57,6 +58,8 @@ pub struct Statistics {
     pub interrupted: bool,
     /// Assertions of level warning that were violated, each once.
     pub warnings: Vec<Diagnostic>,
+    /// The extreme values that were wanted; none where the variable never counted.
+    pub extremes: Vec<Option<f64>>,
 }
 
 /// A finished run.
@@ -134,6 +137,7 @@ fn run_to(
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
     statistics.method = simulation.stepper.describe(statistics.method);
+    statistics.extremes = simulation.extremes.found();
     statistics.elapsed = begun.elapsed();
     Ok(statistics)
 }
@@ -159,6 +163,7 @@ pub struct Simulation<'p, 's> {
     pub(super) recent: Recent,
     pub(super) echo: Echo,
     pub(super) ended: bool,
+    pub(super) extremes: Extremes,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
 }
 
@@ -202,6 +207,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let integrator = Integrator::new(wanted, program, sensitivity.is_some(), &model, options);
         let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
         let mut recorder = Recorder::new(program, settings);
+        let spacing = settings.spacing.unwrap_or(settings.interval);
         sink.begin(columns(program));
         recorder.tell_courses(program, sink);
         sink.expect(recorder.expected_rows());
@@ -226,6 +232,7 @@ impl<'p, 's> Simulation<'p, 's> {
             recent: Recent::new(settings.stop - settings.start),
             echo: Echo::new(settings.stop - settings.start),
             ended: false,
+            extremes: Extremes::new(program, &settings.extremes, t, spacing),
             sensitivity,
         };
         simulation.record(t)?;
@@ -452,7 +459,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     /// Evaluates everything at an instant of the last step, relations held.
-    fn go_to(&mut self, t: f64) -> Result<(), Failure> {
+    pub(super) fn go_to(&mut self, t: f64) -> Result<(), Failure> {
         if t == self.stepper.t() {
             self.y.copy_from_slice(self.stepper.y());
         } else {
@@ -465,8 +472,9 @@ impl<'p, 's> Simulation<'p, 's> {
         evaluated.map_err(|f| of_fault(&self.model.instance, f, t))
     }
 
-    /// Records the rows of the grid up to `end`.
+    /// Records the rows of the grid up to `end`, and looks for extreme values up to there.
     pub(super) fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
+        self.seek_extremes(end)?;
         while let Some(at) = self.recorder.due(end, inclusive) {
             self.go_to(at)?;
             self.take_row(at)?;
@@ -481,6 +489,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let evaluated = self.model.evaluate_all(t, &self.y);
         evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
         self.take_row(t)?;
+        self.heed_extremes();
         self.put_row(t);
         Ok(())
     }
@@ -607,7 +616,7 @@ fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let mut options = Options::with_nominals(tolerance, &nominals);
     if program.order() == 0 && settings.stop > settings.start {
         // Nothing limits the error of a resting state, but events must not be stepped over.
-        options.max_step = settings.interval;
+        options.max_step = settings.spacing.unwrap_or(settings.interval);
     }
     options
 }

@@ -6,6 +6,8 @@ use crate::codegen::jit::rent::Execution;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
 
+use super::extremes::Extreme;
+
 /// Default end of a run, s.
 pub const DEFAULT_STOP: f64 = 1.0;
 /// Default number of intervals between rows.
@@ -49,6 +51,10 @@ pub struct Settings {
     /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have
     /// their rows besides.
     pub instants: Option<Arc<[f64]>>,
+    /// Extreme values that are wanted, found in [`Statistics`](super::run::Statistics).
+    pub extremes: Vec<Extreme>,
+    /// Variables do not turn twice within this time, s; without it, within `interval`.
+    pub spacing: Option<f64>,
 }
 
 impl Settings {
@@ -66,6 +72,8 @@ impl Settings {
             starts: Vec::new(),
             execution: Execution::default(),
             instants: None,
+            extremes: Vec::new(),
+            spacing: None,
         }
     }
 

@@ -82,7 +82,8 @@ fn start(dae: &mut Dae, v: VarId) -> ExprId {
 }
 
 /// True for what is not zero whatever the variables are: literals, parameters (which are taken to
-/// be chosen so that the model makes sense), products of these, and choices between them.
+/// be chosen so that the model makes sense; those that are 0 in the text make sense at 0), products of
+/// these, and choices between them.
 pub fn is_never_zero(dae: &Dae, e: ExprId) -> bool {
     let g = &dae.graph;
     // (reads parameters only, is not zero)
@@ -96,7 +97,7 @@ pub fn is_never_zero(dae: &Dae, e: ExprId) -> bool {
             Node::Var(v) => {
                 let kind = dae.variables[v].kind;
                 let is_parameter = matches!(kind, Kind::Parameter | Kind::InitialParameter);
-                (is_parameter, is_parameter)
+                (is_parameter, is_parameter && !dae.variables[v].vanishes)
             }
             Node::Unary(Unary::Neg | Unary::Abs, a) => (fixed, nonzero(a)),
             Node::Binary(Binary::Mul, a, b) => (fixed, nonzero(a) && nonzero(b)),

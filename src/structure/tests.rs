@@ -6,7 +6,7 @@ use crate::base::index::FastSet;
 use crate::base::render::{Style, render_all};
 use crate::ir::blocks::{Assignment, Block, Blocks};
 use crate::ir::dae::{Dae, Kind};
-use crate::ir::expr::{ExprId, VarId};
+use crate::ir::expr::{Binary, ExprId, Node, VarId};
 use crate::lower::lower;
 use crate::lower::sample::model;
 use crate::symbolic::print;
@@ -648,4 +648,17 @@ fn a_long_ladder_is_sorted() {
     let blocks = structure(lower(flat, &mut problems).unwrap(), &mut problems).unwrap();
     assert_eq!(blocks.states.len(), n + 1);
     assert_eq!(blocks.assumed_starts.len(), n + 1);
+}
+
+#[test]
+fn a_parameter_that_is_zero_in_the_text_is_not_divided_by() {
+    // The storage at the port: with V = 0 it takes up nothing.
+    let blocks = sorted(
+        "parameter Real V = 0;\nparameter Real W = V / 2;\nReal p(start = 1, fixed = true);\nReal m;
+        equation\nm = time - 2 * der(p);\n0 = m - W * der(p);",
+    );
+    assert_eq!(kinds(&blocks.continuous), "l1");
+    let Block::Torn(torn) = &blocks.continuous[0] else { panic!() };
+    let divides = |e| matches!(blocks.dae.graph.node(e), Node::Binary(Binary::Div, ..));
+    assert!(torn.explicit.iter().all(|a| !divides(a.value)));
 }

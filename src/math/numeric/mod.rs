@@ -9,6 +9,7 @@
 
 pub mod coloring;
 pub mod eigen;
+pub mod extremum;
 pub mod least_squares;
 pub mod linear;
 pub mod newton;

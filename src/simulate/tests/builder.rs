@@ -81,7 +81,9 @@ impl Builder {
             unit: name(""),
             display_unit: name(""),
             description: None,
+            vanishes: false,
             hidden: false,
+            structural: false,
             protected: false,
             span: Span::NONE,
         })

@@ -9,6 +9,8 @@
 //!
 //! Source: Apache Parquet format, version 2.
 
+pub mod records;
+
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::sync::Arc;

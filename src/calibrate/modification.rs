@@ -1,0 +1,99 @@
+//! Modifications of a model as text: nested as the components are, one per line.
+
+/// The name without what stands in brackets.
+pub fn without_subscripts(name: &str) -> String {
+    let mut depth = 0;
+    let outside = |c: &char| {
+        depth += i32::from(*c == '[');
+        let out = depth == 0;
+        depth -= i32::from(*c == ']');
+        out
+    };
+    name.chars().filter(outside).collect()
+}
+
+/// The parts of a dotted name; dots in quoted identifiers do not part.
+pub fn parts(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut quoted = false;
+    for c in name.chars() {
+        quoted ^= c == '\'';
+        match (c, out.last_mut()) {
+            ('.', _) if !quoted => out.push(String::new()),
+            (_, Some(last)) => last.push(c),
+            _ => {}
+        }
+    }
+    out
+}
+
+/// Modifications by name.
+#[derive(Default)]
+pub struct Tree {
+    children: Vec<(String, Tree)>,
+    /// A value and what to say about it.
+    value: Option<(String, String)>,
+}
+
+impl Tree {
+    /// True without any modification.
+    pub fn is_empty(&self) -> bool {
+        self.children.is_empty()
+    }
+
+    /// Modifies what the path leads to; an empty comment is none.
+    pub fn set(&mut self, path: &[String], value: String, comment: String) {
+        let Some((first, rest)) = path.split_first() else {
+            self.value = Some((value, comment));
+            return;
+        };
+        let at = self.children.iter().position(|(name, _)| name == first).unwrap_or_else(|| {
+            self.children.push((first.clone(), Tree::default()));
+            self.children.len() - 1
+        });
+        self.children[at].1.set(rest, value, comment);
+    }
+
+    /// One line for each, with what to say about it behind it.
+    pub fn print(&self, indent: usize, out: &mut String) {
+        for (i, (name, node)) in self.children.iter().enumerate() {
+            let comma = if i + 1 < self.children.len() { "," } else { "" };
+            out.push_str(&format!("{:indent$}{name}", ""));
+            if !node.children.is_empty() {
+                out.push_str("(\n");
+                node.print(indent + 2, out);
+                out.push_str(&format!("{:indent$})", ""));
+            }
+            match &node.value {
+                Some((value, comment)) => {
+                    let said = if comment.is_empty() { "" } else { " // " };
+                    out.push_str(&format!(" = {value}{comma}{said}{comment}\n"));
+                }
+                None => out.push_str(&format!("{comma}\n")),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_parted_at_dots_outside_quotes() {
+        assert_eq!(parts("a.'b.c'.d"), ["a", "'b.c'", "d"]);
+        assert_eq!(without_subscripts("a[2].b[1, 3].c"), "a.b.c");
+    }
+
+    #[test]
+    fn modifications_are_nested() {
+        let mut root = Tree::default();
+        root.set(&parts("m"), "1.0".into(), "kg".into());
+        root.set(&parts("spring.k"), "2.0".into(), "+- 1".into());
+        root.set(&parts("spring.x.start"), "3.0".into(), "m".into());
+        let mut text = String::new();
+        root.print(2, &mut text);
+        let expected = "  m = 1.0, // kg\n  spring(\n    k = 2.0, // +- 1\n    x(\n      start = 3.0 // m\n    )\n  )\n";
+        assert_eq!(text, expected);
+    }
+}

@@ -1,0 +1,239 @@
+//! `mocc sweep`: what varies in, a table with a row per run out.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::args::Sweep as Options;
+use super::progress::Progress;
+use super::simulate::{names_in, settings_of};
+use super::{Status, interrupt, print, say};
+use crate::driver::compile::{Request, Session, Wrong};
+use crate::report::journal::{Fingerprint, Found, Journal, exists, remove};
+use crate::report::write::create_folder;
+use crate::simulate::settings::Settings;
+use crate::sweep::design::{Design, sample};
+use crate::sweep::error::SweepError;
+use crate::sweep::pool::cores;
+use crate::sweep::runs::{Sweep, Tally};
+use crate::sweep::variant::{Keep, Model, Variants};
+use crate::sweep::vary::Axis;
+
+/// Runs the command.
+pub fn run(options: &Options) -> Status {
+    match sweep(options) {
+        Ok(status) => status,
+        Err(why) => {
+            eprintln!("error: {why}");
+            Status::Usage
+        }
+    }
+}
+
+fn sweep(options: &Options) -> Result<Status, SweepError> {
+    let design = design(options)?;
+    let files = Files::of(options)?;
+    let model = Model {
+        request: Request { form: options.mode.into(), ..options.model.request() },
+        measures: options.measures.clone(),
+        keep: files.traces.is_some().then(|| keep(options)),
+    };
+    let mut session = Session::default();
+    let base = model.compile(&[], &mut session);
+    say(&session);
+    let mut base = match base {
+        Ok(base) => base,
+        Err(wrong) => return Ok(wrong.into()),
+    };
+    if files.traces.is_some() && base.plan.shown == 0 {
+        eprintln!("error: no variable is called so, whose course is to be kept");
+        return Ok(Status::Usage);
+    }
+    let settings = settings(options, &base.program.blocks.dae.experiment, files.traces.is_some());
+    let fingerprint = fingerprint(options, &session);
+    let measures = base.plan.columns.clone();
+    let name = base.program.blocks.dae.name.clone();
+    base.sources = std::mem::take(&mut session.sources);
+    let variants = Variants::new(model, base, &design.axes, design.count);
+    // What is wrong with every run, such as a name that the model does not know, is wrong with the request.
+    let first = variants.settings(&design.values(0));
+    if !first.is_empty() {
+        let mut session = Session::default();
+        let all: Vec<String> = options.model.settings.iter().chain(&first).cloned().collect();
+        let request = Request { settings: all, ..options.model.request() };
+        if let Err(wrong) = session.flatten(&request)
+            && wrong == Wrong::Request
+        {
+            say(&session);
+            return Ok(Status::Usage);
+        }
+    }
+    let jobs = options.jobs.unwrap_or_else(cores).max(1);
+    let sweep = Sweep {
+        design: &design,
+        variants: &variants,
+        settings,
+        traces: files.traces.clone(),
+        measures,
+        jobs,
+    };
+
+    let mut journal = files.journal(options.restart, fingerprint)?;
+    let before = journal.lines;
+    interrupt::listen();
+    let begun = Instant::now();
+    let progress = Progress::of_runs(before, design.count);
+    let heed = |done| progress.iter().for_each(|p| p.reached(done as f64));
+    let complete = sweep.run(&mut journal, &interrupt::asked, heed)?;
+    drop(progress);
+    let seconds = begun.elapsed().as_secs_f64();
+    if !complete {
+        let said = format!(
+            "{name}: interrupted after {} of {} runs; the same command goes on from there\n",
+            journal.lines, design.count
+        );
+        return Ok(match print(&said) {
+            Status::Done => Status::Interrupted,
+            status => status,
+        });
+    }
+    let tally = sweep.write(&mut journal, &files.table)?;
+    journal.remove()?;
+    let done = tally.runs - before;
+    let said = summary(&name, &tally, done, seconds, jobs, &files);
+    let status = print(&said);
+    Ok(if tally.failed == tally.runs { Status::Numerics } else { status })
+}
+
+fn design(options: &Options) -> Result<Design, SweepError> {
+    let axes = options.vary.iter().map(|t| Axis::read(t)).collect::<Result<Vec<_>, _>>()?;
+    match &options.sample {
+        None => Design::grid(axes),
+        Some(text) => Design::latin_hypercube(axes, sample(text)?, options.seed),
+    }
+}
+
+/// What all runs choose. Where no course is kept there are rows at events only.
+fn settings(options: &Options, experiment: &crate::ir::flat::Experiment, traces: bool) -> Settings {
+    let mut settings = settings_of(experiment, options.stop, options.interval, options.tolerance);
+    settings.method = options.method.into();
+    settings.spacing = Some(settings.interval);
+    if !traces && settings.stop > settings.start {
+        settings.interval = settings.stop - settings.start;
+    }
+    settings
+}
+
+/// The variables whose course is kept.
+fn keep(options: &Options) -> Keep {
+    let pattern = options.variables.clone();
+    let names: Option<Vec<String>> = options.show.as_deref().map(names_in);
+    let plain = |name: &str| name.chars().filter(|c| !c.is_whitespace()).collect::<String>();
+    Arc::new(move |name| match (&pattern, &names) {
+        (None, None) => true,
+        (pattern, names) => {
+            pattern.as_ref().is_some_and(|p| p.is_match(name))
+                || names.as_ref().is_some_and(|n| n.iter().any(|n| plain(n) == plain(name)))
+        }
+    })
+}
+
+/// Everything that the rows depend on.
+fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
+    let mut all = Fingerprint::default();
+    all.add(env!("CARGO_PKG_VERSION"));
+    for text in session.sources.texts() {
+        all.add(text);
+    }
+    let pattern = options.variables.as_ref().map(|p| p.as_str().to_owned());
+    let said = format!(
+        "{:?}",
+        (
+            (
+                &options.model.file,
+                &options.model.model,
+                &options.model.settings,
+                &options.model.folders
+            ),
+            (&options.vary, &options.sample, options.seed, &options.measures),
+            (options.stop, options.interval, options.tolerance, options.method, options.mode),
+            (options.traces, &options.show, pattern),
+        )
+    );
+    all.add(&said);
+    all
+}
+
+/// The files of a sweep.
+struct Files {
+    folder: Option<PathBuf>,
+    table: PathBuf,
+    journal: PathBuf,
+    traces: Option<PathBuf>,
+}
+
+impl Files {
+    fn of(options: &Options) -> Result<Files, SweepError> {
+        let output = &options.output;
+        let wanted = options.traces || options.show.is_some() || options.variables.is_some();
+        let extension = output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        let is_file = matches!(extension.as_deref(), Some("csv" | "parquet"));
+        if is_file {
+            if wanted {
+                return Err(SweepError::NoFolder);
+            }
+            let mut journal = output.clone().into_os_string();
+            journal.push(".journal");
+            let journal = PathBuf::from(journal);
+            return Ok(Files { folder: None, table: output.clone(), journal, traces: None });
+        }
+        if extension.is_some_and(|e| matches!(e.as_str(), "mat" | "svg" | "png" | "json" | "html"))
+        {
+            return Err(SweepError::Format(output.display().to_string()));
+        }
+        Ok(Files {
+            folder: Some(output.clone()),
+            table: output.join("sweep.csv"),
+            journal: output.join("sweep.journal"),
+            traces: wanted.then(|| output.join("runs")),
+        })
+    }
+
+    /// The journal to go on with; makes the folders.
+    fn journal(&self, restart: bool, fingerprint: Fingerprint) -> Result<Journal, SweepError> {
+        if let Some(folder) = self.traces.as_deref().or(self.folder.as_deref()) {
+            create_folder(folder)?;
+        }
+        if restart {
+            remove(&self.journal)?;
+        } else if exists(&self.table) && !exists(&self.journal) {
+            return Err(SweepError::Finished { output: self.table.display().to_string() });
+        }
+        match Journal::open(&self.journal, fingerprint.0)? {
+            Found::Ours(journal) => Ok(journal),
+            Found::Other => Err(SweepError::Other { journal: self.journal.display().to_string() }),
+        }
+    }
+}
+
+fn summary(
+    name: &str,
+    tally: &Tally,
+    done: u64,
+    seconds: f64,
+    jobs: usize,
+    files: &Files,
+) -> String {
+    let runs = |n: u64| if n == 1 { "1 run".to_owned() } else { format!("{n} runs") };
+    let mut out = format!("{name}: {}, {} failed\n", runs(tally.runs), tally.failed);
+    if let Some((number, why)) = &tally.first {
+        out.push_str(&format!("  the first that failed is {number}: {why}\n"));
+    }
+    let threads = if jobs == 1 { "1 thread".to_owned() } else { format!("{jobs} threads") };
+    let rate = done as f64 / seconds.max(1e-9);
+    out.push_str(&format!("  {} in {seconds:.2} s on {threads}, {rate:.0} a second\n", runs(done)));
+    let shown = |p: &Path| p.display().to_string();
+    let traces = files.traces.as_ref().map_or(String::new(), |t| format!(", {}", shown(t)));
+    out.push_str(&format!("  wrote {}{traces}\n", shown(&files.table)));
+    out
+}

@@ -1,0 +1,250 @@
+//! Every effect at every place with every shape, in the order of what it could explain.
+//!
+//! The derivatives come from runs of the model with many candidates attached at once, all at amplitude
+//! zero: a candidate is a column of the score test, or several. Effects at several places together are
+//! made of the columns of the single places.
+
+use crate::base::diag::Problems;
+use crate::base::index::FastSet;
+use crate::calibrate::problem::Problem;
+
+use super::effect::Effect;
+use super::place::{Place, places};
+use super::score::score;
+use super::search::{Case, Level, Nothing, Scored, amplitude, attached, compile};
+use super::text::Attached;
+
+/// Candidates in one model of a score test.
+const BATCH: usize = 48;
+
+/// An effect at one place with a shape.
+struct Candidate {
+    effect: usize,
+    place: Place,
+    /// Position among the shapes of the effect at this place.
+    number: usize,
+    shape: Vec<(String, f64)>,
+}
+
+/// What is scored, and the candidates it is made of.
+struct Trial {
+    scored: Scored,
+    members: Vec<usize>,
+}
+
+/// Scores every effect at every place with every shape; of the shapes the best is kept.
+pub fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
+    let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
+    let mut all: Vec<(usize, Place)> = Vec::new();
+    for (k, effect) in case.effects.iter().enumerate() {
+        for place in places(effect, case.inventory, &names, case.plan) {
+            let taken = |at: &String| {
+                level.chosen.iter().any(|c| c.effect == k && c.place.at.first() == Some(at))
+            };
+            let known = match effect.built_in {
+                true => place.at.iter().any(taken),
+                false => place.at.iter().all(taken),
+            };
+            if !known {
+                all.push((k, place));
+            }
+        }
+    }
+    let ranges = ranges(case, level, &all)?;
+    let mut candidates: Vec<Candidate> = Vec::new();
+    let mut trials: Vec<Trial> = Vec::new();
+    for (effect, place) in &all {
+        let range = |variable: &str| ranges_of(&ranges, *effect, place, variable);
+        for (number, shape) in shapes(&case.effects[*effect], range).into_iter().enumerate() {
+            let mut members = Vec::new();
+            for place in place.members() {
+                let same =
+                    |c: &Candidate| c.effect == *effect && c.shape == shape && c.place == place;
+                members.push(candidates.iter().position(same).unwrap_or_else(|| {
+                    let (effect, shape) = (*effect, shape.clone());
+                    candidates.push(Candidate { effect, place, number, shape });
+                    candidates.len() - 1
+                }));
+            }
+            let (effect, place) = (*effect, place.clone());
+            let scored = Scored { effect, place, shape, amplitudes: Vec::new(), gain: 0.0 };
+            trials.push(Trial { scored, members });
+        }
+    }
+    let batches = batches(case, &candidates);
+    (case.say)(&format!("scoring {} candidates in {} runs", candidates.len(), batches.len()));
+    for batch in batches {
+        score_batch(case, level, &candidates, &batch, &mut trials)?;
+    }
+    let mut best: Vec<Scored> = Vec::new();
+    for Trial { scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
+        let same = |s: &&mut Scored| s.effect == scored.effect && s.place == scored.place;
+        match best.iter_mut().find(same) {
+            Some(known) if known.gain >= scored.gain => {}
+            Some(known) => *known = scored,
+            None => best.push(scored),
+        }
+    }
+    let price = (level.train.count() as f64).ln();
+    let worth = |s: &Scored| s.gain - price * s.amplitudes.len() as f64;
+    best.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    Ok(best)
+}
+
+/// Which candidates run together: those of one effect and shape always, and never two shapes of what is
+/// built into one component.
+fn batches(case: &Case<'_>, candidates: &[Candidate]) -> Vec<Vec<usize>> {
+    let mut blocks: Vec<Vec<usize>> = Vec::new();
+    for (i, c) in candidates.iter().enumerate() {
+        let same = |b: &&mut Vec<usize>| {
+            let first = &candidates[b[0]];
+            first.effect == c.effect && first.number == c.number
+        };
+        match blocks.iter_mut().find(same) {
+            Some(block) => block.push(i),
+            None => blocks.push(vec![i]),
+        }
+    }
+    let mut batches: Vec<Vec<usize>> = Vec::new();
+    for block in blocks {
+        let effect = candidates[block[0]].effect;
+        let alone = case.effects[effect].built_in;
+        let fits = |b: &&mut Vec<usize>| {
+            let clash = alone && b.iter().any(|i| candidates[*i].effect == effect);
+            b.len() + block.len() <= BATCH && !clash
+        };
+        match batches.iter_mut().find(fits) {
+            Some(batch) => batch.extend(block),
+            None => batches.push(block),
+        }
+    }
+    batches
+}
+
+/// Scores the trials that are made of candidates of this batch alone.
+fn score_batch(
+    case: &Case<'_>,
+    level: &Level,
+    candidates: &[Candidate],
+    batch: &[usize],
+    trials: &mut [Trial],
+) -> Result<(), Nothing> {
+    let mut all = attached(case, &level.chosen);
+    let mut plan = level.plan.clone();
+    let free = plan.free.len();
+    for i in batch {
+        let Candidate { effect, place, shape, .. } = &candidates[*i];
+        let effect = &case.effects[*effect];
+        let name = if effect.built_in { place.at[0].clone() } else { format!("trial_{i}") };
+        for a in &effect.amplitudes {
+            plan.free.push(amplitude(&format!("{name}.{}", a.name), 0.0, None, place, &name));
+        }
+        all.push(Attached { effect, place, name, values: shape.clone() });
+    }
+    let normal = compile(case, &plan, &all, &[]).ok().and_then(|(session, program)| {
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems)?;
+        problem.normal(&problem.start()).ok()
+    });
+    let Some(normal) = normal else {
+        // One that can not be run must not keep the others from it.
+        let half = batch.len() / 2;
+        if half > 0 {
+            let (left, right) = batch.split_at(half);
+            score_batch(case, level, candidates, left, trials)?;
+            score_batch(case, level, candidates, right, trials)?;
+        }
+        return Ok(());
+    };
+    let mut columns = free;
+    let mut first = vec![None; candidates.len()];
+    for i in batch {
+        first[*i] = Some(columns);
+        columns += case.effects[candidates[*i].effect].amplitudes.len();
+    }
+    for Trial { scored, members } in trials {
+        let effect = &case.effects[scored.effect];
+        let count = effect.amplitudes.len();
+        let starts: Option<Vec<usize>> = members.iter().map(|m| first[*m]).collect();
+        let Some(starts) = starts else { continue };
+        let group: Vec<usize> = starts.into_iter().flat_map(|s| s..s + count).collect();
+        let signs = effect.amplitudes.iter().map(|a| a.positive);
+        let positive: Vec<bool> = members.iter().flat_map(|_| signs.clone()).collect();
+        if let Some(found) = score(&normal, free, &group, &positive) {
+            // More than everything can not be explained: beyond its range the line does not hold.
+            scored.gain = found.gain.min(level.train.total());
+            scored.amplitudes = found.amplitudes;
+        }
+    }
+    Ok(())
+}
+
+type Ranges = Vec<((usize, Place), String, (f64, f64))>;
+
+fn ranges_of(ranges: &Ranges, effect: usize, place: &Place, variable: &str) -> (f64, f64) {
+    let found = ranges.iter().find(|((k, p), v, _)| *k == effect && p == place && v == variable);
+    found.map_or((0.0, 1.0), |(.., range)| *range)
+}
+
+/// The ranges that the variables of effects cover at their places.
+fn ranges(case: &Case<'_>, level: &Level, all: &[(usize, Place)]) -> Result<Ranges, Nothing> {
+    let mut out = Ranges::new();
+    let mut wanted: Vec<(usize, &Place, Vec<String>)> = Vec::new();
+    for (k, place) in all {
+        let mut variables: Vec<String> = Vec::new();
+        for start in case.effects[*k].shapes.iter().flat_map(|(_, starts)| starts) {
+            if let Some(v) = start.variable()
+                && !variables.iter().any(|known| known == v)
+            {
+                variables.push(v.to_owned());
+            }
+        }
+        if !variables.is_empty() {
+            wanted.push((*k, place, variables));
+        }
+    }
+    for batch in wanted.chunks(BATCH) {
+        let mut probes = attached(case, &level.chosen);
+        let mut names = Vec::new();
+        for (i, (k, place, variables)) in batch.iter().enumerate() {
+            let name = format!("probe_{i}");
+            names.extend(variables.iter().map(|v| format!("{name}.{v}")));
+            let effect = &case.effects[*k];
+            probes.push(Attached { effect, place, name, values: Vec::new() });
+        }
+        let (session, program) = compile(case, &level.plan, &probes, &names)?;
+        let mut problems = Problems::new();
+        let problem =
+            Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems);
+        let problem = problem.ok_or(Nothing::Run)?;
+        let found = problem.ranges(&problem.start(), &names).map_err(|_| Nothing::Run)?;
+        let mut found = found.into_iter();
+        for (k, place, variables) in batch {
+            for v in variables {
+                let range = found.next().unwrap_or((0.0, 1.0));
+                out.push(((*k, (*place).clone()), v.clone(), range));
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// All combinations of what the parameters of a shape start from.
+fn shapes(effect: &Effect, range: impl Fn(&str) -> (f64, f64)) -> Vec<Vec<(String, f64)>> {
+    let mut out = vec![Vec::new()];
+    for (name, starts) in &effect.shapes {
+        let values: Vec<f64> =
+            starts.iter().flat_map(|s| s.values(s.variable().map_or((0.0, 1.0), &range))).collect();
+        out = out
+            .iter()
+            .flat_map(|shape: &Vec<(String, f64)>| {
+                values.iter().map(|v| {
+                    let mut longer = shape.clone();
+                    longer.push((name.clone(), *v));
+                    longer
+                })
+            })
+            .collect();
+    }
+    out
+}

@@ -1,0 +1,161 @@
+//! The model that extends the user's model by what the measures need.
+//!
+//! Its frame is a text that is always the same but for numbers; the expressions of the measures are put into
+//! its declarations as trees, so that messages about them show what the user wrote.
+
+use std::sync::Arc;
+
+use super::error;
+use super::text::{Function, Measures, reference};
+use crate::base::diag::Problems;
+use crate::base::source::SourceMap;
+use crate::ir::ast::{BinaryOp, Class, ClassBody, ElementKind, Expr, ExprKind, File, Modification};
+use crate::ir::expr::{ExprId, Graph, Node, VarId};
+use crate::ir::flat::{FlatModel, Variability};
+use crate::parse::grammar::parse;
+
+/// Name of the extended model.
+pub const MODEL: &str = "'model with measures'";
+
+/// Name of the variable that is an expression.
+pub fn expression(e: usize) -> String {
+    format!("'measure: expression {e}'")
+}
+
+/// Name of the Boolean that is a condition.
+fn condition(c: usize) -> String {
+    format!("'measure: condition {c}'")
+}
+
+/// Name of the Boolean that stays true once a condition was.
+pub fn happened(c: usize) -> String {
+    format!("'measure: happened {c}'")
+}
+
+/// Name of the integral of an expression.
+pub fn integral(e: usize) -> String {
+    format!("'measure: integral {e}'")
+}
+
+/// Name of the parameter that is 1 once the values of functions are known.
+pub const KNOWN: &str = "'measure: known'";
+
+/// The value of a measure once it is known, and 0 before: nothing is divided by what is not known yet.
+fn guarded(value: &Expr) -> Expr {
+    let of = |kind| Expr { kind, span: value.span };
+    // No Boolean: that would fix the structure.
+    let known = Box::new(of(reference(KNOWN, value.span)));
+    let half = Box::new(of(ExprKind::Real(0.5)));
+    let condition = of(ExprKind::Binary(BinaryOp::Greater, known, half));
+    let otherwise = Box::new(of(ExprKind::Real(0.0)));
+    of(ExprKind::If { branches: vec![(condition, value.clone())], otherwise })
+}
+
+/// Whether a variable belongs to measures, and not to the user's model.
+pub fn is_internal(name: &str) -> bool {
+    name.starts_with("'measure: ") || name.starts_with("der('measure: ")
+}
+
+/// The extended model of the model `base` with its annotation.
+pub fn file(
+    measures: &Measures,
+    base: &str,
+    annotation: Option<Arc<Modification>>,
+    sources: &mut SourceMap,
+) -> File {
+    let mut text = format!("model {MODEL}\n  extends {base};\n");
+    let mut equations = String::new();
+    if !measures.list.is_empty() {
+        text.push_str(&format!("  parameter Real {KNOWN} = 0;\n"));
+    }
+    for e in 0..measures.expressions.len() {
+        text.push_str(&format!("  Real {} = 0;\n", expression(e)));
+    }
+    for c in 0..measures.conditions.len() {
+        let (now, ever) = (condition(c), happened(c));
+        text.push_str(&format!("  Boolean {now} = true;\n"));
+        text.push_str(&format!("  Boolean {ever}(start = false, fixed = true);\n"));
+        equations.push_str(&format!("  {ever} = pre({ever}) or {now};\n"));
+    }
+    for (k, function) in measures.functions.iter().enumerate() {
+        text.push_str(&format!("  parameter Real {} = 0;\n", Measures::value_name(k)));
+        if let Function::Integral { of, .. } = function {
+            let sum = integral(*of);
+            text.push_str(&format!("  Real {sum}(start = 0, fixed = true);\n"));
+            equations.push_str(&format!("  der({sum}) = {};\n", expression(*of)));
+        }
+    }
+    for measure in &measures.list {
+        text.push_str(&format!("  parameter Real {} = 0;\n", measure.name));
+    }
+    text.push_str(&format!("equation\n{equations}end {MODEL};\n"));
+
+    let id = sources.add("measures.mo", text.as_str());
+    let mut file = parse(id, &text, &mut Problems::new());
+    for class in &mut file.classes {
+        let mut whole = Class::clone(class);
+        whole.annotation.clone_from(&annotation);
+        bind(&mut whole, &|name| {
+            let of = |list: &[Expr], called: fn(usize) -> String| {
+                (0..list.len()).find(|k| called(*k) == name).map(|k| Arc::new(list[k].clone()))
+            };
+            let of_measure = || measures.list.iter().find(|m| m.name == name);
+            of(&measures.expressions, expression)
+                .or_else(|| of(&measures.conditions, condition))
+                .or_else(|| of_measure().map(|m| Arc::new(guarded(&m.value))))
+        });
+        // A measure that collides with a component of the model is shown where the user wrote it.
+        for measure in &measures.list {
+            place(&mut whole, measure);
+        }
+        *class = Arc::new(whole);
+    }
+    file
+}
+
+/// Reports measures that depend on what moves outside of their functions.
+pub fn check(flat: &FlatModel, measures: &Measures, problems: &mut Problems) {
+    for measure in &measures.list {
+        let declared = flat.variables.iter().find(|v| v.name == measure.name);
+        let Some(binding) = declared.and_then(|v| v.binding) else { continue };
+        let moves = |v: &VarId| flat.variables[*v].variability > Variability::Parameter;
+        let variables = flat.graph.variables(binding);
+        if variables.iter().any(moves) || reads_time(&flat.graph, binding) {
+            problems.push(error::moves(measure.value.span, &measure.name));
+        }
+    }
+}
+
+fn reads_time(graph: &Graph, e: ExprId) -> bool {
+    graph.postorder([e]).into_iter().any(|e| matches!(graph.node(e), Node::Time))
+}
+
+/// Gives components their bindings.
+fn bind(class: &mut Class, value: &dyn Fn(&str) -> Option<Arc<Expr>>) {
+    let ClassBody::Long(composition) = &mut class.body else { return };
+    for element in &mut composition.elements {
+        let ElementKind::Components(clause) = &mut element.kind else { continue };
+        for component in &mut clause.components {
+            let Some(found) = value(&component.name.name) else { continue };
+            if let Some(modification) = &component.modification {
+                let mut own = Modification::clone(modification);
+                own.binding = Some(found);
+                component.modification = Some(Arc::new(own));
+            }
+        }
+    }
+}
+
+/// Gives the declaration of a measure the place of its text.
+fn place(class: &mut Class, measure: &super::text::Measure) {
+    let ClassBody::Long(composition) = &mut class.body else { return };
+    for element in &mut composition.elements {
+        let ElementKind::Components(clause) = &mut element.kind else { continue };
+        for component in &mut clause.components {
+            if *component.name.name == *measure.name {
+                component.name.span = measure.value.span;
+                element.span = measure.value.span;
+            }
+        }
+    }
+}

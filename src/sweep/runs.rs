@@ -1,0 +1,257 @@
+//! The runs themselves, and their rows.
+
+use std::path::{Path, PathBuf};
+
+use super::design::Design;
+use super::error::SweepError;
+use super::pool;
+use super::variant::{Compiled, Variants, in_one_line};
+use super::vary::Value;
+use crate::ir::trajectory::{Column, Constant, Event};
+use crate::measure::observe::Observer;
+use crate::report::journal::Journal;
+use crate::report::records::{Cell, Field, Records, Type, line, row};
+use crate::report::results::{Format, Results};
+use crate::report::table::TableError;
+use crate::simulate::columns::{columns, courses};
+use crate::simulate::error::FailureKind;
+use crate::simulate::record::Sink;
+use crate::simulate::run::simulate_to;
+use crate::simulate::settings::Settings;
+
+/// A sweep, ready to run.
+pub struct Sweep<'a> {
+    /// Which values in which run.
+    pub design: &'a Design,
+    /// The programs.
+    pub variants: &'a Variants,
+    /// What all runs choose.
+    pub settings: Settings,
+    /// Folder for the courses of the runs, if they are kept.
+    pub traces: Option<PathBuf>,
+    /// Names and units of the measures.
+    pub measures: Vec<Column>,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// What came of a run.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Outcome {
+    /// The measures, or why the run failed.
+    pub measures: Result<Vec<Option<f64>>, String>,
+    /// Steps of the integrator.
+    pub steps: u64,
+    /// Events.
+    pub events: u64,
+}
+
+/// How many runs ended how.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Tally {
+    /// Rows of the table.
+    pub runs: u64,
+    /// Runs that failed.
+    pub failed: u64,
+    /// Number and reason of the first that failed.
+    pub first: Option<(i64, String)>,
+}
+
+impl Sweep<'_> {
+    /// The columns of the table.
+    pub fn fields(&self) -> Vec<Field> {
+        let field = |name: &str, ty, unit: &str, description: &str| Field {
+            name: name.to_owned(),
+            ty,
+            unit: unit.to_owned(),
+            description: description.to_owned(),
+        };
+        let mut all = vec![field("run", Type::Whole, "", "Number of the run, from 1")];
+        for (k, axis) in self.design.axes.iter().enumerate() {
+            let ty = if axis.is_numeric() { Type::Real } else { Type::Text };
+            all.push(field(&axis.name, ty, &self.variants.unit(k), "varied"));
+        }
+        for m in &self.measures {
+            all.push(field(&m.name, Type::Real, &m.unit, &m.description));
+        }
+        all.push(field("status", Type::Text, "", "ok or failed"));
+        all.push(field("error", Type::Text, "", "Why it failed"));
+        all.push(field("steps", Type::Whole, "", "Steps of the integrator"));
+        all.push(field("events", Type::Whole, "", "Events"));
+        all
+    }
+
+    /// Runs what the journal does not hold yet. `heed` is called with the number of runs that are done; `stop` ends
+    /// the sweep within a step of each run. False if it was ended.
+    pub fn run(
+        &self,
+        journal: &mut Journal,
+        stop: &(dyn Fn() -> bool + Sync),
+        mut heed: impl FnMut(u64),
+    ) -> Result<bool, SweepError> {
+        let mut trouble = None;
+        let rest = journal.lines..self.design.count;
+        pool::in_order(
+            self.jobs,
+            rest,
+            |k| (!stop()).then(|| self.outcome(k, stop)).flatten(),
+            |k, outcome| {
+                let pushed = outcome.and_then(|outcome| {
+                    let cells = self.cells(k, &outcome);
+                    journal.push(&line(&cells)).map_err(SweepError::from)
+                });
+                trouble = pushed.err();
+                heed(k + 1);
+                trouble.is_none()
+            },
+        );
+        match trouble {
+            Some(trouble) => Err(trouble),
+            None => Ok(journal.lines == self.design.count),
+        }
+    }
+
+    /// One run; none if it was ended.
+    pub fn outcome(
+        &self,
+        k: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Result<Outcome, SweepError>> {
+        let values = self.design.values(k);
+        let failed = |why| Outcome { measures: Err(why), steps: 0, events: 0 };
+        match self.variants.of(&values) {
+            Ok(compiled) => self.simulated(k, &values, &compiled, stop),
+            Err(why) => Some(Ok(failed(why))),
+        }
+    }
+
+    fn simulated(
+        &self,
+        k: u64,
+        values: &[Value],
+        compiled: &Compiled,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Result<Outcome, SweepError>> {
+        let program = &compiled.program;
+        let mut settings = self.settings.clone();
+        settings.execution = compiled.execution.clone();
+        if !self.variants.set(program, values, &mut settings) {
+            let why = "a parameter is no parameter any more with these values".to_owned();
+            return Some(Ok(Outcome { measures: Err(why), steps: 0, events: 0 }));
+        }
+        compiled.plan.ask(&mut settings);
+        let mut trace = match self.trace(k, compiled) {
+            Ok(trace) => Trace { results: trace, trouble: None, stop },
+            Err(why) => return Some(Err(why.into())),
+        };
+        let mut observer = Observer::new(&compiled.plan, program, &mut trace);
+        let outcome = simulate_to(program, &settings, &compiled.sources, &mut observer);
+        let statistics = match outcome {
+            Ok(statistics) => statistics,
+            Err(failure) => {
+                let bug = if failure.kind == FailureKind::Bug { "bug: " } else { "" };
+                let why = in_one_line(&failure.diagnostic, &compiled.sources);
+                let measures = Err(format!("{bug}{why}"));
+                return Some(Ok(Outcome { measures, steps: 0, events: 0 }));
+            }
+        };
+        let measures = compiled.plan.evaluate(program, &settings, &observer, &statistics);
+        if let Some(trouble) = trace.trouble {
+            return Some(Err(trouble.into()));
+        }
+        if statistics.interrupted {
+            return None;
+        }
+        if let Some(Err(why)) = trace.results.map(|results| results.finish(statistics.end)) {
+            return Some(Err(why.into()));
+        }
+        Some(Ok(Outcome {
+            measures: Ok(measures),
+            steps: statistics.integration.steps,
+            events: statistics.state_events + statistics.time_events,
+        }))
+    }
+
+    /// The file for the course of a run.
+    fn trace(&self, k: u64, compiled: &Compiled) -> Result<Option<Results>, TableError> {
+        let Some(folder) = &self.traces else { return Ok(None) };
+        let shown = compiled.plan.shown;
+        let path = trace_path(folder, k);
+        let columns = &columns(&compiled.program)[..shown];
+        let courses = courses(&compiled.program);
+        Results::create(&path, Format::Csv, columns, &courses[..shown]).map(Some)
+    }
+
+    /// The row of a run.
+    fn cells(&self, k: u64, outcome: &Outcome) -> Vec<Cell> {
+        let mut cells = vec![Cell::Whole(k as i64 + 1)];
+        for (value, axis) in self.design.values(k).into_iter().zip(&self.design.axes) {
+            cells.push(match value {
+                Value::Number(x) if axis.is_numeric() => Cell::Real(x),
+                value => Cell::Text(value.expression()),
+            });
+        }
+        match &outcome.measures {
+            Ok(values) => {
+                cells.extend(values.iter().map(|v| v.map_or(Cell::Missing, Cell::Real)));
+                cells.extend([Cell::Text("ok".into()), Cell::Missing]);
+            }
+            Err(why) => {
+                cells.extend(self.measures.iter().map(|_| Cell::Missing));
+                cells.extend([Cell::Text("failed".into()), Cell::Text(why.clone())]);
+            }
+        }
+        cells.extend([Cell::Whole(outcome.steps as i64), Cell::Whole(outcome.events as i64)]);
+        cells
+    }
+
+    /// Writes the table from the journal, line by line; how the runs ended.
+    pub fn write(&self, journal: &mut Journal, path: &Path) -> Result<Tally, SweepError> {
+        let fields = self.fields();
+        let status = fields.len() - 4;
+        let mut records = Records::create(path, &fields)?;
+        let mut tally = Tally::default();
+        let mut outcome = Ok(());
+        journal.for_each(|text| {
+            let written = row(text, &fields).and_then(|cells| {
+                tally.runs += 1;
+                if let (Cell::Whole(number), Cell::Text(why)) = (&cells[0], &cells[status + 1]) {
+                    tally.failed += 1;
+                    tally.first.get_or_insert_with(|| (*number, why.clone()));
+                }
+                records.row(text, &cells)
+            });
+            outcome = written;
+            outcome.is_ok()
+        })?;
+        outcome?;
+        records.finish()?;
+        Ok(tally)
+    }
+}
+
+/// The file of the course of a run.
+pub fn trace_path(folder: &Path, k: u64) -> PathBuf {
+    folder.join(format!("{:05}.csv", k + 1))
+}
+
+/// Takes the rows of a run to its file.
+struct Trace<'a> {
+    results: Option<Results>,
+    trouble: Option<TableError>,
+    stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Sink for Trace<'_> {
+    fn begin(&mut self, _: Vec<Column>) {}
+    fn constants(&mut self, _: Vec<Constant>) {}
+    fn row(&mut self, time: f64, values: &[f64]) {
+        if let (Some(results), None) = (&mut self.results, &self.trouble) {
+            self.trouble = results.row(time, values).err();
+        }
+    }
+    fn event(&mut self, _: Event) {}
+    fn goes_on(&mut self, _: f64) -> bool {
+        self.trouble.is_none() && !(self.stop)()
+    }
+}

@@ -1,0 +1,217 @@
+//! The programs of a sweep: one for all parameters that are inputs, and one for each value of what the
+//! structure of the model depends on.
+
+use std::sync::{Arc, Mutex, OnceLock};
+
+use super::vary::{Axis, Value};
+use crate::base::diag::{Diagnostic, Severity};
+use crate::base::source::SourceMap;
+use crate::codegen::jit::rent::Execution;
+use crate::driver::compile::{Request, Session, Wrong};
+use crate::ir::expr::{Type, VarId};
+use crate::ir::program::Program;
+use crate::measure::observe::Plan;
+use crate::simulate::settings::Settings;
+
+/// So many programs are kept: more only if more are in use.
+const KEPT: usize = 16;
+
+/// What is compiled.
+pub struct Model {
+    /// The model and what is set for all runs.
+    pub request: Request,
+    /// Texts of measures.
+    pub measures: Vec<String>,
+    /// Variables of the user whose course is kept.
+    pub keep: Option<Keep>,
+}
+
+/// Which variables are kept, by name.
+pub type Keep = Arc<dyn Fn(&str) -> bool + Send + Sync>;
+
+/// A program that runs share.
+pub struct Compiled {
+    /// The code.
+    pub program: Program,
+    /// What is taken of each run.
+    pub plan: Plan,
+    /// The texts, for messages.
+    pub sources: SourceMap,
+    /// How it is run.
+    pub execution: Execution,
+}
+
+/// How an axis enters a run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Entry {
+    /// As a value for a parameter of the program.
+    Parameter,
+    /// As a value for a start of the program.
+    Start,
+    /// The program depends on it.
+    Structure,
+}
+
+/// All programs of a sweep. Threads share it.
+pub struct Variants {
+    model: Model,
+    names: Vec<String>,
+    /// One for each axis.
+    pub entries: Vec<Entry>,
+    base: Arc<Compiled>,
+    others: Mutex<Vec<Kept>>,
+}
+
+type Outcome = Arc<OnceLock<Result<Arc<Compiled>, String>>>;
+
+struct Kept {
+    values: Vec<String>,
+    outcome: Outcome,
+}
+
+impl Model {
+    /// The program with further settings.
+    pub fn compile(&self, settings: &[String], session: &mut Session) -> Result<Compiled, Wrong> {
+        let mut request = self.request.clone();
+        request.settings.extend_from_slice(settings);
+        let (mut program, mut plan) = session.compile_measured(&request, &self.measures)?;
+        match &self.keep {
+            Some(keep) => plan.record(&mut program, |name| keep(name)),
+            None => plan.record(&mut program, |_| false),
+        }
+        Ok(Compiled {
+            program,
+            plan,
+            sources: SourceMap::default(),
+            execution: Execution::default(),
+        })
+    }
+}
+
+impl Variants {
+    /// The programs for these axes, from the one without any of them, and the number of runs.
+    pub fn new(model: Model, base: Compiled, axes: &[Axis], runs: u64) -> Self {
+        let entries: Vec<Entry> = axes.iter().map(|axis| entry(&base.program, axis)).collect();
+        let names = axes.iter().map(|a| a.name.clone()).collect();
+        let mut base = base;
+        if runs > FEW && !entries.contains(&Entry::Structure) {
+            base.execution = Execution::translated(&base.program);
+        }
+        Variants { model, names, entries, base: Arc::new(base), others: Mutex::new(Vec::new()) }
+    }
+
+    /// The program of a run, or why there is none.
+    pub fn of(&self, values: &[Value]) -> Result<Arc<Compiled>, String> {
+        let settings = self.settings(values);
+        if settings.is_empty() {
+            return Ok(Arc::clone(&self.base));
+        }
+        let outcome = self.outcome(settings.clone());
+        let compile = || {
+            let mut session = Session::default();
+            match self.model.compile(&settings, &mut session) {
+                Ok(mut compiled) => {
+                    compiled.sources = session.sources;
+                    compiled.execution = Execution::translated(&compiled.program);
+                    Ok(Arc::new(compiled))
+                }
+                Err(_) => Err(first_error(&session)),
+            }
+        };
+        outcome.get_or_init(compile).clone()
+    }
+
+    /// What the program of a run must be compiled with, besides what is set for all.
+    pub fn settings(&self, values: &[Value]) -> Vec<String> {
+        let all = self.names.iter().zip(values).zip(&self.entries);
+        all.filter(|(_, entry)| **entry == Entry::Structure)
+            .map(|((name, value), _)| format!("{name}={}", value.expression()))
+            .collect()
+    }
+
+    /// Gives the run the values that are inputs of its program.
+    pub fn set(&self, program: &Program, values: &[Value], settings: &mut Settings) -> bool {
+        for ((name, value), entry) in self.names.iter().zip(values).zip(&self.entries) {
+            let Value::Number(x) = value else { continue };
+            match entry {
+                Entry::Structure => {}
+                Entry::Parameter => match parameter(program, name) {
+                    Some(v) => settings.parameters.push((v, *x)),
+                    None => return false,
+                },
+                Entry::Start => match start(program, name) {
+                    Some(v) => settings.starts.push((v, *x)),
+                    None => return false,
+                },
+            }
+        }
+        true
+    }
+
+    /// The SI unit of what an axis varies; empty if it is not known.
+    pub fn unit(&self, axis: usize) -> String {
+        let program = &self.base.program;
+        let name = &self.names[axis];
+        let v = parameter(program, name).or_else(|| start(program, name));
+        v.map_or(String::new(), |v| program.blocks.dae.variables[v].unit.to_string())
+    }
+
+    fn outcome(&self, values: Vec<String>) -> Outcome {
+        let mut others = match self.others.lock() {
+            Ok(others) => others,
+            Err(poisoned) => poisoned.into_inner(),
+        };
+        // The most recent is the last.
+        let kept = match others.iter().position(|k| k.values == values) {
+            Some(at) => others.remove(at),
+            None => Kept { values, outcome: Outcome::default() },
+        };
+        let outcome = Arc::clone(&kept.outcome);
+        others.push(kept);
+        if others.len() > KEPT {
+            others.remove(0);
+        }
+        outcome
+    }
+}
+
+/// Up to so many runs are not worth a translation to machine code.
+const FEW: u64 = 4;
+
+fn entry(program: &Program, axis: &Axis) -> Entry {
+    let variables = &program.blocks.dae.variables;
+    if !axis.is_numeric() {
+        Entry::Structure
+    } else if parameter(program, &axis.name).is_some_and(|v| variables[v].ty == Type::Real) {
+        Entry::Parameter
+    } else if start(program, &axis.name).is_some_and(|v| variables[v].ty == Type::Real) {
+        Entry::Start
+    } else {
+        Entry::Structure
+    }
+}
+
+/// The parameter of this name, if a run may set it.
+fn parameter(program: &Program, name: &str) -> Option<VarId> {
+    let mut inputs = program.layout.parameter_inputs.iter().map(|(v, _)| *v);
+    inputs.find(|v| program.name(*v) == name && !program.blocks.dae.variables[*v].structural)
+}
+
+/// The variable whose start is called `x.start`, if a run may set it.
+fn start(program: &Program, name: &str) -> Option<VarId> {
+    let variable = name.strip_suffix(".start")?;
+    let mut starts = program.layout.starts.iter().map(|(v, ..)| *v);
+    starts.find(|v| program.name(*v) == variable)
+}
+
+/// The first error of a session, in one line.
+pub fn first_error(session: &Session) -> String {
+    let error = session.problems.iter().find(|d| d.severity == Severity::Error);
+    error.map_or_else(|| "it can not be compiled".to_owned(), |d| in_one_line(d, &session.sources))
+}
+
+/// A message with code and place, in one line.
+pub fn in_one_line(d: &Diagnostic, sources: &SourceMap) -> String {
+    let place = sources.place(d.primary.0).map_or(String::new(), |place| format!(" ({place})"));
+    format!("{}: {}{place}", d.code, d.message.replace('\n', " "))
+}

@@ -1,0 +1,60 @@
+//! The figures of `examples/figures` can be made again, all of them and no others.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::door::Scratch;
+use super::program::mocc;
+
+fn pictures(folder: &Path) -> Vec<String> {
+    let list = std::fs::read_dir(folder).expect("a folder").flatten();
+    let names = list.map(|e| e.file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.filter(|n| n.ends_with(".svg")).collect();
+    names.sort();
+    names
+}
+
+#[cfg(unix)]
+#[test]
+fn the_script_makes_the_pictures_that_the_readme_names() {
+    let folder = Scratch::new();
+    let figures = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/figures");
+    let mut command = Command::new("sh");
+    command.arg(figures.join("make")).arg(folder.path());
+    command.env("MOCC", env!("CARGO_BIN_EXE_mocc")).env_remove("MODELICAPATH");
+    let output = command.output().expect("a shell");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let made = pictures(folder.path());
+    let mut committed = pictures(&figures);
+    committed.retain(|name| name != "valve52.svg");
+    assert_eq!(made, committed);
+    let readme = std::fs::read_to_string(figures.join("README.md")).expect("a text");
+    assert!(made.iter().all(|name| readme.contains(name.as_str())), "{made:?}");
+    for name in &made {
+        let svg = std::fs::read_to_string(folder.path().join(name)).expect("a picture");
+        assert!(svg.starts_with("<svg ") && svg.contains("<polyline"), "{name}");
+    }
+}
+
+#[test]
+fn what_a_table_does_not_have_is_said() {
+    let folder = Scratch::new();
+    folder.file("run.csv", "time,a.x[1],note\n0,1,\n1,2,late\n");
+    let plot = |more: &[&str]| {
+        let mut all = vec!["plot", "run.csv=run", "--output", "out.svg"];
+        all.extend(more);
+        mocc(folder.path(), &all)
+    };
+    let drawn = plot(&["--x", "time in s: t_s | time", "--y", "twice x: 2*a.x[1]"]);
+    assert_eq!((drawn.status, drawn.err.as_str()), (0, ""));
+    let said = |more: &[&str]| {
+        let ended = plot(more);
+        assert_eq!(ended.status, 2, "{}", ended.err);
+        ended.err
+    };
+    assert!(said(&["--x", "t: t_s", "--y", "x: time"]).contains("no columns for `t`"));
+    assert!(said(&["--x", "t: time", "--y", "x: b"]).contains("no table has what a panel shows"));
+    assert!(said(&["--x", "t: time", "--y", "x: sin(time)"]).contains("are known here"));
+    assert!(said(&["--x", "t: time", "--y", "time"]).contains("TEXT: FORMULA"));
+    assert!(said(&["--x", "t: time", "--y", "x: 1 +"]).contains("is no formula"));
+}
