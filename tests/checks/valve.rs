@@ -251,9 +251,9 @@ fn check(table: &Table) {
     // Ten newtons by the speed that is left where an event finds it zero.
     all("P_friction", &|x| x <= 1e-7);
     all("E_friction", &|x| x <= 0.0);
-    // A tenth of the tolerance.
-    all("s_least", &|x| x > -1e-7);
-    all("s_most", &|x| x < 1.0 + 1e-7);
+    // An event at a stop is found to tolerance: the spool is 3.5 mm long on its way.
+    all("s_least", &|x| x > -2e-8);
+    all("s_most", &|x| x < 1.0 + 5e-6);
     all("p_least", &|x| x > 0.99e5);
     // A cycle has some fifteen events, and three of the measures; a spool that stops on its way a few more.
     all("events", &|x| x < 60.0);
