@@ -14,6 +14,7 @@ use mocc::integrate::bdf::Bdf;
 use mocc::integrate::options::Options;
 use mocc::integrate::radau::Radau;
 use mocc::integrate::stepper::{JacobianMemory, Stepper};
+use mocc::integrate::switching::{Choices, Switching};
 use mocc::integrate::system::{EvalError, System};
 
 /// Tolerances that the solvers are run at.
@@ -348,6 +349,17 @@ fn compare<P: Problem<N>, const N: usize>() {
         Curve::measure("radau", &P::NOMINALS, &reference, radau),
         Curve::measure("bdf", &P::NOMINALS, &reference, |rtol| {
             let mut stepper = Bdf::new(N, options(rtol)).expect("valid options");
+            ours::<P, N>(&mut stepper, &at)
+        }),
+        // As a run without events does by itself, `simulate::method`.
+        Curve::measure("auto", &P::NOMINALS, &reference, |rtol| {
+            let choices = Choices {
+                explicit: options(0.1 * rtol),
+                radau: options(rtol),
+                bdf: options(0.01 * rtol),
+            };
+            let system = Ours::<P, N>(std::marker::PhantomData);
+            let mut stepper = Switching::for_system(&system, choices).expect("valid options");
             ours::<P, N>(&mut stepper, &at)
         }),
     ];

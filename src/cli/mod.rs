@@ -9,6 +9,7 @@ pub mod show;
 pub mod simulate;
 pub mod stream;
 pub mod sweep;
+pub mod writer;
 
 use std::process::ExitCode;
 

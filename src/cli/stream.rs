@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::interrupt;
 use super::progress::Progress;
+use super::writer::Writer;
 use crate::ir::trajectory::{Column, Constant, Course, Event, Kind, Trajectory};
 use crate::report::results::{Format, Results};
 use crate::report::table::TableError;
@@ -12,15 +13,22 @@ use crate::simulate::record::Sink;
 /// So many curves are kept for a picture whose curves the user has not named.
 const MOST_KEPT: usize = 2000;
 
+/// A file of results.
+enum Output {
+    /// Not begun yet.
+    Waiting(Results),
+    /// Takes rows.
+    Begun(Writer),
+}
+
 /// Writes rows as they come and keeps what may be drawn, so that the memory of a large model's run is
 /// that of a few curves.
 pub struct Stream {
-    results: Option<(Results, PathBuf)>,
-    /// The first trouble with the results; nothing is written after it, and the run ends.
+    output: Option<(Output, PathBuf)>,
+    /// The results could not be begun; the run ends.
     trouble: Option<TableError>,
     progress: Option<Progress>,
     kept: Vec<usize>,
-    row: Vec<f64>,
     /// The kept columns, and all events.
     pub trajectory: Trajectory,
 }
@@ -33,13 +41,15 @@ impl Stream {
         output: Option<(PathBuf, Format)>,
         kept: Vec<usize>,
     ) -> Result<Self, TableError> {
-        let results = match output {
-            Some((path, format)) => Some((Results::create(&path, format, columns, courses)?, path)),
+        let output = match output {
+            Some((path, format)) => {
+                let results = Results::create(&path, format, columns, courses)?;
+                Some((Output::Waiting(results), path))
+            }
             None => None,
         };
         let trajectory = Trajectory::new(kept.iter().map(|&k| columns[k].clone()).collect());
-        let row = vec![0.0; kept.len()];
-        Ok(Stream { results, trouble: None, progress: None, kept, row, trajectory })
+        Ok(Stream { output, trouble: None, progress: None, kept, trajectory })
     }
 
     /// Shows how far the run has come, until [`Stream::hide`].
@@ -57,9 +67,32 @@ impl Stream {
         if let Some(trouble) = self.trouble.take() {
             return Err(trouble);
         }
-        let Some((results, path)) = self.results.take() else { return Ok(None) };
+        let Some((output, path)) = self.output.take() else { return Ok(None) };
+        let results = match output {
+            Output::Waiting(results) => results,
+            Output::Begun(writer) => writer.end()?,
+        };
         results.finish(end)?;
         Ok(Some(path))
+    }
+
+    /// The file, ready for rows.
+    fn writer(&mut self) -> Option<&mut Writer> {
+        let (output, path) = self.output.take()?;
+        let writer = match output {
+            Output::Begun(writer) => Ok(writer),
+            Output::Waiting(results) => Writer::begin(results),
+        };
+        match writer {
+            Ok(writer) => match self.output.insert((Output::Begun(writer), path)) {
+                (Output::Begun(writer), _) => Some(writer),
+                _ => None,
+            },
+            Err(trouble) => {
+                self.trouble = Some(trouble);
+                None
+            }
+        }
     }
 }
 
@@ -72,22 +105,27 @@ impl Sink for Stream {
     }
 
     fn constants(&mut self, constants: Vec<Constant>) {
-        if let Some((results, _)) = &mut self.results {
+        if let Some((Output::Waiting(results), _)) = &mut self.output {
             results.constants(constants);
         }
     }
 
     fn row(&mut self, time: f64, values: &[f64]) {
-        if let (Some((results, _)), None) = (&mut self.results, &self.trouble) {
-            self.trouble = results.row(time, values).err();
+        self.rows(&[time], values);
+    }
+
+    fn rows(&mut self, times: &[f64], values: &[f64]) {
+        if let Some(writer) = self.writer() {
+            writer.rows(times, values);
         }
         if self.kept.is_empty() {
             return;
         }
-        for (to, &k) in self.row.iter_mut().zip(&self.kept) {
-            *to = values[k];
+        let width = values.len() / times.len().max(1);
+        self.trajectory.time.extend_from_slice(times);
+        for (column, &k) in self.trajectory.data.iter_mut().zip(&self.kept) {
+            column.extend((0..times.len()).map(|row| values[row * width + k]));
         }
-        self.trajectory.push(time, &self.row);
     }
 
     fn event(&mut self, event: Event) {
@@ -98,7 +136,11 @@ impl Sink for Stream {
         if let Some(progress) = &self.progress {
             progress.reached(time);
         }
-        self.trouble.is_none() && !interrupt::asked()
+        let failed = match &self.output {
+            Some((Output::Begun(writer), _)) => writer.has_failed(),
+            _ => self.trouble.is_some(),
+        };
+        !failed && !interrupt::asked()
     }
 }
 

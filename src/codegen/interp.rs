@@ -357,7 +357,7 @@ pub fn watched_slot(w: Watched) -> Slot {
 }
 
 /// An instruction that only computes.
-#[inline]
+#[inline(always)]
 pub fn step<const INSIDE: bool>(memory: &mut [f64], i: &Instr) {
     let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
     memory[i.dst as usize] = match i.op {

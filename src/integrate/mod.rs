@@ -10,7 +10,7 @@
 //!
 //! The one door: [`stepper::Stepper`], implemented by [`radau::Radau`] and [`bdf::Bdf`] (stiff systems
 //! and index-1 differential-algebraic systems), [`explicit::DormandPrince`] (non-stiff systems) and
-//! [`switching::Switching`] (explicit until the system turns out to be stiff).
+//! [`switching::Switching`] (explicit until the system turns out to be stiff, and more).
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
     reason = "`!(a < b)` is how a NaN is made to count as a failed test"

@@ -1,9 +1,18 @@
-//! Dormand-Prince for as long as a system does not turn out to be stiff, then Radau.
+//! Dormand-Prince for as long as a system does not turn out to be stiff, then Radau, and backward
+//! differentiation if Radau's steps are often refused.
 //!
-//! The first switch is the last: what was stiff once is expected to be so again. The step size of an
+//! What was stiff once is expected to be so again, so there is no way back. The step size of an
 //! explicit method falls to what its stability allows before it does harm, and the solution up to
 //! there is as accurate as any.
+//!
+//! Radau takes the longer steps on a smooth solution. Where fronts, stops and saturations follow each
+//! other its steps are refused again and again, by the error test or because the iteration does not
+//! converge across a kink; and a refused step costs it a dozen right sides and two decompositions,
+//! where a multistep method loses one or two right sides. `benches/peer.rs` has both: Robertson's
+//! and HIRES's reactions, of whose steps one in a hundred is refused or none, and a valve with one in
+//! five.
 
+use crate::integrate::bdf::Bdf;
 use crate::integrate::explicit::DormandPrince;
 use crate::integrate::options::{OptionError, Options};
 use crate::integrate::outcome::{Failure, Step};
@@ -12,57 +21,113 @@ use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::System;
 
+/// Steps of Radau before it is judged.
+const TRIAL: u64 = 100;
+/// One refused step of Radau among so many attempts is often.
+const OFTEN: u64 = 12;
+
 /// The stepper. Only for systems whose components are all differential.
 pub struct Switching {
     explicit: DormandPrince,
-    implicit: Radau,
+    radau: Radau,
+    bdf: Bdf,
+    /// Makes the next step.
+    next: Phase,
+    /// Made the last step, within which to interpolate.
+    last: Phase,
     /// Where the explicit method gave up.
     stiff_since: Option<f64>,
-    /// The implicit method has made a step of its own, within which to interpolate.
-    stands: bool,
+    /// Where Radau did.
+    rough_since: Option<f64>,
     stats: Stats,
+}
+
+/// The method in use.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Phase {
+    /// Dormand-Prince.
+    Explicit,
+    /// Radau IIA.
+    Radau,
+    /// Backward differentiation.
+    Bdf,
+}
+
+/// What each method is asked for: the same tolerance means another error with each.
+#[derive(Clone, Debug)]
+pub struct Choices {
+    /// Of Dormand-Prince.
+    pub explicit: Options,
+    /// Of Radau.
+    pub radau: Options,
+    /// Of backward differentiation.
+    pub bdf: Options,
 }
 
 impl Switching {
     /// A stepper for this system, with the matrices of
-    /// [`IterationMatrix::for_system`](crate::integrate::matrix::IterationMatrix::for_system). Each of
-    /// the methods has its own options.
-    pub fn for_system(
-        system: &dyn System,
-        explicit: Options,
-        implicit: Options,
-    ) -> Result<Self, OptionError> {
+    /// [`IterationMatrix::for_system`](crate::integrate::matrix::IterationMatrix::for_system).
+    pub fn for_system(system: &dyn System, choices: Choices) -> Result<Self, OptionError> {
         Ok(Switching {
-            explicit: DormandPrince::new(system.dim(), explicit)?,
-            implicit: Radau::for_system(system, implicit)?,
+            explicit: DormandPrince::new(system.dim(), choices.explicit)?,
+            radau: Radau::for_system(system, choices.radau)?,
+            bdf: Bdf::for_system(system, choices.bdf)?,
+            next: Phase::Explicit,
+            last: Phase::Explicit,
             stiff_since: None,
-            stands: false,
+            rough_since: None,
             stats: Stats::default(),
         })
     }
 
-    /// True once the system turned out to be stiff.
-    pub fn is_stiff(&self) -> bool {
-        self.stiff_since.is_some()
+    /// The method that makes the next step.
+    pub fn phase(&self) -> Phase {
+        self.next
     }
 
-    /// When it did.
+    /// When the system turned out to be stiff.
     pub fn stiff_since(&self) -> Option<f64> {
         self.stiff_since
     }
 
-    fn current(&self) -> &dyn Stepper {
-        if self.stands { &self.implicit } else { &self.explicit }
+    /// When Radau's steps turned out to be refused often.
+    pub fn rough_since(&self) -> Option<f64> {
+        self.rough_since
+    }
+
+    fn of(&self, phase: Phase) -> &dyn Stepper {
+        match phase {
+            Phase::Explicit => &self.explicit,
+            Phase::Radau => &self.radau,
+            Phase::Bdf => &self.bdf,
+        }
+    }
+
+    fn of_mut(&mut self, phase: Phase) -> &mut dyn Stepper {
+        match phase {
+            Phase::Explicit => &mut self.explicit,
+            Phase::Radau => &mut self.radau,
+            Phase::Bdf => &mut self.bdf,
+        }
     }
 
     fn count(&mut self) {
-        self.stats = *self.explicit.stats() + *self.implicit.stats();
+        self.stats = *self.explicit.stats() + *self.radau.stats() + *self.bdf.stats();
     }
 
-    fn switch(&mut self, system: &mut dyn System) -> Result<(), Failure> {
-        let t = self.explicit.t();
-        self.stiff_since = Some(t);
-        self.implicit.restart(system, t, self.explicit.y(), JacobianMemory::Forget)
+    /// Radau has made enough steps to be judged, and too many were refused.
+    fn is_rough(&self) -> bool {
+        let Stats { steps, rejected, convergence_failures, .. } = *self.radau.stats();
+        let refused = rejected + convergence_failures;
+        steps >= TRIAL && refused * OFTEN > steps + refused
+    }
+
+    /// Goes on with another method from where this one stands.
+    fn switch(&mut self, system: &mut dyn System, to: Phase) -> Result<(), Failure> {
+        let (from, t) = (self.of(self.next), self.of(self.next).t());
+        let y = from.y().to_vec();
+        self.next = to;
+        self.of_mut(to).restart(system, t, &y, JacobianMemory::Forget)
     }
 }
 
@@ -74,60 +139,58 @@ impl Stepper for Switching {
         y: &[f64],
         jacobian: JacobianMemory,
     ) -> Result<(), Failure> {
-        let outcome = if self.is_stiff() {
-            self.stands = true;
-            self.implicit.restart(system, t, y, jacobian)
-        } else {
-            self.explicit.restart(system, t, y, jacobian)
-        };
+        self.last = self.next;
+        let outcome = self.of_mut(self.next).restart(system, t, y, jacobian);
         self.count();
         outcome
     }
 
     fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure> {
-        if !self.is_stiff() {
+        if self.next == Phase::Explicit {
             if !self.explicit.is_stiff()
                 && let Ok(step) = self.explicit.step(system, t_stop)
             {
                 self.count();
                 return Ok(step);
             }
-            self.switch(system)?;
+            self.stiff_since = Some(self.explicit.t());
+            self.switch(system, Phase::Radau)?;
+        } else if self.next == Phase::Radau && self.is_rough() {
+            self.rough_since = Some(self.radau.t());
+            self.switch(system, Phase::Bdf)?;
         }
-        let outcome = self.implicit.step(system, t_stop);
-        self.stands |= outcome.is_ok();
+        let outcome = self.of_mut(self.next).step(system, t_stop);
+        if outcome.is_ok() {
+            self.last = self.next;
+        }
         self.count();
         outcome
     }
 
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
-        let outcome = if self.stands {
-            self.implicit.shorten(system, t)
-        } else {
-            self.explicit.shorten(system, t)
-        };
+        let outcome = self.of_mut(self.last).shorten(system, t);
         self.count();
         outcome
     }
 
     fn t(&self) -> f64 {
-        self.current().t()
+        self.of(self.last).t()
     }
 
     fn y(&self) -> &[f64] {
-        self.current().y()
+        self.of(self.last).y()
     }
 
     fn t_previous(&self) -> f64 {
-        self.current().t_previous()
+        self.of(self.last).t_previous()
     }
 
     fn interpolate(&self, t: f64, out: &mut [f64]) {
-        self.current().interpolate(t, out);
+        self.of(self.last).interpolate(t, out);
     }
 
     fn next_step(&self) -> f64 {
-        if self.is_stiff() { self.implicit.next_step() } else { self.explicit.next_step() }
+        self.of(self.next).next_step()
     }
 
     fn stats(&self) -> &Stats {
@@ -140,9 +203,13 @@ mod tests {
     use super::*;
     use crate::integrate::problems::*;
 
+    fn choices(rtol: f64, n: usize) -> Choices {
+        let options = Options::with_nominals(rtol, &vec![1.0; n]);
+        Choices { explicit: options.clone(), radau: options.clone(), bdf: options }
+    }
+
     fn end(system: &mut dyn System, start: &[f64], t_stop: f64) -> (Vec<f64>, Switching) {
-        let options = Options::with_nominals(1e-6, &vec![1.0; start.len()]);
-        let mut stepper = Switching::for_system(system, options.clone(), options).unwrap();
+        let mut stepper = Switching::for_system(system, choices(1e-6, start.len())).unwrap();
         let y = run(&mut stepper, system, (0.0, start), t_stop).unwrap();
         (y, stepper)
     }
@@ -155,28 +222,27 @@ mod tests {
         let since = stepper.stiff_since().unwrap();
         // So early that the explicit method cost next to nothing.
         assert!(since < 1e-3 && stepper.explicit.stats().steps < 200, "{since}");
-        let (mine, theirs) = (stepper.stats().steps, stepper.implicit.stats().steps);
-        assert_eq!(mine, stepper.explicit.stats().steps + theirs);
+        let theirs = stepper.radau.stats().steps + stepper.bdf.stats().steps;
+        assert_eq!(stepper.stats().steps, stepper.explicit.stats().steps + theirs);
     }
 
     #[test]
     fn a_system_that_is_not_stiff_stays() {
         let (y, stepper) = end(&mut oscillator(), &[0.0, 1.0], 50.0);
         assert!(relative_error(&y, &[50.0_f64.sin(), 50.0_f64.cos()], 1.0) < 1e-4);
-        assert!(!stepper.is_stiff());
+        assert_eq!(stepper.phase(), Phase::Explicit);
         let (_, stepper) = end(&mut arenstorf(), &ARENSTORF_START, ARENSTORF_PERIOD);
-        assert!(!stepper.is_stiff());
+        assert_eq!(stepper.phase(), Phase::Explicit);
     }
 
     /// At the change of methods the last step of the first one still serves.
     #[test]
     fn the_solution_is_continuous_across_the_switch() {
         let mut system = van_der_pol(1e-3);
-        let options = Options::with_nominals(1e-8, &[1.0; 2]);
-        let mut stepper = Switching::for_system(&system, options.clone(), options).unwrap();
+        let mut stepper = Switching::for_system(&system, choices(1e-8, 2)).unwrap();
         stepper.restart(&mut system, 0.0, &[2.0, 0.0], JacobianMemory::Forget).unwrap();
         let (mut out, mut last) = ([0.0; 2], vec![2.0, 0.0]);
-        while !(stepper.is_stiff() && stepper.t() > 0.5) {
+        while !(stepper.phase() != Phase::Explicit && stepper.t() > 0.5) {
             stepper.step(&mut system, 1.0).unwrap();
             stepper.interpolate(stepper.t_previous(), &mut out);
             let jump = relative_error(&out, &last, 1.0);
@@ -187,8 +253,33 @@ mod tests {
 
     #[test]
     fn a_shortened_step_is_as_accurate_as_a_whole_one() {
-        let options = Options::with_nominals(1e-8, &[1.0; 2]);
-        let mut stepper = Switching::for_system(&oscillator(), options.clone(), options).unwrap();
+        let mut stepper = Switching::for_system(&oscillator(), choices(1e-8, 2)).unwrap();
         check_shortening(&mut stepper, 1e-8);
+    }
+
+    /// `y' = (tanh(50 sin 40 t) - tanh(1000 y)) 1e3`: a front every 80 ms, each met by kinks of the right
+    /// side. At the end of the tests both branches rest at `tanh(1000 y) = tanh(50 sin 40 t)`.
+    #[test]
+    fn a_rough_system_is_handed_on() {
+        let mut system = ode(
+            1,
+            |t: f64, y: &[f64], f: &mut [f64]| {
+                f[0] = 1e3 * ((50.0 * (40.0 * t).sin()).tanh() - (1e3 * y[0]).tanh() - y[0]);
+                Ok(())
+            },
+            |_, y: &[f64], j: &mut [f64]| {
+                let slope = (1e3 * y[0]).tanh();
+                j[0] = -1e3 * (1.0 + 1e3 * (1.0 - slope * slope));
+            },
+        );
+        let (y, stepper) = end(&mut system, &[0.0], 10.0);
+        assert_eq!(stepper.phase(), Phase::Bdf);
+        assert!(stepper.rough_since() > stepper.stiff_since());
+        let mut radau = Radau::new(1, Options::with_nominals(1e-10, &[1.0])).unwrap();
+        let fine = run(&mut radau, &mut system, (0.0, &[0.0]), 10.0).unwrap();
+        assert!((y[0] - fine[0]).abs() < 1e-5, "{} instead of {}", y[0], fine[0]);
+        // Smooth reactions stay with Radau.
+        let (_, stepper) = end(&mut hires(), &HIRES_START, HIRES_TIME);
+        assert_eq!(stepper.phase(), Phase::Radau);
     }
 }

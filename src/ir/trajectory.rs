@@ -97,6 +97,8 @@ pub struct Trajectory {
     pub data: Vec<Vec<f64>>,
     /// The events in order of time.
     pub events: Vec<Event>,
+    /// While rows come: what is known of the columns that wait for their values.
+    pub(crate) courses: Vec<Course>,
 }
 
 /// A broken contract of [`Trajectory`]: a bug in the stage that made it.
@@ -152,13 +154,14 @@ impl Trajectory {
     /// A run of these variables without rows yet.
     pub fn new(columns: Vec<Column>) -> Self {
         let data = vec![Vec::new(); columns.len()];
-        Trajectory { columns, time: Vec::new(), data, events: Vec::new() }
+        Trajectory { columns, data, ..Trajectory::default() }
     }
     /// Forgets everything for a run of these variables; memory is used again where it can be.
     pub fn begin_again(&mut self, columns: Vec<Column>) {
         self.columns = columns;
         self.time.clear();
         self.events.clear();
+        self.courses.clear();
         self.data.iter_mut().for_each(Vec::clear);
         self.data.resize_with(self.columns.len(), Vec::new);
     }
@@ -171,6 +174,43 @@ impl Trajectory {
     pub fn push(&mut self, time: f64, values: &[f64]) {
         self.time.push(time);
         self.data.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
+    }
+    /// From the second row on only columns that go their own way will come, by
+    /// [`Trajectory::push_own_rows`]; until [`Trajectory::complete`] the others are shorter.
+    pub fn expect_courses(&mut self, courses: Vec<Course>) {
+        self.courses = courses;
+    }
+    /// Appends rows that stand one after the other, without the columns whose course is known: column
+    /// by column, so that each is written in one go.
+    pub fn push_own_rows(&mut self, times: &[f64], values: &[f64]) {
+        self.time.extend_from_slice(times);
+        let width = values.len() / times.len().max(1);
+        let own = self.data.iter_mut().zip(&self.courses).filter(|(_, c)| **c == Course::Own);
+        for (k, (column, _)) in own.enumerate() {
+            column.extend((0..times.len()).map(|row| values[row * width + k]));
+        }
+    }
+    /// Fills the columns whose course is known.
+    pub fn complete(&mut self) {
+        let rows = self.time.len();
+        for (k, course) in std::mem::take(&mut self.courses).into_iter().enumerate() {
+            let (before, after) = self.data.split_at_mut(k);
+            let Some(column) = after.first_mut() else { break };
+            match course {
+                Course::Own => {}
+                Course::Constant => {
+                    let value = column.first().copied().unwrap_or_default();
+                    column.resize(rows, value);
+                }
+                Course::Alias { of, negated } => {
+                    column.clear();
+                    match negated {
+                        true => column.extend(before[of].iter().map(|x| -x)),
+                        false => column.extend_from_slice(&before[of]),
+                    }
+                }
+            }
+        }
     }
     /// Number of rows.
     pub fn rows(&self) -> usize {

@@ -133,6 +133,7 @@ impl Simulation<'_, '_> {
     fn tell_of_sliding(&mut self, t: f64, k: u32, what: &str) {
         let what = format!("{} {what}", self.relation_text(k));
         let place = self.place(self.relation_span(k));
+        self.recorder.flush(self.sink);
         self.sink.event(Event { time: t, what, place });
     }
 

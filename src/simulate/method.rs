@@ -9,8 +9,8 @@
 //!   decompose, not a real and a complex one, and does so more rarely. At equal error it takes half the
 //!   time of Radau on a plate of 400 to 3600 cells, and a quarter more on a rod, whose matrices are
 //!   decomposed in no time.
-//! - Otherwise Dormand-Prince for as long as the system does not turn out to be stiff, and Radau from
-//!   there on ([`Switching`]).
+//! - Otherwise Dormand-Prince for as long as the system does not turn out to be stiff, Radau from there
+//!   on, and BDF if Radau's steps are often refused ([`Switching`]).
 //!
 //! A system that keeps algebraic equations is never given to an explicit method.
 //!
@@ -24,7 +24,7 @@ use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::radau::Radau;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::integrate::switching::Switching;
+use crate::integrate::switching::{Choices, Phase, Switching};
 use crate::integrate::system::System;
 use crate::ir::program::Program;
 
@@ -97,7 +97,7 @@ impl Integrator {
         let integrator = match method {
             Method::Radau => Integrator::Radau(Box::new(Radau::for_system(system, options)?)),
             Method::Bdf => {
-                let options = sharpened(&options, SHARPER_BDF);
+                let options = for_bdf(&options);
                 Integrator::Bdf(Box::new(Bdf::for_system(system, options)?))
             }
             Method::Dopri if !program.algebraics.is_empty() => {
@@ -109,7 +109,9 @@ impl Integrator {
             }
             Method::Auto => {
                 let explicit = sharpened(&options, SHARPER_DOPRI);
-                Integrator::Switching(Box::new(Switching::for_system(system, explicit, options)?))
+                let bdf = for_bdf(&options);
+                let choices = Choices { explicit, radau: options, bdf };
+                Integrator::Switching(Box::new(Switching::for_system(system, choices)?))
             }
         };
         let choice = Choice { method: integrator.name(), because };
@@ -122,8 +124,11 @@ impl Integrator {
             Integrator::Radau(_) => "radau",
             Integrator::Bdf(_) => "bdf",
             Integrator::DormandPrince(_) => "dopri",
-            Integrator::Switching(s) if s.is_stiff() => "radau",
-            Integrator::Switching(_) => "dopri",
+            Integrator::Switching(s) => match s.phase() {
+                Phase::Explicit => "dopri",
+                Phase::Radau => "radau",
+                Phase::Bdf => "bdf",
+            },
         }
     }
 
@@ -135,6 +140,9 @@ impl Integrator {
                 Some(t) => format!(", stiff from {t:.3e} s on"),
                 None => ", not stiff".to_owned(),
             });
+            if let Some(t) = s.rough_since() {
+                because.push_str(&format!(", rough from {t:.3e} s on"));
+            }
         }
         choice
     }
@@ -164,6 +172,15 @@ impl Integrator {
             Integrator::Switching(s) => &mut **s,
         }
     }
+}
+
+/// The options of BDF. What decays far below its size at the start would keep an error of the size of
+/// the absolute tolerance, which Radau undercuts by orders there: a part of a part of it makes
+/// Robertson's reaction, whose first concentration falls by eight decades, right to five digits.
+fn for_bdf(options: &Options) -> Options {
+    let mut sharper = sharpened(options, SHARPER_BDF);
+    sharper.atol.iter_mut().for_each(|a| *a *= SHARPER_BDF);
+    sharper
 }
 
 /// The same options with this part of the tolerances.

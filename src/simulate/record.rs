@@ -5,8 +5,9 @@ use std::sync::Arc;
 use crate::codegen::interp::Instance;
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
-use crate::ir::trajectory::{Column, Constant, Event, Trajectory};
+use crate::ir::trajectory::{Column, Constant, Course, Event, Trajectory};
 
+use super::columns::courses;
 use super::settings::Settings;
 
 /// Takes what a run records. `row` is called in order of time, at events twice.
@@ -19,6 +20,24 @@ pub trait Sink {
     fn constants(&mut self, _: Vec<Constant>) {}
     /// One value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
+    /// What is known of the columns, once before the rows. A sink that answers with true gets only the
+    /// first row whole; of all others what goes its own way, by [`Sink::own_rows`], and then
+    /// [`Sink::end`].
+    fn courses(&mut self, _: Vec<Course>) -> bool {
+        false
+    }
+    /// As [`Sink::rows`], without the columns whose course is known.
+    fn own_rows(&mut self, _times: &[f64], _values: &[f64]) {}
+    /// Called once after the last row, of a run that failed too.
+    fn end(&mut self) {}
+    /// Several rows, one after the other, for what is faster with many at once. Rows of a run may come
+    /// late, but never after an event that follows them, nor after its end.
+    fn rows(&mut self, times: &[f64], values: &[f64]) {
+        let columns = values.len() / times.len().max(1);
+        for (row, time) in times.iter().enumerate() {
+            self.row(*time, &values[row * columns..(row + 1) * columns]);
+        }
+    }
     /// The derivatives of the last row, if the run is differentiated: value by value, input by input.
     fn slopes(&mut self, _slopes: &[f64]) {}
     /// Something happened.
@@ -39,6 +58,16 @@ impl Sink for Trajectory {
     fn row(&mut self, time: f64, values: &[f64]) {
         self.push(time, values);
     }
+    fn courses(&mut self, courses: Vec<Course>) -> bool {
+        self.expect_courses(courses);
+        true
+    }
+    fn own_rows(&mut self, times: &[f64], values: &[f64]) {
+        self.push_own_rows(times, values);
+    }
+    fn end(&mut self) {
+        self.complete();
+    }
     fn event(&mut self, event: Event) {
         self.events.push(event);
     }
@@ -47,10 +76,23 @@ impl Sink for Trajectory {
 /// Events for whose rows there is room from the start.
 const EXPECTED_EVENTS: usize = 64;
 
+/// Rows that are handed over together: as many values as a cache near the processor holds.
+const BLOCK_VALUES: usize = 1 << 13;
+/// And no more rows than this.
+const BLOCK_ROWS: usize = 32;
+
 /// What is recorded, and the next instant of the output grid.
 pub struct Recorder {
     cells: Vec<(VarId, Slot)>,
-    row: Vec<f64>,
+    /// What is recorded after the first row, if not all.
+    own: Option<Vec<(VarId, Slot)>>,
+    narrowed: bool,
+    /// Times of the rows that were not handed over yet.
+    times: Vec<f64>,
+    /// Their values, row by row, and room for one more.
+    block: Vec<f64>,
+    /// Rows that there is room for.
+    rows: usize,
     next: u64,
     count: u64,
     start: f64,
@@ -69,11 +111,25 @@ impl Recorder {
         // A last interval that is only rounding is none.
         let intervals = (stop - start) / interval;
         let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
-        let row = vec![0.0; cells.len()];
+        let rows = (BLOCK_VALUES / cells.len().max(1)).clamp(1, BLOCK_ROWS);
+        let (times, block) = (Vec::with_capacity(rows), vec![0.0; rows * cells.len()]);
         // The start has its row already.
         let passed = |list: &Arc<[f64]>| list.partition_point(|t| *t <= start) as u64;
         let next = instants.as_ref().map_or(1, passed);
-        Recorder { row, cells, next, count, start, stop, interval, instants }
+        Recorder {
+            cells,
+            own: None,
+            narrowed: false,
+            times,
+            block,
+            rows,
+            next,
+            count,
+            start,
+            stop,
+            interval,
+            instants,
+        }
     }
 
     /// The next instant of the grid if it lies before `end`, or at it if `inclusive`.
@@ -104,17 +160,54 @@ impl Recorder {
 
     /// Takes the values of a row; the variable that is not finite if there is one.
     pub fn take(&mut self, instance: &Instance<'_>) -> Result<(), VarId> {
-        for (value, (v, slot)) in self.row.iter_mut().zip(&self.cells) {
+        let columns = self.cells.len();
+        let row = &mut self.block[self.times.len() * columns..][..columns];
+        // Zero, unless something is not finite.
+        let mut nothing = 0.0;
+        for (value, (_, slot)) in row.iter_mut().zip(&self.cells) {
             *value = instance.get(*slot);
-            if !value.is_finite() {
-                return Err(*v);
-            }
+            nothing += *value * 0.0;
         }
-        Ok(())
+        if nothing == 0.0 {
+            return Ok(());
+        }
+        let broken = row.iter().position(|value| !value.is_finite());
+        broken.map_or(Ok(()), |k| Err(self.cells[k].0))
     }
 
-    /// Writes the row that was taken last.
-    pub fn put(&self, time: f64, sink: &mut dyn Sink) {
-        sink.row(time, &self.row);
+    /// Hands over the row that was taken last, or keeps it for later with those before it.
+    pub fn put(&mut self, time: f64, sink: &mut dyn Sink) {
+        self.times.push(time);
+        if self.times.len() == self.rows {
+            self.flush(sink);
+        }
+    }
+
+    /// Hands over what is left.
+    pub fn flush(&mut self, sink: &mut dyn Sink) {
+        let values = &self.block[..self.times.len() * self.cells.len()];
+        match (self.times.is_empty(), self.narrowed) {
+            (true, _) => {}
+            (false, false) => sink.rows(&self.times, values),
+            (false, true) => sink.own_rows(&self.times, values),
+        }
+        self.times.clear();
+    }
+
+    /// Tells the sink what is known of the columns.
+    pub fn tell_courses(&mut self, program: &Program, sink: &mut dyn Sink) {
+        let courses = courses(program);
+        let own = self.cells.iter().zip(&courses).filter(|(_, course)| **course == Course::Own);
+        let own = own.map(|(cell, _)| *cell).collect();
+        self.own = sink.courses(courses).then_some(own);
+    }
+
+    /// Hands over the first row, and goes on with what the sink wants of the others.
+    pub fn flush_first(&mut self, sink: &mut dyn Sink) {
+        self.flush(sink);
+        if let Some(own) = self.own.take() {
+            self.cells = own;
+            self.narrowed = true;
+        }
     }
 }

@@ -130,7 +130,10 @@ fn run_to(
     }
     let begun = Instant::now();
     let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
-    simulation.run()?;
+    let outcome = simulation.run();
+    simulation.recorder.flush(simulation.sink);
+    simulation.sink.end();
+    outcome?;
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
     statistics.method = simulation.stepper.describe(statistics.method);
@@ -203,9 +206,10 @@ impl<'p, 's> Simulation<'p, 's> {
         let (wanted, options) = (settings.method, options(&model, settings));
         let integrator = Integrator::new(wanted, program, sensitivity.is_some(), &model, options);
         let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
-        let recorder = Recorder::new(program, settings);
+        let mut recorder = Recorder::new(program, settings);
         let spacing = settings.spacing.unwrap_or(settings.interval);
         sink.begin(columns(program));
+        recorder.tell_courses(program, sink);
         sink.expect(recorder.expected_rows());
         sink.constants(constants(&model.instance));
         let mut simulation = Simulation {
@@ -232,6 +236,7 @@ impl<'p, 's> Simulation<'p, 's> {
             sensitivity,
         };
         simulation.record(t)?;
+        simulation.recorder.flush_first(simulation.sink);
         simulation.check_assertions(t)?;
         simulation.act_on(settled, t)?;
         Ok(simulation)
@@ -510,6 +515,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.statistics.rows += 1;
         self.recorder.put(t, self.sink);
         if let Some(s) = &self.sensitivity {
+            self.recorder.flush(self.sink);
             self.sink.slopes(s.slopes());
         }
     }
@@ -560,6 +566,7 @@ impl<'p, 's> Simulation<'p, 's> {
         if !settled.changed {
             return;
         }
+        self.recorder.flush(self.sink);
         match cause {
             Cause::State => self.statistics.state_events += 1,
             Cause::Time => self.statistics.time_events += 1,

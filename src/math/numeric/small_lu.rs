@@ -70,6 +70,10 @@ pub fn solve(n: usize, lu: &[f64], pivots: &[usize], b: &mut [f64]) {
         6 => solve_fixed::<6>(lu, pivots, b),
         7 => solve_fixed::<7>(lu, pivots, b),
         8 => solve_fixed::<8>(lu, pivots, b),
+        9 => solve_fixed::<9>(lu, pivots, b),
+        10 => solve_fixed::<10>(lu, pivots, b),
+        11 => solve_fixed::<11>(lu, pivots, b),
+        12 => solve_fixed::<12>(lu, pivots, b),
         _ => solve_any(n, lu, pivots, b),
     }
 }
@@ -204,6 +208,10 @@ pub fn solve_complex(
         6 => solve_complex_fixed::<6>(lu, pivots, b_re, b_im),
         7 => solve_complex_fixed::<7>(lu, pivots, b_re, b_im),
         8 => solve_complex_fixed::<8>(lu, pivots, b_re, b_im),
+        9 => solve_complex_fixed::<9>(lu, pivots, b_re, b_im),
+        10 => solve_complex_fixed::<10>(lu, pivots, b_re, b_im),
+        11 => solve_complex_fixed::<11>(lu, pivots, b_re, b_im),
+        12 => solve_complex_fixed::<12>(lu, pivots, b_re, b_im),
         _ => solve_complex_any(n, lu, pivots, b_re, b_im),
     }
 }

@@ -1,0 +1,87 @@
+//! Results on a thread of their own: while rows become text and go to the disk the run goes on.
+//!
+//! The rows arrive in the order in which they were sent, so the file has the same bytes as without the
+//! thread. What is on its way is bounded: where the file is slower than the run, the run waits.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::thread::{Builder, JoinHandle};
+
+use crate::report::results::Results;
+use crate::report::table::TableError;
+
+/// Blocks of rows on their way at most.
+const WAITING: usize = 8;
+
+/// Some rows.
+#[derive(Default)]
+struct Rows {
+    times: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// A file of results that is being written.
+pub struct Writer {
+    rows: SyncSender<Rows>,
+    /// Blocks that have been written, to be used again.
+    written: Receiver<Rows>,
+    failed: Arc<AtomicBool>,
+    thread: JoinHandle<Result<Results, TableError>>,
+}
+
+impl Writer {
+    /// Writes to these results, whose parameters and constants are known.
+    pub fn begin(results: Results) -> Result<Writer, TableError> {
+        let (rows, waiting) = sync_channel(WAITING);
+        let (back, written) = channel();
+        let failed = Arc::new(AtomicBool::new(false));
+        let told = Arc::clone(&failed);
+        let work = move || write(results, &waiting, &back, &told);
+        let thread = Builder::new().name("write".into()).spawn(work)?;
+        Ok(Writer { rows, written, failed, thread })
+    }
+
+    /// Sends rows on their way, one after the other.
+    pub fn rows(&mut self, times: &[f64], values: &[f64]) {
+        let mut block = self.written.try_recv().unwrap_or_default();
+        block.times.clear();
+        block.times.extend_from_slice(times);
+        block.values.clear();
+        block.values.extend_from_slice(values);
+        // A thread that has ended has said why, which `finish` tells.
+        let _ = self.rows.send(block);
+    }
+
+    /// True once a row could not be written.
+    pub fn has_failed(&self) -> bool {
+        self.failed.load(Ordering::Relaxed)
+    }
+
+    /// Waits for what is on its way.
+    pub fn end(self) -> Result<Results, TableError> {
+        drop(self.rows);
+        self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    }
+}
+
+fn write(
+    mut results: Results,
+    waiting: &Receiver<Rows>,
+    back: &Sender<Rows>,
+    failed: &AtomicBool,
+) -> Result<Results, TableError> {
+    while let Ok(block) = waiting.recv() {
+        let columns = block.values.len() / block.times.len().max(1);
+        for (row, time) in block.times.iter().enumerate() {
+            let written = results.row(*time, &block.values[row * columns..(row + 1) * columns]);
+            if written.is_err() {
+                failed.store(true, Ordering::Relaxed);
+            }
+            written?;
+        }
+        // Nobody may want it any more.
+        let _ = back.send(block);
+    }
+    Ok(results)
+}
