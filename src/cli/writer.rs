@@ -23,11 +23,12 @@ struct Rows {
 
 /// A file of results that is being written.
 pub struct Writer {
-    rows: SyncSender<Rows>,
+    /// None once nothing more will come.
+    rows: Option<SyncSender<Rows>>,
     /// Blocks that have been written, to be used again.
     written: Receiver<Rows>,
     failed: Arc<AtomicBool>,
-    thread: JoinHandle<Result<Results, TableError>>,
+    thread: Option<JoinHandle<Result<Results, TableError>>>,
 }
 
 impl Writer {
@@ -39,7 +40,7 @@ impl Writer {
         let told = Arc::clone(&failed);
         let work = move || write(results, &waiting, &back, &told);
         let thread = Builder::new().name("write".into()).spawn(work)?;
-        Ok(Writer { rows, written, failed, thread })
+        Ok(Writer { rows: Some(rows), written, failed, thread: Some(thread) })
     }
 
     /// Sends rows on their way, one after the other.
@@ -50,7 +51,9 @@ impl Writer {
         block.values.clear();
         block.values.extend_from_slice(values);
         // A thread that has ended has said why, which `finish` tells.
-        let _ = self.rows.send(block);
+        if let Some(rows) = &self.rows {
+            let _ = rows.send(block);
+        }
     }
 
     /// True once a row could not be written.
@@ -59,9 +62,22 @@ impl Writer {
     }
 
     /// Waits for what is on its way.
-    pub fn end(self) -> Result<Results, TableError> {
-        drop(self.rows);
-        self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    pub fn end(mut self) -> Result<Results, TableError> {
+        self.rows = None;
+        match self.thread.take() {
+            Some(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+            None => Err(std::io::Error::other("the file has no thread").into()),
+        }
+    }
+}
+
+impl Drop for Writer {
+    /// Waits until a file that is not wanted any more is gone: the process may end after this.
+    fn drop(&mut self) {
+        self.rows = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
     }
 }
 
