@@ -80,6 +80,10 @@ impl SourceMap {
         self.files.push(SourceFile { path: path.as_ref().to_path_buf(), text, line_starts });
         id
     }
+    /// All files, in the order in which they were read.
+    pub fn files(&self) -> impl Iterator<Item = &SourceFile> {
+        self.files.iter()
+    }
     /// The file, unless the span had no place.
     pub fn get(&self, id: FileId) -> Option<&SourceFile> {
         self.files.get(id.0 as usize)

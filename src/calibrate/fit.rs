@@ -24,7 +24,9 @@ const OUTLYING: f64 = 1.3;
 /// Rounds of leaving out.
 const ROUNDS: usize = 4;
 /// Reduced sum of squares of the others at which leaving out has shown the way.
-pub const WELL: f64 = 1.5;
+const WELL: f64 = 1.5;
+/// A recording jumps if its sum of squares rises by this share of the mean.
+const JUMPING: f64 = 0.1;
 /// A sum of squares must fall by this part to count as better.
 const BETTER: f64 = 1e-3;
 
@@ -46,6 +48,8 @@ pub struct Fit {
     pub iterations: u32,
     /// Ended because nothing was left to gain.
     pub converged: bool,
+    /// Ended where some recordings jump to another course: a place beyond that.
+    pub beyond: Option<Vec<f64>>,
 }
 
 /// Told after each step: steps so far and the sum of squares. False ends the search.
@@ -92,30 +96,85 @@ pub fn fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
 pub fn quick_fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
     let start = problem.start();
     let found = search(problem, &start, &QUICK, heed)?;
-    if reduced(problem, &found) < FINE {
-        return Some(found);
-    }
-    Some(leave_out(problem, &found, heed).unwrap_or(found))
+    Some(refine(problem, found, heed))
 }
 
 /// Fits from one place, leaving out what fits worst as long as that helps.
 pub fn fit_from(problem: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>) -> Option<Fit> {
-    let best = search(problem, start, &STOPPING, heed)?;
-    Some(refine(problem, best, heed))
-}
-
-/// Leaves out what fits worst as long as that helps.
-pub fn refine(problem: &mut Problem<'_>, mut best: Fit, heed: &mut Heed<'_>) -> Fit {
+    let mut best = search(problem, start, &STOPPING, heed)?;
     for _ in 0..ROUNDS {
         if reduced(problem, &best) < FINE {
             break;
         }
-        match leave_out(problem, &best, heed) {
+        match cross(problem, &best, heed).or_else(|| leave_out(problem, &best, heed)) {
+            Some(found) => best = found,
+            None => break,
+        }
+    }
+    Some(best)
+}
+
+/// Goes on where a search was caught, for models that may lack something: what fits worst is left out
+/// only if most recordings fit.
+pub fn refine(problem: &mut Problem<'_>, mut best: Fit, heed: &mut Heed<'_>) -> Fit {
+    for _ in 0..ROUNDS {
+        if reduced(problem, &best) < FINE || problem.stopped {
+            break;
+        }
+        let crossed = cross(problem, &best, heed);
+        let found = crossed.or_else(|| {
+            mostly_fits(problem, &best).then(|| leave_out(problem, &best, heed)).flatten()
+        });
+        match found {
             Some(found) => best = found,
             None => break,
         }
     }
     best
+}
+
+/// True if most recordings fit: the others may stand on the wrong side of a jump.
+fn mostly_fits(problem: &Problem<'_>, fit: &Fit) -> bool {
+    let Ok(sums) = problem.sums(Split::Train, &fit.x) else { return false };
+    let mut each = sums.by_recording();
+    each.sort_by(f64::total_cmp);
+    each.get(each.len() / 2).is_some_and(|median| *median < WELL)
+}
+
+/// A better fit beyond the jump that caught a search: the recordings that jump are left out until the
+/// others have led past it.
+fn cross(problem: &mut Problem<'_>, best: &Fit, heed: &mut Heed<'_>) -> Option<Fit> {
+    let mut left_out = jumping(problem, best)?;
+    let mut others = None;
+    for _ in 0..ROUNDS {
+        problem.left_out.clone_from(&left_out);
+        let found = search(problem, &best.x, &ON_THE_WAY, heed);
+        let more = found.as_ref().and_then(|f| jumping(problem, f)).unwrap_or_default();
+        problem.left_out = Vec::new();
+        others = found.or(others);
+        let known = left_out.len();
+        left_out.extend(more.into_iter().filter(|i| !left_out.contains(i)).collect::<Vec<_>>());
+        let too_many = left_out.len() + 2 > problem.recordings(Split::Train).len();
+        if left_out.len() == known || too_many {
+            break;
+        }
+    }
+    let found = search(problem, &others?.x, &STOPPING, heed)?;
+    (found.normal.cost < (1.0 - BETTER) * best.normal.cost).then_some(found)
+}
+
+/// The recordings that take another course beyond the place where a search ended.
+fn jumping(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<usize>> {
+    let squares = |x: &[f64]| {
+        let sums = problem.sums(Split::Train, x).ok()?;
+        Some(sums.squares.iter().map(|s| s.iter().sum()).collect::<Vec<f64>>())
+    };
+    let (here, there) = (squares(&fit.x)?, squares(fit.beyond.as_ref()?)?);
+    let total: f64 = here.iter().sum();
+    let share = JUMPING * total / here.len() as f64;
+    let jumps = |i: &usize| !problem.left_out.contains(i) && there[*i] - here[*i] > share;
+    let all: Vec<usize> = (0..here.len()).filter(jumps).collect();
+    (!all.is_empty()).then_some(all)
 }
 
 /// A better fit to all, by way of a fit to those that do not fit worst: if these alone fit well.
@@ -164,9 +223,9 @@ pub fn search(
 ) -> Option<Fit> {
     let bounds = problem.bounds();
     let mut heeded = Heeded { problem, heed };
-    let Minimum { x, normal, iterations, converged } =
+    let Minimum { x, normal, iterations, converged, beyond } =
         minimise(&mut heeded, start, &bounds, stopping)?;
-    Some(Fit { x, normal, iterations, converged })
+    Some(Fit { x, normal, iterations, converged, beyond })
 }
 
 fn reduced(problem: &Problem<'_>, fit: &Fit) -> f64 {

@@ -1,15 +1,13 @@
 //! A calibration as one page of HTML that needs nothing else: estimates, quality of the fit, and each
 //! recording beside what the model says.
 
-use crate::ir::trajectory::{Column, Trajectory};
-use crate::report::figure::{Panel, PlotError, PlotSpec};
-use crate::report::plot;
+use crate::report::markup::escaped;
+use crate::report::page::figure::{Curve, Panel, Stroke, figure};
+use crate::report::page::frame::{Page, facts};
 
 use super::calibration::{Calibration, Comparison, Estimate, Quality, remark, rmse_shown, shown};
 use super::data::Split;
 
-/// Height of a panel of a recording, px.
-const PANEL: u32 = 165;
 /// Reduced sums of squares above which a cell of a table is marked.
 const NOTICEABLE: f64 = 1.1;
 /// Correlations whose size is below this are shown pale.
@@ -18,86 +16,57 @@ const PALE: f64 = 0.3;
 /// Width of the picture of an interval, px.
 const WIDTH: f64 = 190.0;
 
-const STYLE: &str = "\
-body{font:15px/1.5 system-ui,-apple-system,'Segoe UI',sans-serif;color:#1a1a1a;background:#f6f7f9;margin:0}
-main{max-width:1080px;margin:0 auto;padding:24px 32px 64px}
-h1{font-size:26px;margin:8px 0 2px}h2{font-size:19px;margin:36px 0 10px}
-p{margin:4px 0}.sub{color:#667}
-section,details{background:#fff;border:1px solid #e3e6ea;border-radius:8px;padding:14px 18px;overflow-x:auto}
-details{margin:8px 0;padding:10px 18px}summary{cursor:pointer;font-weight:600}summary span{font-weight:400;color:#667}
-table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}
-th{font-weight:600;color:#556;border-bottom:1px solid #cfd4da}
-th,td{text-align:right;padding:4px 10px;white-space:nowrap}td{border-bottom:1px solid #eef0f3}
-th:first-child,td:first-child,.l{text-align:left}code{font:14px ui-monospace,Menlo,Consolas,monospace}
-.facts{display:flex;gap:14px;flex-wrap:wrap;margin:18px 0}
-.fact{background:#fff;border:1px solid #e3e6ea;border-radius:8px;padding:10px 18px}
-.fact b{display:block;font-size:22px}.fact span{color:#667;font-size:13px}
-.bad{background:#fdeee3;color:#a33c00}.note{color:#a33c00}
-.matrix td,.matrix th{padding:3px 6px;font-size:12.5px}
-.range{width:190px}svg{max-width:100%;height:auto}";
-
 /// The page.
-pub fn html(found: &Calibration) -> Result<String, PlotError> {
-    let mut out = String::from("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">");
-    out.push_str("<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">");
-    out.push_str(&format!("<title>{} calibrated</title>", escaped(&found.model)));
-    out.push_str(&format!("<style>{STYLE}</style></head><body><main>\n"));
-    out.push_str(&format!("<h1>{} calibrated</h1>", escaped(&found.model)));
-    out.push_str(&format!("<p class=\"sub\">{}</p>\n", escaped(&found.plan)));
+pub fn html(found: &Calibration) -> String {
+    let mut page = Page::new(&format!("{} calibrated", found.model));
+    page.add(&format!("<h1>{} calibrated</h1>\n", escaped(&found.model)));
+    page.add(&format!("<p class=\"sub\">{}</p>\n", escaped(&found.plan)));
     if !found.search.complete {
-        out.push_str(
-            "<p class=\"note\">The search was interrupted: this is the best so far.</p>\n",
-        );
+        page.add("<p class=\"note\">The search was interrupted: this is the best so far.</p>\n");
     } else if !found.search.converged {
-        out.push_str("<p class=\"note\">The search ended before it had converged.</p>\n");
+        page.add("<p class=\"note\">The search ended before it had converged.</p>\n");
     }
-    facts(found, &mut out);
-    out.push_str("<h2>Parameters</h2>\n<section>");
-    parameters(found, &mut out);
-    out.push_str("</section>\n<h2>Quality of the fit</h2>\n<section>");
-    quality(found, &mut out);
-    out.push_str("</section>\n<h2>Correlations</h2>\n<section>");
-    correlations(found, &mut out);
-    out.push_str("</section>\n");
+    let part = |write: &dyn Fn(&Calibration, &mut String)| {
+        let mut out = String::new();
+        write(found, &mut out);
+        out
+    };
+    page.add(&facts(&told(found)));
+    page.section("parameters", "Parameters", &part(&parameters));
+    page.section("quality", "Quality of the fit", &part(&quality));
+    page.section("correlations", "Correlations", &part(&correlations));
     if !found.repairs.is_empty() {
-        out.push_str("<h2>Repairs</h2>\n<section>");
-        for repair in &found.repairs {
-            out.push_str(&format!("<p>{}</p>", escaped(repair)));
-        }
-        out.push_str("</section>\n");
+        let repair = |r: &String| format!("<p>{}</p>\n", escaped(r));
+        page.section("repairs", "Repairs", &found.repairs.iter().map(repair).collect::<String>());
     }
-    out.push_str("<h2>Recordings</h2>\n");
+    page.add("<h2>Recordings</h2>\n");
     for (i, c) in found.comparisons.iter().enumerate() {
         let open = if i == 0 { " open" } else { "" };
         let chi = c.whole().reduced();
-        out.push_str(&format!(
-            "<details{open}><summary>{} <span>{}, reduced &chi;&sup2; {chi:.3}</span></summary>\n",
+        page.add(&format!(
+            "<details{open}><summary>{} <span>{}, reduced \u{3c7}\u{b2} {chi:.3}</span></summary>\n",
             escaped(&c.name),
             c.split.name()
         ));
-        out.push_str(&picture(c, found)?);
-        out.push_str("</details>\n");
+        page.add(&figure(&format!("recording-{i}"), &panels(c, found)));
+        page.add("</details>\n");
     }
-    out.push_str("</main></body></html>\n");
-    Ok(out)
+    page.finish()
 }
 
-fn facts(found: &Calibration, out: &mut String) {
-    out.push_str("<div class=\"facts\">");
-    let mut fact = |value: String, what: &str| {
-        out.push_str(&format!("<div class=\"fact\"><b>{value}</b><span>{what}</span></div>"));
-    };
+fn told(found: &Calibration) -> Vec<(String, String)> {
     let train = found.quality(Split::Train, None);
     let validation = found.quality(Split::Validation, None);
-    fact(format!("{:.4}", found.reduced_train()), "reduced &chi;&sup2;, training");
+    let chi = "reduced \u{3c7}\u{b2}";
+    let mut out = vec![(format!("{chi}, training"), format!("{:.4}", found.reduced_train()))];
     if validation.count > 0 {
-        fact(format!("{:.4}", validation.reduced()), "reduced &chi;&sup2;, validation");
+        out.push((format!("{chi}, validation"), format!("{:.4}", validation.reduced())));
     }
     let count = train.count + validation.count;
-    fact(count.to_string(), "measured values");
-    fact(found.search.iterations.to_string(), "steps");
-    fact(format!("{:.1} s", found.search.seconds), "on the clock");
-    out.push_str("</div>\n");
+    out.push(("measured values".to_owned(), count.to_string()));
+    out.push(("steps".to_owned(), found.search.iterations.to_string()));
+    out.push(("on the clock".to_owned(), format!("{:.1} s", found.search.seconds)));
+    out
 }
 
 fn parameters(found: &Calibration, out: &mut String) {
@@ -145,7 +114,7 @@ fn range(e: &Estimate) -> String {
 }
 
 fn quality(found: &Calibration, out: &mut String) {
-    out.push_str("<table><tr><th>rmse (reduced &chi;&sup2;)</th>");
+    out.push_str("<table><tr><th>rmse (reduced \u{3c7}\u{b2})</th>");
     for c in &found.channels {
         let (column, unit) = (escaped(&c.column), escaped(&c.unit));
         out.push_str(&format!("<th>{column}, {unit}</th>"));
@@ -199,35 +168,34 @@ fn correlations(found: &Calibration, out: &mut String) {
 }
 
 /// Each signal measured and modelled, and below all of their residuals.
-fn picture(c: &Comparison, found: &Calibration) -> Result<String, PlotError> {
-    let mut run = Trajectory { time: c.time.clone(), ..Trajectory::default() };
+fn panels(c: &Comparison, found: &Calibration) -> Vec<Panel> {
     let mut panels = Vec::new();
-    let mut residuals = Panel { curves: Vec::new(), label: "residuals / noise".to_owned() };
-    let mut add = |name: String, unit: &str, values: Vec<f64>, panel: &mut Panel| {
-        run.columns.push(Column::new(&name, unit));
-        run.data.push(values);
-        panel.curves.push(name);
+    let mut residuals = Vec::new();
+    let curve = |name: String, y: Vec<f64>, stroke, colour| Curve {
+        name,
+        x: c.time.clone(),
+        y,
+        stroke,
+        colour,
     };
     for (k, channel) in found.channels.iter().enumerate() {
-        let mut panel = Panel { curves: Vec::new(), label: channel.variable.clone() };
         let si = |values: &[f64]| values.iter().map(|v| channel.si.to_si(*v)).collect();
-        let (measured, predicted) = (filled(&c.measured[k], &c.predicted[k]), &c.predicted[k]);
-        add(format!("{} measured", channel.column), &channel.si_unit, si(&measured), &mut panel);
-        add(format!("{} model", channel.column), &channel.si_unit, si(predicted), &mut panel);
-        panels.push(panel);
-        let of_noise = predicted.iter().zip(&measured).map(|(p, m)| (p - m) / channel.sigma);
-        add(channel.column.clone(), "", of_noise.collect(), &mut residuals);
+        let (measured, predicted) = (&c.measured[k], &c.predicted[k]);
+        panels.push(Panel {
+            label: channel.variable.clone(),
+            unit: channel.si_unit.clone(),
+            display_unit: String::new(),
+            curves: vec![
+                curve(format!("{} measured", channel.column), si(measured), Stroke::Points, 0),
+                curve(format!("{} model", channel.column), si(predicted), Stroke::Line, 1),
+            ],
+            height: None,
+        });
+        let of_noise = predicted.iter().zip(measured).map(|(p, m)| (p - m) / channel.sigma);
+        residuals.push(curve(channel.column.clone(), of_noise.collect(), Stroke::Line, k));
     }
-    panels.push(residuals);
-    let height = 90 + PANEL * panels.len() as u32;
-    plot::svg(&run, &PlotSpec { height, ..PlotSpec::new("", panels) })
-}
-
-/// The values, where there are none those of the model: their residual is drawn as zero.
-fn filled(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
-    measured.iter().zip(predicted).map(|(m, p)| if m.is_nan() { *p } else { *m }).collect()
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let label = "residuals / noise".to_owned();
+    let (unit, display_unit) = (String::new(), String::new());
+    panels.push(Panel { label, unit, display_unit, curves: residuals, height: None });
+    panels
 }

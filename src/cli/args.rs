@@ -22,6 +22,8 @@ struct Arguments {
 pub enum Command {
     /// Compile a model, run it, write a table and a picture.
     Simulate(Simulate),
+    /// Make a page with the diagram, the parameters and the runs of a model.
+    Report(Report),
     /// Run a model many times with other parameters, write a table with a row for each run.
     Sweep(Sweep),
     /// Draw a chart of tables: runs, sweeps or recordings, overlaid and side by side.
@@ -73,6 +75,29 @@ pub struct Simulate {
     /// The model.
     #[command(flatten)]
     pub model: Model,
+    /// How it is run.
+    #[command(flatten)]
+    pub running: Running,
+    /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
+    #[arg(long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+    /// Picture, .svg or .png [default: MODEL.svg; nothing if only --output is given].
+    #[arg(long, value_name = "PATH")]
+    pub plot: Option<PathBuf>,
+    /// Variables to draw, separated by commas.
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
+    /// List the events.
+    #[arg(long)]
+    pub events: bool,
+    /// A number to be taken of the run and printed, such as "t = when(s > 0.95*s_max)"; repeatable.
+    #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
+    pub measures: Vec<String>,
+}
+
+/// How a model is run.
+#[derive(Args, Debug)]
+pub struct Running {
     /// End of the run, s [default: from the experiment annotation, else 1].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub stop: Option<f64>,
@@ -88,24 +113,39 @@ pub struct Simulate {
     /// Who solves algebraic loops while the model runs.
     #[arg(long, value_name = "MODE", value_enum, default_value_t = Mode::Reduced)]
     pub mode: Mode,
-    /// Results, .csv, .parquet or .mat [default: MODEL.csv; nothing if only --plot is given].
-    #[arg(long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
-    /// Picture, .svg or .png [default: MODEL.svg; nothing if only --output is given].
-    #[arg(long, value_name = "PATH")]
-    pub plot: Option<PathBuf>,
-    /// Variables to draw, separated by commas.
-    #[arg(long, value_name = "NAME,...")]
-    pub show: Option<String>,
     /// Record only variables in whose names this regular expression is found.
     #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
     pub variables: Option<Regex>,
-    /// List the events.
-    #[arg(long)]
-    pub events: bool,
-    /// A number to be taken of the run and printed, such as "t = when(s > 0.95*s_max)"; repeatable.
-    #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
-    pub measures: Vec<String>,
+}
+
+/// A page about a model and its runs.
+#[derive(Args, Debug)]
+pub struct Report {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// How it is run.
+    #[command(flatten)]
+    pub running: Running,
+    /// The page, .html [default: MODEL_report.html; nothing if only --diagram is given].
+    #[arg(long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+    /// Draw the components and their connections, .svg or .png.
+    #[arg(long, value_name = "PATH")]
+    pub diagram: Option<PathBuf>,
+    /// A run with other parameters, as "LABEL: NAME=VALUE, ..."; several are laid over each other.
+    #[arg(long = "run", value_name = "RUN")]
+    pub runs: Vec<String>,
+    /// A recording to lay over the runs, .csv: names in the first line, the time first.
+    #[arg(long, value_name = "PATH")]
+    pub data: Vec<PathBuf>,
+    /// Which variable a column of the recordings is, and its unit: COLUMN=VARIABLE:UNIT [default: columns
+    /// that are called like a variable, in SI units].
+    #[arg(long = "signal", value_name = "SIGNAL")]
+    pub signals: Vec<String>,
+    /// Variables to show at first, separated by commas.
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
 }
 
 /// A chart.
@@ -167,30 +207,15 @@ pub struct Sweep {
     /// Begin anew, and replace what is there.
     #[arg(long, visible_alias = "force")]
     pub restart: bool,
-    /// End of each run, s [default: from the experiment annotation, else 1].
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    pub stop: Option<f64>,
-    /// Time between rows of the courses, s [default: from the annotation, else a 500th of the run].
-    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
-    pub interval: Option<f64>,
-    /// Relative tolerance [default: from the annotation, else 1e-6].
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    pub tolerance: Option<f64>,
-    /// Integration method.
-    #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
-    pub method: Method,
-    /// Who solves algebraic loops while the model runs.
-    #[arg(long, value_name = "MODE", value_enum, default_value_t = Mode::Reduced)]
-    pub mode: Mode,
+    /// How each is run.
+    #[command(flatten)]
+    pub running: Running,
     /// Keep the course of each run, in the folder `runs`.
     #[arg(long)]
     pub traces: bool,
     /// Keep the course of these variables only, separated by commas.
     #[arg(long, value_name = "NAME,...")]
     pub show: Option<String>,
-    /// Keep the course of variables in whose names this regular expression is found.
-    #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
-    pub variables: Option<Regex>,
 }
 
 /// An integration method.

@@ -200,7 +200,7 @@ fn write(
     model: &str,
     found: &Calibration,
 ) -> Result<Vec<PathBuf>, String> {
-    let page = page::html(found).map_err(|e| e.to_string())?;
+    let page = page::html(found);
     let files = [
         ("calibration.json".to_owned(), found.json()),
         ("calibration.html".to_owned(), page),

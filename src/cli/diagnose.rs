@@ -122,7 +122,8 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
     if let (Some(name), Some((_, text))) = (&name, &amended) {
         files.push((name.clone(), text.clone()));
     }
-    files.push(("diagnosis.html".to_owned(), page::html(&case, &found, amended.as_ref())));
+    let page = page::html(&case, &found, &original, amended.as_ref());
+    files.push(("diagnosis.html".to_owned(), page));
     for (name, text) in files {
         let path = folder.join(name);
         if let Err(why) = write_file(&path, text.as_bytes()) {

@@ -5,6 +5,8 @@ pub mod diagnose;
 pub mod interrupt;
 pub mod plot;
 pub mod progress;
+pub mod report;
+pub mod running;
 pub mod show;
 pub mod simulate;
 pub mod stream;
@@ -52,6 +54,7 @@ impl From<Wrong> for Status {
 pub fn run() -> Status {
     match args::read() {
         args::Command::Simulate(options) => simulate::run(&options),
+        args::Command::Report(options) => report::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Diagnose(options) => diagnose::run(&options),
         args::Command::Plot(options) => plot::run(&options),

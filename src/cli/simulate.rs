@@ -1,29 +1,22 @@
 //! `mocc simulate`: compile, run, write, summarise.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::args::Simulate;
 use super::progress::Progress;
 use super::stream::{Stream, drawable};
-use super::{Status, interrupt, print, say, style};
+use super::{Status, interrupt, print, running, say, style};
 use crate::base::render::render;
-use crate::codegen::record;
-use crate::driver::compile::{Request, Session};
-use crate::ir::flat::Experiment;
+use crate::driver::compile::Session;
 use crate::ir::program::Program;
-use crate::ir::trajectory::{Column, Kind, Trajectory, position};
+use crate::ir::trajectory::{Column, Trajectory, position};
 use crate::measure::observe::{Observer, Plan};
 use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::report::plot;
 use crate::report::results::Format;
 use crate::simulate::columns::{columns, courses};
-use crate::simulate::error::FailureKind;
 use crate::simulate::run::{Run, simulate_to};
-use crate::simulate::settings::Settings;
-
-/// At most so many curves are drawn unless the user names them.
-const MAX_CURVES: usize = 8;
 
 /// Runs the command.
 pub fn run(options: &Simulate) -> Status {
@@ -33,7 +26,7 @@ pub fn run(options: &Simulate) -> Status {
     }
     let begun = Instant::now();
     let mut session = Session::default();
-    let request = Request { form: options.mode.into(), ..options.model.request() };
+    let request = running::request(&options.model, &options.running);
     let program = match options.measures.as_slice() {
         [] => session.compile(&request).map(|program| (program, None)),
         texts => session.compile_measured(&request, texts).map(|(p, plan)| (p, Some(plan))),
@@ -43,22 +36,13 @@ pub fn run(options: &Simulate) -> Status {
         Ok(program) => program,
         Err(wrong) => return wrong.into(),
     };
-    if let Some(wanted) = &options.variables {
-        match &mut measures {
-            Some(plan) => plan.record(&mut program, |name| wanted.is_match(name)),
-            None => record::only(&mut program, |name| wanted.is_match(name)),
-        }
-        if shown(&program, measures.as_ref()) == 0 {
-            eprintln!("error: no variable has a name that `{wanted}` matches");
-            return Status::Usage;
-        }
+    if let Err(why) = running::restrict(&options.running, &mut program, measures.as_mut()) {
+        eprintln!("error: {why}");
+        return Status::Usage;
     }
     let compiled = begun.elapsed();
 
-    let experiment = &program.blocks.dae.experiment;
-    let mut settings = settings_of(experiment, options.stop, options.interval, options.tolerance);
-    settings.method = options.method.into();
-
+    let mut settings = running::settings(&options.running, &program.blocks.dae.experiment);
     let files = Files::of(options, &program);
     let columns = &columns(&program)[..shown(&program, measures.as_ref())];
     let mut stream = match files.stream(options, &program, columns) {
@@ -89,14 +73,7 @@ pub fn run(options: &Simulate) -> Status {
     stream.hide();
     let (statistics, values) = match outcome {
         Ok(ended) => ended,
-        Err(failure) => {
-            eprintln!("{}", render(&failure.diagnostic, &session.sources, style()));
-            return match failure.kind {
-                FailureKind::Numerics | FailureKind::Assertion => Status::Numerics,
-                FailureKind::Settings => Status::Usage,
-                FailureKind::Bug => Status::Bug,
-            };
-        }
+        Err(failure) => return running::failed(&failure, &session.sources),
     };
     for warning in &statistics.warnings {
         eprintln!("{}\n", render(warning, &session.sources, style()));
@@ -124,26 +101,6 @@ pub fn run(options: &Simulate) -> Status {
     // Gigabytes of a large model need not be given back piece by piece at the end.
     std::mem::forget(program);
     status
-}
-
-/// What a run chooses: the annotation's values where the user gives none.
-pub(super) fn settings_of(
-    experiment: &Experiment,
-    stop: Option<f64>,
-    interval: Option<f64>,
-    tolerance: Option<f64>,
-) -> Settings {
-    let mut settings = Settings::of(experiment);
-    if let Some(stop) = stop {
-        if experiment.interval.is_none() {
-            settings.interval =
-                (stop - settings.start) / crate::simulate::settings::DEFAULT_INTERVALS;
-        }
-        settings.stop = stop;
-    }
-    settings.interval = interval.unwrap_or(settings.interval);
-    settings.tolerance = tolerance.unwrap_or(settings.tolerance);
-    settings
 }
 
 /// Number of variables of the user that are recorded: the first.
@@ -176,7 +133,7 @@ impl Files {
     /// Those that the user names, or else both, called after the model.
     fn of(options: &Simulate, program: &Program) -> Files {
         let neither = options.output.is_none() && options.plot.is_none();
-        let stem = stem(options, program);
+        let stem = running::stem(&options.model, program);
         let default =
             |extension: &str| neither.then(|| PathBuf::from(format!("{stem}.{extension}")));
         Files {
@@ -196,7 +153,7 @@ impl Files {
             (None, _) => Vec::new(),
             (Some(_), None) => drawable(columns),
             (Some(_), Some(list)) => {
-                let names = names_in(list);
+                let names = running::names_in(list);
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 panels_for(&names, columns).map_err(|e| e.to_string())?;
                 let mut kept: Vec<usize> =
@@ -230,24 +187,12 @@ impl Files {
     }
 }
 
-/// `valve52` for `examples/valve52.mol`, the last part of the model's name without a file.
-fn stem(options: &Simulate, program: &Program) -> String {
-    let of_file = options.model.file.as_deref().and_then(Path::file_stem);
-    match of_file {
-        Some(stem) => stem.to_string_lossy().into_owned(),
-        None => {
-            let full = &program.blocks.dae.name;
-            full.rsplit('.').next().unwrap_or(full).to_string()
-        }
-    }
-}
-
 /// What to draw: the variables that the user names, or those of most interest.
 fn figure(options: &Simulate, program: &Program, run: &Run) -> Result<Option<PlotSpec>, PlotError> {
     let columns = &run.trajectory.columns;
     let names: Vec<String> = match &options.show {
-        Some(list) => names_in(list),
-        None => interesting(&run.trajectory),
+        Some(list) => running::names_in(list),
+        None => running::interesting(&run.trajectory),
     };
     if names.is_empty() && options.show.is_none() {
         return Ok(None);
@@ -264,49 +209,6 @@ fn figure(options: &Simulate, program: &Program, run: &Run) -> Result<Option<Plo
         }
     }
     Ok(Some(PlotSpec::new(program.blocks.dae.name.clone(), panels)))
-}
-
-/// Names between commas; commas in subscripts do not part.
-pub(super) fn names_in(list: &str) -> Vec<String> {
-    let mut out = vec![String::new()];
-    let mut depth = 0;
-    for c in list.chars() {
-        match c {
-            '[' => depth += 1,
-            ']' => depth -= 1,
-            ',' if depth == 0 => {
-                out.push(String::new());
-                continue;
-            }
-            _ => {}
-        }
-        out.last_mut().expect("never empty").push(c);
-    }
-    out.into_iter().map(|n| n.trim().to_string()).filter(|n| !n.is_empty()).collect()
-}
-
-/// What to draw by itself: variables of the model itself, before those of its components; positions
-/// and pressures where there are both.
-fn interesting(trajectory: &Trajectory) -> Vec<String> {
-    let real = |k: &Kind| *k == Kind::Continuous;
-    let moving = |name: &str| trajectory.values(name).is_some_and(|v| v.iter().any(|x| *x != v[0]));
-    let candidates = |top: bool| {
-        trajectory
-            .columns
-            .iter()
-            .filter(|c| real(&c.kind) && (!top || !c.name.contains('.')))
-            .filter(|c| !c.name.starts_with("der(") && moving(&c.name))
-            .collect::<Vec<_>>()
-    };
-    let mut chosen = candidates(true);
-    if chosen.is_empty() {
-        chosen = candidates(false);
-    }
-    let has = |unit: &str| chosen.iter().any(|c| c.unit == unit);
-    if has("m") && has("Pa") {
-        chosen.retain(|c| c.unit == "m" || c.unit == "Pa");
-    }
-    chosen.into_iter().take(MAX_CURVES).map(|c| c.name.clone()).collect()
 }
 
 fn events(trajectory: &Trajectory) -> String {

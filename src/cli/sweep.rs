@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::args::Sweep as Options;
 use super::progress::Progress;
-use super::simulate::{names_in, settings_of};
+use super::running::{self, names_in};
 use super::{Status, interrupt, print, say};
 use crate::driver::compile::{Request, Session, Wrong};
 use crate::report::journal::{Fingerprint, Found, Journal, exists, remove};
@@ -34,7 +34,7 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     let design = design(options)?;
     let files = Files::of(options)?;
     let model = Model {
-        request: Request { form: options.mode.into(), ..options.model.request() },
+        request: running::request(&options.model, &options.running),
         measures: options.measures.clone(),
         keep: files.traces.is_some().then(|| keep(options)),
     };
@@ -115,8 +115,7 @@ fn design(options: &Options) -> Result<Design, SweepError> {
 
 /// What all runs choose. Where no course is kept there are rows at events only.
 fn settings(options: &Options, experiment: &crate::ir::flat::Experiment, traces: bool) -> Settings {
-    let mut settings = settings_of(experiment, options.stop, options.interval, options.tolerance);
-    settings.method = options.method.into();
+    let mut settings = running::settings(&options.running, experiment);
     settings.spacing = Some(settings.interval);
     if !traces && settings.stop > settings.start {
         settings.interval = settings.stop - settings.start;
@@ -126,7 +125,7 @@ fn settings(options: &Options, experiment: &crate::ir::flat::Experiment, traces:
 
 /// The variables whose course is kept.
 fn keep(options: &Options) -> Keep {
-    let pattern = options.variables.clone();
+    let pattern = options.running.variables.clone();
     let names: Option<Vec<String>> = options.show.as_deref().map(names_in);
     let plain = |name: &str| name.chars().filter(|c| !c.is_whitespace()).collect::<String>();
     Arc::new(move |name| match (&pattern, &names) {
@@ -145,7 +144,7 @@ fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
     for text in session.sources.texts() {
         all.add(text);
     }
-    let pattern = options.variables.as_ref().map(|p| p.as_str().to_owned());
+    let pattern = options.running.variables.as_ref().map(|p| p.as_str().to_owned());
     let said = format!(
         "{:?}",
         (
@@ -156,7 +155,13 @@ fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
                 &options.model.folders
             ),
             (&options.vary, &options.sample, options.seed, &options.measures),
-            (options.stop, options.interval, options.tolerance, options.method, options.mode),
+            (
+                options.running.stop,
+                options.running.interval,
+                options.running.tolerance,
+                options.running.method,
+                options.running.mode
+            ),
             (options.traces, &options.show, pattern),
         )
     );
@@ -175,7 +180,8 @@ struct Files {
 impl Files {
     fn of(options: &Options) -> Result<Files, SweepError> {
         let output = &options.output;
-        let wanted = options.traces || options.show.is_some() || options.variables.is_some();
+        let wanted =
+            options.traces || options.show.is_some() || options.running.variables.is_some();
         let extension = output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let is_file = matches!(extension.as_deref(), Some("csv" | "parquet"));
         if is_file {

@@ -1,7 +1,13 @@
 //! A diagnosis for people: the summary for the terminal and one page of HTML that needs nothing else.
 
 use crate::calibrate::data::Split;
+use crate::calibrate::plan::Signal;
+use crate::report::markup::escaped;
+use crate::report::page::diff::unified;
+use crate::report::page::figure::{Curve, Panel, Stroke, figure};
+use crate::report::page::frame::Page;
 
+use super::residual::residuals;
 use super::result::{sentences, verdict};
 use super::search::{Case, Found, Level, Scored};
 
@@ -37,56 +43,76 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
     out
 }
 
-const STYLE: &str = "\
-body{font:15px/1.5 system-ui,-apple-system,'Segoe UI',sans-serif;color:#1a1a1a;background:#f6f7f9;margin:0}
-main{max-width:1080px;margin:0 auto;padding:24px 32px 64px}
-h1{font-size:26px;margin:8px 0 2px}h2{font-size:19px;margin:36px 0 10px}
-section{background:#fff;border:1px solid #e3e6ea;border-radius:8px;padding:14px 18px;overflow-x:auto}
-table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}
-th{font-weight:600;color:#556;border-bottom:1px solid #cfd4da}
-th,td{text-align:right;padding:4px 10px}td{border-bottom:1px solid #eef0f3}
-th:first-child,td:first-child{text-align:left}pre{font:13px ui-monospace,Menlo,Consolas,monospace}
-.verdict{display:inline-block;padding:2px 14px;border-radius:14px;background:#e2f0e6;font-weight:600}
-.bar{background:#4477aa;height:10px;border-radius:3px}";
-
 /// The page.
-pub fn html(case: &Case<'_>, found: &Found, amended: Option<&(String, String)>) -> String {
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}: diagnosis</title><style>{STYLE}</style></head><body><main>\n<h1>{0}</h1><p class=\"verdict\">{1}</p>\n",
+pub fn html(
+    case: &Case<'_>,
+    found: &Found,
+    original: &str,
+    amended: Option<&(String, String)>,
+) -> String {
+    let mut page = Page::new(&format!("{}: diagnosis", case.base));
+    page.add(&format!(
+        "<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n",
         escaped(&case.base),
         verdict(found).name()
-    );
+    ));
     for sentence in sentences(case.effects, &found.after.chosen) {
-        out.push_str(&format!("<p>{}</p>\n", escaped(&sentence)));
+        page.add(&format!("<p>{}</p>\n", escaped(&sentence)));
     }
-    out.push_str("<h2>Error before and after</h2><section>");
-    errors(case, found, &mut out);
-    out.push_str("</section>\n");
+    let part = |write: &dyn Fn(&mut String)| {
+        let mut out = String::new();
+        write(&mut out);
+        out
+    };
+    page.section("errors", "Error before and after", &part(&|out| errors(case, found, out)));
     if found.after.values.len() > case.plan.free.len() {
-        out.push_str("<h2>Parameters of what was found</h2><section>");
-        parameters(case, &found.after, &mut out);
-        out.push_str("</section>\n");
+        let text = part(&|out| parameters(case, &found.after, out));
+        page.section("parameters", "Parameters of what was found", &text);
     }
     for (depth, ranking) in found.rankings.iter().enumerate() {
-        out.push_str(&format!("<h2>Ranking {}</h2><section>", depth + 1));
-        out.push_str("<p>How much of the sum of squares each effect promises to explain, before any is fitted.</p>");
         let cost = if depth == 0 { found.before.train.total() } else { found.after.train.total() };
-        rank(case, ranking, cost, &mut out);
-        out.push_str("</section>\n");
+        let mut text = "<p>How much of the sum of squares each effect promises to explain, before any is fitted.</p>\n".to_owned();
+        rank(case, ranking, cost, &mut text);
+        let number = depth + 1;
+        page.section(&format!("ranking-{number}"), &format!("Ranking {number}"), &text);
     }
     if !found.rejected.is_empty() {
-        out.push_str("<h2>Fitted and not kept</h2><section>");
-        rejected(case, found, &mut out);
-        out.push_str("</section>\n");
+        let text = part(&|out| rejected(case, found, out));
+        page.section("rejected", "Fitted and not kept", &text);
     }
-    if let Some((name, text)) = amended {
-        let at = text.find(&format!("model {name} ")).unwrap_or(0);
+    page.section("residuals", "What is left of each recording", &multiples(case, found));
+    if let Some((_, text)) = amended {
+        page.section("amended", "What was added to the model", &unified(original, text));
+    }
+    page.finish()
+}
+
+/// Residuals in units of the noise: a small figure for each recording, a panel for each signal.
+fn multiples(case: &Case<'_>, found: &Found) -> String {
+    let mut out = String::from(
+        "<p>Model less measurement, in units of the sensor's noise, before and after.</p>\n<div class=\"multiples\">\n",
+    );
+    let kept = !found.after.chosen.is_empty();
+    for (i, r) in residuals(case, found).iter().enumerate() {
+        let curve = |name: &str, all: &[Vec<f64>], k: usize, colour| {
+            let (x, y) = (r.time.to_vec(), all.get(k)?.clone());
+            Some(Curve { name: name.to_owned(), x, y, stroke: Stroke::Line, colour })
+        };
+        let panel = |(k, signal): (usize, &Signal)| {
+            let after = if kept { curve("after", &r.after, k, 0) } else { None };
+            let curves = curve("before", &r.before, k, 1).into_iter().chain(after).collect();
+            let (label, unit) = (signal.column.clone(), String::new());
+            Panel { label, display_unit: unit.clone(), unit, curves, height: Some(90) }
+        };
+        let panels: Vec<Panel> = case.plan.signals.iter().enumerate().map(panel).collect();
         out.push_str(&format!(
-            "<h2>The amended model</h2><section><pre>{}</pre></section>\n",
-            escaped(&text[at..])
+            "<div><b>{}</b> <span class=\"sub\">{}</span>\n{}</div>\n",
+            escaped(&r.name),
+            r.split.name(),
+            figure(&format!("residual-{i}"), &panels)
         ));
     }
-    out.push_str("</main></body></html>\n");
+    out.push_str("</div>\n");
     out
 }
 
@@ -156,8 +182,4 @@ fn rejected(case: &Case<'_>, found: &Found, out: &mut String) {
         ));
     }
     out.push_str("</table>");
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -3,7 +3,7 @@
 
 use crate::base::diag::Problems;
 use crate::calibrate::data::{Data, Split};
-use crate::calibrate::fit::{Fit, Heed, STOPPING, WELL, quick_fit, refine, search};
+use crate::calibrate::fit::{Fit, Heed, STOPPING, quick_fit, refine, search};
 use crate::calibrate::plan::{Free, Plan};
 use crate::calibrate::problem::{Problem, Sums, record_also};
 use crate::calibrate::statistics::standard_errors;
@@ -23,7 +23,7 @@ const FITTED: usize = 5;
 /// Of these, those that are searched for long, at most.
 const SEARCHED: usize = 3;
 /// They are, if what they leave over after a first look is not more than this multiple of the least.
-const CLOSE: f64 = 3.0;
+const CLOSE: f64 = 2.0;
 /// Effects that are looked for, one after the other.
 const DEPTH: usize = 3;
 /// An amplitude that is not so many standard errors from zero may not be needed.
@@ -205,7 +205,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             let longer = &mut |p: &mut Problem<'_>| {
                 let start = p.start();
                 let found = search(p, &start, &STOPPING, heed)?;
-                Some(if mostly_fits(p, &found) { refine(p, found, heed) } else { found })
+                Some(refine(p, found, heed))
             };
             if let Ok(better) = level(case, fitted.chosen.clone(), fitted.plan.clone(), longer) {
                 let name = better.chosen.last().map(|c| case.named(c.effect, &c.place));
@@ -230,14 +230,6 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         }
     }
     Ok(found)
-}
-
-/// True if most recordings fit: the others may stand on the wrong side of a jump.
-fn mostly_fits(problem: &Problem<'_>, fit: &Fit) -> bool {
-    let Ok(sums) = problem.sums(Split::Train, &fit.x) else { return false };
-    let mut each = sums.by_recording();
-    each.sort_by(f64::total_cmp);
-    each.get(each.len() / 2).is_some_and(|median| *median < WELL)
 }
 
 /// Without those effects that the data do not ask for beside the others.

@@ -11,6 +11,7 @@ use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
 use crate::flatten::inventory::Inventory;
 use crate::instantiate::{Context, ROOT};
+use crate::ir::assembly::Assembly;
 use crate::ir::ast::{
     self, Argument, ArgumentKind, ClassBody, ClassKind, ElementKind, Modification,
 };
@@ -74,6 +75,11 @@ impl Session {
     /// The flat model of a request, and what the model is made of.
     pub fn inspect(&mut self, request: &Request) -> Result<(FlatModel, Inventory), Wrong> {
         self.flatten_by(request, crate::flatten::flatten_with_inventory)
+    }
+
+    /// The flat model of a request, and what it is put together from.
+    pub fn take_apart(&mut self, request: &Request) -> Result<(FlatModel, Assembly), Wrong> {
+        self.flatten_by(request, crate::flatten::flatten_with_assembly)
     }
 
     fn flatten_by<T>(
@@ -226,7 +232,8 @@ impl Session {
         plan.map(|plan| (program, plan)).ok_or(Wrong::Request)
     }
 
-    fn compile_flat(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
+    /// The program of a flat model, in this form.
+    pub fn compile_flat(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
         let between = crate::lower::homotopy::between(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate_as(blocks, form)?;

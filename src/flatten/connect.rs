@@ -21,6 +21,18 @@ type Member = (VarId, bool);
 pub struct Connections {
     potentials: Sets,
     flows: Sets,
+    /// Each `connect` of two connectors, if somebody wants to know.
+    pub(super) noted: Option<Vec<Noted>>,
+}
+
+/// A `connect` as it is written.
+pub(super) struct Noted {
+    /// The component in whose class it stands.
+    pub(super) holder: InstanceId,
+    /// The connectors.
+    pub(super) ends: [InstanceId; 2],
+    /// The equation.
+    pub(super) span: Span,
 }
 
 /// Sets of members that grow together (union-find with path halving), in order of first mention.
@@ -77,6 +89,11 @@ impl Sets {
 }
 
 impl Connections {
+    /// None yet, each to be noted as it is written.
+    pub(super) fn noting() -> Self {
+        Connections { noted: Some(Vec::new()), ..Connections::default() }
+    }
+
     /// The set that a variable of a component's connector is in; potentials and flows have sets of their
     /// own.
     pub(super) fn node(&mut self, v: VarId) -> Option<usize> {
@@ -102,7 +119,7 @@ impl Connections {
         let (left, right) = (left?, right?);
         let outside = (is_outside(cx, a, scope), is_outside(cx, b, scope));
         let origin = Origin { span, component: component.clone() };
-        let pair = Pair { outside, origin, ends: (a.span, b.span) };
+        let pair = Pair { outside, origin, ends: (a.span, b.span), holder: scope.instance };
         self.pair(cx, &left, &right, &pair)
     }
 
@@ -123,7 +140,10 @@ impl Connections {
                 }
                 for (x, y) in left.iter().zip(&right) {
                     match (scalar(cx, x), scalar(cx, y)) {
-                        (Some(x), Some(y)) => self.scalars(cx, x, y, pair)?,
+                        (Some(x), Some(y)) => {
+                            self.note(cx, x.0, y.0, pair);
+                            self.scalars(cx, x, y, pair)?;
+                        }
                         (None, None) => self.pair(cx, x, y, pair)?,
                         _ => return mismatch(cx, pair, "are not of one kind"),
                     }
@@ -152,6 +172,7 @@ impl Connections {
                 if d != e {
                     return mismatch(cx, pair, "have different sizes");
                 }
+                self.note(cx, x, y, pair);
                 for k in 0..d.iter().product() {
                     self.scalars(cx, (x, k), (y, k), pair)?;
                 }
@@ -171,6 +192,7 @@ impl Connections {
                         return None;
                     }
                 }
+                self.note(cx, x, y, pair);
                 for child in children.iter() {
                     let name = cx.instances[*child].name;
                     match others.iter().find(|o| cx.instances[**o].name == name) {
@@ -199,6 +221,15 @@ impl Connections {
                 Some(())
             }
             _ => mismatch(cx, pair, "are not of one kind"),
+        }
+    }
+
+    /// Remembers a pair of connectors, but not what is inside them.
+    fn note(&mut self, cx: &mut Context<'_>, x: InstanceId, y: InstanceId, pair: &Pair) {
+        let Some(noted) = &mut self.noted else { return };
+        let inside = cx.instances[x].parent.is_some_and(|p| is_connector(cx, p));
+        if !inside {
+            noted.push(Noted { holder: pair.holder, ends: [x, y], span: pair.origin.span });
         }
     }
 
@@ -292,6 +323,7 @@ impl Connections {
 }
 
 struct Pair {
+    holder: InstanceId,
     outside: (bool, bool),
     origin: Origin,
     ends: (Span, Span),

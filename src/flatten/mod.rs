@@ -1,5 +1,6 @@
 //! Instance tree to flat model: scalar variables with their values, equations written out,
 //! connections turned into equations (section 5.6 of the specification).
+pub mod assembly;
 pub mod connect;
 pub mod equation;
 pub mod inventory;
@@ -13,6 +14,7 @@ use std::sync::Arc;
 
 use crate::base::index::FastSet;
 use crate::instantiate::Context;
+use crate::ir::assembly::Assembly;
 use crate::ir::ast::{ArgumentKind, Modification};
 use crate::ir::expr::Const;
 use crate::ir::flat::{Experiment, FlatModel};
@@ -22,7 +24,21 @@ use crate::ir::modification::Setting;
 /// Flattens the model `class` with settings from outside. Problems are left in the context; the value
 /// is then of no use for running.
 pub fn flatten(cx: &mut Context<'_>, class: ClassId, settings: &[Rc<Setting>]) -> FlatModel {
-    flatten_with(cx, class, settings, |_, _, _| ())
+    flatten_with(cx, class, settings, connect::Connections::default(), |_, _, _, _| ())
+}
+
+/// As [`flatten`], and takes the model apart into what can be drawn.
+pub fn flatten_with_assembly(
+    cx: &mut Context<'_>,
+    class: ClassId,
+    settings: &[Rc<Setting>],
+) -> (FlatModel, Assembly) {
+    let mut found = Assembly::default();
+    let noting = connect::Connections::noting();
+    let flat = flatten_with(cx, class, settings, noting, |cx, root, connections, flat| {
+        found = assembly::of(cx, root, connections, flat);
+    });
+    (flat, found)
 }
 
 /// As [`flatten`], and takes stock of what the model is made of.
@@ -32,7 +48,8 @@ pub fn flatten_with_inventory(
     settings: &[Rc<Setting>],
 ) -> (FlatModel, inventory::Inventory) {
     let mut found = inventory::Inventory::default();
-    let flat = flatten_with(cx, class, settings, |cx, root, connections| {
+    let connections = connect::Connections::default();
+    let flat = flatten_with(cx, class, settings, connections, |cx, root, connections, _| {
         found = inventory::of(cx, root, connections);
     });
     (flat, found)
@@ -42,7 +59,8 @@ fn flatten_with(
     cx: &mut Context<'_>,
     class: ClassId,
     settings: &[Rc<Setting>],
-    look: impl FnOnce(&mut Context<'_>, InstanceId, &mut connect::Connections),
+    mut connections: connect::Connections,
+    look: impl FnOnce(&mut Context<'_>, InstanceId, &mut connect::Connections, &FlatModel),
 ) -> FlatModel {
     let text = cx.text(class).cloned();
     let full_name = cx.classes[class].full_name.to_string();
@@ -55,11 +73,10 @@ fn flatten_with(
     variable::number(cx, root, &mut flat);
     variable::fill(cx, &mut flat);
 
-    let mut connections = connect::Connections::default();
     for object in objects(cx, root) {
         equation::of_object(cx, object, &mut flat, &mut connections);
     }
-    look(cx, root, &mut connections);
+    look(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
     if let Some(annotation) = text.as_ref().and_then(|t| t.annotation.clone()) {
         flat.experiment = experiment(cx, &annotation, Scope { instance: root, class });

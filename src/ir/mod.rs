@@ -9,3 +9,4 @@ pub mod blocks;
 pub mod program;
 pub mod trajectory;
 pub mod diagram;
+pub mod assembly;

@@ -49,6 +49,11 @@ impl Json {
         Json(Value::Object(members))
     }
 
+    /// The text in one line.
+    pub fn compact(&self) -> String {
+        self.0.to_string()
+    }
+
     /// The text, indented, with a line end.
     pub fn pretty(&self) -> String {
         format!("{:#}\n", self.0)

@@ -127,6 +127,10 @@ fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
     assert_eq!(ended.status, 0, "{}", ended.err);
     let page = std::fs::read_to_string(scratch.path().join("out/diagnosis.html")).expect("a page");
     assert!(page.contains("Effects.QuadraticDrag"));
+    // What was added stands there as a difference, and what is left of each recording beside it.
+    assert!(page.contains("<span class=\"plus\">+model Swing_with_QuadraticDrag "));
+    assert!(!page.contains("class=\"minus\""), "nothing of the original was taken away");
+    assert!(page.contains("id=\"residual-0\"") && page.contains("\"name\":\"after\""));
 }
 
 /// A catalogue of the user's own: the effect is one more model with an annotation.

@@ -28,6 +28,8 @@ impl Effect {
     fn component(&self) -> &str {
         match self.name.as_str() {
             "Source" => "supply",
+            "Restriction" => "line",
+            "VariableRestriction" => "fill",
             "PilotValve" => "pilot",
             _ => "effect",
         }

@@ -19,6 +19,7 @@ mod implicit;
 mod language;
 mod machine_code;
 mod reference;
+mod report;
 mod results;
 mod sensitivity;
 mod start;

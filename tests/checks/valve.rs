@@ -252,6 +252,7 @@ fn check(table: &Table) {
     // Ten newtons by the speed that is left where an event finds it zero.
     all("P_friction", &|x| x <= 1e-7);
     all("E_friction", &|x| x <= 0.0);
+    // An event at a stop is found to tolerance: 1e-6 of the stroke of 3.5 mm.
     all("s_least", &|x| x > -1e-6);
     all("s_most", &|x| x < 1.0 + 1e-6);
     all("p_least", &|x| x > 0.99e5);

@@ -422,6 +422,28 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end PilotValve;
 
+    model Restriction
+      // Choked: a fifth of the conductance is missing.
+      extends Filled(line(blocked = 0.2));
+    equation
+      found = {p};
+      exact = {p_1 + 0.8*slope/V*time};
+      annotation(experiment(StopTime = 0.5, Tolerance = 1e-9));
+    end Restriction;
+
+    model VariableRestriction
+      extends OnVessel(p_1 = 1e5);
+      Pneumatics.Source supply(p = 7e5);
+      // Opens linearly, and is wider than its sheet says: by a tenth.
+      Pneumatics.VariableRestriction effect(C = 1e-9, b = 0.5, x = time, blocked = -0.1);
+    equation
+      connect(supply.port, effect.port_a);
+      connect(effect.port_b, vessel.port);
+      found = {p};
+      exact = {p_1 + 1.1*1e-9*rho_0*7e5*RT/V*time^2/2};
+      annotation(experiment(StopTime = 0.5, Tolerance = 1e-9));
+    end VariableRestriction;
+
     model Source
       extends Check;
       // A choked hole draws in proportion to the pressure before it, C rho_0 p: K = R C rho_0.
@@ -505,6 +527,8 @@ package EffectTests
     Pneumatics.VariableRestriction vent(C = 5e-10, x = 1 - pilot.x);
     Pneumatics.CylinderChamber     chamber(A = 2e-4, V_dead = 1e-6);
     Pneumatics.Volume              work(V_0 = 20e-6);
+    Pneumatics.Restriction         line(C = 2e-8);
+    Pneumatics.Volume              tank(V_0 = 10e-6);
     Units.Position         s   = spool.s;
     Units.Velocity         v   = spool.v;
     Units.AbsolutePressure p   = chamber.p;
@@ -523,6 +547,8 @@ package EffectTests
     connect(vent.port_b, ambient.port);
     connect(supply.port, seal.port_a);
     connect(seal.port_b, work.port);
+    connect(work.port, line.port_a);
+    connect(line.port_b, tank.port);
 
     annotation(experiment(StopTime = 0.08, Interval = 1e-4, Tolerance = 1e-9));
   end Base;
@@ -759,6 +785,14 @@ package EffectTests
     model PilotValve
       extends Base;
     end PilotValve;
+
+    model Restriction
+      extends Base(line(blocked = 0));
+    end Restriction;
+
+    model VariableRestriction
+      extends Base(fill(blocked = 0));
+    end VariableRestriction;
 
     model Source
       extends Base(supply(has_line = true));

@@ -88,7 +88,16 @@ pub struct Minimum {
     pub iterations: u32,
     /// Ended because nothing was left to gain.
     pub converged: bool,
+    /// Ended at a jump of the cost: a place beyond it, on the way that the slopes point.
+    pub beyond: Option<Vec<f64>>,
 }
+
+/// A rise of the cost by more than this multiple of the promised fall, however short the step, is a jump.
+const JUMP: f64 = 1.0;
+/// Steps this short between jumps are creeping.
+const CREEPING: f64 = 1e-2;
+/// So many of them one after the other lead nowhere.
+const PATIENCE: u32 = 3;
 
 /// Searches a minimum from `x`, each parameter within its bounds. `None` if there are no residuals at
 /// the start.
@@ -105,10 +114,13 @@ pub fn minimise(
     let mut growth = 2.0;
     let mut iterations = 0;
     let mut converged = n == 0;
+    let mut beyond = None;
+    let mut crept = 0;
     while iterations < stopping.iterations && !converged {
         iterations += 1;
         let free = free(&x, &normal.gradient, bounds);
         let mut accepted = None;
+        let (mut falls, mut length) = (0, 0.0);
         while accepted.is_none() {
             let Some(mut moved) = step(&normal, &free, damping, &x, bounds) else {
                 damping = damping.max(1e-12) * 10.0;
@@ -130,8 +142,13 @@ pub fn minimise(
             if ratio > 1e-4 {
                 damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
                 growth = 2.0;
+                length = longest.min(stopping.reach);
                 accepted = Some(trial);
             } else {
+                if ratio < -JUMP && cost.is_some() {
+                    falls += 1;
+                    beyond = Some(trial);
+                }
                 damping *= growth;
                 growth *= 2.0;
                 if damping > 1e12 {
@@ -140,15 +157,19 @@ pub fn minimise(
                 }
             }
         }
+        crept = if falls > 0 && length < CREEPING { crept + 1 } else { 0 };
+        if falls == 0 {
+            beyond = None;
+        }
         if let Some(trial) = accepted {
             let Some(next) = residuals.normal(&trial) else { break };
             (x, normal) = (trial, next);
-            if !residuals.goes_on(iterations, &x, normal.cost) {
+            if !residuals.goes_on(iterations, &x, normal.cost) || crept >= PATIENCE {
                 break;
             }
         }
     }
-    Some(Minimum { x, normal, iterations, converged })
+    Some(Minimum { x, normal, iterations, converged, beyond })
 }
 
 /// Parameters that are not pushed out over a bound.
@@ -262,6 +283,30 @@ mod tests {
         let found = minimise(&mut Rosenbrock, &[-1.2, 1.0], &bounds, &STOPPING).unwrap();
         assert_eq!(found.x[0], 0.5);
         assert!((found.x[1] - 0.25).abs() < 1e-8, "{found:?}");
+    }
+
+    /// A slope that ends at a step upwards, behind which it goes on.
+    struct Terraces;
+
+    impl Residuals for Terraces {
+        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+            let mut normal = Normal::new(1);
+            normal.add(x[0] - 5.0, &[1.0]);
+            normal.cost += if x[0] > 1.0 { 100.0 } else { 0.0 };
+            Some(normal)
+        }
+        fn cost(&mut self, x: &[f64]) -> Option<f64> {
+            self.normal(x).map(|n| n.cost)
+        }
+    }
+
+    #[test]
+    fn a_search_that_ends_at_a_jump_says_what_lies_beyond() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY)];
+        let found = minimise(&mut Terraces, &[0.0], &free, &STOPPING).unwrap();
+        assert!(found.x[0] <= 1.0 && found.x[0] > 0.5, "{found:?}");
+        assert!(found.beyond.unwrap()[0] > 1.0);
+        assert!(minimise(&mut Terraces, &[2.0], &free, &STOPPING).unwrap().beyond.is_none());
     }
 
     /// A decay `a exp(-k t)` from exact data, where a far trial can not be computed.

@@ -1,5 +1,5 @@
 // status: 3
-// error[MO0912] lib/Pneumatics/PartialRestriction.mo:15:3
+// error[MO0912] lib/Pneumatics/PartialRestriction.mo:16:3
 model Valve
   Pneumatics.Source      supply(p = 7e5);
   Pneumatics.Restriction line(C = 1e-9, b = 1.3);

@@ -1,0 +1,100 @@
+//! What differs between two texts, line by line, as people read it.
+//!
+//! A longest common subsequence by dynamic programming: J. W. Hunt, M. D. McIlroy, "An algorithm for
+//! differential file comparison", Bell Laboratories 1976.
+
+use crate::report::markup::escaped;
+
+/// Lines around a change that are shown.
+const CONTEXT: usize = 3;
+
+/// A line of both texts, of the first only, or of the second only.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Edit<'a> {
+    Same(&'a str),
+    Removed(&'a str),
+    Added(&'a str),
+}
+
+/// The unified difference as markup; nothing if the texts are equal.
+pub fn unified(before: &str, after: &str) -> String {
+    let edits = edits(before, after);
+    let changed = |e: &Edit<'_>| !matches!(e, Edit::Same(_));
+    let mut out = String::new();
+    let (mut old, mut new) = (1, 1);
+    let mut shown = false;
+    for (k, edit) in edits.iter().enumerate() {
+        let around = k.saturating_sub(CONTEXT)..(k + CONTEXT + 1).min(edits.len());
+        if edits[around].iter().any(changed) {
+            if !shown {
+                out.push_str(&format!("<span class=\"at\">@@ -{old} +{new} @@</span>"));
+            }
+            let (class, sign, text) = match edit {
+                Edit::Same(text) => ("same", ' ', text),
+                Edit::Removed(text) => ("minus", '-', text),
+                Edit::Added(text) => ("plus", '+', text),
+            };
+            out.push_str(&format!("<span class=\"{class}\">{sign}{}\n</span>", escaped(text)));
+            shown = true;
+        } else {
+            shown = false;
+        }
+        old += usize::from(!matches!(edit, Edit::Added(_)));
+        new += usize::from(!matches!(edit, Edit::Removed(_)));
+    }
+    if out.is_empty() { out } else { format!("<pre class=\"diff\">{out}</pre>\n") }
+}
+
+fn edits<'a>(before: &'a str, after: &'a str) -> Vec<Edit<'a>> {
+    let (a, b): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
+    // What both begin with needs no table.
+    let head = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
+    let (rest_a, rest_b) = (&a[head..], &b[head..]);
+    let width = rest_b.len() + 1;
+    let mut longest = vec![0u32; (rest_a.len() + 1) * width];
+    for i in (0..rest_a.len()).rev() {
+        for j in (0..rest_b.len()).rev() {
+            longest[i * width + j] = if rest_a[i] == rest_b[j] {
+                longest[(i + 1) * width + j + 1] + 1
+            } else {
+                longest[(i + 1) * width + j].max(longest[i * width + j + 1])
+            };
+        }
+    }
+    let mut out: Vec<Edit<'_>> = a[..head].iter().map(|l| Edit::Same(l)).collect();
+    let (mut i, mut j) = (0, 0);
+    while i < rest_a.len() || j < rest_b.len() {
+        if i < rest_a.len() && j < rest_b.len() && rest_a[i] == rest_b[j] {
+            out.push(Edit::Same(rest_a[i]));
+            (i, j) = (i + 1, j + 1);
+        } else if j == rest_b.len()
+            || (i < rest_a.len() && longest[(i + 1) * width + j] >= longest[i * width + j + 1])
+        {
+            out.push(Edit::Removed(rest_a[i]));
+            i += 1;
+        } else {
+            out.push(Edit::Added(rest_b[j]));
+            j += 1;
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_is_changed() {
+        use Edit::{Added, Removed, Same};
+        assert_eq!(
+            edits("a\nb\nc\nd", "a\nc\nx\nd\ny"),
+            [Same("a"), Removed("b"), Same("c"), Added("x"), Same("d"), Added("y")]
+        );
+        assert_eq!(unified("a\nb", "a\nb\n"), "");
+        assert_eq!(
+            unified("a<", "b"),
+            "<pre class=\"diff\"><span class=\"at\">@@ -1 +1 @@</span><span class=\"minus\">-a&lt;\n</span><span class=\"plus\">+b\n</span></pre>\n"
+        );
+    }
+}

@@ -1,0 +1,164 @@
+//! Places along the layers: as straight above each other as the order allows.
+
+use super::layers::{Graph, Piece};
+
+/// Distances between neighbours, px.
+const GAP: f64 = 22.0;
+const GAP_OF_LINES: f64 = 16.0;
+/// What is bent by less is made straight, px.
+const NEARLY: f64 = 26.0;
+/// Rounds over all layers.
+const ROUNDS: usize = 60;
+/// How much more a passing line insists on being straight.
+const STRAIGHT: f64 = 3.0;
+
+/// Sets [`Node::at`](super::layers::Node::at) of all nodes but bars.
+pub fn place(graph: &mut Graph) {
+    for layer in 0..graph.layers.len() {
+        let offsets = offsets(graph, layer);
+        let middle = 0.5 * offsets.last().copied().unwrap_or(0.0);
+        for (k, &n) in graph.layers[layer].clone().iter().enumerate() {
+            graph.nodes[n].at = offsets[k] - middle;
+        }
+    }
+    let count = graph.layers.len();
+    for round in 0..ROUNDS {
+        let layers: Vec<usize> =
+            if round % 2 == 0 { (0..count).collect() } else { (0..count).rev().collect() };
+        for layer in layers {
+            settle(graph, layer);
+        }
+    }
+    graph.nodes.iter_mut().for_each(|n| n.at = n.at.round());
+    for layer in 0..count {
+        straighten(graph, layer);
+    }
+}
+
+/// Moves what is nearly straight, if there is room: passing lines below or above what they come from,
+/// and boxes with one line above what it leads to.
+fn straighten(graph: &mut Graph, layer: usize) {
+    for k in 0..graph.layers[layer].len() {
+        let node = graph.layers[layer][k];
+        if graph.nodes[node].bar {
+            continue;
+        }
+        let down: Vec<&Piece> = graph
+            .pieces
+            .iter()
+            .filter(|p| p.nodes[1] == node && !graph.is_level(p) && !graph.nodes[p.nodes[0]].bar)
+            .collect();
+        let [piece] = down[..] else { continue };
+        let wanted =
+            graph.nodes[piece.nodes[0]].at + terminal(graph, piece, 0) - terminal(graph, piece, 1);
+        let by = wanted - graph.nodes[node].at;
+        let beside = |other: Option<&usize>| {
+            other.is_none_or(|&o| {
+                let room = 0.5 * (graph.nodes[o].size[0] + graph.nodes[node].size[0]);
+                (graph.nodes[o].at - wanted).abs() >= room + 0.6 * GAP_OF_LINES
+                    && (graph.nodes[o].at - wanted) * (graph.nodes[o].at - graph.nodes[node].at)
+                        > 0.0
+            })
+        };
+        let row = &graph.layers[layer];
+        let free = beside(k.checked_sub(1).and_then(|b| row.get(b))) && beside(row.get(k + 1));
+        if by != 0.0 && by.abs() <= NEARLY && free {
+            graph.nodes[node].at = wanted;
+        }
+    }
+}
+
+/// How far each node of a layer stands from the first if all stand close.
+fn offsets(graph: &Graph, layer: usize) -> Vec<f64> {
+    let mut at = 0.0;
+    let mut out = Vec::new();
+    let row = &graph.layers[layer];
+    for (k, &n) in row.iter().enumerate() {
+        let size = graph.nodes[n].size[0];
+        if let Some(&before) = k.checked_sub(1).and_then(|b| row.get(b)) {
+            let lines = graph.nodes[n].part.is_none() && graph.nodes[before].part.is_none();
+            at += 0.5 * (graph.nodes[before].size[0] + size);
+            at += if lines { GAP_OF_LINES } else { GAP };
+        }
+        out.push(at);
+    }
+    out
+}
+
+/// Brings the nodes of a layer as near to their neighbours as their order allows: least squares with
+/// the order kept, by pooling adjacent violators (Barlow, Bartholomew, Bremner and Brunk 1972).
+fn settle(graph: &mut Graph, layer: usize) {
+    let row = graph.layers[layer].clone();
+    let offsets = offsets(graph, layer);
+    let wish: Vec<(f64, f64)> = row.iter().map(|&n| wish(graph, n)).collect();
+    // Blocks of nodes that stand close: sum of weights, weighted sum of wishes, number.
+    let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
+    for (k, (at, weight)) in wish.iter().enumerate() {
+        blocks.push((*weight, weight * (at - offsets[k]), 1));
+        while let [.., a, b] = blocks[..] {
+            if a.1 / a.0 <= b.1 / b.0 {
+                break;
+            }
+            blocks.pop();
+            blocks.pop();
+            blocks.push((a.0 + b.0, a.1 + b.1, a.2 + b.2));
+        }
+    }
+    let mut k = 0;
+    for (weight, sum, size) in blocks {
+        for _ in 0..size {
+            graph.nodes[row[k]].at = sum / weight + offsets[k];
+            k += 1;
+        }
+    }
+}
+
+/// Where a node would like to stand, and how much.
+fn wish(graph: &Graph, node: usize) -> (f64, f64) {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for piece in graph.pieces.iter().filter(|p| p.nodes.contains(&node) && !graph.is_level(p)) {
+        let me = usize::from(piece.nodes[1] == node);
+        let other = piece.nodes[1 - me];
+        if graph.nodes[other].bar {
+            continue;
+        }
+        let passing = [node, other].iter().filter(|n| graph.nodes[**n].part.is_none()).count();
+        let w = STRAIGHT.powi(passing as i32);
+        sum += w
+            * (graph.nodes[other].at + terminal(graph, piece, 1 - me) - terminal(graph, piece, me));
+        weight += w;
+    }
+    match weight {
+        0.0 => (graph.nodes[node].at, 0.05),
+        _ => (sum / weight, weight),
+    }
+}
+
+/// Where a piece meets its node, from the node's middle: connectors of one side stand at equal
+/// distances, in the order of what they lead to.
+pub fn terminal(graph: &Graph, piece: &Piece, end: usize) -> f64 {
+    let node = piece.nodes[end];
+    if graph.nodes[node].part.is_none() {
+        return 0.0;
+    }
+    let upper = end == 0 || graph.is_level(piece);
+    let mut ports: Vec<(&str, f64, f64)> = Vec::new();
+    for p in &graph.pieces {
+        for i in 0..2 {
+            if p.nodes[i] != node || (i == 0 || graph.is_level(p)) != upper {
+                continue;
+            }
+            let other = p.nodes[1 - i];
+            let at =
+                if graph.nodes[other].bar { graph.nodes[node].at } else { graph.nodes[other].at };
+            match ports.iter_mut().find(|(name, ..)| *name == p.ports[i]) {
+                Some(port) => (port.1, port.2) = (port.1 + at, port.2 + 1.0),
+                None => ports.push((&p.ports[i], at, 1.0)),
+            }
+        }
+    }
+    ports.sort_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)));
+    let k = ports.iter().position(|(name, ..)| *name == piece.ports[end]).unwrap_or(0);
+    let size = graph.nodes[node].size[0];
+    (size * ((k as f64 + 1.0) / (ports.len() as f64 + 1.0) - 0.5)).round()
+}
