@@ -104,10 +104,11 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
             return Status::Numerics;
         }
     };
-    let mut balances = Vec::new();
+    let (mut balances, mut law) = (Vec::new(), Vec::new());
     if complete && result::verdict(&found) != result::Verdict::Complete {
         let unknowns = unknowns(session, &case.request, &packages);
         balances = balance::balances(&case, &unknowns, &found.before);
+        law = balance::law(&case, &found.after);
         (case.say)(&format!("{} balances looked at", balances.len()));
     }
     let original = match crate::driver::files::read(&plan.model) {
@@ -128,7 +129,7 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
     if let (Some(name), Some((_, text))) = (&name, &amended) {
         files.push((name.clone(), text.clone()));
     }
-    let page = page::html(&case, &found, &balances, &original, amended.as_ref());
+    let page = page::html(&case, &found, (&balances, &law), &original, amended.as_ref());
     files.push(("diagnosis.html".to_owned(), page));
     for (name, text) in files {
         let path = folder.join(name);

@@ -29,6 +29,9 @@ const NEARLY: f64 = 0.95;
 /// Share of a trajectory's range that one class of values covers.
 const CLASSES: usize = 40;
 
+/// Variables of a place over which an inflow is shown, where they exist.
+const SEEN: [&str; 4] = ["s", "v", "p", "dp"];
+
 /// A balance and what it would need.
 pub struct Balance {
     /// The component that it is named after.
@@ -70,6 +73,36 @@ pub fn balances(case: &Case<'_>, unknowns: &[Effect], level: &Level) -> Vec<Bala
     found
 }
 
+/// The force or the flow that the first effect of a level contributes, recording by recording: what
+/// the inflow of a balance is compared with.
+pub fn law(case: &Case<'_>, level: &Level) -> Vec<Course> {
+    let courses = || {
+        let chosen = level.chosen.first()?;
+        let units = &case.effects[chosen.effect].units;
+        let known = |n: &&str| units.iter().any(|(own, _)| own == *n);
+        let inflow = ["f", "m_flow"].into_iter().find(known)?;
+        let over: Vec<&str> = SEEN.into_iter().filter(known).collect();
+        let names = over.iter().chain([&inflow]).map(|n| format!("{}.{n}", chosen.name));
+        let names: Vec<String> = names.collect();
+        let (session, program) =
+            compile(case, &level.plan, &attached(case, &level.chosen), &names).ok()?;
+        let mut problems = Problems::new();
+        let problem =
+            Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems)?;
+        let x = problem.start();
+        let mut courses = Vec::new();
+        for recording in problem.recordings(Split::Train) {
+            let mut values = problem.others(recording, &x, &names).ok()?;
+            let inflow = values.pop().filter(|_| values.len() == over.len())?;
+            let over = over.iter().zip(values).map(|(n, v)| ((*n).to_owned(), String::new(), v));
+            let (recording, time) = (recording.name.clone(), recording.time.clone());
+            courses.push(Course { recording, time, inflow, over: over.collect() });
+        }
+        Some(courses)
+    };
+    courses().unwrap_or_default()
+}
+
 fn balance(case: &Case<'_>, unknown: &Effect, place: Place, level: &Level) -> Option<Balance> {
     const NAME: &str = "unknown";
     let mut all = attached(case, &level.chosen);
@@ -83,7 +116,7 @@ fn balance(case: &Case<'_>, unknown: &Effect, place: Place, level: &Level) -> Op
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (t, u)| (a.min(t), b.max(u)));
     let values = vec![("t_lo".to_owned(), first), ("t_hi".to_owned(), last)];
     all.push(Attached { effect: unknown, place: &place, name: NAME.to_owned(), values });
-    let over: Vec<(String, String)> = ["s", "v", "p"]
+    let over: Vec<(String, String)> = SEEN
         .iter()
         .filter_map(|n| unknown.units.iter().find(|(own, _)| own == n).cloned())
         .collect();

@@ -7,7 +7,7 @@ use crate::report::page::diff::unified;
 use crate::report::page::figure::{Curve, Panel, Stroke, figure, figure_over};
 use crate::report::page::frame::Page;
 
-use super::balance::Balance;
+use super::balance::{Balance, Course};
 use super::residual::residuals;
 use super::result::{sentences, verdict};
 use super::search::{Case, Found, Level, Scored};
@@ -48,7 +48,7 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
 pub fn html(
     case: &Case<'_>,
     found: &Found,
-    balances: &[Balance],
+    (balances, law): (&[Balance], &[Course]),
     original: &str,
     amended: Option<&(String, String)>,
 ) -> String {
@@ -72,7 +72,7 @@ pub fn html(
         page.section("parameters", "Parameters of what was found", &text);
     }
     if !balances.is_empty() {
-        page.section("balances", "Where the balances do not close", &unbalanced(balances));
+        page.section("balances", "Where the balances do not close", &unbalanced(balances, law));
     }
     for (depth, ranking) in found.rankings.iter().enumerate() {
         let cost = if depth == 0 { found.before.train.total() } else { found.after.train.total() };
@@ -97,9 +97,9 @@ const LISTED: usize = 8;
 const DRAWN: usize = 2;
 
 /// The inflows that the calibrated model would need, over time and over what they could depend on.
-fn unbalanced(balances: &[Balance]) -> String {
+fn unbalanced(balances: &[Balance], law: &[Course]) -> String {
     let mut out = String::from(
-        "<p>An unknown inflow, free over time, at each balance of the calibrated model, before any effect was added: how much of what the model leaves it would explain, to first order.</p>\n<table><tr><th>balance</th><th>explains</th><th>ordered best by</th></tr>",
+        "<p>An unknown inflow, free over time, at each balance of the calibrated model, before any effect was added: how much of what the model leaves it would explain, to first order. Dots are the inflow of each recording, and what the effect that was found contributes.</p>\n<table><tr><th>balance</th><th>explains</th><th>ordered best by</th></tr>",
     );
     let ordered = |b: &Balance| {
         let name = b.ordered_by.and_then(|k| b.courses.first()?.over.get(k));
@@ -134,11 +134,26 @@ fn unbalanced(balances: &[Balance]) -> String {
                 let (x, y) = pairs.into_iter().unzip();
                 Curve { name: c.recording.clone(), x, y, stroke: Stroke::Points, colour }
             });
+            let mut curves: Vec<Curve> = over.collect();
+            curves.extend(found_over(name, law, b.courses.len()).filter(|_| k == 0));
             let id = format!("balance-{k}-{name}");
-            out.push_str(&figure_over(&id, (name, unit), &panel(over.collect())));
+            out.push_str(&figure_over(&id, (name, unit), &panel(curves)));
         }
     }
     out
+}
+
+/// What the effect that was found contributes, over a variable of its place.
+fn found_over(name: &str, law: &[Course], colour: usize) -> Option<Curve> {
+    let mut pairs: Vec<(f64, f64)> = Vec::new();
+    for course in law {
+        let (.., values) = course.over.iter().find(|(own, ..)| own == name)?;
+        pairs.extend(values.iter().copied().zip(course.inflow.iter().copied()));
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+    let curve = Curve { name: "what was found".to_owned(), x, y, stroke: Stroke::Points, colour };
+    (!curve.x.is_empty()).then_some(curve)
 }
 
 /// Residuals in units of the noise: a small figure for each recording, a panel for each signal.

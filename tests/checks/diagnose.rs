@@ -123,7 +123,10 @@ fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
 
     // Before that: the balance that does not close, and over what the missing force is a curve.
     let balance = &found["balances"][0];
-    assert_eq!((&balance["at"], &balance["inflow"]), (&"mass".into(), &"Effects.UnknownForce".into()));
+    assert_eq!(
+        (&balance["at"], &balance["inflow"]),
+        (&"mass".into(), &"Effects.UnknownForce".into())
+    );
     assert!(balance["explained"].as_f64() > Some(0.9), "{balance}");
     assert_eq!(balance["ordered_by"], "v");
 

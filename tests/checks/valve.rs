@@ -86,8 +86,8 @@ fn rest_raises_the_force_and_the_time_to_break_away() {
 
 /// To the end of the stroke the same holds, but where the course of the motion changes: at 6 bar a spool that has rested
 /// for more than some 15 s halts for an instant at mid-stroke, which ends its rest, so that it goes on more easily
-/// than one that hardly halts. On both sides of that everything grows, and at 3 bar, where each spool halts, over the
-/// whole series of 1 s to 48 h.
+/// than one that hardly halts. On both sides of that everything grows; at 3 bar, where each spool halts, the
+/// switching time grows over 5 s to 48 h.
 #[test]
 fn rest_raises_the_force_and_the_switching_time() {
     for (supply, from, to, count) in
