@@ -84,7 +84,7 @@ impl Stand {
             effects: &self.effects,
             inventory: &self.inventory,
             variables: &self.variables,
-            say: &|_| {},
+            say: &|text| eprintln!("      {text}"),
         }
     }
 

@@ -2,7 +2,7 @@ within Effects;
 model UnknownFlow "Flow into a port over time as a free curve"
   // The flow runs smoothly through the n amplitudes Q at n instants, equally spaced from t_lo to t_hi (knotWeights).
   // No effect, but a question to the recordings: which flow would the balance here need, and when?
-  parameter Integer            n    = 32       "Number of knots";
+  parameter Integer            n    = 48       "Number of knots";
   parameter Units.MassFlowRate Q[n] = zeros(n) "Mass flow at each knot, positive into the port";
   parameter Units.Time         t_lo = 0        "First knot";
   parameter Units.Time         t_hi = 1        "Last knot";
