@@ -25,7 +25,7 @@ const SEARCHED: usize = 3;
 /// They are, if what they leave over after a first look is not more than this multiple of the least.
 const CLOSE: f64 = 2.0;
 /// Effects that are looked for, one after the other.
-const DEPTH: usize = 3;
+const DEPTH: usize = 2;
 /// An effect with so many amplitudes is a free curve.
 const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
@@ -115,6 +115,11 @@ impl Level {
             0 => self.chi2_train(),
             n => self.validation.total() / n as f64,
         }
+    }
+
+    /// The criterion with the recordings that were never fitted beside it.
+    pub fn evidence(&self) -> f64 {
+        self.bic() + self.validation.total()
     }
 
     /// Bayesian information criterion: sum of squares and a price for each parameter.
@@ -213,7 +218,10 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             refused().filter(|l| l.bic() < found.after.bic() - EVIDENCE)
         }
         true => None,
-        false => Some(&found.after).filter(|l| is_intricate(case, l)),
+        false => {
+            let explained = found.after.chi2_train() < COMPLETE;
+            Some(&found.after).filter(|l| explained && is_intricate(case, l))
+        }
     };
     if let Some(from) = from
         && let Some(simple) = single(case, &from.clone(), heed)?
@@ -283,7 +291,8 @@ fn tried(
             *fitted = better;
         }
     }
-    levels.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
+    // What was never fitted counts as much as what was.
+    levels.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
     levels
 }
 
