@@ -1,8 +1,11 @@
 //! Instance tree to flat model: scalar variables with their values, equations written out,
 //! connections turned into equations (section 5.6 of the specification).
 pub mod assembly;
+pub mod balance;
+mod cardinality;
 pub mod connect;
 pub mod equation;
+pub mod expandable;
 pub mod inventory;
 pub mod print;
 pub mod setting;
@@ -55,6 +58,20 @@ pub fn flatten_with_inventory(
     (flat, found)
 }
 
+/// As [`flatten`], and counts equations and unknowns; nothing is counted if that is not decided by
+/// the component alone.
+pub fn flatten_with_balance(
+    cx: &mut Context<'_>,
+    class: ClassId,
+    balance: &mut Option<balance::Balance>,
+) -> FlatModel {
+    let mut root = None;
+    let none = connect::Connections::default();
+    let flat = flatten_with(cx, class, &[], none, |_, at, _, _| root = Some(at));
+    *balance = root.and_then(|root| balance::of(cx, root, &flat));
+    flat
+}
+
 fn flatten_with(
     cx: &mut Context<'_>,
     class: ClassId,
@@ -70,6 +87,8 @@ fn flatten_with(
 
     let root = cx.instantiate_model(class, settings);
     setting::report_unused(cx, root, settings);
+    expandable::elaborate(cx, root);
+    cardinality::count(cx, root);
     variable::number(cx, root, &mut flat);
     variable::fill(cx, &mut flat);
 
