@@ -1,4 +1,4 @@
-//! All problems of a file at once: its syntax, then every model in it.
+//! All problems of a file at once: its syntax, then every class in it.
 //!
 //! A class with connectors or inputs is a component: it is flattened and its equations are counted, and
 //! what only its surroundings decide (values of parameters, who sets its potentials) is left open. A
@@ -8,7 +8,7 @@
 use super::compile::{Request, Session, Wrong, find, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::instantiate::Context;
-use crate::ir::ast::ClassKind;
+use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 use crate::resolve::library::Library;
 
@@ -26,47 +26,63 @@ impl Session {
         if self.problems.has_errors() {
             return Err(Wrong::Model);
         }
-        let all = file.as_deref().map(models).unwrap_or_default();
-        let within = file.as_deref().and_then(|f| f.within.as_ref()).map(|w| w.to_string());
-        if request.model.is_some() || all.is_empty() {
+        let Some(file) = file.as_deref().filter(|_| request.model.is_none()) else {
             let mut problems = Problems::new();
             let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
-            let class = match (&request.model, file.as_deref()) {
-                // A file of functions, types or partial models has said all with its syntax.
-                (None, Some(_)) => return Ok(()),
-                _ => model(&mut cx, request, file.as_deref()),
-            };
-            if let Ok(class) = class {
-                if is_component(&mut cx, class) {
-                    component(&mut cx, class);
-                } else {
-                    whole(cx, class);
-                }
+            if let Ok(class) = model(&mut cx, request, file.as_deref()) {
+                one(cx, class);
             }
             self.problems.extend(problems);
-        } else {
-            for name in all {
-                let mut problems = Problems::new();
-                let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
-                let full = match within.as_deref() {
-                    Some(package) if !package.is_empty() => format!("{package}.{name}"),
-                    _ => name.clone(),
-                };
-                let class = find(&mut cx, &full).or_else(|| find(&mut cx, &name));
-                let Some(class) = class else { continue };
-                if is_component(&mut cx, class) {
-                    component(&mut cx, class);
-                    // Its errors may all follow from the component that is missing around it.
-                    if problems.iter().any(|d| d.code == NO_INNER) {
-                        continue;
-                    }
-                } else {
-                    whole(cx, class);
-                }
+            return if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) };
+        };
+        let within = file.within.as_ref().map(|w| w.to_string()).filter(|w| !w.is_empty());
+        let runs = models(file);
+        for name in classes(file) {
+            let mut problems = Problems::new();
+            let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
+            let full = within.as_ref().map(|package| format!("{package}.{name}"));
+            let class = full.and_then(|full| find(&mut cx, &full)).or_else(|| find(&mut cx, &name));
+            let Some(class) = class else { continue };
+            // Of every class: what it extends, and what its kind may not have.
+            cx.table(class);
+            if runs.contains(&name) {
+                one(cx, class);
+            }
+            // Its errors may all follow from the component that is missing around it.
+            if !problems.iter().any(|d| d.code == NO_INNER) {
                 self.problems.extend(problems);
             }
         }
         if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) }
+    }
+}
+
+/// Full names of the classes of a file that stand in packages, and of those around them.
+fn classes(file: &ast::File) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut stack: Vec<(String, &ast::Class)> =
+        file.classes.iter().rev().map(|c| (c.name.name.to_string(), &**c)).collect();
+    while let Some((name, class)) = stack.pop() {
+        if class.kind == ClassKind::Package
+            && let ClassBody::Long(composition) = &class.body
+        {
+            for element in composition.elements.iter().rev() {
+                if let ElementKind::Class(c) = &element.kind {
+                    stack.push((format!("{name}.{}", c.name.name), c));
+                }
+            }
+        }
+        out.push(name);
+    }
+    out
+}
+
+/// A component or a system.
+fn one(mut cx: Context<'_>, class: ClassId) {
+    if is_component(&mut cx, class) {
+        component(&mut cx, class);
+    } else {
+        whole(cx, class);
     }
 }
 

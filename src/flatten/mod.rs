@@ -18,7 +18,7 @@ use std::sync::Arc;
 use crate::base::index::FastSet;
 use crate::instantiate::Context;
 use crate::ir::assembly::Assembly;
-use crate::ir::ast::{ArgumentKind, Modification};
+use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path};
 use crate::ir::expr::Const;
 use crate::ir::flat::{Experiment, FlatModel};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
@@ -97,9 +97,7 @@ fn flatten_with(
     }
     look(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
-    if let Some(annotation) = text.as_ref().and_then(|t| t.annotation.clone()) {
-        flat.experiment = experiment(cx, &annotation, Scope { instance: root, class });
-    }
+    flat.experiment = inherited_experiment(cx, class, root, 0);
     let structural: FastSet<InstanceId> = cx.evaluation.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.evaluation.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
@@ -124,6 +122,47 @@ fn objects(cx: &Context<'_>, root: InstanceId) -> Vec<InstanceId> {
         }
     }
     found
+}
+
+/// The experiment of a class, or else of the first of its bases that has one.
+fn inherited_experiment(
+    cx: &mut Context<'_>,
+    class: ClassId,
+    root: InstanceId,
+    depth: usize,
+) -> Experiment {
+    let Some(text) = cx.text(class).cloned() else { return Experiment::default() };
+    if let Some(annotation) = &text.annotation {
+        let own = experiment(cx, annotation, Scope { instance: root, class });
+        if own != Experiment::default() {
+            return own;
+        }
+    }
+    // Inheritance that goes round is reported elsewhere.
+    if depth > 50 {
+        return Experiment::default();
+    }
+    let bases: Vec<&Path> = match &text.body {
+        ClassBody::Short(short) => vec![&short.base],
+        ClassBody::Long(composition) => composition
+            .elements
+            .iter()
+            .filter_map(|e| match &e.kind {
+                ElementKind::Extends(extends) => Some(&extends.base),
+                _ => None,
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    for base in bases {
+        let scope = Scope { instance: cx.classes[class].holder, class };
+        let Some(base) = cx.find_class(base, scope).filter(|b| *b != class) else { continue };
+        let found = inherited_experiment(cx, base, root, depth + 1);
+        if found != Experiment::default() {
+            return found;
+        }
+    }
+    Experiment::default()
 }
 
 /// `annotation(experiment(...))`

@@ -275,3 +275,21 @@ fn cardinality_counts_connections_from_both_sides() {
     assert_eq!(["a.n", "b.n", "c.n"].map(|n| run.last(n)), [2.0, 3.0, 2.0]);
     assert_eq!((run.last("a.none"), run.last("b.q.v")), (0.0, 5.0));
 }
+
+#[test]
+fn the_experiment_of_a_base_is_that_of_the_model() {
+    let run = Case::text(
+        "model Base
+           Real x = time;
+           annotation(experiment(StopTime = 3, Interval = 0.5));
+         end Base;
+         model Between
+           extends Base;
+         end Between;
+         model Derived
+           extends Between;
+         end Derived;",
+    )
+    .run();
+    assert_eq!((run.last("x"), run.rows()), (3.0, 7));
+}

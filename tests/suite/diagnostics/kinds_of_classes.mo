@@ -1,17 +1,16 @@
 // status: 1
-// error[MO0226] 17:24
-// error[MO0226] 19:13
-// error[MO0226] 21:16
-// error[MO0226] 26:10
-// error[MO0226] 30:12
-// error[MO0226] 35:10
-// error[MO0226] 35:10
-// error[MO0227] 46:13
-// error[MO0228] 50:9
-// error[MO0228] 53:15
-// error[MO0226] 54:8
-// error[MO0218] 59:7
-// error[MO0230] 63:11
+// error[MO0226] 16:10
+// error[MO0226] 20:10
+// error[MO0226] 24:16
+// error[MO0226] 25:17
+// error[MO0226] 29:16
+// error[MO0226] 33:12
+// error[MO0226] 36:10
+// error[MO0227] 45:13
+// error[MO0228] 49:18
+// error[MO0228] 58:17
+// error[MO0226] 59:8
+// error[MO0218] 65:7
 model KindsOfClasses
   type State = enumeration(
     off, start);
@@ -50,9 +49,16 @@ model KindsOfClasses
     flow Integer f;
   end Flows;
 
+  Bad bad;
+  Data data(u = 1, y = 2);
+  inner Real x = 1;
+  Rule rule(y = 1);
+  Wrong wrong;
+  Flows flows;
   constant Part part;
   Real String = 3;
   Real y;
+  Real t = twice(1);
   State state = State.off;
 equation
   y = 1;
