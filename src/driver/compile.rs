@@ -245,7 +245,7 @@ impl Session {
         if self.problems.has_errors() { Err(wrong) } else { Ok(()) }
     }
 
-    fn read(
+    pub(super) fn read(
         &mut self,
         request: &Request,
         library: &mut Library,
@@ -316,7 +316,7 @@ fn unreadable(path: &Path, why: &str) -> Diagnostic {
 }
 
 /// The class that the request means.
-fn model(
+pub(super) fn model(
     cx: &mut Context<'_>,
     request: &Request,
     file: Option<&ast::File>,
@@ -379,7 +379,7 @@ fn model(
     Err(Wrong::Model)
 }
 
-fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {
+pub(super) fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {
     let mut class = ROOT.class;
     for part in split(full_name) {
         let holder = cx.classes[class].holder;
@@ -412,7 +412,7 @@ fn last_model(file: &ast::File) -> Option<String> {
 }
 
 /// Full names of the models of a file that are not partial, in order of the text.
-fn models(file: &ast::File) -> Vec<String> {
+pub(super) fn models(file: &ast::File) -> Vec<String> {
     let mut out = Vec::new();
     for class in &file.classes {
         collect(class, "", &mut out);
