@@ -291,8 +291,11 @@ fn tried(
             *fitted = better;
         }
     }
-    // What was never fitted counts as much as what was.
-    levels.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
+    // Beside an effect that is there, what was never fitted counts as much as what was.
+    match from.chosen.is_empty() {
+        true => levels.sort_by(|a, b| a.bic().total_cmp(&b.bic())),
+        false => levels.sort_by(|a, b| a.evidence().total_cmp(&b.evidence())),
+    }
     levels
 }
 
