@@ -19,3 +19,4 @@ pub mod root;
 pub mod sequence;
 pub mod small_lu;
 pub mod submatrix;
+pub mod table;
