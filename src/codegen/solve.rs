@@ -86,6 +86,11 @@ impl SolverWork {
                         ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                     }
                 }
+                if self.z.len() > 1 && !matches!(ending, Ending::Converged { .. }) {
+                    region.bounds = None;
+                    ending =
+                        elsewhere(newton, &mut equations, &mut self.z, &self.start, region, ending);
+                }
                 let fault = equations.fault;
                 judge(ending, k, fault)?;
             }
@@ -131,6 +136,47 @@ fn other_branch(equations: &mut BlockEquations<'_, '_>, start: f64, nominal: f64
     }
     None
 }
+
+/// Newton's method from points around `start`, one unknown displaced at a time, the nearest first;
+/// how it ended at last.
+fn elsewhere(
+    newton: &mut Newton,
+    equations: &mut BlockEquations<'_, '_>,
+    z: &mut [f64],
+    start: &[f64],
+    region: Region<'_>,
+    failed: Ending,
+) -> Ending {
+    let settings = Settings::default();
+    if z.len() > MOST_UNKNOWNS {
+        return failed;
+    }
+    for k in 0..DISPLACEMENTS {
+        let size = FIRST_DISPLACEMENT * DISPLACEMENT_GROWTH.powi(k);
+        for j in 0..z.len() {
+            for sign in [1.0, -1.0] {
+                z.copy_from_slice(start);
+                z[j] += sign * size * region.nominal[j];
+                let ending = newton.solve(equations, z, region, &settings);
+                if matches!(ending, Ending::Converged { .. }) {
+                    return ending;
+                }
+            }
+        }
+    }
+    z.copy_from_slice(start);
+    let _ = newton.solve(equations, z, region, &settings);
+    failed
+}
+
+/// Larger blocks are not searched for other branches.
+const MOST_UNKNOWNS: usize = 12;
+/// How far unknowns are displaced at first, in their typical sizes.
+const FIRST_DISPLACEMENT: f64 = 1e-3;
+/// How often they are displaced further, and by which factor.
+const DISPLACEMENTS: i32 = 8;
+/// See [`DISPLACEMENTS`].
+const DISPLACEMENT_GROWTH: f64 = 8.0;
 
 /// First step of the search for another branch, in typical sizes of the unknown.
 const FIRST_STEP: f64 = 1e-6;

@@ -484,12 +484,16 @@ fn algorithm(
     }
     cx.evaluation.assigned.clear();
     asserted(cx, target);
+    let mut whens = Vec::new();
     for s in list {
         if let StatementKind::When { branches } = &s.kind
             && let Some(branches) = super::when::statement_branches(cx, branches, scope)
         {
-            target.push(EquationKind::When(branches), s.span);
+            whens.push((branches, s.span));
         }
+    }
+    for (branches, span) in super::when::last_wins(whens) {
+        target.push(EquationKind::When(branches), span);
     }
 }
 

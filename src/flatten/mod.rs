@@ -20,7 +20,7 @@ use crate::instantiate::Context;
 use crate::ir::assembly::Assembly;
 use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path};
 use crate::ir::expr::Const;
-use crate::ir::flat::{Assert, Equation, EquationKind, Origin, Experiment, FlatModel};
+use crate::ir::flat::{Assert, Equation, EquationKind, Experiment, FlatModel, Origin};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::ir::modification::Setting;
 

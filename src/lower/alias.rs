@@ -11,6 +11,9 @@ use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::Variability;
 
+/// Longer sums are not looked through for terms that are 0.
+const LONGEST: usize = 8;
+
 /// How often equations are looked at again because variables were found to be 0.
 const ROUNDS: usize = 5;
 
@@ -109,7 +112,7 @@ impl Search<'_> {
             let known = value.get(&union.find(v).variable);
             known.is_some_and(|e| graph.as_number(*e) == Some(0.0))
         };
-        let Some([a, b]) = terms(graph, e, &mut is_zero) else { return false };
+        let Some([a, b]) = terms(graph, e, LONGEST, &mut is_zero) else { return false };
         let negative = a.negative == b.negative;
         let of_one_kind = |x: &Variable, y: &Variable| match (x.kind, y.kind) {
             (Kind::Algebraic | Kind::Input, Kind::Algebraic | Kind::Input) => x.ty == Type::Real,
@@ -221,33 +224,34 @@ impl Search<'_> {
 
 /// `lhs - rhs`, if it is the sum of two terms of different variables.
 fn two_terms(graph: &Graph, e: &Equal) -> Option<[Term; 2]> {
-    terms(graph, e, &mut |_| false)
+    terms(graph, e, 2, &mut |_| false)
 }
 
-/// As [`two_terms`], where some variables are 0.
+/// As [`two_terms`], of at most so many terms of which all others are 0.
 fn terms(
     graph: &Graph,
     e: &Equal,
+    most: usize,
     is_zero: &mut impl FnMut(VarId) -> bool,
 ) -> Option<[Term; 2]> {
     let mut open = vec![(e.lhs, false), (e.rhs, true)];
     open.retain(|(side, _)| graph.as_number(*side) != Some(0.0));
-    let mut terms = Vec::with_capacity(2);
+    let mut found = Vec::with_capacity(2);
     while let Some((e, negative)) = open.pop() {
-        if open.len() + terms.len() >= 2 {
+        if open.len() + found.len() >= most {
             return None;
         }
         match graph.node(e) {
             Node::Var(variable) if is_zero(variable) => {}
-            Node::Var(variable) => terms.push(Term { variable, differentiated: false, negative }),
-            Node::Der(variable) => terms.push(Term { variable, differentiated: true, negative }),
+            Node::Var(variable) => found.push(Term { variable, differentiated: false, negative }),
+            Node::Der(variable) => found.push(Term { variable, differentiated: true, negative }),
             Node::Unary(Unary::Neg, a) => open.push((a, !negative)),
             Node::Binary(Binary::Add, a, b) => open.extend([(b, negative), (a, negative)]),
             Node::Binary(Binary::Sub, a, b) => open.extend([(b, !negative), (a, negative)]),
             _ => return None,
         }
     }
-    let [a, b] = <[Term; 2]>::try_from(terms).ok()?;
+    let [a, b] = <[Term; 2]>::try_from(found).ok()?;
     let distinct = a.variable != b.variable || a.differentiated != b.differentiated;
     distinct.then_some([a, b])
 }
