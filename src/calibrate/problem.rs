@@ -118,6 +118,10 @@ pub struct Problem<'a> {
     /// What is free.
     pub parameters: Vec<Parameter>,
     conditions: Vec<VarId>,
+    /// What the starts of the recordings set.
+    starts: Vec<Input>,
+    /// What the courses of the recordings drive.
+    driven: Vec<VarId>,
     channels: Vec<Channel>,
     settings: Settings,
     /// Training recordings that are left out for the time being, by position.
@@ -195,6 +199,14 @@ impl<'a> Problem<'a> {
                 Some(Input::Start(_)) | None => {}
             }
         }
+        let mut starts = Vec::new();
+        for s in &plan.starts {
+            starts.extend(input(program, &s.target, s.span, problems));
+        }
+        let variables = &program.blocks.dae.variables;
+        let named = |name: &str| variables.enumerate().find(|(_, v)| v.name == name);
+        // That they are there was made sure of before the model was compiled.
+        let driven = plan.inputs.iter().filter_map(|i| Some(named(&i.input)?.0)).collect();
         let mut channels = Vec::new();
         for (signal, sigma) in plan.signals.iter().zip(&data.sigmas) {
             let names = program.recorded.iter().map(|v| program.name(*v));
@@ -230,6 +242,8 @@ impl<'a> Problem<'a> {
             data,
             parameters,
             conditions,
+            starts,
+            driven,
             channels,
             settings,
             left_out: Vec::new(),
@@ -272,8 +286,16 @@ impl<'a> Problem<'a> {
     /// The choices for a run under the conditions of a recording.
     pub fn settings(&self, recording: &Recording, values: &[f64]) -> Settings {
         let mut settings = self.settings.clone();
-        settings.parameters =
-            self.conditions.iter().copied().zip(recording.conditions.iter().copied()).collect();
+        let conditions = self.conditions.iter().copied().zip(recording.conditions.iter().copied());
+        settings.parameters = conditions.filter(|(_, value)| !value.is_nan()).collect();
+        for (target, value) in self.starts.iter().zip(&recording.starts) {
+            match *target {
+                Input::Parameter(v) => settings.parameters.push((v, *value)),
+                Input::Start(v) => settings.starts.push((v, *value)),
+            }
+        }
+        let courses = recording.courses.iter().cloned();
+        settings.courses = self.driven.iter().copied().zip(courses).collect();
         for (p, value) in self.parameters.iter().zip(values) {
             for target in &p.targets {
                 match *target {
@@ -283,7 +305,7 @@ impl<'a> Problem<'a> {
             }
         }
         let first = recording.time.first().copied().unwrap_or(settings.start);
-        settings.start = settings.start.min(first);
+        settings.start = recording.start.unwrap_or(settings.start.min(first));
         settings.stop = recording.time.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(recording.time.clone());
         settings
