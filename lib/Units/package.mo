@@ -10,6 +10,10 @@ package Units "Types of physical quantities in SI units"
   type Mass                = Real(quantity = "Mass", unit = "kg", min = 0);
   type Force               = Real(quantity = "Force", unit = "N");
   type SpringStiffness     = Real(quantity = "TranslationalSpringConstant", unit = "N/m", min = 0);
+  type QuadraticStiffness  = Real(quantity = "QuadraticStiffness", unit = "N/m2", nominal = 1e6)
+    "Force per square of a deflection";
+  type CubicStiffness      = Real(quantity = "CubicStiffness", unit = "N/m3", nominal = 1e9)
+    "Force per cube of a deflection";
   type DampingCoefficient  = Real(quantity = "TranslationalDampingConstant", unit = "N.s/m", min = 0);
   type QuadraticDragCoefficient = Real(quantity = "QuadraticDragCoefficient", unit = "N.s2/m2", min = 0)
     "Drag per square of the speed";
@@ -43,4 +47,5 @@ package Units "Types of physical quantities in SI units"
   type Fraction            = Real(quantity = "Fraction", unit = "1")
     "Part of a whole, 0 to 1";
   type Exponent            = Real(quantity = "Exponent", unit = "1");
+  type Voltage             = Real(quantity = "ElectricPotential", unit = "V");
 end Units;

@@ -328,11 +328,16 @@ fn measured(
     let at = at?;
     let mut time: Vec<f64> = Vec::with_capacity(table.rows.len());
     let mut signals = vec![Vec::with_capacity(table.rows.len()); columns.len()];
-    let (mut dropped, mut missing) = (0usize, 0usize);
+    let (mut dropped, mut repeated, mut missing) = (0usize, 0usize, 0usize);
     let (mut first_dropped, mut first_missing) = (None, None);
     for (line, row) in &table.rows {
         let number = |k: usize| row[k].parse::<f64>().ok().filter(|x| x.is_finite());
         let t = number(at).map(|t| plan.time_unit.to_si(t));
+        // Clocks of loggers are coarser than what they log: of rows of one instant the first counts.
+        if t.is_some() && t == time.last().copied() {
+            repeated += 1;
+            continue;
+        }
         let rises = |t: &f64| time.last().is_none_or(|last| t > last);
         let Some(t) = t.filter(rises) else {
             dropped += 1;
@@ -372,6 +377,10 @@ fn measured(
     if dropped > 0 {
         let (rows, place) = (counted(dropped, "row"), place(first_dropped));
         repairs.push(format!("{place}: {rows} left out because the time does not rise"));
+    }
+    if repeated > 0 {
+        let rows = counted(repeated, "row");
+        repairs.push(format!("{}: {rows} left out, of the same instant as the row before", path.display()));
     }
     if missing > 0 {
         let (values, place) = (counted(missing, "value"), place(first_missing));

@@ -278,6 +278,25 @@ impl<'a> Problem<'a> {
         values.filter(|v| !v.is_nan()).count()
     }
 
+    /// Number of residuals of the training recordings that are not left out.
+    pub fn count_fitted(&self) -> usize {
+        let values = self.fitted().into_iter().flat_map(|r| r.signals.iter().flatten());
+        values.filter(|v| !v.is_nan()).count()
+    }
+
+    /// Training recordings that a first look can do without: what is left has about `enough` instants, and
+    /// comes from the whole of the list.
+    pub fn surplus(&self, enough: usize) -> Vec<usize> {
+        let lengths: Vec<usize> = self.data.of(Split::Train).map(|r| r.time.len()).collect();
+        let total: usize = lengths.iter().sum();
+        let kept = (lengths.len() * enough).div_ceil(total.max(1)).max(self.jobs);
+        if kept >= lengths.len() {
+            return Vec::new();
+        }
+        let is_kept = |i: usize| i * kept / lengths.len() != (i + 1) * kept / lengths.len();
+        (0..lengths.len()).filter(|i| !is_kept(*i)).collect()
+    }
+
     /// Standard deviations of the signals' noise, in the units of their columns.
     pub fn sigmas(&self) -> &'a [f64] {
         &self.data.sigmas

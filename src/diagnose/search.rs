@@ -15,7 +15,7 @@ use crate::math::numeric::least_squares::Stopping;
 
 use super::effect::{Effect, Start};
 use super::place::Place;
-use super::rank::rank;
+use super::rank::{ENOUGH, rank};
 use super::text::{Attached, model};
 
 /// Places that are fitted after a score test.
@@ -34,7 +34,7 @@ const EVIDENCE: f64 = 30.0;
 /// Reduced sum of squares up to which nothing is left to explain.
 pub const COMPLETE: f64 = 1.03;
 /// A first look at an effect.
-const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 6, reach: 1.0 };
+const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 };
 
 /// What is examined.
 pub struct Case<'a> {
@@ -190,7 +190,10 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             let (chosen, plan) = attach(case, &found.after, scored, depth);
             let look = &mut |p: &mut Problem<'_>| {
                 let start = p.start();
-                search(p, &start, &LOOK, heed)
+                p.left_out = p.surplus(ENOUGH);
+                let found = search(p, &start, &LOOK, heed);
+                p.left_out = Vec::new();
+                found
             };
             if let Ok(fitted) = level(case, chosen, plan, look) {
                 let name = case.named(scored.effect, &scored.place);

@@ -75,6 +75,18 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end ExtraSpring;
 
+    model StiffeningSpring
+      // What the spring holds it gives back: the motion keeps its energy.
+      extends OnMass(s_0 = 0.1);
+      Effects.StiffeningSpring effect(c_2 = 500, c_3 = 2e4, s_0 = 0.02);
+      Real x = s - 0.02;
+    equation
+      connect(effect.flange, mass.flange);
+      found = {m*v^2/2};
+      exact = {500*(0.08^3 - x^3)/3 + 2e4*(0.08^4 - x^4)/4};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end StiffeningSpring;
+
     model ViscousDrag
       extends OnMass(v_0 = 1);
       Effects.ViscousDrag effect(d = 3);
@@ -567,6 +579,13 @@ package EffectTests
     equation
       connect(effect.flange, spool.flange);
     end ExtraSpring;
+
+    model StiffeningSpring
+      extends Base;
+      Effects.StiffeningSpring effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end StiffeningSpring;
 
     model ViscousDrag
       extends Base;
