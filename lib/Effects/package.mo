@@ -21,5 +21,8 @@ package Effects "Physical effects that a model may lack, each ready to be attach
   // A block Sensor... has no connector: it stands between what is measured, u, and what was recorded, y.
   // `explains` says it in a sentence; %at stands for the place.
   //
+  // An entry `unknown` in place of `effect` marks a question rather than an effect: an inflow that is free over time,
+  // from t_lo to t_hi. Where it would explain most of what a model leaves, there something is missing.
+  //
   // An effect sees positions from min(s) to max(s) of a run; `side` chooses an end: +1 the upper, -1 the lower.
 end Effects;

@@ -28,6 +28,7 @@ package Units "Types of physical quantities in SI units"
   type PressureDifference  = Real(quantity = "Pressure", unit = "Pa", nominal = 1e5, displayUnit = "bar")
     "Difference of two pressures, also a gauge pressure";
   type MassFlowRate        = Real(quantity = "MassFlowRate", unit = "kg/s", nominal = 1e-3);
+  type VolumeFlowRate      = Real(quantity = "VolumeFlowRate", unit = "m3/s");
   type Density             = Real(quantity = "Density", unit = "kg/m3", min = 0);
   type Temperature         = Real(quantity = "ThermodynamicTemperature", unit = "K", min = 0, nominal = 300);
   type SpecificGasConstant = Real(quantity = "SpecificHeatCapacity", unit = "J/(kg.K)", min = 0)

@@ -6,6 +6,7 @@
 //! are left out for a while (least trimmed squares: P. J. Rousseeuw, K. Van Driessen, *Computing LTS
 //! regression for large data sets*, Data Mining and Knowledge Discovery 12, 2006): the others lead to
 //! where it comes right by itself.
+//! A search that creeps along such a jump is led past it in the same way: those that jump are left out.
 
 use crate::math::numeric::least_squares::{Minimum, Normal, Residuals, Stopping, minimise};
 use crate::math::numeric::sequence::Halton;
@@ -25,6 +26,11 @@ const OUTLYING: f64 = 1.3;
 const ROUNDS: usize = 4;
 /// Reduced sum of squares of the others at which leaving out has shown the way.
 const WELL: f64 = 1.5;
+/// The same where these others fit that much better than with those that were left out.
+const LED: f64 = 0.6;
+/// Recordings that fit worse than the others by this factor keep a search of a model that may lack something
+/// from better places.
+const HINDERING: f64 = 2.5;
 /// A recording jumps if its sum of squares rises by this share of the mean.
 const JUMPING: f64 = 0.1;
 /// A sum of squares must fall by this part to count as better.
@@ -123,7 +129,7 @@ pub fn refine(problem: &mut Problem<'_>, mut best: Fit, heed: &mut Heed<'_>) -> 
         }
         let crossed = cross(problem, &best, heed);
         let found = crossed.or_else(|| {
-            mostly_fits(problem, &best).then(|| leave_out(problem, &best, heed)).flatten()
+            is_hindered(problem, &best).then(|| leave_out(problem, &best, heed)).flatten()
         });
         match found {
             Some(found) => best = found,
@@ -133,12 +139,14 @@ pub fn refine(problem: &mut Problem<'_>, mut best: Fit, heed: &mut Heed<'_>) -> 
     best
 }
 
-/// True if most recordings fit: the others may stand on the wrong side of a jump.
-fn mostly_fits(problem: &Problem<'_>, fit: &Fit) -> bool {
+/// True if a few recordings fit much worse than the others, or most fit well: those may stand on the wrong
+/// side of a jump.
+fn is_hindered(problem: &Problem<'_>, fit: &Fit) -> bool {
     let Ok(sums) = problem.sums(Split::Train, &fit.x) else { return false };
     let mut each = sums.by_recording();
     each.sort_by(f64::total_cmp);
-    each.get(each.len() / 2).is_some_and(|median| *median < WELL)
+    let (Some(median), Some(worst)) = (each.get(each.len() / 2), each.last()) else { return false };
+    *median < WELL || *worst > HINDERING * median
 }
 
 /// A better fit beyond the jump that caught a search: the recordings that jump are left out until the
@@ -179,15 +187,22 @@ fn jumping(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<usize>> {
 
 /// A better fit to all, by way of a fit to those that do not fit worst: if these alone fit well.
 fn leave_out(problem: &mut Problem<'_>, best: &Fit, heed: &mut Heed<'_>) -> Option<Fit> {
-    let by_recording = problem.sums(Split::Train, &best.x).ok()?.by_recording();
+    let sums = problem.sums(Split::Train, &best.x).ok()?;
+    let by_recording = sums.by_recording();
+    let squares: Vec<f64> = sums.squares.iter().map(|s| s.iter().sum()).collect();
     for left_out in suspects(&by_recording) {
         let kept = by_recording.len() - left_out.len();
         let share = kept as f64 / by_recording.len() as f64;
         let count = problem.count(Split::Train) as f64 * share;
-        problem.left_out = left_out;
+        problem.left_out.clone_from(&left_out);
         let others = search(problem, &best.x, &ON_THE_WAY, heed);
         problem.left_out = Vec::new();
-        let Some(others) = others.filter(|o| o.normal.cost / count < WELL) else { continue };
+        let led = |o: &Fit| {
+            let kept: f64 =
+                (0..squares.len()).filter(|i| !left_out.contains(i)).map(|i| squares[i]).sum();
+            o.normal.cost / count < WELL || o.normal.cost < LED * kept
+        };
+        let Some(others) = others.filter(led) else { continue };
         let Some(found) = search(problem, &others.x, &STOPPING, heed) else { continue };
         if found.normal.cost < (1.0 - BETTER) * best.normal.cost {
             return Some(found);

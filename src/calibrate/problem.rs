@@ -344,6 +344,25 @@ impl<'a> Problem<'a> {
         Ok(self.channels.iter().map(of).collect())
     }
 
+    /// Other recorded variables at the instants of a recording, variable by variable, in SI units; those
+    /// that are not recorded are left out.
+    pub fn others(
+        &self,
+        recording: &Recording,
+        x: &[f64],
+        names: &[String],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let settings = self.settings(recording, &self.values(x));
+        let width = self.program.recorded.len();
+        let mut rows = Rows::new(recording.time.clone(), width, 0);
+        simulate_to(self.program, &settings, self.sources, &mut rows)?;
+        let column = |name: &String| {
+            let k = self.program.recorded.iter().position(|v| self.program.name(*v) == name)?;
+            Some(rows.values.chunks_exact(width).map(|row| row[k]).collect())
+        };
+        Ok(names.iter().filter_map(column).collect())
+    }
+
     /// Residuals of a recording, signal by signal, in units of the noise; NaN without a value.
     pub fn residuals(&self, recording: &Recording, x: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         let mut predicted = self.predict(recording, x)?;

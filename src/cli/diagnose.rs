@@ -7,9 +7,9 @@ use super::calibrate::inputs;
 use super::progress::Working;
 use super::{Status, interrupt, print, say};
 use crate::base::diag::Problems;
-use crate::diagnose::effect::catalogue;
+use crate::diagnose::effect::{catalogue, unknowns};
 use crate::diagnose::search::{Case, Nothing, diagnose};
-use crate::diagnose::{page, result};
+use crate::diagnose::{balance, page, result};
 use crate::driver::compile::{Request, Session};
 use crate::ir::program::Form;
 use crate::report::write::{create_folder, write_file};
@@ -105,6 +105,13 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
             return Status::Numerics;
         }
     };
+    let (mut balances, mut law) = (Vec::new(), Vec::new());
+    if complete && result::verdict(&found) != result::Verdict::Complete {
+        let unknowns = unknowns(session, &case.request, &packages);
+        balances = balance::balances(&case, &unknowns, &found.before);
+        law = balance::law(&case, &found.after);
+        (case.say)(&format!("{} balances looked at", balances.len()));
+    }
     let original = match crate::driver::files::read(&plan.model) {
         Ok(text) => text,
         Err(why) => {
@@ -118,12 +125,12 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
     let seconds = begun.elapsed().as_secs_f64();
     let mut files = vec![(
         "diagnosis.json".to_owned(),
-        result::json(&case, &found, name.as_deref(), seconds, complete),
+        result::json(&case, &found, &balances, name.as_deref(), seconds, complete),
     )];
     if let (Some(name), Some((_, text))) = (&name, &amended) {
         files.push((name.clone(), text.clone()));
     }
-    let page = page::html(&case, &found, &original, amended.as_ref());
+    let page = page::html(&case, &found, (&balances, &law), &original, amended.as_ref());
     files.push(("diagnosis.html".to_owned(), page));
     for (name, text) in files {
         let path = folder.join(name);

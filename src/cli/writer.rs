@@ -21,13 +21,16 @@ struct Rows {
     values: Vec<f64>,
 }
 
-/// A file of results that is being written.
+/// A file of results that is being written. Dropped before [`Writer::end`] it waits for its thread,
+/// which leaves nothing.
 pub struct Writer {
-    rows: SyncSender<Rows>,
+    /// None once no more rows will come.
+    rows: Option<SyncSender<Rows>>,
     /// Blocks that have been written, to be used again.
     written: Receiver<Rows>,
     failed: Arc<AtomicBool>,
-    thread: JoinHandle<Result<Results, TableError>>,
+    /// None once it was waited for.
+    thread: Option<JoinHandle<Result<Results, TableError>>>,
 }
 
 impl Writer {
@@ -39,7 +42,7 @@ impl Writer {
         let told = Arc::clone(&failed);
         let work = move || write(results, &waiting, &back, &told);
         let thread = Builder::new().name("write".into()).spawn(work)?;
-        Ok(Writer { rows, written, failed, thread })
+        Ok(Writer { rows: Some(rows), written, failed, thread: Some(thread) })
     }
 
     /// Sends rows on their way, one after the other.
@@ -49,8 +52,8 @@ impl Writer {
         block.times.extend_from_slice(times);
         block.values.clear();
         block.values.extend_from_slice(values);
-        // A thread that has ended has said why, which `finish` tells.
-        let _ = self.rows.send(block);
+        // A thread that has ended has said why, which `end` tells.
+        let _ = self.rows.as_ref().map(|rows| rows.send(block));
     }
 
     /// True once a row could not be written.
@@ -58,10 +61,22 @@ impl Writer {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Waits for what is on its way.
-    pub fn end(self) -> Result<Results, TableError> {
-        drop(self.rows);
-        self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    /// Waits for what is on its way; the results, or why they could not be written.
+    pub fn end(mut self) -> Result<Results, TableError> {
+        self.rows = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(outcome)) => outcome,
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            None => unreachable!("a thread is waited for once"),
+        }
+    }
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        self.rows = None;
+        // What it brings back is dropped here, and with it the file.
+        let _ = self.thread.take().map(JoinHandle::join);
     }
 }
 

@@ -96,7 +96,7 @@ pub fn catalogue(
         let classes = session.members(request, package);
         for (class, texts) in session.annotated(request, &classes) {
             known.push(class.clone());
-            effects.extend(described(&class, &texts).and_then(|e| component(e, request)));
+            effects.extend(described(&class, &texts, "effect").and_then(|e| component(e, request)));
         }
     }
     let mut hosts: Vec<String> = model.parts.iter().map(|p| p.class.clone()).collect();
@@ -104,7 +104,7 @@ pub fn catalogue(
     hosts.dedup();
     hosts.retain(|class| !class.is_empty() && !known.contains(class));
     for (class, texts) in session.annotated(request, &hosts) {
-        let Some(mut effect) = described(&class, &texts) else { continue };
+        let Some(mut effect) = described(&class, &texts, "effect") else { continue };
         let Some(host) = model.parts.iter().find(|p| p.class == class) else { continue };
         let prefix = format!("{}.", host.name);
         let own =
@@ -116,9 +116,22 @@ pub fn catalogue(
     effects
 }
 
-fn described(class: &str, texts: &[(String, String)]) -> Option<Effect> {
+/// Inflows that are free over time, one for each kind of connector: the questions where a balance does
+/// not close.
+pub fn unknowns(session: &mut Session, request: &Request, packages: &[String]) -> Vec<Effect> {
+    let mut all = Vec::new();
+    for package in packages {
+        let classes = session.members(request, package);
+        for (class, texts) in session.annotated(request, &classes) {
+            all.extend(described(&class, &texts, "unknown").and_then(|e| component(e, request)));
+        }
+    }
+    all
+}
+
+fn described(class: &str, texts: &[(String, String)], kind: &str) -> Option<Effect> {
     let of = |key: &str| texts.iter().find(|(k, _)| k == key).map(|(_, t)| t.as_str());
-    let mut effect = read(class, of("effect")?)?;
+    let mut effect = read(class, of(kind)?)?;
     effect.explains = of("explains").unwrap_or("%at has this effect.").to_owned();
     Some(effect)
 }

@@ -1,4 +1,5 @@
 //! Finding what a model lacks.
+pub mod balance;
 pub mod effect;
 pub mod page;
 pub mod place;

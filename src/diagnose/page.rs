@@ -4,9 +4,10 @@ use crate::calibrate::data::Split;
 use crate::calibrate::plan::Signal;
 use crate::report::markup::escaped;
 use crate::report::page::diff::unified;
-use crate::report::page::figure::{Curve, Panel, Stroke, figure};
+use crate::report::page::figure::{Curve, Panel, Stroke, figure, figure_over};
 use crate::report::page::frame::Page;
 
+use super::balance::{Balance, Course};
 use super::residual::residuals;
 use super::result::{sentences, verdict};
 use super::search::{Case, Found, Level, Scored};
@@ -47,6 +48,7 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
 pub fn html(
     case: &Case<'_>,
     found: &Found,
+    (balances, law): (&[Balance], &[Course]),
     original: &str,
     amended: Option<&(String, String)>,
 ) -> String {
@@ -69,6 +71,9 @@ pub fn html(
         let text = part(&|out| parameters(case, &found.after, out));
         page.section("parameters", "Parameters of what was found", &text);
     }
+    if !balances.is_empty() {
+        page.section("balances", "Where the balances do not close", &unbalanced(balances, law));
+    }
     for (depth, ranking) in found.rankings.iter().enumerate() {
         let cost = if depth == 0 { found.before.train.total() } else { found.after.train.total() };
         let mut text = "<p>How much of the sum of squares each effect promises to explain, before any is fitted.</p>\n".to_owned();
@@ -85,6 +90,70 @@ pub fn html(
         page.section("amended", "What was added to the model", &unified(original, text));
     }
     page.finish()
+}
+
+/// Balances that are listed, and those of them whose inflow is drawn.
+const LISTED: usize = 8;
+const DRAWN: usize = 2;
+
+/// The inflows that the calibrated model would need, over time and over what they could depend on.
+fn unbalanced(balances: &[Balance], law: &[Course]) -> String {
+    let mut out = String::from(
+        "<p>An unknown inflow, free over time, at each balance of the calibrated model, before any effect was added: how much of what the model leaves it would explain, to first order. Dots are the inflow of each recording, and what the effect that was found contributes.</p>\n<table><tr><th>balance</th><th>explains</th><th>ordered best by</th></tr>",
+    );
+    let ordered = |b: &Balance| {
+        let name = b.ordered_by.and_then(|k| b.courses.first()?.over.get(k));
+        name.map_or(String::new(), |(n, ..)| n.clone())
+    };
+    for b in balances.iter().take(LISTED) {
+        let (at, order) = (escaped(&b.at), ordered(b));
+        let share = 100.0 * b.explained;
+        out.push_str(&format!("<tr><td>{at}</td><td>{share:.1} %</td><td>{order}</td></tr>"));
+    }
+    out.push_str("</table>\n");
+    for (k, b) in balances.iter().take(DRAWN).enumerate() {
+        let label = format!("at {}", b.at);
+        let panel = |curves| {
+            let (label, unit) = (label.clone(), b.unit.clone());
+            [Panel { label, display_unit: unit.clone(), unit, curves, height: Some(220) }]
+        };
+        let over_time = b.courses.iter().enumerate().map(|(colour, c)| Curve {
+            name: c.recording.clone(),
+            x: c.time.to_vec(),
+            y: c.inflow.clone(),
+            stroke: Stroke::Line,
+            colour,
+        });
+        out.push_str(&figure(&format!("balance-{k}"), &panel(over_time.collect())));
+        for (j, (name, unit, _)) in b.courses.first().iter().flat_map(|c| c.over.iter().enumerate())
+        {
+            let over = b.courses.iter().enumerate().map(|(colour, c)| {
+                let mut pairs: Vec<(f64, f64)> =
+                    c.over[j].2.iter().copied().zip(c.inflow.iter().copied()).collect();
+                pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let (x, y) = pairs.into_iter().unzip();
+                Curve { name: c.recording.clone(), x, y, stroke: Stroke::Points, colour }
+            });
+            let mut curves: Vec<Curve> = over.collect();
+            curves.extend(found_over(name, law, b.courses.len()).filter(|_| k == 0));
+            let id = format!("balance-{k}-{name}");
+            out.push_str(&figure_over(&id, (name, unit), &panel(curves)));
+        }
+    }
+    out
+}
+
+/// What the effect that was found contributes, over a variable of its place.
+fn found_over(name: &str, law: &[Course], colour: usize) -> Option<Curve> {
+    let mut pairs: Vec<(f64, f64)> = Vec::new();
+    for course in law {
+        let (.., values) = course.over.iter().find(|(own, ..)| own == name)?;
+        pairs.extend(values.iter().copied().zip(course.inflow.iter().copied()));
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+    let curve = Curve { name: "what was found".to_owned(), x, y, stroke: Stroke::Points, colour };
+    (!curve.x.is_empty()).then_some(curve)
 }
 
 /// Residuals in units of the noise: a small figure for each recording, a panel for each signal.

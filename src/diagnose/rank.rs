@@ -36,8 +36,37 @@ struct Trial {
     members: Vec<usize>,
 }
 
+/// Every effect at every place with every shape, not yet scored.
+pub fn unscored(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
+    let (_, trials) = trials(case, level)?;
+    Ok(trials.into_iter().map(|t| t.scored).collect())
+}
+
 /// Scores every effect at every place with every shape; of the shapes the best is kept.
 pub fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
+    let (candidates, mut trials) = trials(case, level)?;
+    let batches = batches(case, &candidates);
+    (case.say)(&format!("scoring {} candidates in {} runs", candidates.len(), batches.len()));
+    for batch in batches {
+        score_batch(case, level, &candidates, &batch, &mut trials)?;
+    }
+    let mut best: Vec<Scored> = Vec::new();
+    for Trial { scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
+        let same = |s: &&mut Scored| s.effect == scored.effect && s.place == scored.place;
+        match best.iter_mut().find(same) {
+            Some(known) if known.gain >= scored.gain => {}
+            Some(known) => *known = scored,
+            None => best.push(scored),
+        }
+    }
+    let price = (level.train.count() as f64).ln();
+    let worth = |s: &Scored| s.gain - price * s.amplitudes.len() as f64;
+    best.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    Ok(best)
+}
+
+/// What is scored, and the candidates that this takes.
+fn trials(case: &Case<'_>, level: &Level) -> Result<(Vec<Candidate>, Vec<Trial>), Nothing> {
     let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in case.effects.iter().enumerate() {
@@ -75,24 +104,7 @@ pub fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
             trials.push(Trial { scored, members });
         }
     }
-    let batches = batches(case, &candidates);
-    (case.say)(&format!("scoring {} candidates in {} runs", candidates.len(), batches.len()));
-    for batch in batches {
-        score_batch(case, level, &candidates, &batch, &mut trials)?;
-    }
-    let mut best: Vec<Scored> = Vec::new();
-    for Trial { scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
-        let same = |s: &&mut Scored| s.effect == scored.effect && s.place == scored.place;
-        match best.iter_mut().find(same) {
-            Some(known) if known.gain >= scored.gain => {}
-            Some(known) => *known = scored,
-            None => best.push(scored),
-        }
-    }
-    let price = (level.train.count() as f64).ln();
-    let worth = |s: &Scored| s.gain - price * s.amplitudes.len() as f64;
-    best.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    Ok(best)
+    Ok((candidates, trials))
 }
 
 /// Which candidates run together: those of one effect and shape always, and never two shapes of what is

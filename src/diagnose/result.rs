@@ -3,6 +3,7 @@
 use crate::calibrate::data::{Data, Split};
 use crate::report::json::Json;
 
+use super::balance::Balance;
 use super::effect::Effect;
 use super::search::{COMPLETE, Case, Chosen, Found, Level};
 use super::text::{Attached, Setting, model};
@@ -137,6 +138,7 @@ fn unit(effect: &Effect, parameter: &str) -> String {
 pub fn json(
     case: &Case<'_>,
     found: &Found,
+    balances: &[Balance],
     amended_model: Option<&str>,
     seconds: f64,
     complete: bool,
@@ -155,11 +157,22 @@ pub fn json(
         ("alternatives", Json::list(alternatives)),
         ("before", quality(case.data, &found.before)),
         ("after", quality(case.data, &found.after)),
+        ("balances", Json::list(balances.iter().map(balance_json))),
         ("amended_model", amended_model.map_or(Json::null(), Json::text)),
         ("seconds", Json::number(seconds)),
         ("complete", Json::flag(complete)),
     ];
     Json::object(members).pretty()
+}
+
+fn balance_json(balance: &Balance) -> Json {
+    let over = balance.ordered_by.and_then(|k| balance.courses.first()?.over.get(k));
+    Json::object([
+        ("at", Json::text(balance.at.as_str())),
+        ("inflow", Json::text(balance.class.as_str())),
+        ("explained", Json::number(balance.explained)),
+        ("ordered_by", over.map_or(Json::null(), |(name, ..)| Json::text(name.as_str()))),
+    ])
 }
 
 fn effect_json(

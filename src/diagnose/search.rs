@@ -11,7 +11,7 @@ use crate::driver::compile::{Request, Session, Wrong};
 use crate::flatten::inventory::Inventory;
 use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
-use crate::math::numeric::least_squares::Stopping;
+use crate::math::numeric::least_squares::{self, Stopping};
 
 use super::effect::{Effect, Start};
 use super::place::Place;
@@ -26,6 +26,8 @@ const SEARCHED: usize = 3;
 const CLOSE: f64 = 2.0;
 /// Effects that are looked for, one after the other.
 const DEPTH: usize = 3;
+/// An effect with so many amplitudes is a free curve.
+const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
 const WEAK: f64 = 10.0;
 /// Decrease of the Bayesian information criterion that counts, well above what the best of hundreds of
@@ -33,6 +35,12 @@ const WEAK: f64 = 10.0;
 const EVIDENCE: f64 = 30.0;
 /// Reduced sum of squares up to which nothing is left to explain.
 pub const COMPLETE: f64 = 1.03;
+/// Shares of what the score promises from which a look may begin.
+const WAY: [f64; 5] = [1.0, 0.5, 0.2, 0.07, 0.02];
+/// A law that explains this share of what a free curve does is taken for it.
+const NEARLY: f64 = 0.95;
+/// If the curve leaves nothing to explain, the law must leave less than this too.
+const NEARLY_COMPLETE: f64 = 0.1;
 /// A first look at an effect.
 const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 };
 
@@ -161,6 +169,7 @@ pub enum Nothing {
 pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> {
     let before = level(case, Vec::new(), case.plan.clone(), &mut |p| quick_fit(p, heed))?;
     (case.say)(&format!("calibrated: reduced chi-square {:.4}", before.chi2_train()));
+    (case.say)(&format!("  by recording {:.1?}", before.train.by_recording()));
     let mut found =
         Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
     for depth in 0..DEPTH {
@@ -169,70 +178,204 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             break;
         }
         let ranking = rank(case, &found.after)?;
-        let price = (found.after.train.count() as f64).ln();
-        let promising: Vec<Scored> = ranking
-            .iter()
-            .filter(|s| s.gain - price * s.amplitudes.len() as f64 > EVIDENCE)
-            .take(FITTED)
-            .cloned()
-            .collect();
+        let promising = promising(&found.after, &ranking);
         for s in ranking.iter().take(2 * FITTED) {
             let share = s.gain / found.after.train.total();
             let name = case.named(s.effect, &s.place);
             (case.say)(&format!("  score {:5.1} %  {name} {:?}", 100.0 * share, s.shape));
         }
         found.rankings.push(ranking);
-        let mut levels: Vec<Level> = Vec::new();
-        for scored in &promising {
-            if !heed(0, found.after.train.total()) {
-                break;
+        let mut levels = tried(case, &found.after, &promising, depth, heed);
+        let asked_for = |l: &Level| {
+            l.bic() < found.after.bic() - EVIDENCE
+                && l.chi2_validation() < found.after.chi2_validation()
+        };
+        if let Some(first) = levels.iter().position(asked_for) {
+            let best = simplified(case, levels.remove(first), heed);
+            // From where the amended model has led, the model as it was may fit better than before.
+            let bare = bare(case, &best, heed);
+            if let Some(bare) = bare.filter(|b| b.train.total() < found.before.train.total()) {
+                let (train, bic) = (bare.chi2_train(), bare.bic());
+                (case.say)(&format!("without any effect from there: {train:.4}"));
+                found.before = bare.clone();
+                if bic < best.bic() + EVIDENCE {
+                    found.rejected.push(best);
+                    found.rejected.extend(levels);
+                    found.after = bare;
+                    continue;
+                }
             }
-            let (chosen, plan) = attach(case, &found.after, scored, depth);
-            let look = &mut |p: &mut Problem<'_>| {
-                let start = p.start();
-                p.left_out = p.surplus(ENOUGH);
-                let found = search(p, &start, &LOOK, heed);
-                p.left_out = Vec::new();
-                found
-            };
-            if let Ok(fitted) = level(case, chosen, plan, look) {
-                let name = case.named(scored.effect, &scored.place);
-                (case.say)(&format!("looked at {name}: {:.4}", fitted.chi2_train()));
-                levels.push(fitted);
-            }
-        }
-        levels.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
-        let least = levels.first().map_or(0.0, |best| best.chi2_train() - 1.0);
-        let reach = 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
-        for fitted in levels.iter_mut().take(SEARCHED).filter(|l| l.chi2_train() < reach) {
-            let longer = &mut |p: &mut Problem<'_>| {
-                let start = p.start();
-                let found = search(p, &start, &STOPPING, heed)?;
-                Some(refine(p, found, heed))
-            };
-            if let Ok(better) = level(case, fitted.chosen.clone(), fitted.plan.clone(), longer) {
-                let name = better.chosen.last().map(|c| case.named(c.effect, &c.place));
-                let (train, validation) = (better.chi2_train(), better.chi2_validation());
-                let name = name.unwrap_or_default();
-                (case.say)(&format!("fitted {name}: {train:.4}, validation {validation:.4}"));
-                *fitted = better;
-            }
-        }
-        levels.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
-        let mut levels = levels.into_iter();
-        let Some(best) = levels.next() else { break };
-        let evident = best.bic() < found.after.bic() - EVIDENCE;
-        let holds = best.chi2_validation() < found.after.chi2_validation();
-        if evident && holds {
-            found.after = simplified(case, best, heed);
+            found.after = best;
             found.rejected.extend(levels);
         } else {
-            found.rejected.push(best);
             found.rejected.extend(levels);
             break;
         }
     }
+    // Where nothing was kept, what was fitted best may still have led to better parameters.
+    let refused = || found.rejected.iter().min_by(|a, b| a.bic().total_cmp(&b.bic()));
+    let from = match found.after.chosen.is_empty() {
+        true if found.after.chi2_train() >= COMPLETE => {
+            refused().filter(|l| l.bic() < found.after.bic() - EVIDENCE)
+        }
+        true => None,
+        false => Some(&found.after).filter(|l| is_intricate(case, l)),
+    };
+    if let Some(from) = from
+        && let Some(simple) = single(case, &from.clone(), heed)?
+        && simple.chi2_validation() < found.before.chi2_validation()
+    {
+        let simple = simplified(case, simple, heed);
+        let last = std::mem::replace(&mut found.after, simple);
+        if !last.chosen.is_empty() {
+            found.rejected.push(last);
+        }
+    }
     Ok(found)
+}
+
+/// True for several effects, or a free curve.
+fn is_intricate(case: &Case<'_>, level: &Level) -> bool {
+    let Some(first) = level.chosen.first() else { return false };
+    level.chosen.iter().any(|c| c.group != first.group)
+        || case.effects[first.effect].amplitudes.len() >= CURVE
+}
+
+/// Those whose promise is worth their parameters.
+fn promising(level: &Level, ranking: &[Scored]) -> Vec<Scored> {
+    let price = (level.train.count() as f64).ln();
+    let worth = |s: &&Scored| s.gain - price * s.amplitudes.len() as f64 > EVIDENCE;
+    ranking.iter().filter(worth).take(FITTED).cloned().collect()
+}
+
+/// Fits each of them beside what the level has: a look at all, and a long search for the best. Best first.
+fn tried(
+    case: &Case<'_>,
+    from: &Level,
+    promising: &[Scored],
+    depth: usize,
+    heed: &mut Heed<'_>,
+) -> Vec<Level> {
+    let mut levels: Vec<Level> = Vec::new();
+    for scored in promising {
+        if !heed(0, from.train.total()) {
+            break;
+        }
+        let (chosen, plan) = attach(case, from, scored, depth);
+        let new = amplitudes(case, &chosen[from.chosen.len()..]);
+        let look = &mut |p: &mut Problem<'_>| {
+            p.left_out = p.surplus(ENOUGH);
+            let start = shortened(p, &new);
+            let found = search(p, &start, &LOOK, heed);
+            p.left_out = Vec::new();
+            found
+        };
+        if let Ok(fitted) = level(case, chosen, plan, look) {
+            let name = case.named(scored.effect, &scored.place);
+            (case.say)(&format!("looked at {name}: {:.4}", fitted.chi2_train()));
+            levels.push(fitted);
+        }
+    }
+    in_order(case, from, &mut levels);
+    let least = levels.first().map_or(0.0, |best| best.chi2_train() - 1.0);
+    let reach = 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
+    for fitted in levels.iter_mut().take(SEARCHED).filter(|l| l.chi2_train() < reach) {
+        let longer = &mut |p: &mut Problem<'_>| {
+            let start = p.start();
+            let found = search(p, &start, &STOPPING, heed)?;
+            Some(refine(p, found, heed))
+        };
+        if let Ok(better) = level(case, fitted.chosen.clone(), fitted.plan.clone(), longer) {
+            let name = better.chosen.last().map(|c| case.named(c.effect, &c.place));
+            let (train, validation) = (better.chi2_train(), better.chi2_validation());
+            let name = name.unwrap_or_default();
+            (case.say)(&format!("fitted {name}: {train:.4}, validation {validation:.4}"));
+            *fitted = better;
+        }
+    }
+    in_order(case, from, &mut levels);
+    levels
+}
+
+/// Full names of the amplitudes of effects.
+fn amplitudes(case: &Case<'_>, chosen: &[Chosen]) -> Vec<String> {
+    let of = |c: &Chosen| {
+        let all = case.effects[c.effect].amplitudes.iter();
+        all.map(|a| format!("{}.{}", c.name, a.name)).collect::<Vec<_>>()
+    };
+    chosen.iter().flat_map(of).collect()
+}
+
+/// Where a look begins: the score is a straight line, and amplitudes that follow it to its end may be far
+/// beyond where it holds. So the best of some points on the way there.
+fn shortened(problem: &mut Problem<'_>, amplitudes: &[String]) -> Vec<f64> {
+    let whole = problem.start();
+    let at = |share: f64| {
+        let scaled = problem.parameters.iter().zip(&whole).map(|(p, x)| {
+            let is_new = amplitudes.contains(&p.name);
+            if is_new { p.scale.place(share * p.start) } else { *x }
+        });
+        scaled.collect::<Vec<f64>>()
+    };
+    let points: Vec<Vec<f64>> = WAY.into_iter().map(at).collect();
+    let costs: Vec<f64> =
+        points.iter().map(|x| least_squares::Residuals::cost(problem, x).unwrap_or(f64::INFINITY)).collect();
+    let best = (0..points.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+    best.map_or(whole, |k| points[k].clone())
+}
+
+/// Best first. Of what is not known before a free curve explains as much as the law that it contains, and
+/// what noise and drift leave besides: it comes first only where no law explains nearly as much.
+fn in_order(case: &Case<'_>, from: &Level, levels: &mut Vec<Level>) {
+    levels.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
+    let is_curve = |l: &Level| {
+        l.chosen.last().is_some_and(|c| case.effects[c.effect].amplitudes.len() >= CURVE)
+    };
+    let Some(curve) = levels.first().filter(|l| is_curve(l)) else { return };
+    let explained = |l: &Level| from.train.total() - l.train.total();
+    let wanted = NEARLY * explained(curve);
+    let complete = curve.chi2_train() < COMPLETE;
+    let nearly = |l: &Level| {
+        explained(l) > wanted && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE)
+    };
+    if let Some(k) = levels.iter().position(|l| !is_curve(l) && nearly(l)) {
+        levels[..=k].rotate_right(1);
+    }
+}
+
+/// One simple effect in place of what a level has: where that has led, the parameters of the model are
+/// near the true ones, and the scores tell more than at the first attempt.
+fn single(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Result<Option<Level>, Nothing> {
+    if !heed(0, from.train.total()) {
+        return Ok(None);
+    }
+    let here = &mut |p: &mut Problem<'_>| {
+        let x = p.start();
+        let normal = p.normal(&x).ok()?;
+        Some(Fit { x, normal, iterations: 0, converged: true, beyond: None })
+    };
+    let Ok(start) = level(case, Vec::new(), bare_plan(case, from), here) else { return Ok(None) };
+    let ranking = rank(case, &start)?;
+    let simple: Vec<Scored> =
+        ranking.into_iter().filter(|s| case.effects[s.effect].amplitudes.len() < CURVE).collect();
+    let levels = tried(case, &start, &promising(&start, &simple), 0, heed);
+    let enough = |l: &Level| l.bic() < from.bic() + EVIDENCE;
+    Ok(levels.into_iter().find(enough))
+}
+
+/// The model as it was, fitted from where a level with effects stands.
+fn bare(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
+    level(case, Vec::new(), bare_plan(case, from), &mut |p| quick_fit(p, heed)).ok()
+}
+
+/// The plan without effects, its starts where a level stands.
+fn bare_plan(case: &Case<'_>, from: &Level) -> Plan {
+    let mut plan = case.plan.clone();
+    for free in &mut plan.free {
+        let same = from.plan.free.iter().find(|f| f.name == free.name);
+        free.start = same.map_or(free.start, |f| f.start);
+    }
+    plan
 }
 
 /// Without those effects that the data do not ask for beside the others.

@@ -284,6 +284,34 @@ mod tests {
         run
     }
 
+    /// What is known of a column is filled in after the run, also where the rows came in several blocks.
+    #[test]
+    fn columns_of_known_course_are_filled_in() {
+        let columns = ["a", "twin", "mirror", "c", "b"].map(|n| Column::new(n, "")).to_vec();
+        let mut run = Trajectory::new(columns);
+        run.expect_courses(vec![
+            Course::Own,
+            Course::Alias { of: 0, negated: false },
+            Course::Alias { of: 0, negated: true },
+            Course::Constant,
+            Course::Own,
+        ]);
+        run.push(0.0, &[1.0, 1.0, -1.0, 7.0, 5.0]);
+        run.push_own_rows(&[0.1, 0.2], &[2.0, 6.0, 3.0, 8.0]);
+        run.push_own_rows(&[0.3], &[4.0, 9.0]);
+        run.complete();
+        run.verify().unwrap();
+        assert_eq!(run.values("twin"), Some(&[1.0, 2.0, 3.0, 4.0][..]));
+        assert_eq!(run.values("mirror"), Some(&[-1.0, -2.0, -3.0, -4.0][..]));
+        assert_eq!(run.values("c"), Some(&[7.0; 4][..]));
+        assert_eq!(run.values("b"), Some(&[5.0, 6.0, 8.0, 9.0][..]));
+        // A run without rows has nothing to fill.
+        let mut empty = Trajectory::new(vec![Column::new("c", "")]);
+        empty.expect_courses(vec![Course::Constant]);
+        empty.complete();
+        assert_eq!(empty.rows(), 0);
+    }
+
     #[test]
     fn names_are_found_without_regard_to_spaces() {
         let run = switched();

@@ -58,8 +58,8 @@ fn column(v: &Variable) -> Column {
     };
     Column {
         name: v.name.clone(),
-        unit: v.unit.to_string(),
-        display_unit: v.display_unit.to_string(),
+        unit: v.unit.as_str().to_owned(),
+        display_unit: v.display_unit.as_str().to_owned(),
         description: v.description.as_deref().unwrap_or_default().to_owned(),
         kind,
     }

@@ -16,6 +16,10 @@ pub trait Sink {
     fn begin(&mut self, columns: Vec<Column>);
     /// About how many rows there will be, once before all rows.
     fn expect(&mut self, _rows: usize) {}
+    /// False: [`Sink::constants`] is not called.
+    fn wants_constants(&self) -> bool {
+        true
+    }
     /// Parameters and constants, once after `begin`.
     fn constants(&mut self, _: Vec<Constant>) {}
     /// One value for each variable.
@@ -57,6 +61,9 @@ impl Sink for Trajectory {
     }
     fn row(&mut self, time: f64, values: &[f64]) {
         self.push(time, values);
+    }
+    fn wants_constants(&self) -> bool {
+        false
     }
     fn courses(&mut self, courses: Vec<Course>) -> bool {
         self.expect_courses(courses);
@@ -162,13 +169,13 @@ impl Recorder {
     pub fn take(&mut self, instance: &Instance<'_>) -> Result<(), VarId> {
         let columns = self.cells.len();
         let row = &mut self.block[self.times.len() * columns..][..columns];
-        // Zero, unless something is not finite.
-        let mut nothing = 0.0;
+        let memory = &instance.memory[..];
+        let mut fine = true;
         for (value, (_, slot)) in row.iter_mut().zip(&self.cells) {
-            *value = instance.get(*slot);
-            nothing += *value * 0.0;
+            *value = memory[*slot as usize];
+            fine &= value.is_finite();
         }
-        if nothing == 0.0 {
+        if fine {
             return Ok(());
         }
         let broken = row.iter().position(|value| !value.is_finite());

@@ -214,7 +214,9 @@ impl<'p, 's> Simulation<'p, 's> {
         sink.begin(columns(program));
         recorder.tell_courses(program, sink);
         sink.expect(recorder.expected_rows());
-        sink.constants(constants(&model.instance));
+        if sink.wants_constants() {
+            sink.constants(constants(&model.instance));
+        }
         let mut simulation = Simulation {
             program,
             sources,

@@ -171,6 +171,37 @@ fn stop_interval_tolerance_and_model() {
     assert_eq!(other.last("y"), 7.0);
 }
 
+/// A loop `z + z^3 = 0.625 x` is solved by the model or by the integrator, with the same result; but no
+/// explicit method can solve it.
+#[test]
+fn modes() {
+    let folder = Scratch::new();
+    let text = "model Loop
+      Real x(start = 1, fixed = true);
+      Real z(start = 0.5);
+    equation
+      z ^ 3 + z = 0.625 * x;
+      der(x) = -z;
+    end Loop;";
+    folder.file("loop.mo", text);
+    let part = ["simulate", "loop.mo", "--tolerance", "1e-9"];
+    let mut ends = Vec::new();
+    for (mode, said) in [("reduced", "1 states, "), ("dae", "1 states and 1 algebraic unknowns")] {
+        let ended = mocc(folder.path(), &[&part[..], &["--mode", mode]].concat());
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+        assert!(ended.out.contains(said), "{}", ended.out);
+        let table = read_csv(folder.path().join("loop.csv")).expect("a table");
+        ends.push(["x", "z"].map(|name| *table.values(name).expect("a column").last().unwrap()));
+    }
+    let [[x, z], [other, _]] = ends[..] else { panic!("{ends:?}") };
+    assert!((z.powi(3) + z - 0.625 * x).abs() < 1e-8);
+    assert!((x - other).abs() < 1e-7, "{x} and {other}");
+    let explicit = [&part[..], &["--mode", "dae", "--method", "dopri"]].concat();
+    let refused = mocc(folder.path(), &explicit);
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("dopri is explicit"), "{}", refused.err);
+}
+
 /// Every method comes to `exp(-1)` within the tolerance, and the summary names it.
 #[test]
 fn methods() {

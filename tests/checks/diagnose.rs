@@ -121,6 +121,15 @@ fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
     let multiple = after["train"]["signals"]["s"]["noise_multiple"].as_f64();
     assert!(multiple.is_some_and(|m| (m - 1.0).abs() < 0.1), "{multiple:?}");
 
+    // Before that: the balance that does not close, and over what the missing force is a curve.
+    let balance = &found["balances"][0];
+    assert_eq!(
+        (&balance["at"], &balance["inflow"]),
+        (&"mass".into(), &"Effects.UnknownForce".into())
+    );
+    assert!(balance["explained"].as_f64() > Some(0.9), "{balance}");
+    assert_eq!(balance["ordered_by"], "v");
+
     let amended = found["amended_model"].as_str().expect("a name");
     assert_eq!(amended, "Swing_with_QuadraticDrag.mol");
     let ended = mocc(&scratch.path().join("out"), &["simulate", amended]);

@@ -87,6 +87,29 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end StiffeningSpring;
 
+    model Overflow
+      // Half of it is lost, half falls into a tank below.
+      Tanks.Tank  upper(A = 2, h_start = 1.5);
+      Tanks.Tank  lower(A = 1, h_start = 0);
+      Effects.Overflow effect(k_in = 0.5, k_out = 0.5, h_max = 0.5);
+      Real found[2] = {upper.h, lower.h};
+      Real exact[2] = {0.5 + 1/(1 + time/4)^2, 1 - 1/(1 + time/4)^2};
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      annotation(experiment(StopTime = 4, Tolerance = 1e-9));
+    end Overflow;
+
+    model LaminarOutflow
+      Tanks.Tank  upper(A = 2, h_start = 1);
+      Tanks.Tank  lower(A = 1, h_start = 0);
+      Effects.LaminarOutflow effect(k = 0.6);
+      Real found[2] = {upper.h, lower.h};
+      Real exact[2] = {exp(-0.3*time), 2*(1 - exp(-0.3*time))};
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      annotation(experiment(StopTime = 4, Tolerance = 1e-9));
+    end LaminarOutflow;
+
     model ViscousDrag
       extends OnMass(v_0 = 1);
       Effects.ViscousDrag effect(d = 3);
@@ -565,6 +588,19 @@ package EffectTests
     annotation(experiment(StopTime = 0.08, Interval = 1e-4, Tolerance = 1e-9));
   end Base;
 
+  model BesideTanks "The same, and two tanks"
+    extends Base;
+    Tanks.Tank   upper(h_start = 2);
+    Tanks.Tank   lower(h_start = 0.1);
+    Tanks.Outlet outlet;
+    Tanks.Outlet drainage;
+    Tanks.Drain  drain;
+    Units.Position observed = lower.h + 1e3*upper.h;
+  equation
+    connect(outlet.port_a, upper.port);    connect(outlet.port_b, lower.port);
+    connect(drainage.port_a, lower.port);  connect(drainage.port_b, drain.port);
+  end BesideTanks;
+
   package Absent
     model ConstantForce
       extends Base;
@@ -586,6 +622,20 @@ package EffectTests
     equation
       connect(effect.flange, spool.flange);
     end StiffeningSpring;
+
+    model Overflow
+      extends BesideTanks;
+      Effects.Overflow effect(h_max = 0.5);
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end Overflow;
+
+    model LaminarOutflow
+      extends BesideTanks;
+      Effects.LaminarOutflow effect;
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end LaminarOutflow;
 
     model ViscousDrag
       extends Base;

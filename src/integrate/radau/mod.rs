@@ -343,7 +343,12 @@ impl Radau {
             }
             Trouble::Newton { reduction, .. } => {
                 self.stats.convergence_failures += 1;
-                if self.jacobian == JacobianAge::Old { 1.0 } else { reduction }
+                match self.jacobian {
+                    JacobianAge::Old => 1.0,
+                    // A kink is in the way, of whose distance the convergence tells nothing.
+                    _ if cuts > 1 => reduction * reduction,
+                    _ => reduction,
+                }
             }
             Trouble::Singular { .. } => {
                 self.stats.convergence_failures += 1;

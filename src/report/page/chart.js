@@ -104,7 +104,8 @@ const mocc = (() => {
   // A figure in `root`. `time` is the scale of the abscissa. Panels are
   // { label, scale, low, height, curves: [{ name, x, y, factor, points, colour, dash, title }], marks, remove }.
   class Figure {
-    constructor(root, time) {
+    constructor(root, time, abscissa = 'time') {
+      this.abscissa = abscissa;
       this.root = root;
       this.time = time;
       this.panels = [];
@@ -335,7 +336,7 @@ const mocc = (() => {
         if (last) svg('text', { x: px, y: bottom + 15, 'text-anchor': 'middle' }, plot, figures(t, 6));
       }
       if (last) {
-        svg('text', { x: this.width - RIGHT, y: bottom + 30, 'text-anchor': 'end' }, plot, `time in ${this.time.unit}`);
+        svg('text', { x: this.width - RIGHT, y: bottom + 30, 'text-anchor': 'end' }, plot, `${this.abscissa} in ${this.time.unit}`);
       }
       const inside = svg('g', { 'clip-path': `url(#${clip})` }, plot);
       for (const t of panel.marks ?? []) {
@@ -417,7 +418,7 @@ const mocc = (() => {
       const make = () => {
         if (figure !== null || root.offsetParent === null) return;
         const arrays = spec.arrays.map(decode);
-        figure = new Figure(root, spec.time);
+        figure = new Figure(root, spec.time, spec.abscissa);
         figure.show(spec.panels.map(p => ({
           ...p,
           curves: p.curves.map(c => ({ ...c, factor: 1, x: arrays[c.x], y: arrays[c.y] })),

@@ -44,13 +44,18 @@ pub struct Panel {
     pub height: Option<u32>,
 }
 
-/// The element of a figure, which the script finds by its class. `id` is unique in the page.
+/// The element of a figure over time, which the script finds by its class. `id` is unique in the page.
 pub fn figure(id: &str, panels: &[Panel]) -> String {
+    figure_over(id, ("time", "s"), panels)
+}
+
+/// The same over something else: its name and its SI unit.
+pub fn figure_over(id: &str, (abscissa, unit): (&str, &str), panels: &[Panel]) -> String {
     let mut arrays = Arrays::default();
     let mut known: Vec<(&[f64], usize)> = Vec::new();
     let xs = panels.iter().flat_map(|p| p.curves.iter().flat_map(|c| &c.x));
     let longest = xs.fold(0.0_f64, |a, x| a.max(x.abs()));
-    let time = scale::choose("s", "", longest);
+    let time = scale::choose(unit, "", longest);
     let mut list = Vec::new();
     for panel in panels {
         let values = panel.curves.iter().flat_map(|c| &c.y).filter(|y| y.is_finite());
@@ -86,6 +91,7 @@ pub fn figure(id: &str, panels: &[Panel]) -> String {
     }
     let spec = Json::object([
         ("time", scale_of(&time)),
+        ("abscissa", Json::text(abscissa)),
         ("arrays", arrays.json()),
         ("panels", Json::list(list)),
     ]);

@@ -1,0 +1,313 @@
+//! Calibration and diagnosis of specimens that mocc makes itself: the valve of `examples/valve52.toml`
+//! with other parameters, other noise, and perhaps one effect of the catalogue.
+//!
+//! ```sh
+//! cargo bench --bench specimens -- starts 20          # calibrations from random starts
+//! cargo bench --bench specimens -- healthy 20         # diagnoses where nothing is missing
+//! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
+//! ```
+
+use std::path::Path;
+use std::time::Instant;
+
+use mocc::base::diag::Problems;
+use mocc::calibrate::data::{self, Data, Split};
+use mocc::calibrate::fit::{self, Fit};
+use mocc::calibrate::plan::{self, Plan};
+use mocc::calibrate::problem::{Problem, Sums};
+use mocc::diagnose::effect::{Effect, catalogue};
+use mocc::diagnose::rank::unscored;
+use mocc::diagnose::result::verdict;
+use mocc::diagnose::search::{Case, Found, Level, Scored, amplitude, compile, diagnose};
+use mocc::diagnose::text::Attached;
+use mocc::driver::compile::{Request, Session};
+use mocc::flatten::inventory::Inventory;
+use mocc::ir::flat::Experiment;
+use mocc::math::numeric::least_squares::Normal;
+use mocc::math::numeric::linear::DenseLu;
+
+/// Excess of the reduced sum of squares that an inserted effect is to make: the residual doubles.
+const EXCESS: f64 = 3.0;
+/// Parameters of a specimen differ from the sheet by at most this part.
+const SPREAD: f64 = 0.2;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let number = |k: usize| arguments.get(k).and_then(|a| a.parse().ok()).unwrap_or(20);
+    let stand = Stand::new();
+    match arguments.first().map(String::as_str) {
+        Some("starts") => stand.starts(number(1)),
+        Some("healthy") => stand.healthy(number(1)),
+        Some("effects") => stand.effects(arguments.get(1).map_or("", String::as_str)),
+        _ => println!("choose one of: starts N, healthy N, effects [NAME]"),
+    }
+}
+
+/// The valve, its plan, and the conditions of its recordings.
+struct Stand {
+    plan: Plan,
+    data: Data,
+    request: Request,
+    base: String,
+    experiment: Experiment,
+    effects: Vec<Effect>,
+    inventory: Inventory,
+    variables: Vec<String>,
+}
+
+impl Stand {
+    fn new() -> Stand {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/valve52.toml");
+        let mut session = Session::default();
+        let text = std::fs::read_to_string(&path).expect("the plan");
+        let plan = plan::read(&path, &text, &mut session.sources, &mut session.problems);
+        let plan = plan.expect("a plan");
+        let data = data::read(&plan, &mut session.problems).expect("recordings");
+        let request = Request { file: Some(plan.model.clone()), ..Request::default() };
+        let (flat, inventory) = session.inspect(&request).expect("a model");
+        let variables = flat.variables.iter().map(|v| v.name.clone()).collect();
+        let units: Vec<_> =
+            flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
+        let packages = ["Effects".to_owned()];
+        let effects = catalogue(&mut session, &request, &packages, &inventory, &units);
+        let (base, experiment) = (flat.name.clone(), flat.experiment);
+        Stand { plan, data, request, base, experiment, effects, inventory, variables }
+    }
+
+    fn case<'a>(&'a self, data: &'a Data) -> Case<'a> {
+        Case {
+            plan: &self.plan,
+            request: self.request.clone(),
+            data,
+            base: self.base.clone(),
+            experiment: self.experiment,
+            effects: &self.effects,
+            inventory: &self.inventory,
+            variables: &self.variables,
+            say: &|text| eprintln!("      {text}"),
+        }
+    }
+
+    /// Recordings of a specimen whose plan has these starts as its parameters.
+    fn recorded(
+        &self,
+        plan: &Plan,
+        attached: &[Attached<'_>],
+        random: &mut Random,
+    ) -> Option<Data> {
+        let case = self.case(&self.data);
+        let mut plan = plan.clone();
+        for a in attached {
+            if let Some(k) = a.place.signal {
+                plan.signals[k].variable = format!("{}.y", a.name);
+            }
+        }
+        let (session, program) = compile(&case, &plan, attached, &[]).ok()?;
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, &plan, &self.data, &mut problems)?;
+        let mut data = self.data.clone();
+        for recording in &mut data.recordings {
+            let exact = problem.predict(recording, &problem.start()).ok()?;
+            for ((signal, exact), sigma) in
+                recording.signals.iter_mut().zip(exact).zip(&data.sigmas)
+            {
+                *signal = exact.iter().map(|x| x + sigma * random.normal()).collect();
+            }
+        }
+        Some(data)
+    }
+
+    /// The plan with parameters that differ from the sheet.
+    fn other(&self, spread: f64, random: &mut Random) -> Plan {
+        let mut plan = self.plan.clone();
+        let case = self.case(&self.data);
+        let (session, program) = compile(&case, &plan, &[], &[]).expect("a program");
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, &plan, &self.data, &mut problems);
+        let nominal = problem.expect("a problem");
+        for (free, p) in plan.free.iter_mut().zip(&nominal.parameters) {
+            let value = p.start * (1.0 + spread * (2.0 * random.uniform() - 1.0));
+            free.start = Some(value.max(p.bounds.0).min(p.bounds.1));
+        }
+        plan
+    }
+
+    fn starts(&self, count: u64) {
+        let mut random = Random(1);
+        let mut fine = 0;
+        for k in 1..=count {
+            let plan = self.other(0.5, &mut random);
+            let begun = Instant::now();
+            let case = self.case(&self.data);
+            let (session, program) = compile(&case, &plan, &[], &[]).expect("a program");
+            let mut problems = Problems::new();
+            let problem =
+                Problem::new(&program, &session.sources, &plan, &self.data, &mut problems);
+            let mut problem = problem.expect("a problem");
+            let found = fit::fit(&mut problem, &mut |_, _| true);
+            let (train, validation) = match &found {
+                Some(found) => quality(&problem, found),
+                None => (f64::NAN, f64::NAN),
+            };
+            fine += u64::from(train <= 1.02 && validation <= 1.10);
+            let seconds = begun.elapsed().as_secs_f64();
+            println!("{k:3}  train {train:8.4}  validation {validation:8.4}  {seconds:6.1} s");
+        }
+        println!("{fine} of {count} at the noise floor");
+    }
+
+    fn healthy(&self, count: u64) {
+        let mut alarms = 0;
+        for k in 1..=count {
+            let mut random = Random(100 + k);
+            let plan = self.other(SPREAD, &mut random);
+            let data = self.recorded(&plan, &[], &mut random).expect("recordings");
+            let (found, seconds) = self.diagnosis(&data);
+            alarms += u64::from(verdict(&found).name() != "complete");
+            println!("{k:3}  {}  {seconds:6.1} s", self.words(&found));
+        }
+        println!("{alarms} false alarms in {count} healthy specimens");
+    }
+
+    fn effects(&self, wanted: &str) {
+        let level = Level {
+            chosen: Vec::new(),
+            plan: self.plan.clone(),
+            values: Vec::new(),
+            errors: Vec::new(),
+            fit: Fit {
+                x: Vec::new(),
+                normal: Normal::new(0),
+                iterations: 0,
+                converged: true,
+                beyond: None,
+            },
+            train: Sums::default(),
+            validation: Sums::default(),
+        };
+        let all = unscored(&self.case(&self.data), &level).ok().expect("candidates");
+        for (k, effect) in self.effects.iter().enumerate() {
+            if !effect.class.contains(wanted) {
+                continue;
+            }
+            // One place and one shape of those that there are, not always the first.
+            let own: Vec<&Scored> =
+                all.iter().filter(|s| s.effect == k && s.place.others.is_empty()).collect();
+            let mut random = Random(1000 + k as u64);
+            let Some(inserted) = own.get((5 * k + 3) % own.len().max(1)) else {
+                println!("{:28}  fits nowhere", effect.class);
+                continue;
+            };
+            let plan = self.other(SPREAD, &mut random);
+            let at = format!("{} at {}", effect.class, inserted.place.at.join(", "));
+            let Some(values) = self.amplitude(&plan, inserted) else {
+                println!("{at}: no trace in the signals beyond what the parameters absorb");
+                continue;
+            };
+            let attached = [attachment(effect, inserted, values.clone())];
+            let Some(data) = self.recorded(&plan, &attached, &mut random) else {
+                println!("{at} {values:?}: can not be run");
+                continue;
+            };
+            let (found, seconds) = self.diagnosis(&data);
+            println!("{at} {values:?}\n    -> {}  {seconds:6.1} s", self.words(&found));
+        }
+    }
+
+    /// Shape and amplitude that double the residual, as far as this is linear.
+    fn amplitude(&self, plan: &Plan, inserted: &Scored) -> Option<Vec<(String, f64)>> {
+        let effect = &self.effects[inserted.effect];
+        let attached = [attachment(effect, inserted, inserted.shape.clone())];
+        let name = &attached[0].name;
+        let first = &effect.amplitudes[0].name;
+        let mut more = plan.clone();
+        more.free.push(amplitude(&format!("{name}.{first}"), 0.0, None, &inserted.place, name));
+        let case = self.case(&self.data);
+        let (session, program) = compile(&case, &more, &attached, &[]).ok()?;
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, &more, &self.data, &mut problems)?;
+        let normal = problem.normal(&problem.start()).ok()?;
+        let size = EXCESS * problem.count(Split::Train) as f64 / left_over(&normal)?;
+        let mut values = inserted.shape.clone();
+        values.push((first.clone(), size.sqrt()));
+        Some(values)
+    }
+
+    fn diagnosis(&self, data: &Data) -> (Found, f64) {
+        let begun = Instant::now();
+        let found = diagnose(&self.case(data), &mut |_, _| true).ok().expect("a diagnosis");
+        (found, begun.elapsed().as_secs_f64())
+    }
+
+    fn words(&self, found: &Found) -> String {
+        let effects: Vec<String> = found
+            .after
+            .chosen
+            .iter()
+            .map(|c| format!("{} at {}", self.effects[c.effect].class, c.place.at.join(", ")))
+            .collect();
+        format!(
+            "{}  {}  train {:.3} -> {:.3}  validation {:.3} -> {:.3}",
+            verdict(found).name(),
+            effects.join(" + "),
+            found.before.chi2_train(),
+            found.after.chi2_train(),
+            found.before.chi2_validation(),
+            found.after.chi2_validation(),
+        )
+    }
+}
+
+fn attachment<'a>(
+    effect: &'a Effect,
+    inserted: &'a Scored,
+    values: Vec<(String, f64)>,
+) -> Attached<'a> {
+    let name = if effect.built_in { inserted.place.at[0].clone() } else { "inserted".to_owned() };
+    Attached { effect, place: &inserted.place, name, values }
+}
+
+fn quality(problem: &Problem<'_>, found: &Fit) -> (f64, f64) {
+    let of = |split: Split, less: usize| {
+        let sums = problem.sums(split, &found.x).unwrap_or_default();
+        sums.total() / sums.count().saturating_sub(less).max(1) as f64
+    };
+    (of(Split::Train, found.x.len()), of(Split::Validation, 0))
+}
+
+/// Sum of squares of the last column that the others do not absorb; `None` if hardly any.
+fn left_over(normal: &Normal) -> Option<f64> {
+    let (n, p) = (normal.n, normal.n - 1);
+    let entry = |i: usize, j: usize| normal.gram[i + n * j];
+    let size = |i: usize| entry(i, i).sqrt().max(f64::MIN_POSITIVE);
+    let mut lu = DenseLu::new(p);
+    let mut matrix = vec![0.0; p * p];
+    for j in 0..p {
+        for i in 0..p {
+            matrix[i + p * j] =
+                entry(i, j) / (size(i) * size(j)) + if i == j { 1e-12 } else { 0.0 };
+        }
+    }
+    lu.factor(&matrix).ok()?;
+    let own: Vec<f64> = (0..p).map(|i| entry(i, p) / size(i)).collect();
+    let mut absorbed = own.clone();
+    lu.solve_in_place(&mut absorbed);
+    let left = entry(p, p) - own.iter().zip(&absorbed).map(|(a, b)| a * b).sum::<f64>();
+    (left > 1e-6 * entry(p, p) && left > 0.0).then_some(left)
+}
+
+/// Random numbers that are the same in each run: a linear congruential generator.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Box and Muller's transformation.
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}

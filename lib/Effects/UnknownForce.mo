@@ -1,0 +1,19 @@
+within Effects;
+model UnknownForce "Force over time as a free curve"
+  // f runs smoothly through the n amplitudes F at n instants, equally spaced from t_lo to t_hi (knotWeights). No
+  // effect, but a question to the recordings: which force would the balance here need, and when?
+  extends PartialForce;
+  parameter Integer     n    = 48       "Number of knots";
+  parameter Units.Force F[n] = zeros(n) "Force at each knot, positive towards +s";
+  parameter Units.Time  t_lo = 0        "First knot";
+  parameter Units.Time  t_hi = 1        "Last knot";
+
+  Units.Velocity v "Speed";
+equation
+  v = der(s);
+  f = F*knotWeights((time - t_lo)/(t_hi - t_lo)*(n - 1), n);
+
+  annotation(__mocc(
+    unknown  = "amplitude=F",
+    explains = "A force on %at that the model does not have."));
+end UnknownForce;

@@ -1,0 +1,272 @@
+//! Where the balances of a model do not close: how large an inflow, free over time, each of them would
+//! need to explain the recordings.
+//!
+//! A connection set balances forces or flows. At each of them stands an inflow whose course over time is
+//! a curve through many knots, and the derivatives of a run by the knots at zero say which course brings
+//! the signals closest to what was measured: an estimation of unknown inputs (P. K. Kitanidis,
+//! *Unbiased minimum-variance linear state estimation*, Automatica 23, 1987), for each recording by
+//! itself. As deconvolution is ill-posed, the course is damped as much as the residual allows (A. N.
+//! Tikhonov; V. A. Morozov's discrepancy principle, *Methods for Solving Incorrectly Posed Problems*, 1984).
+
+use std::sync::Arc;
+
+use crate::base::diag::Problems;
+use crate::base::index::FastSet;
+use crate::calibrate::data::Split;
+use crate::calibrate::problem::Problem;
+use crate::math::numeric::least_squares::Normal;
+use crate::math::numeric::linear::DenseLu;
+
+use super::effect::Effect;
+use super::place::{Place, places};
+use super::search::{Case, Level, amplitude, attached, compile};
+use super::text::Attached;
+
+/// Dampings that are tried, strongest first, as parts of the mean square of the columns.
+const DAMPINGS: [f64; 9] = [1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+/// The damping is the strongest with this part of the gain of the weakest.
+const NEARLY: f64 = 0.9;
+/// A knot whose column is weaker than this part of the strongest, as a mean square, leaves no trace: there
+/// the inflow is taken as zero.
+const TRACE: f64 = 1e-3;
+/// Weight of the size of an inflow beside that of its bending.
+const SIZE: f64 = 0.03;
+/// Share of a trajectory's range that one class of values covers.
+const CLASSES: usize = 40;
+
+/// Variables of a place over which an inflow is shown, where they exist.
+const SEEN: [&str; 4] = ["s", "v", "p", "dp"];
+
+/// A balance and what it would need.
+pub struct Balance {
+    /// The component that it is named after.
+    pub at: String,
+    /// The class of the inflow.
+    pub class: String,
+    /// Unit of the inflow.
+    pub unit: String,
+    /// Share of what the model leaves beyond the noise that the inflow would explain, to first order.
+    pub explained: f64,
+    /// Recording by recording, those for training.
+    pub courses: Vec<Course>,
+    /// Of what there is beside time, what orders the inflow best.
+    pub ordered_by: Option<usize>,
+}
+
+/// The inflow that one recording needs.
+pub struct Course {
+    /// The recording.
+    pub recording: String,
+    /// Instants, s.
+    pub time: Arc<[f64]>,
+    /// The inflow there.
+    pub inflow: Vec<f64>,
+    /// Variables of the place over which it can be seen: name, unit, values.
+    pub over: Vec<(String, String, Vec<f64>)>,
+}
+
+/// All balances of the model at this level, those that explain most first.
+pub fn balances(case: &Case<'_>, unknowns: &[Effect], level: &Level) -> Vec<Balance> {
+    let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
+    let mut found = Vec::new();
+    for unknown in unknowns {
+        for place in places(unknown, case.inventory, &names, case.plan) {
+            found.extend(balance(case, unknown, place, level));
+        }
+    }
+    found.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    found
+}
+
+/// The force or the flow that the first effect of a level contributes, recording by recording: what
+/// the inflow of a balance is compared with.
+pub fn law(case: &Case<'_>, level: &Level) -> Vec<Course> {
+    let courses = || {
+        let chosen = level.chosen.first()?;
+        let units = &case.effects[chosen.effect].units;
+        let known = |n: &&str| units.iter().any(|(own, _)| own == *n);
+        let inflow = ["f", "m_flow"].into_iter().find(known)?;
+        let over: Vec<&str> = SEEN.into_iter().filter(known).collect();
+        let names = over.iter().chain([&inflow]).map(|n| format!("{}.{n}", chosen.name));
+        let names: Vec<String> = names.collect();
+        let (session, program) =
+            compile(case, &level.plan, &attached(case, &level.chosen), &names).ok()?;
+        let mut problems = Problems::new();
+        let problem =
+            Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems)?;
+        let x = problem.start();
+        let mut courses = Vec::new();
+        for recording in problem.recordings(Split::Train) {
+            let mut values = problem.others(recording, &x, &names).ok()?;
+            let inflow = values.pop().filter(|_| values.len() == over.len())?;
+            let over = over.iter().zip(values).map(|(n, v)| ((*n).to_owned(), String::new(), v));
+            let (recording, time) = (recording.name.clone(), recording.time.clone());
+            courses.push(Course { recording, time, inflow, over: over.collect() });
+        }
+        Some(courses)
+    };
+    courses().unwrap_or_default()
+}
+
+fn balance(case: &Case<'_>, unknown: &Effect, place: Place, level: &Level) -> Option<Balance> {
+    const NAME: &str = "unknown";
+    let mut all = attached(case, &level.chosen);
+    let mut plan = level.plan.clone();
+    let free = plan.free.len();
+    for a in &unknown.amplitudes {
+        plan.free.push(amplitude(&format!("{NAME}.{}", a.name), 0.0, None, &place, NAME));
+    }
+    let ends = case.data.of(Split::Train).filter_map(|r| Some((*r.time.first()?, *r.time.last()?)));
+    let (first, last) =
+        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (t, u)| (a.min(t), b.max(u)));
+    let values = vec![("t_lo".to_owned(), first), ("t_hi".to_owned(), last)];
+    all.push(Attached { effect: unknown, place: &place, name: NAME.to_owned(), values });
+    let over: Vec<(String, String)> = SEEN
+        .iter()
+        .filter_map(|n| unknown.units.iter().find(|(own, _)| own == n).cloned())
+        .collect();
+    let recorded: Vec<String> = over.iter().map(|(n, _)| format!("{NAME}.{n}")).collect();
+    let (session, program) = compile(case, &plan, &all, &recorded).ok()?;
+    let mut problems = Problems::new();
+    let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems)?;
+    let x = problem.start();
+    let scales: Vec<f64> = problem.parameters[free..].iter().map(|p| p.scale.slope(0.0)).collect();
+    let (mut gain, mut excess) = (0.0, 0.0);
+    let mut courses = Vec::new();
+    for recording in problem.recordings(Split::Train) {
+        let normal = problem.normal_of(recording, &x).ok()?;
+        let residuals: usize = recording.signals.iter().flatten().filter(|v| !v.is_nan()).count();
+        excess += (normal.cost - residuals as f64).max(0.0);
+        let (knots, own) = damped(&normal, free)?;
+        gain += own.min((normal.cost - residuals as f64).max(0.0));
+        let knots: Vec<f64> = knots.iter().zip(&scales).map(|(k, s)| k * s).collect();
+        let place = |t: f64| (t - first) / (last - first) * (knots.len() - 1) as f64;
+        let inflow = recording.time.iter().map(|t| between(&knots, place(*t))).collect();
+        let values = problem.others(recording, &x, &recorded).ok()?;
+        let over = over.iter().zip(values).map(|((n, u), v)| (n.clone(), u.clone(), v)).collect();
+        let (recording, time) = (recording.name.clone(), recording.time.clone());
+        courses.push(Course { recording, time, inflow, over });
+    }
+    let unit = unknown
+        .amplitudes
+        .first()
+        .and_then(|a| unknown.units.iter().find(|(n, _)| *n == a.name).map(|(_, u)| u.clone()));
+    let ordered_by = (0..over.len()).map(|k| (k, scatter(&courses, k)));
+    Some(Balance {
+        at: place.at.join(", "),
+        class: unknown.class.clone(),
+        unit: unit.unwrap_or_default(),
+        explained: gain / excess.max(f64::MIN_POSITIVE),
+        ordered_by: ordered_by.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k),
+        courses,
+    })
+}
+
+/// The columns from `free` on that make the residuals small, and by how much.
+fn damped(normal: &Normal, free: usize) -> Option<(Vec<f64>, f64)> {
+    let (n, m) = (normal.n, normal.n - free);
+    let entry = |i: usize, j: usize| normal.gram[(free + i) + n * (free + j)];
+    let mean = (0..m).map(|i| entry(i, i)).sum::<f64>() / m.max(1) as f64;
+    if mean <= 0.0 {
+        return Some((vec![0.0; m], 0.0));
+    }
+    let strongest = (0..m).map(|i| entry(i, i)).fold(0.0, f64::max);
+    let silent: Vec<bool> = (0..m).map(|i| entry(i, i) < TRACE * strongest).collect();
+    let solved = |damping: f64| {
+        let mut lu = DenseLu::new(m);
+        let mut matrix = vec![0.0; m * m];
+        for j in 0..m {
+            for i in 0..m {
+                let penalty = bending(m, i, j) + if i == j { SIZE } else { 0.0 };
+                matrix[i + m * j] = if silent[i] || silent[j] {
+                    if i == j { mean } else { 0.0 }
+                } else {
+                    entry(i, j) + damping * mean * penalty
+                };
+            }
+        }
+        lu.factor(&matrix).ok()?;
+        let right = |i: usize| if silent[i] { 0.0 } else { -normal.gradient[free + i] };
+        let mut knots: Vec<f64> = (0..m).map(right).collect();
+        lu.solve_in_place(&mut knots);
+        let mut gain = 0.0;
+        for j in 0..m {
+            let product: f64 = (0..m).map(|i| entry(i, j) * knots[i]).sum();
+            gain -= knots[j] * (2.0 * normal.gradient[free + j] + product);
+        }
+        Some((knots, gain))
+    };
+    let all: Vec<(Vec<f64>, f64)> = DAMPINGS.iter().filter_map(|d| solved(*d)).collect();
+    let most = all.last()?.1;
+    all.into_iter().find(|(_, gain)| *gain >= NEARLY * most)
+}
+
+/// Entry of the square of second differences of `m` knots.
+fn bending(m: usize, i: usize, j: usize) -> f64 {
+    let weight = |row: usize, k: usize| match k.abs_diff(row) {
+        0 => -2.0,
+        1 => 1.0,
+        _ => 0.0,
+    };
+    (1..m.saturating_sub(1)).map(|row| weight(row, i) * weight(row, j)).sum()
+}
+
+/// The curve through the knots at a place among them.
+fn between(knots: &[f64], place: f64) -> f64 {
+    let place = place.clamp(0.0, (knots.len() - 1) as f64);
+    let k = (place as usize).min(knots.len().saturating_sub(2));
+    let part = place - k as f64;
+    knots[k] * (1.0 - part) + knots.get(k + 1).copied().unwrap_or(knots[k]) * part
+}
+
+/// Part of the inflow's mean square that is left within classes of a variable: small if the variable
+/// alone says how large the inflow is.
+fn scatter(courses: &[Course], over: usize) -> f64 {
+    let pairs = || courses.iter().flat_map(|c| c.over[over].2.iter().zip(&c.inflow));
+    let range =
+        pairs().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (x, _)| (a.min(*x), b.max(*x)));
+    let class = |x: f64| {
+        let part = (x - range.0) / (range.1 - range.0).max(f64::MIN_POSITIVE);
+        ((part * CLASSES as f64) as usize).min(CLASSES - 1)
+    };
+    let mut sums = vec![(0.0, 0.0, 0.0); CLASSES];
+    for (x, y) in pairs() {
+        let sum = &mut sums[class(*x)];
+        *sum = (sum.0 + 1.0, sum.1 + y, sum.2 + y * y);
+    }
+    let within: f64 = sums.iter().filter(|s| s.0 > 0.0).map(|s| s.2 - s.1 * s.1 / s.0).sum();
+    within / pairs().map(|(_, y)| y * y).sum::<f64>().max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_position_orders_a_force_that_depends_on_it() {
+        let time: Vec<f64> = (0..400).map(|k| 0.01 * k as f64).collect();
+        let position: Vec<f64> = time.iter().map(|t| t.sin()).collect();
+        let velocity: Vec<f64> = time.iter().map(|t| t.cos()).collect();
+        let inflow = position.iter().map(|s| 3.0 * s * s).collect();
+        let over = vec![
+            ("s".to_owned(), "m".to_owned(), position),
+            ("v".to_owned(), "m/s".to_owned(), velocity.iter().map(|v| v + 0.3).collect()),
+        ];
+        let course = Course { recording: "1".to_owned(), time: time.into(), inflow, over };
+        assert!(scatter(std::slice::from_ref(&course), 0) < 0.01);
+        assert!((between(&[1.0, 3.0], 0.25) - 1.5).abs() < 1e-15);
+    }
+
+    /// Two columns of which one explains everything.
+    #[test]
+    fn the_damping_is_as_strong_as_the_residual_allows() {
+        let mut normal = Normal::new(3);
+        for k in 0..50 {
+            let t = 0.1 * k as f64;
+            normal.add(-2.0 * t.sin(), &[0.0, t.sin(), t.cos()]);
+        }
+        let (knots, gain) = damped(&normal, 1).unwrap();
+        assert!((knots[0] - 2.0).abs() < 0.5 && knots[1].abs() < 0.2, "{knots:?}");
+        assert!(gain >= NEARLY * normal.cost * 0.999);
+    }
+}
