@@ -25,6 +25,8 @@ pub mod math;
 
 // Text to syntax tree.
 pub mod parse;
+// Text to the same text, in order.
+pub mod format;
 // Names of classes to their texts.
 pub mod resolve;
 // Classes and modifications to component instances.

@@ -140,7 +140,9 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
         if out.len() == before {
             let message = format!("{}: nothing of `{}` is left", path.display(), entry.name);
             let d = Diagnostic::error("MO1011", Span::NONE, message);
-            problems.push(d.help("`from` and `to` are times of the recording, in s; `skip` is less than they span"));
+            problems.push(d.help(
+                "`from` and `to` are times of the recording, in s; `skip` is less than they span",
+            ));
         }
     }
     out
@@ -170,7 +172,8 @@ impl Cut {
                 last = time.partition_point(|t| *t <= t0 + self.window).min(end).max(first + 2);
             }
             number += 1;
-            let compared = |k: &usize| (*k == first || (*k - first).is_multiple_of(self.every)) && *k < last;
+            let compared =
+                |k: &usize| (*k == first || (*k - first).is_multiple_of(self.every)) && *k < last;
             let rows: Vec<usize> = (first..last).filter(compared).collect();
             let signal = |values: &Vec<f64>| {
                 let one = |k: &usize| if time[*k] - t0 < self.skip { f64::NAN } else { values[*k] };
@@ -179,7 +182,8 @@ impl Cut {
             let signals: Vec<Vec<f64>> = whole.signals.iter().map(signal).collect();
             if signals.iter().flatten().any(|v| !v.is_nan()) {
                 let cut = last < end || number > 1;
-                let name = if cut { format!("{} {number}", whole.name) } else { whole.name.clone() };
+                let name =
+                    if cut { format!("{} {number}", whole.name) } else { whole.name.clone() };
                 out.push(Recording {
                     name,
                     starts: begins.iter().map(|b| b.at(t0)).collect(),
@@ -380,7 +384,10 @@ fn measured(
     }
     if repeated > 0 {
         let rows = counted(repeated, "row");
-        repairs.push(format!("{}: {rows} left out, of the same instant as the row before", path.display()));
+        repairs.push(format!(
+            "{}: {rows} left out, of the same instant as the row before",
+            path.display()
+        ));
     }
     if missing > 0 {
         let (values, place) = (counted(missing, "value"), place(first_missing));
@@ -415,7 +422,10 @@ fn measured(
             (true, Some(rates)) => (rates, 0),
             (rate, _) => (values, usize::from(rate)),
         };
-        begins.push(Begin { course: Course::new(times.into(), values, Interpolation::Linear), order });
+        begins.push(Begin {
+            course: Course::new(times.into(), values, Interpolation::Linear),
+            order,
+        });
     }
     Some(Measured { time: time.into(), signals, courses, begins })
 }

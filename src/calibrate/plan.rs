@@ -206,8 +206,21 @@ struct Reader<'a> {
 }
 
 const TOP: [&str; 15] = [
-    "model", "name", "libraries", "fixed", "data", "recordings", "window", "skip", "every", "conditions",
-    "inputs", "starts", "time", "signals", "free",
+    "model",
+    "name",
+    "libraries",
+    "fixed",
+    "data",
+    "recordings",
+    "window",
+    "skip",
+    "every",
+    "conditions",
+    "inputs",
+    "starts",
+    "time",
+    "signals",
+    "free",
 ];
 
 impl Reader<'_> {

@@ -28,6 +28,11 @@ pub enum Command {
     Sweep(Sweep),
     /// Draw a chart of tables: runs, sweeps or recordings, overlaid and side by side.
     Plot(Plot),
+    /// Say all that is wrong with a file or a model, without running it.
+    Check(Check),
+    /// Put indentation and spaces in order; comments and line breaks stay.
+    #[command(name = "fmt")]
+    Format(Format),
     /// Print the flat model: all variables and equations as one Modelica model.
     Flatten(Model),
     /// Fit the free parameters of a plan to recordings.
@@ -53,6 +58,34 @@ pub struct Model {
     /// Folder with libraries, besides those of MODELICAPATH and the shipped ones.
     #[arg(long = "lib", value_name = "DIR")]
     pub folders: Vec<PathBuf>,
+}
+
+/// What to check.
+#[derive(Args, Debug)]
+pub struct Check {
+    /// File with models [all of them are checked].
+    #[arg(value_name = "FILE", required_unless_present = "model")]
+    pub file: Option<PathBuf>,
+    /// Full name of the only model to check.
+    #[arg(long, value_name = "NAME")]
+    pub model: Option<String>,
+    /// Folder with libraries, besides those of MODELICAPATH and the shipped ones.
+    #[arg(long = "lib", value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Print the problems as JSON, on the standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to format.
+#[derive(Args, Debug)]
+pub struct Format {
+    /// Files with models.
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Write nothing; name the files that would change, and end with status 1 if there are any.
+    #[arg(long)]
+    pub check: bool,
 }
 
 /// What to make of the block structure.
@@ -309,6 +342,19 @@ impl Model {
             settings: self.settings.clone(),
             folders: self.folders.clone(),
             modelica_path: std::env::var_os("MODELICAPATH"),
+        }
+    }
+}
+
+impl Check {
+    /// The request to the compiler.
+    pub fn request(&self) -> Request {
+        Request {
+            file: self.file.clone(),
+            model: self.model.clone(),
+            folders: self.folders.clone(),
+            modelica_path: std::env::var_os("MODELICAPATH"),
+            ..Request::default()
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The command line: arguments in, exit status out.
 pub mod args;
 pub mod calibrate;
+pub mod check;
 pub mod diagnose;
+pub mod format;
 pub mod interrupt;
 pub mod plot;
 pub mod progress;
@@ -59,6 +61,8 @@ pub fn run() -> Status {
         args::Command::Diagnose(options) => diagnose::run(&options),
         args::Command::Plot(options) => plot::run(&options),
         args::Command::Sweep(options) => sweep::run(&options),
+        args::Command::Check(options) => check::run(&options),
+        args::Command::Format(options) => format::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
         args::Command::Structure(options) => show::structure(&options),
     }

@@ -75,6 +75,8 @@ pub struct Emitter {
     pub watches: Vec<Watch>,
     /// Clocks.
     pub clocks: Vec<Clock>,
+    /// Cells of clocks that the initial tape fills, because initialisation determines them.
+    pub late_clocks: Vec<(Slot, ExprId)>,
     /// Reinits.
     pub reinits: Vec<ReinitCells>,
     /// Assertions.
@@ -116,6 +118,7 @@ impl Emitter {
             partials: Vec::new(),
             watches: Vec::new(),
             clocks: Vec::new(),
+            late_clocks: Vec::new(),
             reinits: Vec::new(),
             asserts: Vec::new(),
             terminates: Vec::new(),

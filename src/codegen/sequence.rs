@@ -77,8 +77,8 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
     e.layout.nominals = scale::of_components(e, &blocks.components());
     for k in 0..e.dae.samples.len() {
         let sample = e.dae.samples[k].clone();
-        let (start, _) = parameter_value(e, sample.start);
-        let (interval, _) = parameter_value(e, sample.interval);
+        let start = clock_value(e, sample.start);
+        let interval = clock_value(e, sample.interval);
         e.clocks.push(Clock { start, interval, flag: e.slot(sample.flag) });
     }
 }
@@ -90,6 +90,9 @@ pub fn initial(e: &mut Emitter, blocks: &Order) -> Discrete {
     e.push_layer();
     e.floor = HELD;
     let late = with_relations(e, &blocks.initial, Sequence::Initial);
+    for (cell, value) in std::mem::take(&mut e.late_clocks) {
+        e.emit_to(cell, value);
+    }
     Discrete { tape: e.pop_discard(), late }
 }
 
@@ -212,6 +215,23 @@ pub fn begin(e: &mut Emitter, initialised: bool) {
             _ => None,
         };
     }
+}
+
+/// The cell of a time of a clock. Clocks begin after the initialisation, so that it may determine them.
+fn clock_value(e: &mut Emitter, value: ExprId) -> Slot {
+    let initial = |v: VarId| {
+        matches!(
+            e.dae.variables[v].kind,
+            Kind::Parameter | Kind::InitialParameter | Kind::Eliminated
+        )
+    };
+    let known = e.dae.graph.variables(value).into_iter().all(initial);
+    if known && e.level_of(&[value], |_| false) > PARAMETER {
+        let cell = e.cell(f64::INFINITY);
+        e.late_clocks.push((cell, value));
+        return cell;
+    }
+    parameter_value(e, value).0
 }
 
 fn parameter_value(e: &mut Emitter, value: ExprId) -> (Slot, usize) {

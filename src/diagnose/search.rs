@@ -25,7 +25,7 @@ const SEARCHED: usize = 3;
 /// They are, if what they leave over after a first look is not more than this multiple of the least.
 const CLOSE: f64 = 2.0;
 /// Effects that are looked for, one after the other.
-const DEPTH: usize = 3;
+const DEPTH: usize = 2;
 /// An effect with so many amplitudes is a free curve.
 const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
@@ -121,6 +121,11 @@ impl Level {
             0 => self.chi2_train(),
             n => self.validation.total() / n as f64,
         }
+    }
+
+    /// The criterion with the recordings that were never fitted beside it.
+    pub fn evidence(&self) -> f64 {
+        self.bic() + self.validation.total()
     }
 
     /// Bayesian information criterion: sum of squares and a price for each parameter.
@@ -219,7 +224,10 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             refused().filter(|l| l.bic() < found.after.bic() - EVIDENCE)
         }
         true => None,
-        false => Some(&found.after).filter(|l| is_intricate(case, l)),
+        false => {
+            let explained = found.after.chi2_train() < COMPLETE;
+            Some(&found.after).filter(|l| explained && is_intricate(case, l))
+        }
     };
     if let Some(from) = from
         && let Some(simple) = single(case, &from.clone(), heed)?
@@ -276,7 +284,7 @@ fn tried(
             levels.push(fitted);
         }
     }
-    in_order(case, from, &mut levels);
+    in_order(case, from, &mut levels, Level::bic);
     let least = levels.first().map_or(0.0, |best| best.chi2_train() - 1.0);
     let reach = 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
     for fitted in levels.iter_mut().take(SEARCHED).filter(|l| l.chi2_train() < reach) {
@@ -293,7 +301,8 @@ fn tried(
             *fitted = better;
         }
     }
-    in_order(case, from, &mut levels);
+    // What was never fitted counts as much as what was.
+    in_order(case, from, &mut levels, Level::evidence);
     levels
 }
 
@@ -318,16 +327,18 @@ fn shortened(problem: &mut Problem<'_>, amplitudes: &[String]) -> Vec<f64> {
         scaled.collect::<Vec<f64>>()
     };
     let points: Vec<Vec<f64>> = WAY.into_iter().map(at).collect();
-    let costs: Vec<f64> =
-        points.iter().map(|x| least_squares::Residuals::cost(problem, x).unwrap_or(f64::INFINITY)).collect();
+    let costs: Vec<f64> = points
+        .iter()
+        .map(|x| least_squares::Residuals::cost(problem, x).unwrap_or(f64::INFINITY))
+        .collect();
     let best = (0..points.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
     best.map_or(whole, |k| points[k].clone())
 }
 
 /// Best first. Of what is not known before a free curve explains as much as the law that it contains, and
 /// what noise and drift leave besides: it comes first only where no law explains nearly as much.
-fn in_order(case: &Case<'_>, from: &Level, levels: &mut Vec<Level>) {
-    levels.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
+fn in_order(case: &Case<'_>, from: &Level, levels: &mut [Level], by: impl Fn(&Level) -> f64) {
+    levels.sort_by(|a, b| by(a).total_cmp(&by(b)));
     let is_curve = |l: &Level| {
         l.chosen.last().is_some_and(|c| case.effects[c.effect].amplitudes.len() >= CURVE)
     };
@@ -335,9 +346,8 @@ fn in_order(case: &Case<'_>, from: &Level, levels: &mut Vec<Level>) {
     let explained = |l: &Level| from.train.total() - l.train.total();
     let wanted = NEARLY * explained(curve);
     let complete = curve.chi2_train() < COMPLETE;
-    let nearly = |l: &Level| {
-        explained(l) > wanted && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE)
-    };
+    let nearly =
+        |l: &Level| explained(l) > wanted && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE);
     if let Some(k) = levels.iter().position(|l| !is_curve(l) && nearly(l)) {
         levels[..=k].rotate_right(1);
     }

@@ -213,11 +213,13 @@ impl Session {
     fn record(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), Wrong> {
         for input in inputs {
             let found = flat.variables.enumerate().find(|(_, v)| v.name == *input);
-            let open = |v: &Variable| v.ty == Type::Real && v.variability == Variability::Continuous;
+            let open =
+                |v: &Variable| v.ty == Type::Real && v.variability == Variability::Continuous;
             match found {
                 Some((id, v)) if v.binding.is_none() && open(v) => flat.recorded.push(id),
                 Some((_, v)) => {
-                    let message = format!("`{input}` is no real input that a recording could give a value");
+                    let message =
+                        format!("`{input}` is no real input that a recording could give a value");
                     self.problems.push(
                         Diagnostic::error("MO1017", v.span, message)
                             .help("declare it as `input Real` without a value of its own"),
@@ -276,7 +278,7 @@ impl Session {
         if self.problems.has_errors() { Err(wrong) } else { Ok(()) }
     }
 
-    fn read(
+    pub(super) fn read(
         &mut self,
         request: &Request,
         library: &mut Library,
@@ -347,7 +349,7 @@ fn unreadable(path: &Path, why: &str) -> Diagnostic {
 }
 
 /// The class that the request means.
-fn model(
+pub(super) fn model(
     cx: &mut Context<'_>,
     request: &Request,
     file: Option<&ast::File>,
@@ -410,7 +412,7 @@ fn model(
     Err(Wrong::Model)
 }
 
-fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {
+pub(super) fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {
     let mut class = ROOT.class;
     for part in split(full_name) {
         let holder = cx.classes[class].holder;
@@ -443,7 +445,7 @@ fn last_model(file: &ast::File) -> Option<String> {
 }
 
 /// Full names of the models of a file that are not partial, in order of the text.
-fn models(file: &ast::File) -> Vec<String> {
+pub(super) fn models(file: &ast::File) -> Vec<String> {
     let mut out = Vec::new();
     for class in &file.classes {
         collect(class, "", &mut out);

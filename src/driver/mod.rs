@@ -1,3 +1,4 @@
 //! From a request to a flat model, to sorted blocks, to a program: the recipe, and the files it reads.
+pub mod check;
 pub mod compile;
 pub mod files;

@@ -117,6 +117,9 @@ impl Connections {
     ) -> Option<()> {
         let (left, right) = (cx.select(a, scope), cx.select(b, scope));
         let (left, right) = (left?, right?);
+        if !cx.restrict_connect(a, scope) || !cx.restrict_connect(b, scope) {
+            return None;
+        }
         let outside = (is_outside(cx, a, scope), is_outside(cx, b, scope));
         let origin = Origin { span, component: component.clone() };
         let pair = Pair { outside, origin, ends: (a.span, b.span), holder: scope.instance };
@@ -133,6 +136,16 @@ impl Connections {
         match (a, b) {
             (Selection::Absent, _) | (_, Selection::Absent) => Some(()),
             (Selection::Whole(x), Selection::Whole(y)) => self.instances(cx, *x, *y, pair),
+            (Selection::Element(..), Selection::Element(..) | Selection::Whole(_))
+            | (Selection::Whole(_), Selection::Element(..)) => {
+                match (scalar(cx, a), scalar(cx, b)) {
+                    (Some(x), Some(y)) => {
+                        self.note(cx, x.0, y.0, pair);
+                        self.scalars(cx, x, y, pair)
+                    }
+                    _ => mismatch(cx, pair, "are not of one kind"),
+                }
+            }
             _ => {
                 let (left, right) = (parts(cx, a), parts(cx, b));
                 if left.len() != right.len() {
@@ -192,6 +205,11 @@ impl Connections {
                         return None;
                     }
                 }
+                let expandable = [x, y].map(|i| super::expandable::is_expandable(cx, i));
+                if expandable[0] != expandable[1] {
+                    // The elaboration has said so.
+                    return None;
+                }
                 self.note(cx, x, y, pair);
                 for child in children.iter() {
                     let name = cx.instances[*child].name;
@@ -217,6 +235,18 @@ impl Connections {
                 }
                 for (x, y) in elements.iter().zip(others.iter()) {
                     self.instances(cx, *x, *y, pair)?;
+                }
+                Some(())
+            }
+            // An array that connections have put together, and one that is declared.
+            (InstanceKind::Array { dims: d, .. }, InstanceKind::Variable { dims: e, .. })
+            | (InstanceKind::Variable { dims: d, .. }, InstanceKind::Array { dims: e, .. })
+                if d == e =>
+            {
+                let (left, right) =
+                    (parts(cx, &Selection::Whole(x)), parts(cx, &Selection::Whole(y)));
+                for (x, y) in left.iter().zip(&right) {
+                    self.pair(cx, x, y, pair)?;
                 }
                 Some(())
             }
@@ -307,7 +337,10 @@ impl Connections {
         for v in flat.variables.ids() {
             let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
             let flow = cx.instances[instance].prefix.connection == Some(ConnectionPrefix::Flow);
-            if !flow || self.flows.number.contains_key(&(v, false)) {
+            // What connections have added to a bus is open on the inside, too (section 9.2).
+            let inside = self.flows.number.contains_key(&(v, false));
+            let outside = self.flows.number.contains_key(&(v, true));
+            if !flow || inside && (outside || !super::expandable::is_within(cx, instance)) {
                 continue;
             }
             let e = read(cx, flat, v);
@@ -380,7 +413,7 @@ fn is_outside(cx: &mut Context<'_>, r: &ComponentRef, scope: Scope) -> bool {
     }
 }
 
-fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
+pub(super) fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
     cx.complete(id);
     if let InstanceKind::Outer(inner) = cx.instances[id].kind {
         return is_connector(cx, inner);

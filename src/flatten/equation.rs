@@ -7,6 +7,7 @@ use super::connect::Connections;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::instantiate::Context;
+use crate::instantiate::evaluate::deduce::Body;
 use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
@@ -77,9 +78,10 @@ fn expand(
         ast::EquationKind::If { branches, otherwise } => {
             if_equation(cx, branches, otherwise, e.span, scope, target)
         }
-        ast::EquationKind::For { iterators, body } => for_each(cx, iterators, scope, &mut |cx| {
-            expand_all(cx, body, scope, target);
-        }),
+        ast::EquationKind::For { iterators, body } => {
+            let iterators = cx.with_ranges(iterators, Body::Equations(body), scope)?;
+            for_each(cx, &iterators, scope, &mut |cx| expand_all(cx, body, scope, target))
+        }
         ast::EquationKind::When { branches } => {
             if target.initial {
                 cx.error("MO0231", e.span, "`when` cannot stand in an initial section");
@@ -470,7 +472,8 @@ fn start_values(
             }
             StatementKind::For { iterators, body } => {
                 let mut done = Some(());
-                for_each(cx, iterators, scope, &mut |cx| {
+                let iterators = cx.with_ranges(iterators, Body::Statements(body), scope)?;
+                for_each(cx, &iterators, scope, &mut |cx| {
                     if done.is_some() {
                         done = start_values(cx, body, scope, target, outputs);
                     }

@@ -1,8 +1,11 @@
 //! Instance tree to flat model: scalar variables with their values, equations written out,
 //! connections turned into equations (section 5.6 of the specification).
 pub mod assembly;
+pub mod balance;
+mod cardinality;
 pub mod connect;
 pub mod equation;
+pub mod expandable;
 pub mod inventory;
 pub mod print;
 pub mod setting;
@@ -15,7 +18,7 @@ use std::sync::Arc;
 use crate::base::index::FastSet;
 use crate::instantiate::Context;
 use crate::ir::assembly::Assembly;
-use crate::ir::ast::{ArgumentKind, Modification};
+use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path};
 use crate::ir::expr::Const;
 use crate::ir::flat::{Experiment, FlatModel};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
@@ -55,6 +58,20 @@ pub fn flatten_with_inventory(
     (flat, found)
 }
 
+/// As [`flatten`], and counts equations and unknowns; nothing is counted if that is not decided by
+/// the component alone.
+pub fn flatten_with_balance(
+    cx: &mut Context<'_>,
+    class: ClassId,
+    balance: &mut Option<balance::Balance>,
+) -> FlatModel {
+    let mut root = None;
+    let none = connect::Connections::default();
+    let flat = flatten_with(cx, class, &[], none, |_, at, _, _| root = Some(at));
+    *balance = root.and_then(|root| balance::of(cx, root, &flat));
+    flat
+}
+
 fn flatten_with(
     cx: &mut Context<'_>,
     class: ClassId,
@@ -70,6 +87,8 @@ fn flatten_with(
 
     let root = cx.instantiate_model(class, settings);
     setting::report_unused(cx, root, settings);
+    expandable::elaborate(cx, root);
+    cardinality::count(cx, root);
     variable::number(cx, root, &mut flat);
     variable::fill(cx, &mut flat);
 
@@ -78,9 +97,7 @@ fn flatten_with(
     }
     look(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
-    if let Some(annotation) = text.as_ref().and_then(|t| t.annotation.clone()) {
-        flat.experiment = experiment(cx, &annotation, Scope { instance: root, class });
-    }
+    flat.experiment = inherited_experiment(cx, class, root, 0);
     let structural: FastSet<InstanceId> = cx.evaluation.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.evaluation.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
@@ -105,6 +122,47 @@ fn objects(cx: &Context<'_>, root: InstanceId) -> Vec<InstanceId> {
         }
     }
     found
+}
+
+/// The experiment of a class, or else of the first of its bases that has one.
+fn inherited_experiment(
+    cx: &mut Context<'_>,
+    class: ClassId,
+    root: InstanceId,
+    depth: usize,
+) -> Experiment {
+    let Some(text) = cx.text(class).cloned() else { return Experiment::default() };
+    if let Some(annotation) = &text.annotation {
+        let own = experiment(cx, annotation, Scope { instance: root, class });
+        if own != Experiment::default() {
+            return own;
+        }
+    }
+    // Inheritance that goes round is reported elsewhere.
+    if depth > 50 {
+        return Experiment::default();
+    }
+    let bases: Vec<&Path> = match &text.body {
+        ClassBody::Short(short) => vec![&short.base],
+        ClassBody::Long(composition) => composition
+            .elements
+            .iter()
+            .filter_map(|e| match &e.kind {
+                ElementKind::Extends(extends) => Some(&extends.base),
+                _ => None,
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    for base in bases {
+        let scope = Scope { instance: cx.classes[class].holder, class };
+        let Some(base) = cx.find_class(base, scope).filter(|b| *b != class) else { continue };
+        let found = inherited_experiment(cx, base, root, depth + 1);
+        if found != Experiment::default() {
+            return found;
+        }
+    }
+    Experiment::default()
 }
 
 /// `annotation(experiment(...))`

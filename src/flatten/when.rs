@@ -45,7 +45,9 @@ fn action(
         }
         ast::EquationKind::For { iterators, body } => {
             let mut done = Some(());
-            super::equation::for_each(cx, iterators, scope, &mut |cx| {
+            let body_of = crate::instantiate::evaluate::deduce::Body::Equations(body);
+            let iterators = cx.with_ranges(iterators, body_of, scope)?;
+            super::equation::for_each(cx, &iterators, scope, &mut |cx| {
                 for e in body {
                     if done.is_some() {
                         done = action(cx, e, scope, out);

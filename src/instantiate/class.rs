@@ -124,7 +124,10 @@ impl Context<'_> {
         match self.classes[class].body.clone() {
             ClassText::Root => {}
             ClassText::Predefined(ty) => table.scalar = Some(ty),
-            ClassText::Written(text) => self.fill(class, &text, &mut table),
+            ClassText::Written(text) => {
+                self.restrict(&text);
+                self.fill(class, &text, &mut table);
+            }
         }
         let table = Rc::new(table);
         self.tables[class] = TableState::Done(table.clone());
@@ -192,6 +195,9 @@ impl Context<'_> {
                 ElementKind::Extends(extends) => {
                     let scope = Scope { instance: self.classes[class].holder, class };
                     let Some(base) = self.class_or_report(&extends.base, scope) else { continue };
+                    if let Some(text) = self.text(class).cloned() {
+                        self.restrict_base(&text, base, extends.base.span);
+                    }
                     let base = self.with_redeclarations(base, own.clone());
                     let base = self.base_with_redeclarations(class, base, &extends.modification);
                     let layers: Rc<[_]> =

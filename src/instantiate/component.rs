@@ -89,6 +89,7 @@ impl Context<'_> {
         self.instances[id].class = Some(class);
         let table = self.table(class);
 
+        self.restrict_prefix(clause.prefix, class, table.scalar, component.name);
         let mut prefix = clause.prefix;
         merge_prefix(&mut prefix, table.prefix);
         let around = self.instances[id].prefix;
@@ -144,6 +145,8 @@ impl Context<'_> {
                     }
                     match from_binding.as_ref().and_then(|d| d.get(k)) {
                         Some(n) => sizes.push(*n),
+                        // Connections will say (section 9.1.3).
+                        None if self.in_expandable(id) => sizes.push(0),
                         None => {
                             self.report_unknown_size(component.name, *span);
                             return None;
@@ -153,6 +156,12 @@ impl Context<'_> {
             }
         }
         Some(sizes)
+    }
+
+    /// Whether the component around an instance is an expandable connector.
+    fn in_expandable(&mut self, id: InstanceId) -> bool {
+        let class = self.instances[id].parent.and_then(|p| self.instances[p].class);
+        class.is_some_and(|c| self.kind(c) == ast::ClassKind::ExpandableConnector)
     }
 
     /// An array of components with components: one instance for each element.

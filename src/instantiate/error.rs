@@ -101,6 +101,20 @@ impl Context<'_> {
 
     /// `a.b` where `a` has no `b`.
     pub(crate) fn report_unknown_member(&mut self, holder: InstanceId, part: &ast::Ident) {
+        let kind = self.instances[holder].class.map(|c| self.kind(c));
+        if kind == Some(ast::ClassKind::ExpandableConnector) {
+            let message =
+                format!("the expandable connector `{}` has no `{}`", self.path(holder), part.name);
+            self.problems.push(
+                Diagnostic::error("MO0242", part.span, message)
+                    .label("declared at neither end of a connection")
+                    .help("declare it in the connector, or connect it to a declared connector")
+                    .note(
+                        "a connection adds what the connector at its other end is (section 9.1.3)",
+                    ),
+            );
+            return;
+        }
         let table = self.table_of(holder);
         let names: Vec<&str> = table
             .entries

@@ -168,11 +168,15 @@ impl Context<'_> {
         };
         self.complete(parent);
         let table = self.table_of(parent);
-        let at = table.index.get(&wanted)?;
-        let position = table.entries[*at].component?;
-        match &self.instances[parent].kind {
-            InstanceKind::Object(children) => children.get(position).copied(),
-            _ => None,
+        let InstanceKind::Object(children) = &self.instances[parent].kind else { return None };
+        match table.index.get(&wanted) {
+            Some(at) => children.get(table.entries[*at].component?).copied(),
+            // Behind the declared ones stand those that connections have added.
+            None => children
+                .iter()
+                .skip(table.component_count)
+                .find(|c| self.instances[**c].name == wanted)
+                .copied(),
         }
     }
 

@@ -10,6 +10,7 @@ pub mod error;
 pub mod evaluate;
 pub mod lookup;
 pub mod redeclare;
+pub mod restrict;
 
 use std::rc::Rc;
 

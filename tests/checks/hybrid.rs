@@ -211,3 +211,33 @@ fn terminate_ends_the_run() {
     .run();
     assert_close(*run.time.last().expect("rows"), 2.0, 1e-9);
 }
+
+/// The mean of a sine over each of its periods is 0, whatever the time at which the run begins.
+#[test]
+fn a_clock_may_begin_when_initialisation_says_so() {
+    let text = "model Mean
+      parameter Real f = 5;
+      parameter Real t_0(fixed = false);
+      Real u = 2 + sin(2*3.141592653589793*f*time);
+      Real x(start = 0, fixed = true);
+      discrete Real y(start = 0, fixed = true);
+      discrete Real n(start = 0, fixed = true);
+    initial equation
+      t_0 = time + 0.05;
+    equation
+      der(x) = u;
+      when sample(t_0 + 1/f, 1/f) then
+        y = f*pre(x);
+        n = pre(n) + 1;
+        reinit(x, 0);
+      end when;
+    end Mean;";
+    let run = Case::text(text).stop(1.0).tolerance(1e-9).run();
+    // Ticks at 0.25, 0.45, 0.65 and 0.85 s.
+    assert_eq!(run.last("n"), 4.0);
+    assert!((run.last("y") - 2.0).abs() < 1e-7, "{}", run.last("y"));
+    let ticks: Vec<f64> = run.events.iter().map(|e| e.time).collect();
+    for (tick, at) in ticks.iter().zip([0.25, 0.45, 0.65, 0.85]) {
+        assert!((tick - at).abs() < 1e-12, "{ticks:?}");
+    }
+}

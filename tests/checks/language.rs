@@ -200,3 +200,96 @@ fn records_inner_outer_and_constants_of_packages() {
     assert_close(run.last("part[2].weight"), 29.43, 1e-15);
     assert_close(run.last("r"), 3.0, 1e-15);
 }
+
+#[test]
+fn iterators_without_a_range_run_over_what_they_index() {
+    let run = Case::text(
+        "model Deduced
+           type Gear = enumeration(First, Second, Third);
+           parameter Real a[3] = {1, 2, 4};
+           Real b[3];
+           Real c[2, 3];
+           Real d[Gear];
+           Real e[Boolean];
+           Real s = sum(a[i]*b[i] for i);
+           Real f[3] = {a[i]^2 for i};
+           Real g;
+         equation
+           for i loop
+             b[i] = 10*a[i];
+           end for;
+           for i, j loop
+             c[i, j] = 10*i + j;
+           end for;
+           for i loop
+             d[i] = if i == Gear.Third then 30 else Integer(i);
+           end for;
+           for i loop
+             e[i] = if i then 1 else 2;
+           end for;
+         algorithm
+           g := 0;
+           for i loop
+             g := g + a[i];
+           end for;
+         end Deduced;",
+    )
+    .run();
+    assert_eq!((run.last("s"), run.last("g")), (10.0 * (1.0 + 4.0 + 16.0), 7.0));
+    assert_eq!((run.last("b[3]"), run.last("f[3]"), run.last("c[2,3]")), (40.0, 16.0, 23.0));
+    assert_eq!((run.last("d[2]"), run.last("d[3]")), (2.0, 30.0));
+    assert_eq!((run.last("e[1]"), run.last("e[2]")), (2.0, 1.0));
+}
+
+#[test]
+fn cardinality_counts_connections_from_both_sides() {
+    let run = Case::text(
+        "model Count
+           connector Pin
+             Real v;
+             flow Real i;
+           end Pin;
+           model Inside
+             Pin p;
+           equation
+             p.v = 1 + p.i;
+           end Inside;
+           model Part
+             Pin p, q;
+             Integer n = cardinality(p);
+             Integer none = cardinality(q);
+             Inside x;
+           equation
+             connect(x.p, p);
+             if cardinality(q) == 0 then
+               q.v = 5;
+             end if;
+           end Part;
+           Part a, b, c;
+         equation
+           connect(a.p, b.p);
+           connect(c.p, b.p);
+         end Count;",
+    )
+    .run();
+    assert_eq!(["a.n", "b.n", "c.n"].map(|n| run.last(n)), [2.0, 3.0, 2.0]);
+    assert_eq!((run.last("a.none"), run.last("b.q.v")), (0.0, 5.0));
+}
+
+#[test]
+fn the_experiment_of_a_base_is_that_of_the_model() {
+    let run = Case::text(
+        "model Base
+           Real x = time;
+           annotation(experiment(StopTime = 3, Interval = 0.5));
+         end Base;
+         model Between
+           extends Base;
+         end Between;
+         model Derived
+           extends Between;
+         end Derived;",
+    )
+    .run();
+    assert_eq!((run.last("x"), run.rows()), (3.0, 7));
+}

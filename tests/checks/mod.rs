@@ -5,6 +5,7 @@ mod program;
 
 mod architecture;
 mod calibrate;
+mod check;
 mod cli;
 mod closed_form;
 mod diagnose;
@@ -12,6 +13,7 @@ mod diagnostics;
 mod effects;
 mod examples;
 mod figures;
+mod format;
 mod friction;
 mod hard;
 mod hybrid;

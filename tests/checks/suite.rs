@@ -43,6 +43,20 @@ fn flat_connections() {
 }
 
 #[test]
+fn flat_expandable_connectors() {
+    let flat = flat("expandable");
+    assert_eq!((count(&flat, "unused"), count(&flat, ".list[1]")), (0, 0));
+    let run = Case::file("tests/suite/flatten/expandable.mo").run();
+    for k in 1..=2 {
+        assert_eq!(run.last(&format!("sinks[{k}].u[1]")), 3.0);
+        assert_eq!(run.last(&format!("sinks[{k}].u[2]")), 7.0);
+        assert_eq!(run.last(&format!("sinks[{k}].deep")), 3.0);
+    }
+    // Ohm's law and Kirchhoff's, across the bus.
+    assert_eq!((run.last("left.p.i"), run.last("right.p.i")), (5.0, -5.0));
+}
+
+#[test]
 fn flat_arrays() {
     let flat = flat("arrays");
     assert_eq!(count(&flat, "der("), 3);
@@ -93,7 +107,7 @@ fn structure_of_a_sorted_system() {
 }
 
 /// Models whose results the properties below compare.
-const MODELS: [&str; 14] = [
+const MODELS: [&str; 15] = [
     "examples/bouncing_ball.mol",
     "examples/equalisation.mol",
     "examples/filling.mol",
@@ -104,6 +118,7 @@ const MODELS: [&str; 14] = [
     "tests/suite/flatten/arrays.mo",
     "tests/suite/flatten/connections.mo",
     "tests/suite/flatten/events.mo",
+    "tests/suite/flatten/expandable.mo",
     "tests/suite/flatten/inheritance.mo",
     "tests/suite/structure/explicit.mo",
     "tests/suite/structure/loop.mo",

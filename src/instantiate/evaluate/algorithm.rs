@@ -3,6 +3,7 @@
 //! as often as is known here. (Chapter 11 of the specification.)
 
 use super::Context;
+use super::deduce::Body;
 use super::value::{Record, Value};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
@@ -67,7 +68,8 @@ impl Context<'_> {
                 return self.run_if(branches, otherwise, scope, s.span);
             }
             StatementKind::For { iterators, body } => {
-                return self.run_for(iterators, body, scope);
+                let iterators = self.with_ranges(iterators, Body::Statements(body), scope)?;
+                return self.run_for(&iterators, body, scope);
             }
             StatementKind::While { condition, body } => {
                 return self.run_while(condition, body, scope);

@@ -2,13 +2,14 @@
 //! specification).
 
 use super::Context;
+use super::reference::Selection;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::ir::ast::{ComponentRef, Expr, Ident};
+use crate::ir::ast::{ComponentRef, Expr, ExprKind, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
-use crate::ir::instance::Scope;
+use crate::ir::instance::{InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
 /// Names of the functions of one number.
@@ -181,10 +182,7 @@ impl Context<'_> {
                 self.unsupported(span, "`delay`");
                 None
             }
-            "cardinality" => {
-                self.unsupported(span, "`cardinality`");
-                None
-            }
+            "cardinality" => self.cardinality(args, span, scope),
             "String" => self.string_call(args, named, span, scope),
             "min" | "max" => self.min_max(name.as_str(), args, span, scope),
             "sum" | "product" => {
@@ -351,6 +349,35 @@ impl Context<'_> {
         let a = self.evaluate_scalar(actual, scope)?;
         let b = self.evaluate_scalar(simplified, scope)?;
         Some(Value::Scalar(self.graph.intern(Node::Homotopy(a, b), Type::Real)))
+    }
+
+    /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.2.3).
+    fn cardinality(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let [Expr { kind: ExprKind::Ref(r), .. }] = args else {
+            self.error("MO0219", span, "`cardinality` takes one connector");
+            return None;
+        };
+        let n = match self.select(r, scope)? {
+            Selection::Whole(mut id) => {
+                while let InstanceKind::Outer(inner) = self.instances[id].kind {
+                    id = inner;
+                }
+                let Some(counts) = &self.evaluation.cardinality else {
+                    self.unsupported(
+                        span,
+                        "`cardinality` outside of equations and values of variables",
+                    );
+                    return None;
+                };
+                counts.get(&id).copied().unwrap_or(0)
+            }
+            Selection::Absent => 0,
+            Selection::Element(..) | Selection::Many(..) => {
+                self.unsupported(span, "`cardinality` of an array");
+                return None;
+            }
+        };
+        Some(Value::Scalar(self.graph.integer(n as i64)))
     }
 
     /// `semiLinear(x, p, n) = if x >= 0 then p*x else n*x` (section 3.7.4).

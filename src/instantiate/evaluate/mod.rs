@@ -7,6 +7,7 @@
 
 pub mod algorithm;
 pub mod builtin;
+pub mod deduce;
 pub mod function;
 pub mod operator;
 pub mod reference;
@@ -58,6 +59,8 @@ pub struct State {
     pub(crate) shaping: bool,
     /// What each numbered flat variable is: for folding what stands in an expression.
     pub(crate) instance_of: Vec<(InstanceId, usize)>,
+    /// In how many connections each connector is; known where equations are read.
+    pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }
 
 impl Context<'_> {

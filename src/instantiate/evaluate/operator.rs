@@ -1,6 +1,7 @@
 //! Operators on values: element by element, matrix products, arrays made of parts (chapter 10 of the
 //! specification).
 
+use super::deduce::Body;
 use std::rc::Rc;
 
 use super::Context;
@@ -440,6 +441,16 @@ impl Context<'_> {
         iterators: &[ast::Iterator],
         scope: Scope,
     ) -> Option<Value> {
+        let iterators = self.with_ranges(iterators, Body::Expression(body), scope)?;
+        self.comprehend(body, &iterators, scope)
+    }
+
+    fn comprehend(
+        &mut self,
+        body: &Expr,
+        iterators: &[ast::Iterator],
+        scope: Scope,
+    ) -> Option<Value> {
         let Some((last, inner)) = iterators.split_last() else {
             return self.evaluate(body, scope);
         };
@@ -447,7 +458,7 @@ impl Context<'_> {
         let mut parts = Vec::with_capacity(values.len());
         for value in values {
             self.evaluation.locals.push((last.name.name, value));
-            let part = self.comprehension(body, inner, scope);
+            let part = self.comprehend(body, inner, scope);
             self.evaluation.locals.pop();
             parts.push(part?);
         }

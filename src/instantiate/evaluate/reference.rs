@@ -316,17 +316,19 @@ impl Context<'_> {
                 Some(Value::array(dims, values))
             }
             Selection::Absent => {
-                self.problems.push(
-                    Diagnostic::error(
-                        "MO0217",
-                        span,
-                        "this component is switched off by its condition",
-                    )
-                    .note("a conditional component may stand in `connect` only (section 4.4.5)"),
-                );
+                self.report_absent(span);
                 None
             }
         }
+    }
+
+    fn report_absent(&mut self, span: Span) {
+        self.problems.push(
+            Diagnostic::error("MO0217", span, "this component is not there")
+                .label("its condition is false, or nothing is connected to it")
+                .note("a conditional component may stand in `connect` only (section 4.4.5)")
+                .note("a variable of an expandable connector is there if a connection reaches it (section 9.1.3)"),
+        );
     }
 
     /// The value of a component as a whole.
@@ -360,6 +362,10 @@ impl Context<'_> {
                 Some(Value::Record(Rc::new(Record { class, fields })))
             }
             InstanceKind::Array { dims, elements } => {
+                if elements.iter().any(|e| matches!(self.instances[*e].kind, InstanceKind::Absent))
+                {
+                    self.report_absent(span);
+                }
                 let values = elements
                     .iter()
                     .map(|e| self.instance_value(*e, span))

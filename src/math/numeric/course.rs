@@ -185,7 +185,8 @@ pub fn smoothed(times: &[f64], values: &[f64], half: f64) -> (Vec<f64>, Vec<f64>
             first += 1;
         }
         let (mut s, mut r) = ([0.0; 5], [0.0; 3]);
-        let near = times[first..].iter().zip(&values[first..]).take_while(|(at, _)| **at <= t + half);
+        let near =
+            times[first..].iter().zip(&values[first..]).take_while(|(at, _)| **at <= t + half);
         let mut count = 0;
         for (at, y) in near {
             let x = (at - t) / half;
@@ -246,7 +247,8 @@ mod tests {
 
     #[test]
     fn a_line_is_a_line() {
-        for interpolation in [Interpolation::Linear, Interpolation::Monotone, Interpolation::Spline] {
+        for interpolation in [Interpolation::Linear, Interpolation::Monotone, Interpolation::Spline]
+        {
             let c = course(interpolation, |t| 2.0 - 3.0 * t);
             for k in 0..300 {
                 let t = 0.012 * k as f64;

@@ -1,0 +1,55 @@
+//! `mocc fmt`: files put in order, in place.
+
+use super::args::Format;
+use super::{Status, print, style};
+use crate::base::render::render_all;
+use crate::base::source::SourceMap;
+use crate::format::{Refusal, format};
+use crate::report::write::write_file;
+
+/// Formats each file; the status is that of the worst.
+pub fn run(options: &Format) -> Status {
+    let mut sources = SourceMap::default();
+    let mut changed = String::new();
+    let mut worst = Status::Done;
+    let mut meet = |status: Status| {
+        if status as u8 > worst as u8 {
+            worst = status;
+        }
+    };
+    for path in &options.files {
+        let text = match crate::driver::files::read(path) {
+            Ok(text) => text,
+            Err(why) => {
+                eprintln!("error: cannot read `{}`: {why}", path.display());
+                meet(Status::Usage);
+                continue;
+            }
+        };
+        let id = sources.add(path, text.as_str());
+        match format(id, &text) {
+            Ok(ordered) if ordered == text => {}
+            Ok(_) if options.check => {
+                changed.push_str(&format!("{}\n", path.display()));
+                meet(Status::Model);
+            }
+            Ok(ordered) => {
+                if let Err(why) = write_file(path, ordered.as_bytes()) {
+                    eprintln!("error: {why}");
+                    meet(Status::Usage);
+                }
+            }
+            Err(Refusal::Syntax(problems)) => {
+                eprint!("{}", render_all(&problems, &sources, style()));
+                meet(Status::Model);
+            }
+            Err(why @ Refusal::Differs) => {
+                eprintln!("a bug in mocc: {}: {why}; the file is as it was", path.display());
+                meet(Status::Bug);
+            }
+        }
+    }
+    let printed = if changed.is_empty() { Status::Done } else { print(&changed) };
+    meet(printed);
+    worst
+}

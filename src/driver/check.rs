@@ -1,0 +1,142 @@
+//! All problems of a file at once: its syntax, then every class in it.
+//!
+//! A class with connectors or inputs is a component: it is flattened and its equations are counted, and
+//! what only its surroundings decide (values of parameters, who sets its potentials) is left open. A
+//! class without them is a system: it goes through all stages before the run. Since each component
+//! is counted by itself, a file is checked locally and globally (Modelica specification, section 4.7).
+
+use super::compile::{Request, Session, Wrong, find, model, models};
+use crate::base::diag::{Diagnostic, Problems, Severity};
+use crate::instantiate::Context;
+use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
+use crate::ir::instance::{ClassId, EntryKind, Scope};
+use crate::resolve::library::Library;
+
+/// No `inner` component around: a component alone has none.
+const NO_INNER: &str = "MO0206";
+/// A parameter without a value.
+const NO_VALUE: &str = "MO0303";
+
+impl Session {
+    /// Collects the problems of a request in [`Session::problems`].
+    pub fn check(&mut self, request: &Request) -> Result<(), Wrong> {
+        let path = request.modelica_path.as_deref();
+        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let file = self.read(request, &mut library)?;
+        if self.problems.has_errors() {
+            return Err(Wrong::Model);
+        }
+        let Some(file) = file.as_deref().filter(|_| request.model.is_none()) else {
+            let mut problems = Problems::new();
+            let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
+            if let Ok(class) = model(&mut cx, request, file.as_deref()) {
+                one(cx, class);
+            }
+            self.problems.extend(problems);
+            return if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) };
+        };
+        let within = file.within.as_ref().map(|w| w.to_string()).filter(|w| !w.is_empty());
+        let runs = models(file);
+        for name in classes(file) {
+            let mut problems = Problems::new();
+            let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
+            let full = within.as_ref().map(|package| format!("{package}.{name}"));
+            let class = full.and_then(|full| find(&mut cx, &full)).or_else(|| find(&mut cx, &name));
+            let Some(class) = class else { continue };
+            // Of every class: what it extends, and what its kind may not have.
+            cx.table(class);
+            if runs.contains(&name) {
+                one(cx, class);
+            }
+            // Its errors may all follow from the component that is missing around it.
+            if !problems.iter().any(|d| d.code == NO_INNER) {
+                self.problems.extend(problems);
+            }
+        }
+        if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) }
+    }
+}
+
+/// Full names of the classes of a file that stand in packages, and of those around them.
+fn classes(file: &ast::File) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut stack: Vec<(String, &ast::Class)> =
+        file.classes.iter().rev().map(|c| (c.name.name.to_string(), &**c)).collect();
+    while let Some((name, class)) = stack.pop() {
+        if class.kind == ClassKind::Package
+            && let ClassBody::Long(composition) = &class.body
+        {
+            for element in composition.elements.iter().rev() {
+                if let ElementKind::Class(c) = &element.kind {
+                    stack.push((format!("{name}.{}", c.name.name), c));
+                }
+            }
+        }
+        out.push(name);
+    }
+    out
+}
+
+/// A component or a system.
+fn one(mut cx: Context<'_>, class: ClassId) {
+    if is_component(&mut cx, class) {
+        component(&mut cx, class);
+    } else {
+        whole(cx, class);
+    }
+}
+
+/// Whether a class has connectors or inputs, inherited ones too.
+fn is_component(cx: &mut Context<'_>, class: ClassId) -> bool {
+    let table = cx.table(class);
+    table.entries.iter().any(|entry| {
+        let EntryKind::Component(declaration) = &entry.kind else { return false };
+        if entry.protected {
+            return false;
+        }
+        let clause = declaration.clause();
+        if clause.prefix.causality.is_some() || declaration.element.outer {
+            return true;
+        }
+        let scope = Scope { instance: cx.classes[entry.class].holder, class: entry.class };
+        let Some(class) = cx.find_class(&clause.type_name, scope) else { return false };
+        matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
+    })
+}
+
+fn component(cx: &mut Context<'_>, class: ClassId) {
+    let mut balance = None;
+    let flat = crate::flatten::flatten_with_balance(cx, class, &mut balance);
+    if !cx.problems.has_errors()
+        && let Some(balance) = balance
+    {
+        balance.report(&flat, cx.problems);
+    }
+}
+
+fn whole(mut cx: Context<'_>, class: ClassId) {
+    let flat = crate::flatten::flatten(&mut cx, class, &[]);
+    let problems = cx.problems;
+    if problems.has_errors() {
+        return;
+    }
+    let mut own = Problems::new();
+    let dae = crate::lower::lower(flat, &mut own);
+    for d in own.iter() {
+        // Whoever declares a component of the class may give the parameter a value.
+        let severity = if d.code == NO_VALUE { Severity::Warning } else { d.severity };
+        problems.push(Diagnostic { severity, ..d.clone() });
+    }
+    if own.has_errors() {
+        return;
+    }
+    let Some(blocks) = dae.and_then(|dae| crate::structure::structure(dae, problems)) else {
+        return;
+    };
+    if problems.has_errors() {
+        return;
+    }
+    if let Err(more) = crate::codegen::compile(blocks) {
+        problems.extend(more);
+    }
+}

@@ -1,0 +1,124 @@
+//! Is a component balanced: has it as many equations as unknowns? Modelica specification, section 4.7.
+//!
+//! The component is flattened by itself. Its inputs are known from outside, and so is one of each
+//! potential and flow of its connectors: the flows are zero where nothing is connected, and that
+//! equation stands for the one that the surroundings would have added.
+
+use crate::base::diag::{Diagnostic, Problems};
+use crate::base::index::{FastMap, FastSet};
+use crate::instantiate::Context;
+use crate::ir::ast::{Causality, ClassKind, Variability};
+use crate::ir::expr::VarId;
+use crate::ir::flat::{Action, EquationKind, FlatModel};
+use crate::ir::instance::{InstanceId, InstanceKind};
+
+/// Numbers of scalar unknowns and equations.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Balance {
+    /// Unknowns.
+    pub unknowns: usize,
+    /// Equations.
+    pub equations: usize,
+}
+
+impl Balance {
+    /// Says so if the numbers differ.
+    pub fn report(&self, flat: &FlatModel, problems: &mut Problems) {
+        let Balance { unknowns, equations } = *self;
+        if unknowns == equations {
+            return;
+        }
+        let count = |n: usize, what: &str| match n {
+            1 => format!("1 {what}"),
+            n => format!("{n} {what}s"),
+        };
+        let message = format!(
+            "`{}` is not balanced: it has {} for {}",
+            flat.name,
+            count(equations, "equation"),
+            count(unknowns, "unknown"),
+        );
+        let help = match equations.checked_sub(unknowns) {
+            None => format!("add {}", count(unknowns - equations, "equation")),
+            Some(more) => format!("remove {}", count(more, "equation")),
+        };
+        problems.push(
+            Diagnostic::error("MO0234", flat.span, message)
+                .help(help)
+                .note("inputs are known from outside, and so is one of each potential and its flow (section 4.7)"),
+        );
+    }
+}
+
+/// Counts; nothing for a component whose expandable connectors decide what it has.
+pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Option<Balance> {
+    if let InstanceKind::Object(children) = cx.instances[root].kind.clone() {
+        for child in children.iter() {
+            if let Some(class) = cx.instances[*child].class
+                && cx.kind(class) == ClassKind::ExpandableConnector
+            {
+                return None;
+            }
+        }
+    }
+    let mut unknowns = 0;
+    let mut bound = 0;
+    // Of a connector's inputs those of the component itself are known.
+    let mut known: FastMap<InstanceId, bool> = FastMap::default();
+    for (v, variable) in flat.variables.enumerate() {
+        if matches!(variable.variability, Variability::Constant | Variability::Parameter) {
+            continue;
+        }
+        let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
+        let from_outside = match known.get(&instance) {
+            Some(known) => *known,
+            None => {
+                let input = is_input(cx, instance, root);
+                known.insert(instance, input);
+                input
+            }
+        };
+        if from_outside && variable.binding.is_none() {
+            continue;
+        }
+        unknowns += 1;
+        bound += usize::from(variable.binding.is_some());
+    }
+    let mut equations = bound;
+    let mut assigned: FastSet<VarId> = FastSet::default();
+    for equation in &flat.equations {
+        match &equation.kind {
+            EquationKind::Equal(..) => equations += 1,
+            EquationKind::Algorithm { outputs, .. } => assigned.extend(outputs),
+            EquationKind::When(branches) => {
+                for action in branches.iter().flat_map(|b| &b.actions) {
+                    if let Action::Assign(v, _) = action {
+                        assigned.insert(*v);
+                    }
+                }
+            }
+            EquationKind::Assert(_) => {}
+        }
+    }
+    equations += assigned.len();
+    Some(Balance { unknowns, equations })
+}
+
+/// An input of the component: declared in it, or in one of its connectors.
+fn is_input(cx: &mut Context<'_>, id: InstanceId, root: InstanceId) -> bool {
+    if cx.instances[id].prefix.causality != Some(Causality::Input) {
+        return false;
+    }
+    let mut at = cx.instances[id].parent;
+    while let Some(holder) = at {
+        if holder == root {
+            return true;
+        }
+        let array = matches!(cx.instances[holder].kind, InstanceKind::Array { .. });
+        if !array && !super::connect::is_connector(cx, holder) {
+            return false;
+        }
+        at = cx.instances[holder].parent;
+    }
+    false
+}

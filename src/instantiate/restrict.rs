@@ -1,0 +1,243 @@
+//! What classes of each kind may not have: the rules of specialised classes (Modelica specification,
+//! sections 4.7, 4.8 and 7.1.3).
+
+use super::Context;
+use crate::base::diag::Diagnostic;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{
+    self, Causality, Class, ClassBody, ClassKind, ComponentRef, Composition, ConnectionPrefix,
+    ElementKind, Variability,
+};
+use crate::ir::expr::Type;
+use crate::ir::instance::{ClassId, Scope};
+
+/// Names of predefined types: they can not be given to anything else.
+const PREDEFINED: [&str; 4] = ["Real", "Integer", "Boolean", "String"];
+/// Attributes that would be hidden by literals of an enumeration.
+const ATTRIBUTES: [&str; 5] = ["quantity", "min", "max", "start", "fixed"];
+
+impl Context<'_> {
+    /// Checks the text of a class.
+    pub(crate) fn restrict(&mut self, text: &Class) {
+        self.restrict_name(text.name.name, text.name.span);
+        match &text.body {
+            ClassBody::Enumeration(Some(literals)) => {
+                for literal in literals {
+                    if ATTRIBUTES.contains(&literal.name.name.as_str()) {
+                        let message =
+                            format!("`{}` is an attribute of enumerations", literal.name.name);
+                        self.problems.push(
+                            Diagnostic::error("MO0226", literal.name.span, message)
+                                .help("give the literal another name (section 4.9.5)"),
+                        );
+                    }
+                }
+            }
+            ClassBody::Long(composition) => self.restrict_parts(text, composition),
+            _ => {}
+        }
+    }
+
+    fn restrict_name(&mut self, text: Name, span: Span) {
+        if PREDEFINED.contains(&text.as_str()) {
+            let message = format!("`{text}` is the name of a predefined type");
+            self.problems.push(
+                Diagnostic::error("MO0226", span, message)
+                    .help("choose another name (section 4.9)"),
+            );
+        }
+    }
+
+    fn restrict_parts(&mut self, text: &Class, composition: &Composition) {
+        let kind = text.kind;
+        let connector = matches!(kind, ClassKind::Connector | ClassKind::ExpandableConnector);
+        let record = matches!(kind, ClassKind::Record | ClassKind::OperatorRecord);
+        let function = matches!(kind, ClassKind::Function { .. });
+        let name = text.name.name;
+        let equations = composition.equations.iter().any(|s| !s.equations.is_empty());
+        let algorithms = composition.algorithms.iter().any(|s| !s.statements.is_empty());
+        if (connector || record) && (equations || algorithms) || function && equations {
+            let what = if equations { "equations" } else { "algorithms" };
+            let where_to = match () {
+                () if connector => "write them in the model that has the connector",
+                () if record => "write them in the model that has the record",
+                () => "write an `algorithm`",
+            };
+            self.restricted(
+                text.name.span,
+                format!("{} `{name}` has {what}", word(kind)),
+                where_to,
+            );
+        }
+        for element in &composition.elements {
+            for (declared, at) in element.names() {
+                self.restrict_name(declared, at);
+            }
+            let ElementKind::Components(clause) = &element.kind else { continue };
+            let Some(first) = clause.components.first().map(|c| c.name) else { continue };
+            let path = first.name;
+            let say = |what: &str| format!("`{path}` of {} `{name}` is {what}", word(kind));
+            if (connector || record) && (element.inner || element.outer) {
+                let what = if element.inner { "`inner`" } else { "`outer`" };
+                self.restricted(first.span, say(what), "declare it in a model");
+            }
+            if (connector || record) && element.protected {
+                self.restricted(first.span, say("protected"), "make it public");
+            }
+            if record && (clause.prefix.connection.is_some() || clause.prefix.causality.is_some()) {
+                let what = match (clause.prefix.connection, clause.prefix.causality) {
+                    (Some(ConnectionPrefix::Flow), _) => "a `flow` variable",
+                    (Some(ConnectionPrefix::Stream), _) => "a `stream` variable",
+                    (None, Some(Causality::Input)) => "an `input`",
+                    _ => "an `output`",
+                };
+                self.restricted(first.span, say(what), "use a connector, or leave the prefix out");
+            }
+            let fixed = matches!(
+                clause.prefix.variability,
+                Some(Variability::Constant | Variability::Parameter)
+            );
+            if function && !element.protected && clause.prefix.causality.is_none() && !fixed {
+                let what = "neither input nor output, and public";
+                self.restricted(first.span, say(what), "declare it after `protected`");
+            }
+        }
+    }
+
+    fn restricted(&mut self, span: Span, message: String, help: &str) {
+        self.problems.push(
+            Diagnostic::error("MO0226", span, message)
+                .help(help)
+                .note("kinds of classes differ in what they may hold (section 4.7)"),
+        );
+    }
+
+    /// A class may extend classes of these kinds only (section 7.1.3).
+    pub(crate) fn restrict_base(&mut self, text: &Class, base: ClassId, span: Span) {
+        let of_base = match self.text(base).map(|t| (t.kind, matches!(t.body, ClassBody::Long(_))))
+        {
+            Some((kind, true)) => kind,
+            // Short classes and predefined types stand for what they name.
+            _ => self.kind(base),
+        };
+        use ClassKind as K;
+        let fits = match (text.kind, of_base) {
+            (_, K::Class) => true,
+            (K::Class, _) => true,
+            (K::Package, base) => base == K::Package,
+            (K::Operator, base) => matches!(base, K::Operator | K::Package),
+            (K::Function { .. }, base) => matches!(base, K::Function { .. }),
+            (K::Type, base) => base == K::Type,
+            (K::Record | K::OperatorRecord, base) => matches!(base, K::Record | K::OperatorRecord),
+            (K::Connector | K::ExpandableConnector, base) => matches!(
+                base,
+                K::Type | K::Record | K::OperatorRecord | K::Connector | K::ExpandableConnector
+            ),
+            (K::Block, base) => matches!(base, K::Record | K::OperatorRecord | K::Block),
+            (K::Model, base) => {
+                matches!(base, K::Record | K::OperatorRecord | K::Block | K::Model)
+            }
+        };
+        if !fits {
+            let base = self.classes[base].full_name;
+            let message = format!(
+                "{} `{}` cannot extend {} `{base}`",
+                word(text.kind),
+                text.name.name,
+                word(of_base)
+            );
+            self.problems.push(
+                Diagnostic::error("MO0227", span, message)
+                    .label("of another kind")
+                    .help("extend a class of the same kind, or declare a component of it")
+                    .note("a model extends models, blocks and records, a block no model (section 7.1.3)"),
+            );
+        }
+    }
+
+    /// A component of a model or block has no prefix, and flows are real numbers.
+    pub(crate) fn restrict_prefix(
+        &mut self,
+        prefix: ast::TypePrefix,
+        class: ClassId,
+        ty: Option<Type>,
+        name: ast::Ident,
+    ) {
+        let what = match prefix {
+            ast::TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => "flow",
+            ast::TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => "stream",
+            ast::TypePrefix { causality: Some(Causality::Input), .. } => "input",
+            ast::TypePrefix { causality: Some(Causality::Output), .. } => "output",
+            ast::TypePrefix { variability: Some(Variability::Constant), .. } => "constant",
+            ast::TypePrefix { variability: Some(Variability::Parameter), .. } => "parameter",
+            ast::TypePrefix { variability: Some(Variability::Discrete), .. } => "discrete",
+            _ => return,
+        };
+        let flow = prefix.connection.is_some();
+        let wrong = match ty {
+            Some(ty) => flow && ty != Type::Real,
+            None => matches!(self.kind(class), ClassKind::Model | ClassKind::Block),
+        };
+        if wrong {
+            let class = self.classes[class].full_name;
+            let message = format!("`{}` of class `{class}` cannot be `{what}`", name.name);
+            self.problems.push(
+                Diagnostic::error("MO0228", name.span, message)
+                    .help("leave the prefix out, or use a type that can have it")
+                    .note("flows are real; models and blocks have no prefixes (section 4.4.2)"),
+            );
+        }
+    }
+
+    /// `connect(a.b.c, ...)`: everything but the first name must be a connector (section 9.1).
+    pub(crate) fn restrict_connect(&mut self, r: &ComponentRef, scope: Scope) -> bool {
+        let Some(mut at) = self.child(scope.instance, r.parts[0].name.name) else { return true };
+        for (k, part) in r.parts.iter().enumerate().skip(1) {
+            while let crate::ir::instance::InstanceKind::Array { elements, .. } =
+                &self.instances[at].kind
+            {
+                let Some(first) = elements.first() else { return true };
+                at = *first;
+            }
+            self.complete(at);
+            let Some(class) = self.instances[at].class else { return true };
+            let connector =
+                matches!(self.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector);
+            if k > 1
+                && matches!(self.kind(class), ClassKind::Model | ClassKind::Block)
+                && !connector
+            {
+                let message =
+                    format!("`{}` is inside of a component of a component", part.name.name);
+                self.problems.push(
+                    Diagnostic::error("MO0230", r.span, message)
+                        .help("connect it in the class in which its component stands")
+                        .note("a connection names a connector of the class or of one of its components (section 9.1)"),
+                );
+                return false;
+            }
+            match self.child(at, part.name.name) {
+                Some(child) => at = child,
+                None => return true,
+            }
+        }
+        true
+    }
+}
+
+fn word(kind: ClassKind) -> &'static str {
+    match kind {
+        ClassKind::Class => "class",
+        ClassKind::Model => "model",
+        ClassKind::Block => "block",
+        ClassKind::Record => "record",
+        ClassKind::OperatorRecord => "operator record",
+        ClassKind::Connector => "connector",
+        ClassKind::ExpandableConnector => "expandable connector",
+        ClassKind::Type => "type",
+        ClassKind::Package => "package",
+        ClassKind::Function { .. } => "function",
+        ClassKind::Operator => "operator",
+    }
+}

@@ -1,0 +1,86 @@
+//! `mocc check`: all problems of a file, and nothing else.
+
+use std::path::Path;
+
+use super::program::mocc;
+
+const SEVERAL: &str = "tests/suite/check/several.mo";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn all_problems_of_a_file_come_at_once_and_in_order() {
+    let ended = mocc(root(), &["check", SEVERAL]);
+    assert_eq!(ended.status, 1);
+    let text = std::fs::read_to_string(root().join(SEVERAL)).expect("a file");
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path("../suite/check");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!("several", format!("{text}----\n{}", ended.err)));
+    for right in ["Resistor", "Open", "OnlyInside"] {
+        assert!(!ended.err.contains(right), "{right}: {}", ended.err);
+    }
+}
+
+#[test]
+fn the_same_as_json() {
+    let ended = mocc(root(), &["check", SEVERAL, "--json"]);
+    assert_eq!((ended.status, ended.err.as_str()), (1, ""));
+    let all: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+    let all = all.as_array().expect("a list");
+    let found: Vec<(&str, u64)> = all
+        .iter()
+        .map(|p| (p["code"].as_str().expect("a code"), p["line"].as_u64().expect("a line")))
+        .collect();
+    assert!(found.is_sorted_by_key(|(_, line)| *line), "{found:?}");
+    assert_eq!(
+        found[..4],
+        [("MO0234", 16), ("MO0234", 22), ("MO0202", 31), ("MO0202", 32)],
+        "{found:?}"
+    );
+    let undeclared = &all[2];
+    assert_eq!(undeclared["file"], SEVERAL);
+    assert_eq!(undeclared["column"], 14);
+    assert_eq!(undeclared["end"], serde_json::json!({ "line": 31, "column": 15 }));
+    assert_eq!(undeclared["severity"], "error");
+    for key in ["message", "help", "notes", "label", "also"] {
+        assert!(undeclared.get(key).is_some(), "{key}");
+    }
+}
+
+#[test]
+fn examples_and_library_have_no_problems() {
+    let mut files = Vec::new();
+    for folder in
+        ["examples", "examples/evolution", "lib/Translational", "lib/Pneumatics", "lib/Signals"]
+    {
+        for entry in std::fs::read_dir(root().join(folder)).expect(folder).flatten() {
+            let path = entry.path();
+            if path.extension().is_some_and(|e| e == "mol" || e == "mo") {
+                files.push(format!("{folder}/{}", entry.file_name().to_string_lossy()));
+            }
+        }
+    }
+    files.sort();
+    assert!(files.len() > 30);
+    for file in files {
+        let ended = mocc(root(), &["check", &file, "--json"]);
+        let all: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+        let errors: Vec<_> =
+            all.as_array().expect("a list").iter().filter(|p| p["severity"] == "error").collect();
+        assert!(ended.status == 0 && errors.is_empty(), "{file}: {errors:#?}");
+    }
+}
+
+#[test]
+fn one_model_and_what_is_not_there() {
+    let one = mocc(root(), &["check", SEVERAL, "--model", "Several.Resistor"]);
+    assert_eq!(one.status, 0, "{}", one.err);
+    let none = mocc(root(), &["check", SEVERAL, "--model", "Several.Resistr"]);
+    assert_eq!(none.status, 1);
+    assert!(none.err.contains("MO0104"), "{}", none.err);
+    assert_eq!(mocc(root(), &["check", "nowhere.mo"]).status, 2);
+}
