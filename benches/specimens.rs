@@ -185,7 +185,7 @@ impl Stand {
             train: Sums::default(),
             validation: Sums::default(),
         };
-        let all = unscored(&self.case(&self.data), &level).ok().expect("candidates");
+        let all = unscored(&self.case(&self.data), &level).expect("candidates");
         for (k, effect) in self.effects.iter().enumerate() {
             if !effect.class.contains(wanted) {
                 continue;
@@ -235,7 +235,7 @@ impl Stand {
 
     fn diagnosis(&self, data: &Data) -> (Found, f64) {
         let begun = Instant::now();
-        let found = diagnose(&self.case(data), &mut |_, _| true).ok().expect("a diagnosis");
+        let found = diagnose(&self.case(data), &mut |_, _| true).expect("a diagnosis");
         (found, begun.elapsed().as_secs_f64())
     }
 

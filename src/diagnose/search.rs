@@ -301,8 +301,11 @@ fn tried(
             *fitted = better;
         }
     }
-    // What was never fitted counts as much as what was.
-    in_order(case, from, &mut levels, Level::evidence);
+    // Beside an effect that is there, what was never fitted counts as much as what was.
+    match from.chosen.is_empty() {
+        true => in_order(case, from, &mut levels, Level::bic),
+        false => in_order(case, from, &mut levels, Level::evidence),
+    }
     levels
 }
 

@@ -440,10 +440,25 @@ impl Context<'_> {
         }
     }
 
+    /// Sizes of a value. Those of a variable are known before the model runs, though its values are not.
+    fn dims_of(&mut self, e: &Expr, scope: Scope) -> Option<Vec<usize>> {
+        let whole = match &e.kind {
+            ExprKind::Ref(r) => r.parts.iter().all(|p| p.subscripts.is_empty()),
+            _ => false,
+        };
+        let before = (self.evaluation.folding, self.evaluation.shaping);
+        if whole {
+            (self.evaluation.folding, self.evaluation.shaping) = (false, true);
+        }
+        let value = self.evaluate(e, scope);
+        (self.evaluation.folding, self.evaluation.shaping) = before;
+        value.map(|v| v.dims().to_vec())
+    }
+
     fn array_call(&mut self, name: &str, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         match (name, args) {
             ("size", [a, k]) => {
-                let dims = self.evaluate(a, scope)?.dims().to_vec();
+                let dims = self.dims_of(a, scope)?;
                 let k = self.fold_size(k, scope)?;
                 match k.checked_sub(1).and_then(|k| dims.get(k)) {
                     Some(n) => Some(Value::Scalar(self.graph.integer(*n as i64))),
@@ -458,13 +473,13 @@ impl Context<'_> {
                 }
             }
             ("size", [a]) => {
-                let dims = self.evaluate(a, scope)?.dims().to_vec();
+                let dims = self.dims_of(a, scope)?;
                 Some(Value::vector(
                     dims.into_iter().map(|n| self.graph.integer(n as i64)).collect(),
                 ))
             }
             ("ndims", [a]) => {
-                let n = self.evaluate(a, scope)?.dims().len();
+                let n = self.dims_of(a, scope)?.len();
                 Some(Value::Scalar(self.graph.integer(n as i64)))
             }
             ("zeros" | "ones", sizes) if !sizes.is_empty() => {
