@@ -25,7 +25,11 @@ const SEARCHED: usize = 3;
 /// They are, if what they leave over after a first look is not more than this multiple of the least.
 const CLOSE: f64 = 2.0;
 /// Effects that are looked for, one after the other.
-const DEPTH: usize = 2;
+const DEPTH: usize = 5;
+/// Of these, those that are looked for while anything is left to explain; more only where much is.
+const USUAL: usize = 2;
+/// Reduced sum of squares above which much is left.
+const MUCH: f64 = 2.0;
 /// An effect with so many amplitudes is a free curve.
 const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
@@ -178,8 +182,12 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
     let mut found =
         Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
     for depth in 0..DEPTH {
-        if (depth > 0 && found.after.chi2_train() < COMPLETE) || !heed(0, found.after.train.total())
-        {
+        let enough = match depth {
+            0 => 0.0,
+            1..USUAL => COMPLETE,
+            _ => MUCH,
+        };
+        if found.after.chi2_train() < enough || !heed(0, found.after.train.total()) {
             break;
         }
         let ranking = rank(case, &found.after)?;
@@ -287,7 +295,12 @@ fn tried(
     in_order(case, from, &mut levels, Level::bic);
     let least = levels.first().map_or(0.0, |best| best.chi2_train() - 1.0);
     let reach = 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
-    for fitted in levels.iter_mut().take(SEARCHED).filter(|l| l.chi2_train() < reach) {
+    // A free curve that a law surpasses at the first look is not worth a long search.
+    let laws = levels.iter().filter(|l| !is_curve(case, l)).map(Level::chi2_train);
+    let law = laws.fold(f64::INFINITY, f64::min);
+    let hopeful =
+        |l: &&mut Level| l.chi2_train() < reach && (!is_curve(case, l) || l.chi2_train() < law);
+    for fitted in levels.iter_mut().take(SEARCHED).filter(hopeful) {
         let longer = &mut |p: &mut Problem<'_>| {
             let start = p.start();
             let found = search(p, &start, &STOPPING, heed)?;
@@ -342,18 +355,20 @@ fn shortened(problem: &mut Problem<'_>, amplitudes: &[String]) -> Vec<f64> {
 /// what noise and drift leave besides: it comes first only where no law explains nearly as much.
 fn in_order(case: &Case<'_>, from: &Level, levels: &mut [Level], by: impl Fn(&Level) -> f64) {
     levels.sort_by(|a, b| by(a).total_cmp(&by(b)));
-    let is_curve = |l: &Level| {
-        l.chosen.last().is_some_and(|c| case.effects[c.effect].amplitudes.len() >= CURVE)
-    };
-    let Some(curve) = levels.first().filter(|l| is_curve(l)) else { return };
+    let Some(curve) = levels.first().filter(|l| is_curve(case, l)) else { return };
     let explained = |l: &Level| from.train.total() - l.train.total();
     let wanted = NEARLY * explained(curve);
     let complete = curve.chi2_train() < COMPLETE;
     let nearly =
         |l: &Level| explained(l) > wanted && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE);
-    if let Some(k) = levels.iter().position(|l| !is_curve(l) && nearly(l)) {
+    if let Some(k) = levels.iter().position(|l| !is_curve(case, l) && nearly(l)) {
         levels[..=k].rotate_right(1);
     }
+}
+
+/// True if what was found last is a free curve.
+fn is_curve(case: &Case<'_>, level: &Level) -> bool {
+    level.chosen.last().is_some_and(|c| case.effects[c.effect].amplitudes.len() >= CURVE)
 }
 
 /// One simple effect in place of what a level has: where that has led, the parameters of the model are

@@ -130,6 +130,20 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end QuadraticDrag;
 
+    model DirectionalDrag
+      // The same coefficient brakes one way and drives the other.
+      extends OnMass(v_0 = 1);
+      Effects.DirectionalDrag effect(d = 3);
+      Effects.DirectionalDrag against(d = 3);
+      Translational.Mass back(m = m, s_start = 0, v_start = -1);
+    equation
+      connect(effect.flange, mass.flange);
+      connect(against.flange, back.flange);
+      found = {v, back.v};
+      exact = {exp(-3/m*time), -exp(3/m*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end DirectionalDrag;
+
     model AddedMass
       extends OnMass;
       Effects.AddedMass effect(m = 1);
@@ -650,6 +664,13 @@ package EffectTests
     equation
       connect(effect.flange, spool.flange);
     end QuadraticDrag;
+
+    model DirectionalDrag
+      extends Base;
+      Effects.DirectionalDrag effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end DirectionalDrag;
 
     model AddedMass
       extends Base;
