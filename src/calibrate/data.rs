@@ -39,6 +39,8 @@ impl Split {
 /// One recording.
 #[derive(Clone, Debug)]
 pub struct Recording {
+    /// The recording that it is a window of: its own name, if it is whole.
+    pub of: String,
     /// How it is called.
     pub name: String,
     /// Its file.
@@ -74,6 +76,17 @@ impl Data {
     /// The recordings of one kind.
     pub fn of(&self, split: Split) -> impl Iterator<Item = &Recording> {
         self.recordings.iter().filter(move |r| r.split == split)
+    }
+
+    /// Names of the recordings of one kind before they were cut into windows.
+    pub fn wholes(&self, split: Split) -> Vec<&str> {
+        let mut out: Vec<&str> = Vec::new();
+        for r in self.of(split) {
+            if out.last() != Some(&r.of.as_str()) {
+                out.push(&r.of);
+            }
+        }
+        out
     }
 }
 
@@ -119,6 +132,7 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
         let of_file = files.iter().find(|(known, _)| *known == entry.file);
         let Some(measured) = of_file.and_then(|(_, m)| m.as_ref()) else { continue };
         let whole = Recording {
+            of: entry.name.clone(),
             name: entry.name.clone(),
             path: path.clone(),
             split: entry.split,
@@ -242,6 +256,7 @@ fn tabled(
         let Measured { time, signals, courses, begins } = measured;
         let conditions = values;
         let whole = Recording {
+            of: name.clone(),
             name,
             path: source,
             split,
@@ -287,14 +302,11 @@ impl Begin {
     }
 }
 
-/// A column in SI units, through the rows where it has a value, perhaps smoothed: instants, values, and
-/// if it was smoothed, rates.
-fn column_course(
-    time: &[f64],
-    values: &[f64],
-    unit: Unit,
-    smooth: f64,
-) -> Option<(Vec<f64>, Vec<f64>, Option<Vec<f64>>)> {
+/// Instants, values, and if these were smoothed, rates.
+type Trace = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
+
+/// A column in SI units, through the rows where it has a value, perhaps smoothed.
+fn column_course(time: &[f64], values: &[f64], unit: Unit, smooth: f64) -> Option<Trace> {
     let there = time.iter().zip(values).filter(|(_, v)| !v.is_nan());
     let (times, values): (Vec<f64>, Vec<f64>) = there.map(|(t, v)| (*t, unit.to_si(*v))).unzip();
     if times.is_empty() {

@@ -162,8 +162,14 @@ impl Sums {
 
     /// Root of the mean square of a signal, in units of the noise.
     pub fn of_signal(&self, k: usize) -> f64 {
-        let sum: f64 = self.squares.iter().map(|s| s[k]).sum();
-        let count: usize = self.counts.iter().map(|c| c[k]).sum();
+        self.of_part(k, |_| true)
+    }
+
+    /// The same over those of the recordings that `belongs` picks by position.
+    pub fn of_part(&self, k: usize, belongs: impl Fn(usize) -> bool) -> f64 {
+        let picked = || (0..self.squares.len()).filter(|i| belongs(*i));
+        let sum: f64 = picked().map(|i| self.squares[i][k]).sum();
+        let count: usize = picked().map(|i| self.counts[i][k]).sum();
         (sum / count.max(1) as f64).sqrt()
     }
 }

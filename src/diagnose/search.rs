@@ -355,6 +355,15 @@ fn shortened(problem: &mut Problem<'_>, amplitudes: &[String]) -> Vec<f64> {
 /// what noise and drift leave besides: it comes first only where no law explains nearly as much.
 fn in_order(case: &Case<'_>, from: &Level, levels: &mut [Level], by: impl Fn(&Level) -> f64) {
     levels.sort_by(|a, b| by(a).total_cmp(&by(b)));
+    // A sensor is blamed only if nothing that it measures explains as much: what is in proportion to a
+    // pressure is the scale of the sensor as well.
+    let of_sensor = |l: &Level| l.chosen.last().is_some_and(|c| c.place.signal.is_some());
+    if let Some(sensor) = levels.first().filter(|l| of_sensor(l)) {
+        let as_good = by(sensor) + EVIDENCE;
+        if let Some(k) = levels.iter().position(|l| !of_sensor(l) && by(l) < as_good) {
+            levels[..=k].rotate_right(1);
+        }
+    }
     let Some(curve) = levels.first().filter(|l| is_curve(case, l)) else { return };
     let explained = |l: &Level| from.train.total() - l.train.total();
     let wanted = NEARLY * explained(curve);

@@ -85,7 +85,7 @@ fn a_recorded_ramp_drives_a_model() {
 /// A course that is held is a staircase: from step to step `x` relaxes to the stair.
 #[test]
 fn a_held_recording_jumps_without_events() {
-    let stair = |i: usize| if i % 3 == 0 { 1.0 } else { -0.5 };
+    let stair = |i: usize| if i.is_multiple_of(3) { 1.0 } else { -0.5 };
     let (mut x, mut xs) = (0.0, Vec::new());
     for i in 0..61 {
         xs.push(x);
