@@ -338,6 +338,7 @@ impl Model {
             model: self.model.clone(),
             appended: None,
             form: Form::default(),
+            recorded: Vec::new(),
             settings: self.settings.clone(),
             folders: self.folders.clone(),
             modelica_path: std::env::var_os("MODELICAPATH"),

@@ -34,6 +34,7 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         appended: None,
         form: Form::Reduced,
         settings: plan.fixed.clone(),
+        recorded: plan.recorded(),
         folders,
         modelica_path: std::env::var_os("MODELICAPATH"),
     };

@@ -6,6 +6,7 @@
 
 use crate::base::diag::Problems;
 use crate::base::index::FastSet;
+use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 
 use super::effect::Effect;
@@ -16,6 +17,9 @@ use super::text::Attached;
 
 /// Candidates in one model of a score test.
 const BATCH: usize = 48;
+
+/// Instants of recordings that a score test is made with.
+pub const ENOUGH: usize = 10_000;
 
 /// An effect at one place with a shape.
 struct Candidate {
@@ -155,10 +159,16 @@ fn score_batch(
     }
     let normal = compile(case, &plan, &all, &[]).ok().and_then(|(session, program)| {
         let mut problems = Problems::new();
-        let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems)?;
-        problem.normal(&problem.start()).ok()
+        let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
+        let mut problem = problem?;
+        problem.left_out = problem.surplus(ENOUGH);
+        let count = problem.count(Split::Train);
+        let normal = problem.normal(&problem.start()).ok()?;
+        // What is left out is taken to be like the rest.
+        let share = problem.count_fitted() as f64 / count.max(1) as f64;
+        Some((normal, share))
     });
-    let Some(normal) = normal else {
+    let Some((normal, share)) = normal else {
         // One that can not be run must not keep the others from it.
         let half = batch.len() / 2;
         if half > 0 {
@@ -184,7 +194,7 @@ fn score_batch(
         let positive: Vec<bool> = members.iter().flat_map(|_| signs.clone()).collect();
         if let Some(found) = score(&normal, free, &group, &positive) {
             // More than everything can not be explained: beyond its range the line does not hold.
-            scored.gain = found.gain.min(level.train.total());
+            scored.gain = (found.gain / share).min(level.train.total());
             scored.amplitudes = found.amplitudes;
         }
     }
