@@ -155,7 +155,7 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
             let message = format!("{}: nothing of `{}` is left", path.display(), entry.name);
             let d = Diagnostic::error("MO1011", Span::NONE, message);
             problems.push(d.help(
-                "`from` and `to` are times of the recording, in s; `skip` is less than they span",
+                "`from` and `to` are times of the recording, in s; `skip` is less than they span, and than `window`, which spans several rows",
             ));
         }
     }
@@ -183,7 +183,12 @@ impl Cut {
             // A rest that is shorter than half a window belongs to the one before it.
             let mut last = end;
             if self.window.is_finite() && time[end - 1] - t0 > 1.5 * self.window {
-                last = time.partition_point(|t| *t <= t0 + self.window).min(end).max(first + 2);
+                last = time.partition_point(|t| *t <= t0 + self.window).min(end);
+                if last < first + 2 {
+                    // Nothing was recorded for longer than a window: the next one begins behind it.
+                    first += 1;
+                    continue;
+                }
             }
             number += 1;
             let compared =
@@ -410,8 +415,11 @@ fn measured(
     }
     let mut rest = signals.split_off(plan.signals.len()).into_iter();
     for (signal, values) in plan.signals.iter().zip(&mut signals).filter(|(s, _)| s.smooth > 0.0) {
-        if !values.iter().any(|v| v.is_nan()) {
-            *values = smoothed(&time, values, signal.smooth).0;
+        let there: Vec<usize> = (0..time.len()).filter(|k| !values[*k].is_nan()).collect();
+        let pick = |all: &[f64]| there.iter().map(|k| all[*k]).collect::<Vec<f64>>();
+        let (smooth, _) = smoothed(&pick(&time), &pick(values), signal.smooth);
+        for (k, value) in there.iter().zip(smooth) {
+            values[*k] = value;
         }
     }
     let mut courses = Vec::new();

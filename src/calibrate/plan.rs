@@ -256,7 +256,7 @@ impl Reader<'_> {
             };
             format!("{name}={text}")
         });
-        Plan {
+        let plan = Plan {
             path: path.to_owned(),
             model: base.join(model),
             name: self.text(root, "name"),
@@ -264,9 +264,9 @@ impl Reader<'_> {
             fixed: fixed.collect(),
             folder: base.join(folder),
             listed: self.listed(root),
-            window: self.positive(root, "window").unwrap_or(f64::INFINITY),
+            window: self.window(root).unwrap_or(f64::INFINITY),
             skip: self.positive(root, "skip").unwrap_or(0.0),
-            every: self.positive(root, "every").map_or(1, |n| n.round().max(1.0) as usize),
+            every: self.count(root, "every").unwrap_or(1),
             table,
             file_column,
             name_column,
@@ -278,7 +278,9 @@ impl Reader<'_> {
             time_unit: time_unit.unwrap_or(Unit { factor: 1.0, offset: 0.0 }),
             signals: self.signals(root, whole),
             free: self.free(root),
-        }
+        };
+        self.contradictions(&plan);
+        plan
     }
 
     fn conditions(&mut self, root: &Table<'_>) -> Vec<Condition> {
@@ -319,7 +321,7 @@ impl Reader<'_> {
                 file,
                 split,
                 part: (from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)),
-                window: self.positive(table, "window"),
+                window: self.window(table),
                 skip: self.positive(table, "skip"),
             });
         }
@@ -383,6 +385,65 @@ impl Reader<'_> {
         let d = Diagnostic::error("MO1004", self.at(&span), format!("`{key}` is not negative"));
         self.problems.push(d);
         None
+    }
+
+    /// The length of windows.
+    fn window(&mut self, table: &Table<'_>) -> Option<f64> {
+        let (number, span) = self.number(table, "window")?;
+        if number > 0.0 {
+            return Some(number);
+        }
+        let d = Diagnostic::error("MO1004", self.at(&span), "`window` is longer than 0 s");
+        self.problems.push(d.help("leave it out, or write `inf`, for whole recordings"));
+        None
+    }
+
+    /// A whole number from 1 on.
+    fn count(&mut self, table: &Table<'_>, key: &str) -> Option<usize> {
+        let (number, span) = self.number(table, key)?;
+        if number >= 1.0 && number.fract() == 0.0 && number < 1e15 {
+            return Some(number as usize);
+        }
+        let message = format!("`{key}` is a whole number from 1 on");
+        self.problems.push(Diagnostic::error("MO1004", self.at(&span), message));
+        None
+    }
+
+    /// Whatever contradicts itself though each entry is right.
+    fn contradictions(&mut self, plan: &Plan) {
+        for (k, driven) in plan.inputs.iter().enumerate() {
+            if let Some(first) = plan.inputs[..k].iter().find(|d| d.input == driven.input) {
+                let message = format!("`{}` is driven by `{}` already", driven.input, first.column);
+                self.problems.push(
+                    Diagnostic::error("MO1018", driven.span, message)
+                        .help("one column drives an input"),
+                );
+            }
+        }
+        for begun in &plan.starts {
+            let is_free = |f: &&Free| f.targets.contains(&begun.target);
+            if plan.free.iter().any(|f| is_free(&f)) {
+                let message = format!("`{}` is free, and recordings set it", begun.target);
+                self.problems.push(
+                    Diagnostic::error("MO1018", begun.span, message)
+                        .help("take it out of `[starts]` or of `[free]`"),
+                );
+            }
+        }
+        if let Some(first) = plan.conditions.first().filter(|_| plan.table.is_empty()) {
+            let message = "the plan has conditions, but no table that they are columns of";
+            self.problems.push(
+                Diagnostic::error("MO1018", first.span, message)
+                    .help("name the table in `[data]`, or set parameters in `[fixed]`"),
+            );
+        }
+        for signal in plan.signals.iter().filter(|s| s.smooth > 0.0 && s.sigma.is_none()) {
+            let message = format!("the noise of `{}` can not be estimated", signal.column);
+            self.problems.push(
+                Diagnostic::error("MO1012", signal.span, message)
+                    .help("its column is smoothed: give `sigma`, what noise that leaves"),
+            );
+        }
     }
 
     fn signals(&mut self, root: &Table<'_>, whole: &Range<usize>) -> Vec<Signal> {

@@ -40,16 +40,6 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
     for (name, before, after) in pairs {
         out.push_str(&format!("    {name:<12} {before:16.4} {after:10.4}\n"));
     }
-    for (k, signal) in case.plan.signals.iter().enumerate() {
-        out.push_str(&format!("  RMSE of {}, {}\n", signal.column, signal.unit_name));
-        for (name, split) in [("train", Split::Train), ("validation", Split::Validation)] {
-            let [before, after] = [&found.before, &found.after].map(|level| {
-                let sums = if split == Split::Train { &level.train } else { &level.validation };
-                sums.of_signal(k) * case.data.sigmas[k]
-            });
-            out.push_str(&format!("    {name:<12} {before:16.4e} {after:10.3e}\n"));
-        }
-    }
     out.push_str(&format!("  {seconds:.1} s\n"));
     out
 }

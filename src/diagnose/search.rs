@@ -293,13 +293,19 @@ fn tried(
         }
     }
     in_order(case, from, &mut levels, Level::bic);
-    let least = levels.first().map_or(0.0, |best| best.chi2_train() - 1.0);
-    let reach = 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
-    // A free curve that a law surpasses at the first look is not worth a long search.
-    let laws = levels.iter().filter(|l| !is_curve(case, l)).map(Level::chi2_train);
-    let law = laws.fold(f64::INFINITY, f64::min);
-    let hopeful =
-        |l: &&mut Level| l.chi2_train() < reach && (!is_curve(case, l) || l.chi2_train() < law);
+    // A free curve soon leaves little, but says little: laws are measured by the best of the laws. A curve
+    // that a law surpasses at the first look is not worth a long search.
+    let least = |curve: bool| {
+        let of_kind = levels.iter().filter(|l| curve || !is_curve(case, l));
+        of_kind.map(|l| l.chi2_train() - 1.0).fold(f64::INFINITY, f64::min)
+    };
+    let reach = |least: f64| 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
+    let (law, any) = (least(false), reach(least(true)));
+    let reach_of_laws = reach(law);
+    let hopeful = |l: &&mut Level| match is_curve(case, l) {
+        true => l.chi2_train() < any.min(1.0 + law),
+        false => l.chi2_train() < reach_of_laws,
+    };
     for fitted in levels.iter_mut().take(SEARCHED).filter(hopeful) {
         let longer = &mut |p: &mut Problem<'_>| {
             let start = p.start();

@@ -126,21 +126,106 @@ fn long_recordings_stream() {
     assert!((found - k).abs() < 1e-4 && rmse < 1e-5, "{found}, {rmse}");
 }
 
-#[test]
-fn what_can_not_be_driven_is_said() {
+/// What is said to a plan, or a recording, in which `from` is replaced by `to`.
+fn refused(file: &str, from: &str, to: &str) -> String {
+    let texts = [
+        ("lag.mo", LAG.to_owned()),
+        ("plan.toml", plan("linear", "")),
+        ("run.csv", table(41, 0.1, |t| t, |t| t - 1.0 + (-t).exp())),
+    ];
     let folder = Scratch::new();
-    folder.file("lag.mo", LAG);
-    folder.file("run.csv", &table(11, 0.1, |t| t, |t| t));
-    let said = |from: &str, to: &str| {
-        folder.file("plan.toml", &plan("linear", "").replace(from, to));
-        let ended = mocc(folder.path(), &["calibrate", "plan.toml", "--no-profiles"]);
-        assert_eq!(ended.status, 2, "{}", ended.err);
-        ended.err
-    };
-    assert!(said("input = \"u\"", "input = \"w\"").contains("MO1017"));
-    assert!(said("input = \"u\"", "input = \"k\"").contains("MO1017"));
-    assert!(said("\"linear\"", "\"cubic\"").contains("no interpolation"));
-    assert!(said("u_V = {", "v_V = {").contains("did you mean `u_V`?"));
+    for (name, text) in &texts {
+        assert!(*name != file || text.contains(from), "{file} has no {from}");
+        let is_it = *name == file;
+        folder.file(name, &if is_it { text.replace(from, to) } else { text.clone() });
+    }
+    let ended = mocc(folder.path(), &["calibrate", "plan.toml", "--no-profiles", "--out", "out"]);
+    assert!(ended.out.is_empty() && !folder.path().join("out").exists(), "{}", ended.out);
+    assert_eq!(ended.status, 2, "{}", ended.err);
+    ended.err
+}
+
+#[test]
+fn plans_that_can_not_drive_a_model_are_refused_with_place_and_remedy() {
+    let of_plan = [
+        ("an input that is not there", "input = \"u\"", "input = \"w\""),
+        ("a parameter is no input", "input = \"u\"", "input = \"k\""),
+        ("an interpolation that is not known", "\"linear\"", "\"cubic\""),
+        ("a column that is not there", "u_V = {", "v_V = {"),
+        ("a unit that is not known", "input = \"u\", unit = \"V\"", "input = \"u\", unit = \"W\""),
+        ("a start of nothing", "\"start(x)\"", "\"start(y)\""),
+        ("a start from a column that is not there", "column = \"x_V\"", "column = \"x_mV\""),
+        ("a start that is free", "[free]\n", "[free]\n\"start(x)\" = {}\n"),
+        (
+            "two columns for one input",
+            "[starts]",
+            "x_V = { input = \"u\", unit = \"V\", interpolation = \"hold\" }\n[starts]",
+        ),
+        ("a window of nothing", "[data]", "window = 0\n[data]"),
+        ("a part of a row", "[data]", "every = 2.5\n[data]"),
+        ("time before a begin", "[data]", "skip = -1\n[data]"),
+        ("smoothing by a text", "interpolation", "smooth = \"much\", interpolation"),
+        ("a part without rows", "file = \"run.csv\"", "file = \"run.csv\"\nfrom = 17"),
+        ("a begin longer than the windows", "[data]", "window = 0.5\nskip = 0.7\n[data]"),
+        ("a file that is not there", "file = \"run.csv\"", "file = \"ran.csv\""),
+        ("a split that is not known", "file = \"run.csv\"", "file = \"run.csv\"\nsplit = \"both\""),
+        ("no noise", "sigma = 1e-3", "sigma = 0"),
+        ("noise of a smoothed column", "sigma = 1e-3", "smooth = 0.5"),
+        (
+            "conditions of no table",
+            "[free]",
+            "[conditions]\nk_1 = { parameter = \"k\", unit = \"1\" }\n[free]",
+        ),
+    ];
+    let of_plan = of_plan.map(|(what, from, to)| (what, refused("plan.toml", from, to)));
+    let of_rest = [
+        ("an input with a value", refused("lag.mo", "u(unit = \"V\")", "u(unit = \"V\") = 1")),
+        ("time runs backwards", refused("plan.toml", "column = \"t\"", "column = \"x_V\"")),
+    ];
+    let all = of_plan.into_iter().chain(of_rest);
+    let said: Vec<String> = all.map(|(what, said)| format!("## {what}\n{said}")).collect();
+    insta::assert_snapshot!(said.join("\n"));
+}
+
+/// A ramp with gaps and without some of its values is still that ramp where it is linear between the rest;
+/// windows leave out what was not recorded. Fields may be separated by semicolons.
+#[test]
+fn recordings_that_drive_are_repaired() {
+    let exact = |t: f64| t - (1.0 - (-2.0 * t).exp()) / 2.0;
+    let text = table(201, 0.02, |t| t, exact);
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines.drain(100..140);
+    lines[20] = lines[20].replacen(&lines[20].split(',').nth(1).expect("u").to_owned(), "NaN", 1);
+    lines.swap(30, 31);
+    let twice = lines[40].clone();
+    lines.insert(40, twice);
+    let text = lines.join("\n").replace(',', ";");
+    for (more, runs) in [("", 1), ("window = 0.5", 7), ("window = 99", 1)] {
+        let folder = Scratch::new();
+        folder.file("lag.mo", LAG);
+        folder.file("plan.toml", &plan("linear", more));
+        folder.file("run.csv", &text);
+        let asked = ["calibrate", "plan.toml", "--no-profiles", "--out", "out"];
+        let ended = mocc(folder.path(), &asked);
+        assert_eq!(ended.status, 0, "{}", ended.err);
+        let text = std::fs::read_to_string(folder.path().join("out/calibration.json"));
+        let found: Value = serde_json::from_str(&text.expect("a file")).expect("JSON");
+        let k = found["parameters"][0]["value"].as_f64().expect("a number");
+        assert!((k - 2.0).abs() < 1e-5, "{more}: {k}");
+        let repairs: Vec<&str> =
+            found["repairs"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+        assert_eq!(
+            repairs,
+            [
+                "./run.csv:32: 1 row left out because the time does not rise",
+                "./run.csv: 1 row left out, of the same instant as the row before",
+                "./run.csv:21: 1 value left out, not numbers",
+                "./run.csv: nothing was recorded for 8.200e-1 s",
+            ]
+        );
+        let recordings = found["recordings"].as_array().map_or(runs, Vec::len);
+        assert_eq!(recordings, runs, "{more}");
+    }
 }
 
 /// The folder of the public recordings, if it is there.
