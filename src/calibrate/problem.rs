@@ -295,7 +295,7 @@ impl<'a> Problem<'a> {
     pub fn surplus(&self, enough: usize) -> Vec<usize> {
         let lengths: Vec<usize> = self.data.of(Split::Train).map(|r| r.time.len()).collect();
         let total: usize = lengths.iter().sum();
-        let kept = (lengths.len() * enough).div_ceil(total.max(1)).max(self.jobs);
+        let kept = (lengths.len() * enough).div_ceil(total.max(1)).max(2);
         if kept >= lengths.len() {
             return Vec::new();
         }

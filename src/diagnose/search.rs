@@ -153,6 +153,13 @@ pub struct Scored {
     pub gain: f64,
 }
 
+impl Scored {
+    /// The decrease less the price of the amplitudes.
+    pub fn worth(&self, level: &Level) -> f64 {
+        self.gain - (level.train.count() as f64).ln() * self.amplitudes.len() as f64
+    }
+}
+
 /// What was found.
 pub struct Found {
     /// Without any effect.
@@ -259,8 +266,7 @@ fn is_intricate(case: &Case<'_>, level: &Level) -> bool {
 
 /// Those whose promise is worth their parameters.
 fn promising(level: &Level, ranking: &[Scored]) -> Vec<Scored> {
-    let price = (level.train.count() as f64).ln();
-    let worth = |s: &&Scored| s.gain - price * s.amplitudes.len() as f64 > EVIDENCE;
+    let worth = |s: &&Scored| s.worth(level) > EVIDENCE;
     ranking.iter().filter(worth).take(FITTED).cloned().collect()
 }
 

@@ -132,7 +132,7 @@ package EffectTests
 
     model DirectionalDrag
       // The same coefficient brakes one way and drives the other.
-      extends OnMass(v_0 = 1);
+      extends OnMass(v_0 = 1, n = 2);
       Effects.DirectionalDrag effect(d = 3);
       Effects.DirectionalDrag against(d = 3);
       Translational.Mass back(m = m, s_start = 0, v_start = -1);
