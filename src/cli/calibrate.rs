@@ -38,6 +38,7 @@ pub fn run(options: &Calibrate) -> Status {
         appended: None,
         form: Form::Reduced,
         settings: plan.fixed.clone(),
+        recorded: plan.recorded(),
         folders: plan.libraries.clone(),
         modelica_path: std::env::var_os("MODELICAPATH"),
     };

@@ -9,9 +9,10 @@ use super::{Status, interrupt, print, say};
 use crate::base::diag::Problems;
 use crate::diagnose::effect::{catalogue, unknowns};
 use crate::diagnose::search::{Case, Nothing, diagnose};
-use crate::diagnose::{balance, page, result};
+use crate::diagnose::{balance, page, residual, result};
 use crate::driver::compile::{Request, Session};
 use crate::ir::program::Form;
+use crate::report::table::write_csv;
 use crate::report::write::{create_folder, write_file};
 
 /// Runs the command.
@@ -34,6 +35,7 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         appended: None,
         form: Form::Reduced,
         settings: plan.fixed.clone(),
+        recorded: plan.recorded(),
         folders,
         modelica_path: std::env::var_os("MODELICAPATH"),
     };
@@ -138,6 +140,16 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
             return Status::Usage;
         }
         written.push(path);
+    }
+    if options.tables && complete {
+        for (k, table) in residual::tables(&case, &found).iter().enumerate() {
+            let path = folder.join(format!("recording-{}.csv", k + 1));
+            if let Err(why) = write_csv(table, &path) {
+                eprintln!("error: {why}");
+                return Status::Usage;
+            }
+            written.push(path);
+        }
     }
     let mut text = page::summary(&case, &found, seconds);
     let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();

@@ -9,7 +9,7 @@ use crate::report::page::frame::Page;
 
 use super::balance::{Balance, Course};
 use super::residual::residuals;
-use super::result::{sentences, verdict};
+use super::result::{rmse_of, sentences, verdict};
 use super::search::{Case, Found, Level, Scored};
 
 /// Rows of the ranking that are shown.
@@ -208,6 +208,26 @@ fn errors(case: &Case<'_>, found: &Found, out: &mut String) {
             of(a, Split::Validation),
         ];
         out.push_str(&row(&signal.column, values));
+    }
+    out.push_str("</table>");
+    let wholes = [Split::Train, Split::Validation].map(|s| (s, case.data.wholes(s)));
+    let most = wholes.iter().map(|(_, w)| w.len()).max().unwrap_or(0);
+    if !(2..=LISTED).contains(&most) {
+        return;
+    }
+    out.push_str("<table><tr><th>recording</th><th></th><th>signal</th><th>RMSE, before</th><th>RMSE, after</th></tr>");
+    for (split, names) in wholes {
+        for (name, (k, signal)) in
+            names.iter().flat_map(|n| case.plan.signals.iter().enumerate().map(move |s| (n, s)))
+        {
+            let [before, after] = [b, a].map(|level| rmse_of(case.data, level, split, k, name));
+            let (name, column, unit) =
+                (escaped(name), escaped(&signal.column), escaped(&signal.unit_name));
+            out.push_str(&format!(
+                "<tr><td>{name}</td><td>{}</td><td>{column}</td><td>{before:.4e} {unit}</td><td>{after:.4e} {unit}</td></tr>",
+                split.name()
+            ));
+        }
     }
     out.push_str("</table>");
 }

@@ -209,6 +209,13 @@ fn effect_json(
     Json::object(members)
 }
 
+/// Root of the mean square of a signal over all windows of one recording, in the unit of its column.
+pub fn rmse_of(data: &Data, level: &Level, split: Split, signal: usize, recording: &str) -> f64 {
+    let sums = if split == Split::Train { &level.train } else { &level.validation };
+    let belongs: Vec<bool> = data.of(split).map(|r| r.of == recording).collect();
+    sums.of_part(signal, |i| belongs.get(i).copied().unwrap_or(true)) * data.sigmas[signal]
+}
+
 fn quality(data: &Data, level: &Level) -> Json {
     let signals = |split: Split| {
         let sums = if split == Split::Train { &level.train } else { &level.validation };
@@ -223,8 +230,22 @@ fn quality(data: &Data, level: &Level) -> Json {
         };
         Json::object(level.plan.signals.iter().enumerate().map(one).collect::<Vec<_>>())
     };
+    let recordings = |split: Split| {
+        let all = data.wholes(split).into_iter().map(|name| {
+            let by_signal = level.plan.signals.iter().enumerate().map(|(k, s)| {
+                (s.column.clone(), Json::number(rmse_of(data, level, split, k, name)))
+            });
+            let rmse = Json::object(by_signal.collect::<Vec<_>>());
+            Json::object([("name", Json::text(name)), ("rmse", rmse)])
+        });
+        Json::list(all.collect::<Vec<_>>())
+    };
     let part = |split: Split, chi2: f64| {
-        Json::object([("chi2", Json::number(chi2)), ("signals", signals(split))])
+        Json::object([
+            ("chi2", Json::number(chi2)),
+            ("signals", signals(split)),
+            ("recordings", recordings(split)),
+        ])
     };
     Json::object([
         ("train", part(Split::Train, level.chi2_train())),

@@ -37,6 +37,8 @@ pub struct FlatModel {
     pub functions: IndexVec<FunctionId, Function>,
     /// `annotation(experiment(...))`.
     pub experiment: Experiment,
+    /// Inputs without a value that recordings give one, moving with time.
+    pub recorded: Vec<VarId>,
 }
 
 /// Defaults of a run from `annotation(experiment(...))`.
@@ -234,6 +236,7 @@ impl FlatModel {
             initial_equations: Vec::new(),
             functions: IndexVec::new(),
             experiment: Experiment::default(),
+            recorded: Vec::new(),
         }
     }
 

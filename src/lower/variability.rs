@@ -26,7 +26,7 @@ impl Variabilities {
             let variability = match graph.node(next) {
                 // Symbols that stood for locals of loops are no variables of the model.
                 Node::Var(v) => variables.get(v).map_or(Variability::Continuous, of_variable),
-                Node::Time | Node::Der(_) => Variability::Continuous,
+                Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
                 Node::Pre(_)
                 | Node::Sample(..)
                 | Node::Initial
