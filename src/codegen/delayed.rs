@@ -163,6 +163,10 @@ impl Piece {
         let after = self.t.partition_point(|x| *x <= t);
         let from = after.saturating_sub(2).min(n.saturating_sub(4));
         let to = (from + 4).min(n);
+        // What rests is met to the bit, so that nothing chatters.
+        if self.value[from..to].windows(2).all(|v| v[0] == v[1]) {
+            return if order == 0 { self.value[from] } else { 0.0 };
+        }
         match order {
             0 => lagrange(&self.t[from..to], &self.value[from..to], t),
             1 => slope(&self.t[from..to], &self.value[from..to], t),
@@ -183,10 +187,8 @@ fn slope(x: &[f64], y: &[f64], t: f64) -> f64 {
     let mut sum = 0.0;
     for i in 0..n {
         for k in (0..n).filter(|k| *k != i) {
-            let rest: f64 = (0..n)
-                .filter(|j| *j != i && *j != k)
-                .map(|j| (t - x[j]) / (x[i] - x[j]))
-                .product();
+            let rest: f64 =
+                (0..n).filter(|j| *j != i && *j != k).map(|j| (t - x[j]) / (x[i] - x[j])).product();
             sum += y[i] * rest / (x[i] - x[k]);
         }
     }

@@ -74,6 +74,10 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         e.push(PARAMETER, Op::Input, start, default, input);
         e.layout.starts.push((v, input, start));
     }
+    for (v, time) in e.dae.delays.clone() {
+        let cell = (v, e.slot(v), e.emit(time).0);
+        e.layout.delays.push(cell);
+    }
     e.layout.nominals = scale::of_components(e, &blocks.components());
     for k in 0..e.dae.samples.len() {
         let sample = e.dae.samples[k].clone();

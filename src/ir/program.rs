@@ -334,6 +334,9 @@ pub struct Layout {
     pub parameter_inputs: Vec<(VarId, Slot)>,
     /// What recordings say about inputs: input, order of the derivative, cell.
     pub recorded: Vec<(VarId, u32, Slot)>,
+    /// Delayed variables: variable, its cell, cell of the delay, s. What they were stands in the cells of
+    /// what is recorded of them.
+    pub delays: Vec<(VarId, Slot, Slot)>,
     /// Starts that a run may set: variable, input cell (NaN: not given), cell of the start value.
     pub starts: Vec<(VarId, Slot, Slot)>,
 }
