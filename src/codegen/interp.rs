@@ -85,6 +85,9 @@ pub struct Instance<'p> {
     pub fault_memory: Vec<f64>,
     /// The last fault.
     pub fault: Option<Fault>,
+    /// Where the branch of a solution has come to its end, another one may be taken. An integrator first
+    /// tries whether a shorter step stays on the branch.
+    pub leaps: bool,
     /// Arguments outside of the domain of a function are moved to its border.
     pub inside: bool,
     code: Code,
@@ -108,6 +111,7 @@ impl<'p> Instance<'p> {
             memory: program.image.clone(),
             fault_memory: program.image.clone(),
             fault: None,
+            leaps: true,
             inside: false,
             code: Code::Interpreted,
             tangents: None,

@@ -26,6 +26,8 @@ use super::selection::{LIMIT, Selection};
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
 use super::system::{Model, of_domain};
+use crate::codegen::interp::Fault;
+use crate::integrate::system::System;
 
 /// Tolerances are not sharpened beyond this.
 const SHARPEST: f64 = 1e-12;
@@ -35,6 +37,12 @@ const NUDGE: f64 = 8.0;
 
 /// Longest step in intervals between two values of a recording that drives the model.
 const UNSEEN: f64 = 4.0;
+
+/// How far beyond the end of a branch another one is looked for first, as a part of the run.
+const FIRST_LEAP: f64 = 1e-12;
+
+/// How often that distance grows tenfold.
+const LEAPS: i32 = 7;
 
 /// Points of each step that the history of a delayed expression keeps.
 const POINTS: u32 = 5;
@@ -298,7 +306,9 @@ impl<'p, 's> Simulation<'p, 's> {
                 None if self.end_of_sliding()?.is_some() => {}
                 None => {
                     let t = self.stepper.t();
-                    self.note_delayed(t, false)?;
+                    if self.model.instance.delayed.moves() {
+                        self.note_delayed(t, false)?;
+                    }
                     self.search.heed(&self.model.instance);
                     self.check_assertions_of_step()?;
                     self.vary()?;
@@ -332,9 +342,11 @@ impl<'p, 's> Simulation<'p, 's> {
             return Ok(());
         }
         let begin = self.t.max(self.stepper.t_previous());
-        for k in 1..=POINTS {
-            let part = f64::from(k) / f64::from(POINTS);
-            let t = if k == POINTS { end } else { begin + part * (end - begin) };
+        // What rests between events has a course of two points.
+        let points = if self.model.instance.delayed.moves() { POINTS } else { 1 };
+        for k in 1..=points {
+            let part = f64::from(k) / f64::from(points);
+            let t = if k == points { end } else { begin + part * (end - begin) };
             self.go_to(t)?;
             note(&mut self.model, t);
         }
@@ -395,12 +407,55 @@ impl<'p, 's> Simulation<'p, 's> {
     /// One accepted step; true if it ends at `t_stop`.
     fn step(&mut self, t_stop: f64) -> Result<bool, Failure> {
         self.model.beyond = false;
-        let outcome = self.stepper.step(&mut self.model, t_stop);
+        self.model.instance.leaps = false;
+        let mut outcome = self.stepper.step(&mut self.model, t_stop);
+        if outcome.is_err() && self.lost_a_branch() {
+            outcome = self.leap(t_stop).unwrap_or(outcome);
+        }
+        self.model.instance.leaps = true;
         let step =
             outcome.map_err(|e| of_integration(&self.model.instance, e, self.stepper.t()))?;
         // What a shorter step could avoid is no failure.
         self.model.instance.fault = None;
         Ok(matches!(step, Step::Reached { .. }))
+    }
+
+    /// True if a loop had no solution near the last one.
+    fn lost_a_branch(&self) -> bool {
+        matches!(
+            self.model.instance.fault,
+            Some(Fault::Diverged { .. } | Fault::Singular { .. } | Fault::NotFinite { .. })
+        )
+    }
+
+    /// A step that begins on another branch of an algebraic loop, just beyond the end of the one that the
+    /// solution was on; `None` if there is none.
+    fn leap(&mut self, t_stop: f64) -> Option<Result<Step, crate::integrate::outcome::Failure>> {
+        let (t, y) = (self.stepper.t(), self.stepper.y().to_vec());
+        for k in 0..LEAPS {
+            let beyond = t + (self.stop - self.start) * FIRST_LEAP * 10.0_f64.powi(k);
+            if beyond >= t_stop {
+                return None;
+            }
+            self.model.instance.leaps = true;
+            let mut slope = vec![0.0; y.len()];
+            let found = self.model.rhs(beyond, &y, &mut slope).is_ok();
+            self.model.instance.leaps = false;
+            self.model.instance.fault = None;
+            if !found {
+                continue;
+            }
+            let jacobian = JacobianMemory::Forget;
+            if self.stepper.restart(&mut self.model, beyond, &y, jacobian).is_err() {
+                continue;
+            }
+            let step = self.stepper.step(&mut self.model, t_stop);
+            if step.is_ok() {
+                self.t = beyond;
+                return Some(step);
+            }
+        }
+        None
     }
 
     pub(super) fn restart(&mut self) -> Result<(), Failure> {
