@@ -19,7 +19,7 @@ use super::text::Attached;
 const BATCH: usize = 48;
 
 /// Instants of recordings that a score test is made with.
-pub const ENOUGH: usize = 8_000;
+pub const ENOUGH: usize = 10_000;
 
 /// An effect at one place with a shape.
 struct Candidate {
