@@ -35,6 +35,9 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
     for (name, before, after) in pairs {
         out.push_str(&format!("    {name:<12} {before:16.4} {after:10.4}\n"));
     }
+    for repair in &case.data.repairs {
+        out.push_str(&format!("  {repair}\n"));
+    }
     out.push_str(&format!("  {seconds:.1} s\n"));
     out
 }
@@ -55,6 +58,14 @@ pub fn html(
     ));
     for sentence in sentences(case.effects, &found.after.chosen) {
         page.add(&format!("<p>{}</p>\n", escaped(&sentence)));
+    }
+    if !case.data.repairs.is_empty() {
+        let repair = |text: &String| format!("<p>{}</p>\n", escaped(text));
+        page.section(
+            "repairs",
+            "Repairs",
+            &case.data.repairs.iter().map(repair).collect::<String>(),
+        );
     }
     let part = |write: &dyn Fn(&mut String)| {
         let mut out = String::new();

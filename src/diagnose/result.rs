@@ -171,6 +171,7 @@ pub fn json(
         ("before", quality(case.data, &found.before)),
         ("after", quality(case.data, &found.after)),
         ("balances", Json::list(balances.iter().map(balance_json))),
+        ("repairs", Json::list(case.data.repairs.iter().map(|r| Json::text(r.as_str())))),
         ("amended_model", amended_model.map_or(Json::null(), Json::text)),
         ("seconds", Json::number(seconds)),
         ("complete", Json::flag(complete)),

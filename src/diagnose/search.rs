@@ -30,6 +30,8 @@ const DEPTH: usize = 5;
 const USUAL: usize = 2;
 /// Reduced sum of squares above which much is left.
 const MUCH: f64 = 2.0;
+/// Share of what is left that each of these further ones must promise, and explain.
+const NOTABLE: f64 = 0.1;
 /// An effect with so many amplitudes is a free curve.
 const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
@@ -43,6 +45,8 @@ pub const COMPLETE: f64 = 1.03;
 const WAY: [f64; 5] = [1.0, 0.5, 0.2, 0.07, 0.02];
 /// A law that explains this share of what a free curve does is taken for it.
 const NEARLY: f64 = 0.95;
+/// But not, if it leaves so many times what the curve leaves.
+const FAR: f64 = 5.0;
 /// If the curve leaves nothing to explain, the law must leave less than this too.
 const NEARLY_COMPLETE: f64 = 0.1;
 /// A first look at an effect.
@@ -198,7 +202,9 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             break;
         }
         let ranking = rank(case, &found.after)?;
-        let promising = promising(&found.after, &ranking);
+        let notable = if depth < USUAL { 0.0 } else { NOTABLE * found.after.train.total() };
+        let mut promising = promising(&found.after, &ranking);
+        promising.retain(|s| s.gain > notable);
         for s in ranking.iter().take(2 * FITTED) {
             let share = s.gain / found.after.train.total();
             let name = case.named(s.effect, &s.place);
@@ -208,6 +214,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         let mut levels = tried(case, &found.after, &promising, depth, heed);
         let asked_for = |l: &Level| {
             l.bic() < found.after.bic() - EVIDENCE
+                && l.train.total() < found.after.train.total() - notable
                 && l.chi2_validation() < found.after.chi2_validation()
         };
         if let Some(first) = levels.iter().position(asked_for) {
@@ -380,9 +387,13 @@ fn in_order(case: &Case<'_>, from: &Level, levels: &mut [Level], by: impl Fn(&Le
     let explained = |l: &Level| from.train.total() - l.train.total();
     let wanted = NEARLY * explained(curve);
     let complete = curve.chi2_train() < COMPLETE;
-    let nearly =
-        |l: &Level| explained(l) > wanted && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE);
-    if let Some(k) = levels.iter().position(|l| !is_curve(case, l) && nearly(l)) {
+    let far = FAR * curve.train.total();
+    let nearly = |l: &Level| {
+        let as_good = explained(l) > wanted && l.train.total() < far;
+        as_good && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE)
+    };
+    let is_law = |l: &Level| !is_curve(case, l) && !of_sensor(l);
+    if let Some(k) = levels.iter().position(|l| is_law(l) && nearly(l)) {
         levels[..=k].rotate_right(1);
     }
 }
