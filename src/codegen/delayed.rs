@@ -5,7 +5,7 @@
 //! time `T` after it went in, as an event known in advance; until that is handled, the piece before
 //! it goes on, so that a step sees a smooth course to its end.
 
-use crate::ir::program::{Layout, Slot};
+use crate::ir::program::{DelayCells, Layout, Slot};
 
 /// The delays of one run.
 #[derive(Clone, Default)]
@@ -17,6 +17,7 @@ pub struct Delayed {
 struct Line {
     source: Slot,
     delay: Slot,
+    moves: bool,
     /// Order of the derivative and its cell.
     cells: Vec<(u32, Slot)>,
     pieces: Vec<Piece>,
@@ -33,13 +34,14 @@ struct Piece {
 impl Delayed {
     /// Histories that have not begun.
     pub fn new(layout: &Layout) -> Self {
-        let line = |&(v, source, delay): &(crate::ir::expr::VarId, Slot, Slot)| Line {
-            source,
-            delay,
+        let line = |d: &DelayCells| Line {
+            source: d.source,
+            delay: d.delay,
+            moves: d.moves,
             cells: layout
                 .recorded
                 .iter()
-                .filter(|r| r.0 == v)
+                .filter(|r| r.0 == d.variable)
                 .map(|(_, order, slot)| (*order, *slot))
                 .collect(),
             pieces: Vec::new(),
@@ -125,9 +127,15 @@ impl Delayed {
         any
     }
 
-    /// The shortest delay, s: no step may be longer, or it would need what is yet to come.
+    /// True if something that is delayed moves between events.
+    pub fn moves(&self) -> bool {
+        self.lines.iter().any(|l| l.moves)
+    }
+
+    /// The shortest delay of what moves, s: no step may be longer, or it would need what is yet to come.
     pub fn shortest(&self, memory: &[f64]) -> f64 {
-        let positive = self.lines.iter().map(|l| memory[l.delay as usize]).filter(|t| *t > 0.0);
+        let moving = self.lines.iter().filter(|l| l.moves);
+        let positive = moving.map(|l| memory[l.delay as usize]).filter(|t| *t > 0.0);
         positive.fold(f64::INFINITY, f64::min)
     }
 }
@@ -163,6 +171,10 @@ impl Piece {
         let after = self.t.partition_point(|x| *x <= t);
         let from = after.saturating_sub(2).min(n.saturating_sub(4));
         let to = (from + 4).min(n);
+        // What rests is met to the bit, so that nothing chatters.
+        if self.value[from..to].windows(2).all(|v| v[0] == v[1]) {
+            return if order == 0 { self.value[from] } else { 0.0 };
+        }
         match order {
             0 => lagrange(&self.t[from..to], &self.value[from..to], t),
             1 => slope(&self.t[from..to], &self.value[from..to], t),
@@ -183,10 +195,8 @@ fn slope(x: &[f64], y: &[f64], t: f64) -> f64 {
     let mut sum = 0.0;
     for i in 0..n {
         for k in (0..n).filter(|k| *k != i) {
-            let rest: f64 = (0..n)
-                .filter(|j| *j != i && *j != k)
-                .map(|j| (t - x[j]) / (x[i] - x[j]))
-                .product();
+            let rest: f64 =
+                (0..n).filter(|j| *j != i && *j != k).map(|j| (t - x[j]) / (x[i] - x[j])).product();
             sum += y[i] * rest / (x[i] - x[k]);
         }
     }
@@ -196,6 +206,7 @@ fn slope(x: &[f64], y: &[f64], t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ir::expr::VarId;
 
     #[test]
     fn a_cubic_is_met_with_its_slope() {
@@ -212,8 +223,8 @@ mod tests {
     #[test]
     fn a_jump_comes_out_later() {
         let layout = Layout {
-            delays: vec![(crate::ir::expr::VarId(0), 0, 1)],
-            recorded: vec![(crate::ir::expr::VarId(0), 0, 2)],
+            delays: vec![DelayCells { variable: VarId(0), source: 0, delay: 1, moves: true }],
+            recorded: vec![(VarId(0), 0, 2)],
             ..Layout::default()
         };
         let mut memory = [1.0, 0.5, 0.0];

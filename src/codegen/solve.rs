@@ -77,7 +77,8 @@ impl SolverWork {
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
-                if self.z.len() == 1 && !matches!(ending, Ending::Converged { .. }) {
+                let leaps = equations.instance.leaps;
+                if leaps && self.z.len() == 1 && !matches!(ending, Ending::Converged { .. }) {
                     // The branch that the solution was on may have come to its end.
                     let found = other_branch(&mut equations, self.start[0], self.nominal[0]);
                     if let Some(z) = found {
@@ -86,7 +87,7 @@ impl SolverWork {
                         ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                     }
                 }
-                if self.z.len() > 1 && !matches!(ending, Ending::Converged { .. }) {
+                if leaps && self.z.len() > 1 && !matches!(ending, Ending::Converged { .. }) {
                     region.bounds = None;
                     ending =
                         elsewhere(newton, &mut equations, &mut self.z, &self.start, region, ending);

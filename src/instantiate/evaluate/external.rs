@@ -237,6 +237,8 @@ impl Context<'_> {
         let e = handle.and_then(Value::scalar).ok_or(Refusal::Unknown)?;
         let text = match self.structural_value(e) {
             Some(Const::String(text)) => text,
+            // Why it has none was said.
+            _ if self.problems.has_errors() => return Err(Refusal::Reported),
             _ => return Err(Refusal::Wrong("the external object has no value".into())),
         };
         let number = text.strip_prefix(MARK).and_then(|n| n.parse::<usize>().ok());

@@ -67,6 +67,8 @@ pub struct State {
     pub(crate) objects: Vec<external::Object>,
     /// Conditions, known only when the model runs, under which what is being run counts.
     pub(crate) path: Vec<ExprId>,
+    /// Delayed expressions: what is read of the k-th stands for the k-th variable after all others.
+    pub(crate) delays: Vec<builtin::Delaying>,
     /// Functions made of loops whose length only a run knows.
     pub(crate) functions: Vec<crate::ir::flat::Function>,
     /// How many symbols such loops have.
