@@ -191,7 +191,7 @@ impl Stand {
             train: Sums::default(),
             validation: Sums::default(),
         };
-        let all = unscored(&self.case(&self.data), &level).expect("candidates");
+        let all = unscored(&self.case(&self.data), &level);
         for (k, effect) in self.effects.iter().enumerate() {
             if !effect.class.contains(wanted) {
                 continue;
