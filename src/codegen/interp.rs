@@ -10,6 +10,7 @@ use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape, Watched};
 use crate::math::numeric::course::Course;
 use crate::symbolic::eval;
 
+use super::delayed::Delayed;
 use super::jit::rent::{Code, Execution};
 use super::played::Played;
 use super::solve::{ImplicitWork, SolverWork};
@@ -84,6 +85,9 @@ pub struct Instance<'p> {
     pub fault_memory: Vec<f64>,
     /// The last fault.
     pub fault: Option<Fault>,
+    /// Where the branch of a solution has come to its end, another one may be taken. An integrator first
+    /// tries whether a shorter step stays on the branch.
+    pub leaps: bool,
     /// Arguments outside of the domain of a function are moved to its border.
     pub inside: bool,
     code: Code,
@@ -91,6 +95,8 @@ pub struct Instance<'p> {
     pub tangents: Option<Box<Tangents>>,
     /// What recordings say about inputs.
     pub played: Played,
+    /// What expressions were some time ago.
+    pub delayed: Delayed,
     solvers: Vec<Option<Box<SolverWork>>>,
     implicits: Vec<Option<Box<ImplicitWork>>>,
     resting: Vec<Vec<f64>>,
@@ -105,10 +111,12 @@ impl<'p> Instance<'p> {
             memory: program.image.clone(),
             fault_memory: program.image.clone(),
             fault: None,
+            leaps: true,
             inside: false,
             code: Code::Interpreted,
             tangents: None,
             played: Played::default(),
+            delayed: Delayed::new(&program.layout),
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
                 .implicits
@@ -176,6 +184,7 @@ impl<'p> Instance<'p> {
         let layout = &self.program.layout;
         self.memory[layout.time as usize] = t;
         self.played.place(t, &mut self.memory);
+        self.delayed.place(t, &mut self.memory);
         let first = layout.states as usize;
         self.memory[first..first + states.len()].copy_from_slice(states);
     }
@@ -184,6 +193,7 @@ impl<'p> Instance<'p> {
     pub fn play(&mut self, courses: &[(VarId, Arc<Course>)], t: f64) {
         self.played = Played::new(&self.program.layout, courses, t);
         self.played.place(t, &mut self.memory);
+        self.delayed.place(t, &mut self.memory);
     }
 
     /// The states.

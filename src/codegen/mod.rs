@@ -15,6 +15,7 @@ pub mod interp;
 pub mod jacobian;
 pub mod jit;
 pub mod layout;
+pub mod delayed;
 pub mod played;
 pub mod print;
 pub mod record;
@@ -29,6 +30,7 @@ pub mod tangent;
 mod tests;
 
 use crate::base::diag::Problems;
+use crate::base::index::Id;
 use crate::ir::blocks::{Block, Blocks, State};
 use crate::ir::expr::VarId;
 use crate::ir::program::{Algebraic, Form, Program};
@@ -58,6 +60,11 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
     let at_start = sequence::initial(&mut emitter, &order);
     let at_events = sequence::event(&mut emitter, &order);
     let between = sequence::continuous(&mut emitter, &order);
+    for k in 0..emitter.layout.delays.len() {
+        let v = emitter.layout.delays[k].variable;
+        let level = emitter.levels.get(v.idx()).copied().flatten();
+        emitter.layout.delays[k].moves = level.is_none_or(|level| level > emit::HELD);
+    }
     let (selection, set_cells) = selection::compile(&mut emitter, &state_sets);
     if emitter.problems.has_errors() {
         return Err(emitter.problems);

@@ -4,6 +4,7 @@ use crate::base::index::{FastMap, Id};
 use crate::ir::blocks::Block;
 use crate::ir::dae::{Dae, Kind, Trigger};
 use crate::ir::expr::{ExprId, Type, VarId};
+use crate::ir::program::DelayCells;
 use crate::ir::program::{
     AssertCells, BlockPlace, Clock, Entry, Op, ReinitCells, Sequence, Slot, Tape,
 };
@@ -73,6 +74,10 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         };
         e.push(PARAMETER, Op::Input, start, default, input);
         e.layout.starts.push((v, input, start));
+    }
+    for (v, time) in e.dae.delays.clone() {
+        let (source, delay) = (e.slot(v), e.emit(time).0);
+        e.layout.delays.push(DelayCells { variable: v, source, delay, moves: true });
     }
     e.layout.nominals = scale::of_components(e, &blocks.components());
     for k in 0..e.dae.samples.len() {

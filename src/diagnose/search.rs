@@ -201,7 +201,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         if found.after.chi2_train() < enough || !heed(0, found.after.train.total()) {
             break;
         }
-        let ranking = rank(case, &found.after)?;
+        let ranking = rank(case, &found.after);
         let notable = if depth < USUAL { 0.0 } else { NOTABLE * found.after.train.total() };
         let mut promising = promising(&found.after, &ranking);
         promising.retain(|s| s.gain > notable);
@@ -252,7 +252,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         }
     };
     if let Some(from) = from
-        && let Some(simple) = single(case, &from.clone(), heed)?
+        && let Some(simple) = single(case, &from.clone(), heed)
         && simple.chi2_validation() < found.before.chi2_validation()
     {
         let simple = simplified(case, simple, heed);
@@ -405,22 +405,22 @@ fn is_curve(case: &Case<'_>, level: &Level) -> bool {
 
 /// One simple effect in place of what a level has: where that has led, the parameters of the model are
 /// near the true ones, and the scores tell more than at the first attempt.
-fn single(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Result<Option<Level>, Nothing> {
+fn single(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
     if !heed(0, from.train.total()) {
-        return Ok(None);
+        return None;
     }
     let here = &mut |p: &mut Problem<'_>| {
         let x = p.start();
         let normal = p.normal(&x).ok()?;
         Some(Fit { x, normal, iterations: 0, converged: true, beyond: None })
     };
-    let Ok(start) = level(case, Vec::new(), bare_plan(case, from), here) else { return Ok(None) };
-    let ranking = rank(case, &start)?;
+    let start = level(case, Vec::new(), bare_plan(case, from), here).ok()?;
+    let ranking = rank(case, &start);
     let simple: Vec<Scored> =
         ranking.into_iter().filter(|s| case.effects[s.effect].amplitudes.len() < CURVE).collect();
     let levels = tried(case, &start, &promising(&start, &simple), 0, heed);
     let enough = |l: &Level| l.bic() < from.bic() + EVIDENCE;
-    Ok(levels.into_iter().find(enough))
+    levels.into_iter().find(enough)
 }
 
 /// The model as it was, fitted from where a level with effects stands.

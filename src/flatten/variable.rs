@@ -61,6 +61,30 @@ fn own_path(cx: &Context<'_>, id: InstanceId, around: &str) -> String {
     }
 }
 
+/// The variable that holds a delayed expression.
+pub fn delayed(flat: &mut FlatModel, number: usize, span: Span) -> VarId {
+    let nothing = Name::from("");
+    flat.variables.push(Variable {
+        name: format!("$delay{number}"),
+        ty: Type::Real,
+        variability: Variability::Continuous,
+        causality: None,
+        binding: None,
+        start: None,
+        fixed: None,
+        min: None,
+        max: None,
+        nominal: None,
+        unit: nothing,
+        display_unit: nothing,
+        state_select: StateSelect::Default,
+        description: None,
+        protected: true,
+        structural: false,
+        span,
+    })
+}
+
 /// A variable without attributes; `nothing` is the empty name.
 fn bare(
     cx: &Context<'_>,

@@ -53,6 +53,8 @@ pub struct Dae {
     pub eliminated: Vec<(VarId, ExprId)>,
     /// Run-time functions.
     pub functions: IndexVec<FunctionId, Function>,
+    /// Delayed expressions: the variable that is delayed, and by how much, s.
+    pub delays: Vec<(VarId, ExprId)>,
     /// Defaults of the run.
     pub experiment: Experiment,
 }

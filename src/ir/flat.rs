@@ -39,6 +39,8 @@ pub struct FlatModel {
     pub experiment: Experiment,
     /// Inputs without a value that recordings give one, moving with time.
     pub recorded: Vec<VarId>,
+    /// Delayed expressions.
+    pub delays: Vec<Delay>,
 }
 
 /// Defaults of a run from `annotation(experiment(...))`.
@@ -184,6 +186,17 @@ pub struct Assert {
     pub warning: bool,
 }
 
+/// `delay(variable, time)`, read as what is recorded of the variable.
+#[derive(Clone, Copy, Debug)]
+pub struct Delay {
+    /// What is delayed; made by `flatten` for this purpose.
+    pub variable: VarId,
+    /// By how much, s: a parameter expression.
+    pub time: ExprId,
+    /// Place of the call.
+    pub span: Span,
+}
+
 /// A function that is called at run time: loops whose length is known only then.
 #[derive(Clone, Debug)]
 pub struct Function {
@@ -237,6 +250,7 @@ impl FlatModel {
             functions: IndexVec::new(),
             experiment: Experiment::default(),
             recorded: Vec::new(),
+            delays: Vec::new(),
         }
     }
 

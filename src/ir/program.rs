@@ -334,8 +334,23 @@ pub struct Layout {
     pub parameter_inputs: Vec<(VarId, Slot)>,
     /// What recordings say about inputs: input, order of the derivative, cell.
     pub recorded: Vec<(VarId, u32, Slot)>,
+    /// Delayed variables. What they were stands in the cells of what is recorded of them.
+    pub delays: Vec<DelayCells>,
     /// Starts that a run may set: variable, input cell (NaN: not given), cell of the start value.
     pub starts: Vec<(VarId, Slot, Slot)>,
+}
+
+/// A delayed variable.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct DelayCells {
+    /// The variable.
+    pub variable: VarId,
+    /// Its cell.
+    pub source: Slot,
+    /// Cell of the delay, s.
+    pub delay: Slot,
+    /// It moves between events.
+    pub moves: bool,
 }
 
 /// A compiled model.

@@ -110,6 +110,13 @@ pub fn equality_of_reals(op: &str, origin: &Origin) -> Diagnostic {
 
 // MO0310 is reserved: it was said of functions with jumps before they made events.
 
+/// MO0317: a delay that changes while the model runs.
+pub fn varying_delay(origin: &Origin) -> Diagnostic {
+    Diagnostic::error("MO0317", origin.span, "not supported yet: a delay that changes")
+        .label("depends on variables")
+        .help("delay by a parameter")
+}
+
 /// MO0311: `sample` with arguments that vary.
 pub fn varying_sample(origin: &Origin) -> Diagnostic {
     Diagnostic::error(

@@ -13,6 +13,7 @@ pub mod initial;
 pub mod jump;
 pub mod parameter;
 pub mod representative;
+pub mod semilinear;
 pub mod variability;
 pub mod when;
 
@@ -25,7 +26,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::ir::dae::{self, Dae, DiscreteEquation, Kind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
-use crate::ir::flat::{FlatModel, Origin, Variability};
+use crate::ir::flat::{Delay, FlatModel, Origin, Variability};
 use event::{Mode, Rewriting};
 
 /// Lowers a flat model. Whatever is wrong with the model is added to `problems`; without errors
@@ -34,11 +35,12 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let errors_before = problems.error_count();
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
-    let (classes, equal) = alias::search(&mut flat.graph, &variables, sections.equal);
+    let (classes, mut equal) = alias::search(&mut flat.graph, &variables, sections.equal);
     let replacement =
         representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
 
     let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
+    semilinear::join(&mut equal, &mut rewriting);
     let by_when = when::assigned(&sections.whens, &rewriting);
     let (equations, mut discrete) = split(equal, &by_when, &mut rewriting);
     let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);
@@ -50,6 +52,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     rewriting.attributes();
     let eliminated = rewriting.eliminated();
     let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);
+    let delays = delays(&flat.delays, &mut rewriting);
     discrete.list.append(&mut rewriting.jumps);
     classify::one_equation_each(&discrete.list, &mut rewriting);
     let events = rewriting.finish();
@@ -69,8 +72,25 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
         terminates: actions.terminates,
         eliminated,
         functions: flat.functions,
+        delays,
         experiment: flat.experiment,
     })
+}
+
+/// What is delayed, hidden from the user, and by how much.
+fn delays(flat: &[Delay], r: &mut Rewriting<'_>) -> Vec<(VarId, ExprId)> {
+    let mut list = Vec::with_capacity(flat.len());
+    for delay in flat {
+        let origin = Origin { span: delay.span, component: "".into() };
+        let time = r.apply(delay.time, Mode::Literal, &origin);
+        if r.variability(time) > Variability::Parameter {
+            r.problems.push(error::varying_delay(&origin));
+            continue;
+        }
+        r.variables[delay.variable].hidden = true;
+        list.push((delay.variable, r.graph.as_real(time)));
+    }
+    list
 }
 
 /// An equation `lhs = rhs` on its way.

@@ -26,6 +26,8 @@ use super::selection::{LIMIT, Selection};
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
 use super::system::{Model, of_domain};
+use crate::codegen::interp::Fault;
+use crate::integrate::system::System;
 
 /// Tolerances are not sharpened beyond this.
 const SHARPEST: f64 = 1e-12;
@@ -35,6 +37,18 @@ const NUDGE: f64 = 8.0;
 
 /// Longest step in intervals between two values of a recording that drives the model.
 const UNSEEN: f64 = 4.0;
+
+/// How far beyond the end of a branch another one is looked for first, as a part of the run.
+const FIRST_LEAP: f64 = 1e-12;
+
+/// How often that distance grows tenfold.
+const LEAPS: i32 = 7;
+
+/// Points of each step that the history of a delayed expression keeps.
+const POINTS: u32 = 5;
+
+/// How often the start is computed until what is delayed begins as it is.
+const FIRST_LOOKS: usize = 5;
 
 /// What a run cost.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -110,6 +124,11 @@ pub fn simulate_with_sensitivities(
         return Err(Failure::settings(
             "a run can be differentiated in the reduced mode only: this program leaves algebraic loops to the integrator"
                 .to_owned(),
+        ));
+    }
+    if !program.layout.delays.is_empty() {
+        return Err(Failure::settings(
+            "a run with `delay` can not be differentiated yet".to_owned(),
         ));
     }
     let Some(settings) = with_inputs(program, settings, inputs) else {
@@ -197,7 +216,13 @@ impl<'p, 's> Simulation<'p, 's> {
         if let Some(s) = &mut sensitivity {
             s.attach(&mut model.instance);
         }
-        let begun = initialise(&mut model.instance, settings);
+        let mut begun = initialise(&mut model.instance, settings);
+        for _ in 0..FIRST_LOOKS {
+            if model.instance.delayed.is_empty() || begun.is_err() || !first_values(&mut model, t) {
+                break;
+            }
+            begun = initialise(&mut model.instance, settings);
+        }
         if let Some(s) = &mut sensitivity {
             s.detach(&mut model.instance);
             s.stand(program, t);
@@ -256,7 +281,9 @@ impl<'p, 's> Simulation<'p, 's> {
                 break;
             }
             let instant = self.clocks.next_instant(&self.model.instance, self.t);
-            let corner = self.model.instance.played.next_corner();
+            let instance = &self.model.instance;
+            let delayed = instance.delayed.next_corner(&instance.memory);
+            let corner = instance.played.next_corner().min(delayed);
             let t_stop = instant.min(corner).min(self.stop);
             let mut reached = self.step(t_stop)?;
             let mut switched = self.first_switch()?;
@@ -279,6 +306,9 @@ impl<'p, 's> Simulation<'p, 's> {
                 None if self.end_of_sliding()?.is_some() => {}
                 None => {
                     let t = self.stepper.t();
+                    if self.model.instance.delayed.moves() {
+                        self.note_delayed(t, false)?;
+                    }
                     self.search.heed(&self.model.instance);
                     self.check_assertions_of_step()?;
                     self.vary()?;
@@ -295,8 +325,41 @@ impl<'p, 's> Simulation<'p, 's> {
         if self.program.reads_terminal && ends_by_itself { self.finish() } else { Ok(()) }
     }
 
+    /// Adds to the histories of delayed expressions: what they are now, or the course of the last step
+    /// up to `end`.
+    fn note_delayed(&mut self, end: f64, now: bool) -> Result<(), Failure> {
+        if self.model.instance.delayed.is_empty() {
+            return Ok(());
+        }
+        let note = |model: &mut Model<'_>, t: f64| {
+            let instance = &mut model.instance;
+            instance.delayed.note(t, &instance.memory);
+        };
+        if now {
+            let evaluated = self.model.evaluate_all(end, &self.y);
+            evaluated.map_err(|f| of_fault(&self.model.instance, f, end))?;
+            note(&mut self.model, end);
+            return Ok(());
+        }
+        let begin = self.t.max(self.stepper.t_previous());
+        // What rests between events has a course of two points.
+        let points = if self.model.instance.delayed.moves() { POINTS } else { 1 };
+        for k in 1..=points {
+            let part = f64::from(k) / f64::from(points);
+            let t = if k == points { end } else { begin + part * (end - begin) };
+            self.go_to(t)?;
+            note(&mut self.model, t);
+        }
+        Ok(())
+    }
+
     /// Goes on past a corner of what recordings say about inputs. Only what jumps there is an event.
     fn corner(&mut self, t: f64) -> Result<(), Failure> {
+        let instance = &self.model.instance;
+        if instance.delayed.next_corner(&instance.memory) <= t {
+            return self.event(t, Cause::Time);
+        }
+        self.note_delayed(t, false)?;
         self.search.heed(&self.model.instance);
         self.check_assertions_of_step()?;
         self.vary()?;
@@ -344,12 +407,55 @@ impl<'p, 's> Simulation<'p, 's> {
     /// One accepted step; true if it ends at `t_stop`.
     fn step(&mut self, t_stop: f64) -> Result<bool, Failure> {
         self.model.beyond = false;
-        let outcome = self.stepper.step(&mut self.model, t_stop);
+        self.model.instance.leaps = false;
+        let mut outcome = self.stepper.step(&mut self.model, t_stop);
+        if outcome.is_err() && self.lost_a_branch() {
+            outcome = self.leap(t_stop).unwrap_or(outcome);
+        }
+        self.model.instance.leaps = true;
         let step =
             outcome.map_err(|e| of_integration(&self.model.instance, e, self.stepper.t()))?;
         // What a shorter step could avoid is no failure.
         self.model.instance.fault = None;
         Ok(matches!(step, Step::Reached { .. }))
+    }
+
+    /// True if a loop had no solution near the last one.
+    fn lost_a_branch(&self) -> bool {
+        matches!(
+            self.model.instance.fault,
+            Some(Fault::Diverged { .. } | Fault::Singular { .. } | Fault::NotFinite { .. })
+        )
+    }
+
+    /// A step that begins on another branch of an algebraic loop, just beyond the end of the one that the
+    /// solution was on; `None` if there is none.
+    fn leap(&mut self, t_stop: f64) -> Option<Result<Step, crate::integrate::outcome::Failure>> {
+        let (t, y) = (self.stepper.t(), self.stepper.y().to_vec());
+        for k in 0..LEAPS {
+            let beyond = t + (self.stop - self.start) * FIRST_LEAP * 10.0_f64.powi(k);
+            if beyond >= t_stop {
+                return None;
+            }
+            self.model.instance.leaps = true;
+            let mut slope = vec![0.0; y.len()];
+            let found = self.model.rhs(beyond, &y, &mut slope).is_ok();
+            self.model.instance.leaps = false;
+            self.model.instance.fault = None;
+            if !found {
+                continue;
+            }
+            let jacobian = JacobianMemory::Forget;
+            if self.stepper.restart(&mut self.model, beyond, &y, jacobian).is_err() {
+                continue;
+            }
+            let step = self.stepper.step(&mut self.model, t_stop);
+            if step.is_ok() {
+                self.t = beyond;
+                return Some(step);
+            }
+        }
+        None
     }
 
     pub(super) fn restart(&mut self) -> Result<(), Failure> {
@@ -360,6 +466,7 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Everything that happens at one instant of the last step.
     fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
         self.vary()?;
+        self.note_delayed(t, false)?;
         self.record_grid(t, false)?;
         // Whatever happens, both sides are looked at anew.
         if let Some(mut sliding) = self.model.sliding.take() {
@@ -378,6 +485,10 @@ impl<'p, 's> Simulation<'p, 's> {
             triggers.extend(self.search.switched(&self.model.instance));
             let derivatives = self.arrive(t, cause);
             ticked |= self.clocks.raise(&mut self.model.instance, t);
+            let instance = &mut self.model.instance;
+            if instance.delayed.pass(t, &instance.memory) {
+                instance.delayed.place(t, &mut instance.memory);
+            }
             let before = self.model.instance.memory.clone();
             let settled = self.settle();
             if let Some(s) = &mut self.sensitivity {
@@ -420,6 +531,7 @@ impl<'p, 's> Simulation<'p, 's> {
             self.go_to(t)?;
             self.depart(t)?;
         }
+        self.note_delayed(t, true)?;
         if !echoes {
             self.echo.remember(t, &flipped);
             self.announce(t, cause, ticked, &flipped, settled);
@@ -629,6 +741,18 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 }
 
+/// Begins the histories of delayed expressions; true if what they begin with has changed.
+fn first_values(model: &mut Model<'_>, t: f64) -> bool {
+    let mut y = vec![0.0; model.instance.program.order().max(1)];
+    let n = model.instance.program.order();
+    y[..n].copy_from_slice(model.instance.states());
+    if model.evaluate_all(t, &y).is_err() {
+        return false;
+    }
+    let instance = &mut model.instance;
+    instance.delayed.begin(t, &instance.memory)
+}
+
 fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let program = model.instance.program;
     let nominals = program.layout.nominals.iter().map(|slot| {
@@ -642,7 +766,9 @@ fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
     let mut options = Options::with_nominals(tolerance, &nominals);
     // What is shorter than a step may not be seen.
-    options.max_step = UNSEEN * model.instance.played.spacing();
+    let instance = &model.instance;
+    options.max_step = UNSEEN * instance.played.spacing();
+    options.max_step = options.max_step.min(instance.delayed.shortest(&instance.memory));
     if program.order() == 0 && settings.stop > settings.start {
         // Nothing limits the error of a resting state, but events must not be stepped over.
         options.max_step = options.max_step.min(settings.spacing.unwrap_or(settings.interval));

@@ -62,8 +62,13 @@ impl Printer<'_> {
             Node::Const(c) => self.literal(c, out),
             Node::Time => out.push_str("time"),
             Node::Recorded(v, order) => {
-                let name = if order == 0 { "recorded" } else { "recorded_rate" };
-                call(out, name, |out| out.push_str(&names(v)));
+                let of = names(v);
+                let name = match (of.starts_with("$delay"), order) {
+                    (true, _) => "delayed",
+                    (false, 0) => "recorded",
+                    _ => "recorded_rate",
+                };
+                call(out, name, |out| out.push_str(&of));
             }
             Node::Var(v) => out.push_str(&names(v)),
             Node::Der(v) => call(out, "der", |out| out.push_str(&names(v))),

@@ -167,13 +167,22 @@ fn refused(file: &str, old: &str, new: &str) -> String {
 fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
     let cases = [
         ("a column is missing", refused("1.csv", "t,s", "t,x")),
-        ("a unit that is not known", refused("plan.toml", "unit = \"m\", sigma", "unit = \"mn\", sigma")),
+        (
+            "a unit that is not known",
+            refused("plan.toml", "unit = \"m\", sigma", "unit = \"mn\", sigma"),
+        ),
         ("a variable that is not there", refused("plan.toml", "mass.s", "mass.x")),
         ("a parameter that is not there", refused("plan.toml", "c = {}", "cc = {}")),
         ("no noise", refused("plan.toml", "sigma = 5e-4", "sigma = 0")),
         ("time runs backwards", refused("plan.toml", "column = \"t\"", "column = \"s\"")),
-        ("the model is wrong", refused("swing.mo", "connect(spring.flange_b", "connect(spring.flange_c")),
-        ("the start can not be simulated", refused("swing.mo", "equation", "equation\n  assert(mass.s > 0, \"too far\");")),
+        (
+            "the model is wrong",
+            refused("swing.mo", "connect(spring.flange_b", "connect(spring.flange_c"),
+        ),
+        (
+            "the start can not be simulated",
+            refused("swing.mo", "equation", "equation\n  assert(mass.s > 0, \"too far\");"),
+        ),
     ];
     let said: Vec<String> = cases.iter().map(|(what, said)| format!("## {what}\n{said}")).collect();
     insta::assert_snapshot!(said.join("\n"));
@@ -184,16 +193,20 @@ fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
 #[test]
 fn recordings_are_repaired_and_idle_parameters_borne() {
     let scratch = Scratch::new();
-    let model = MODEL.replace("  Translational.Mass ", "  parameter Real idle = 1;\n  Translational.Mass ");
+    let model =
+        MODEL.replace("  Translational.Mass ", "  parameter Real idle = 1;\n  Translational.Mass ");
     scratch.file("swing.mo", &model);
     scratch.file("plan.toml", &PLAN.replace("d = {}", "d = {}\nidle = {}"));
     let mut table = "file,split,s_0\n".to_owned();
-    for (k, (s_0, split)) in [(0.1, "train"), (-0.08, "train"), (0.09, "validation")].iter().enumerate() {
+    for (k, (s_0, split)) in
+        [(0.1, "train"), (-0.08, "train"), (0.09, "validation")].iter().enumerate()
+    {
         let text = recording(*s_0, 29 + k as u64, |_, v| -0.9 * v.abs() * v);
         let mut lines: Vec<&str> = text.lines().collect();
         lines.drain(200..230);
         lines.swap(50, 51);
-        let text = lines.join("\n").replacen(lines[20].split(',').nth(1).expect("a value"), "NaN", 1);
+        let text =
+            lines.join("\n").replacen(lines[20].split(',').nth(1).expect("a value"), "NaN", 1);
         scratch.file(&format!("{k}.csv"), &text);
         writeln!(table, "{k}.csv,{split},{s_0}").expect("a String");
     }

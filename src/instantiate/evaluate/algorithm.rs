@@ -39,7 +39,10 @@ impl Context<'_> {
     fn run_statement(&mut self, s: &Statement, scope: Scope) -> Option<Flow> {
         match &s.kind {
             StatementKind::Assign(target, value) => {
-                let value = self.evaluate(value, scope)?;
+                let value = match self.evaluate(value, scope)? {
+                    Value::Tuple(all) if !all.is_empty() => all[0].clone(),
+                    value => value,
+                };
                 self.assign(target, value, scope)?;
             }
             StatementKind::AssignTuple(targets, call) => {
@@ -86,23 +89,10 @@ impl Context<'_> {
     }
 
     fn run_call(&mut self, call: &Expr, scope: Scope) -> Option<()> {
-        if let ExprKind::Call { function, args, .. } = &call.kind
+        if let ExprKind::Call { function, args, named } = &call.kind
             && function.simple().is_some_and(|n| n == "assert")
         {
-            let condition = self.evaluate_scalar(args.first()?, scope)?;
-            if self.graph.as_const(condition) == Some(Const::Boolean(false)) {
-                let text = args
-                    .get(1)
-                    .and_then(|m| self.evaluate_scalar(m, scope))
-                    .and_then(|m| self.graph.as_const(m));
-                let text = match text {
-                    Some(Const::String(t)) => t.to_string(),
-                    _ => "assertion failed".to_string(),
-                };
-                self.error("MO0223", call.span, text);
-                return None;
-            }
-            return Some(());
+            return self.run_assert(args, named, call.span, scope);
         }
         self.evaluate(call, scope).map(|_| ())
     }
@@ -125,16 +115,16 @@ impl Context<'_> {
             _ => {}
         }
         let before = self.snapshot();
-        let first = self.run_statements(body, scope)?;
+        let first = self.under(c, |cx| cx.run_statements(body, scope))?;
         let after_first = self.snapshot();
         self.restore(&before);
-        let second = self.run_if(rest, otherwise, scope, span)?;
+        let not_c = self.graph.not(c);
+        let second = self.under(not_c, |cx| cx.run_if(rest, otherwise, scope, span))?;
         self.merge(c, &after_first, span)?;
         if first == second {
             return Some(first);
         }
         // One branch leaves: what follows counts only where it was not taken.
-        let not_c = self.graph.not(c);
         for (flow, taken) in [(first, c), (second, not_c)] {
             let left = match flow {
                 Flow::Next => continue,
@@ -238,8 +228,8 @@ impl Context<'_> {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
                 Some(Const::Boolean(true)) => {}
                 _ => {
-                    self.unsupported(condition.span, "loops whose length only a run knows");
-                    return None;
+                    self.repeat(condition, body, scope, condition.span)?;
+                    return Some(Flow::Next);
                 }
             }
             match self.run_statements(body, scope)? {
@@ -278,14 +268,15 @@ impl Context<'_> {
         }
         let selection = self.select(target, scope)?;
         let variables = self.selected_variables(&selection, target.span)?;
-        if value.elements().len() != variables.len() {
-            let message =
-                format!("{} values are assigned to {}", value.elements().len(), variables.len());
+        // Records are taken apart in the order of their fields, as the variables are.
+        let mut scalars = Vec::with_capacity(variables.len());
+        value.for_each_scalar(&mut |e| scalars.push(e));
+        if scalars.len() != variables.len() {
+            let message = format!("{} values are assigned to {}", scalars.len(), variables.len());
             self.error("MO0215", target.span, message);
             return None;
         }
-        for (v, e) in variables.into_iter().zip(value.elements()) {
-            let e = e.scalar()?;
+        for (v, e) in variables.into_iter().zip(scalars) {
             self.evaluation.assigned.insert(v, e);
         }
         Some(())

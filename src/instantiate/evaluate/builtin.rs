@@ -88,6 +88,17 @@ const OTHERS: [&str; 40] = [
     "time",
 ];
 
+/// An expression that is delayed.
+#[derive(Clone, Copy, Debug)]
+pub struct Delaying {
+    /// What is delayed.
+    pub value: ExprId,
+    /// By how much, s.
+    pub time: ExprId,
+    /// Place of the call.
+    pub span: Span,
+}
+
 impl Context<'_> {
     /// A call in an expression.
     pub(crate) fn call(
@@ -178,10 +189,7 @@ impl Context<'_> {
             "smooth" => self.smooth_call(args, span, scope),
             "homotopy" => self.homotopy_call(args, named, span, scope),
             "semiLinear" => self.semi_linear(args, span, scope),
-            "delay" => {
-                self.unsupported(span, "`delay`");
-                None
-            }
+            "delay" => self.delay(args, span, scope),
             "cardinality" => self.cardinality(args, span, scope),
             "String" => self.string_call(args, named, span, scope),
             "min" | "max" => self.min_max(name.as_str(), args, span, scope),
@@ -349,6 +357,38 @@ impl Context<'_> {
         let a = self.evaluate_scalar(actual, scope)?;
         let b = self.evaluate_scalar(simplified, scope)?;
         Some(Value::Scalar(self.graph.intern(Node::Homotopy(a, b), Type::Real)))
+    }
+
+    /// `delay(e, T)`: what `e` was a time `T` ago; a bound on `T` may follow, which is not needed here.
+    fn delay(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let ([e, time] | [e, time, _]) = args else {
+            self.wrong_arguments(span, "an expression and a time are");
+            return None;
+        };
+        let (value, time) = (self.evaluate(e, scope)?, self.evaluate_scalar(time, scope)?);
+        let known = self.parameter_expression(time, true).and_then(Const::number);
+        if known.is_some_and(|t| t < 0.0) {
+            self.error("MO0219", span, "a delay can not be negative");
+            return None;
+        }
+        if known == Some(0.0) || self.evaluation.folding || self.evaluation.shaping {
+            return Some(value);
+        }
+        value.map(|v| {
+            let value = v.scalar()?;
+            // What never changes was always so.
+            if self.variability(value) <= crate::ir::ast::Variability::Parameter {
+                return Some(Value::Scalar(value));
+            }
+            let delays = &mut self.evaluation.delays;
+            let at = delays.iter().position(|d| (d.value, d.time) == (value, time));
+            let k = at.unwrap_or_else(|| {
+                delays.push(Delaying { value, time, span });
+                delays.len() - 1
+            });
+            let v = VarId((self.evaluation.instance_of.len() + k) as u32);
+            Some(Value::Scalar(self.graph.intern(Node::Recorded(v, 0), Type::Real)))
+        })
     }
 
     /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.2.3).

@@ -8,9 +8,13 @@
 pub mod algorithm;
 pub mod builtin;
 pub mod deduce;
+pub mod external;
 pub mod function;
 pub mod operator;
+pub mod overload;
 pub mod reference;
+pub mod repeat;
+pub mod text;
 pub mod value;
 
 use std::rc::Rc;
@@ -59,6 +63,18 @@ pub struct State {
     pub(crate) shaping: bool,
     /// What each numbered flat variable is: for folding what stands in an expression.
     pub(crate) instance_of: Vec<(InstanceId, usize)>,
+    /// Tables, by the number that stands for each.
+    pub(crate) objects: Vec<external::Object>,
+    /// Conditions, known only when the model runs, under which what is being run counts.
+    pub(crate) path: Vec<ExprId>,
+    /// Delayed expressions: what is read of the k-th stands for the k-th variable after all others.
+    pub(crate) delays: Vec<builtin::Delaying>,
+    /// Functions made of loops whose length only a run knows.
+    pub(crate) functions: Vec<crate::ir::flat::Function>,
+    /// How many symbols such loops have.
+    pub(crate) symbols: u32,
+    /// Assertions of functions that only a run can decide.
+    pub(crate) asserts: Vec<external::Asserted>,
     /// In how many connections each connector is; known where equations are read.
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }
@@ -258,13 +274,14 @@ impl Context<'_> {
         // Met again before it has a value, it depends on itself.
         self.evaluation.folded.insert(id, None);
         let before = std::mem::replace(&mut self.evaluation.folding, true);
+        let shaping = std::mem::replace(&mut self.evaluation.shaping, false);
         let saved = self.enter_frame(false);
         let mut value = self.binding_value(id);
         if value.is_none() && self.binding(id).is_none() {
             value = self.start_or_children(id, span);
         }
         self.leave_frame(saved);
-        self.evaluation.folding = before;
+        (self.evaluation.folding, self.evaluation.shaping) = (before, shaping);
         self.evaluation.folded.insert(id, value.clone());
         self.evaluation.structural.push(id);
         value
@@ -301,9 +318,12 @@ impl Context<'_> {
     /// The value that the declaration or a modification binds to an instance: its own, or the field of
     /// the record around it that is bound as a whole.
     pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
-        if let Some(binding) = self.binding(id) {
-            let value =
-                self.cached(&binding.value, binding.scope, !binding.subscripts.is_empty(), id)?;
+        if let Some(binding) = self.binding(id).filter(|_| !self.outranked(id)) {
+            // A record is asked for by each of its fields.
+            let record = matches!(self.instances[id].kind, InstanceKind::Object(_));
+            let keep =
+                !binding.subscripts.is_empty() || (record && self.evaluation.assigned.is_empty());
+            let value = self.cached(&binding.value, binding.scope, keep, id)?;
             let dims = binding.subscripts.clone();
             if !binding.setting {
                 self.check_extent(id, &value, &dims, binding.value.span);
@@ -311,11 +331,44 @@ impl Context<'_> {
             return self.taken_apart(value, &dims, binding.setting, binding.value.span);
         }
         let parent = self.instances[id].parent?;
-        if !matches!(self.instances[parent].kind, InstanceKind::Object(_)) || !self.bound(parent) {
+        if !self.bound(parent) {
             return None;
         }
+        match self.instances[parent].kind {
+            InstanceKind::Object(_) => {
+                let name = self.instances[id].name;
+                self.binding_value(parent)?.field(name)
+            }
+            InstanceKind::Array { .. } => {
+                let subscripts = self.instances[id].subscripts.clone();
+                self.binding_value(parent)?.select(&subscripts)
+            }
+            _ => None,
+        }
+    }
+
+    /// True if the binding of a record around an instance comes from further out than its own: the
+    /// record as a whole takes the place of what its class says of its fields (section 7.2.4).
+    fn outranked(&self, id: InstanceId) -> bool {
+        let Some(parent) = self.instances[id].parent else { return false };
+        match self.instances[parent].kind {
+            InstanceKind::Object(_) => {}
+            // An element is what its array is.
+            InstanceKind::Array { .. } => return self.outranked(parent),
+            _ => return false,
+        }
         let name = self.instances[id].name;
-        self.binding_value(parent)?.field(name)
+        let mut own = Vec::new();
+        for layer in self.instances[parent].layers.iter() {
+            layer.child(name, &mut own);
+            if own.iter().any(|l| l.binding().is_some()) {
+                return false;
+            }
+            if layer.binding().is_some() {
+                return true;
+            }
+        }
+        self.outranked(parent)
     }
 
     /// True if the instance or a record around it has a binding.
@@ -324,8 +377,11 @@ impl Context<'_> {
             return true;
         }
         match self.instances[id].parent {
-            Some(p) if matches!(self.instances[p].kind, InstanceKind::Object(_)) => self.bound(p),
-            _ => false,
+            Some(p) => match self.instances[p].kind {
+                InstanceKind::Object(_) | InstanceKind::Array { .. } => self.bound(p),
+                _ => false,
+            },
+            None => false,
         }
     }
 
@@ -528,7 +584,7 @@ impl Context<'_> {
     }
 
     /// The value of an expression that reads parameters only; `reals` says whether Real ones count.
-    fn parameter_expression(&mut self, e: ExprId, reals: bool) -> Option<Const> {
+    pub(crate) fn parameter_expression(&mut self, e: ExprId, reals: bool) -> Option<Const> {
         if let Some(c) = self.graph.as_const(e) {
             return Some(c);
         }

@@ -38,6 +38,7 @@ impl Builder {
             terminates: Vec::new(),
             eliminated: Vec::new(),
             functions: IndexVec::new(),
+            delays: Vec::new(),
             experiment: Experiment::default(),
         };
         let blocks = Blocks {

@@ -1,5 +1,17 @@
 // status: 1
-// error[MO0200] 4:12
-model Stream
-  Real x = delay(time, 0.1);
-end Stream;
+// error[MO0200] 9:11
+model Turns
+  function first
+    input Real u;
+    output Integer k;
+  algorithm
+    k := 0;
+    while k < 10 loop
+      k := k + 1;
+      if k > u then
+        break;
+      end if;
+    end while;
+  end first;
+  Real x = first(time);
+end Turns;
