@@ -7,6 +7,7 @@ use super::connect::Connections;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::instantiate::Context;
+use crate::instantiate::evaluate::Pending;
 use crate::instantiate::evaluate::deduce::Body;
 use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
@@ -57,12 +58,20 @@ pub fn of_object(
             SectionKind::Equations(list) => expand_all(cx, list, scope, &mut target),
             SectionKind::Algorithm(list, span) => algorithm(cx, list, *span, scope, &mut target),
         }
+        for p in std::mem::take(&mut cx.evaluation.asserts) {
+            let Pending { condition, message, warning, span } = p;
+            target.push(EquationKind::Assert(Assert { condition, message, warning }), span);
+        }
     }
 }
 
 fn expand_all(cx: &mut Context<'_>, list: &[ast::Equation], scope: Scope, target: &mut Target<'_>) {
     for e in list {
+        let outside = std::mem::take(&mut cx.evaluation.lost_unit);
         expand(cx, e, scope, target);
+        if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
+            target.flat.lost_units.insert(e.span);
+        }
     }
 }
 
@@ -128,7 +137,7 @@ fn equal(
     target: &mut Target<'_>,
 ) -> Option<()> {
     if let ExprKind::Tuple(items) = &lhs.kind {
-        let Value::Tuple(values) = cx.evaluate(rhs, scope)? else {
+        let Value::Tuple(values) = cx.evaluate_outputs(rhs, scope)? else {
             cx.error("MO0219", rhs.span, "a function with several outputs is needed here");
             return None;
         };
@@ -150,15 +159,7 @@ fn equal(
         return Some(());
     }
     let (left, right) = (cx.evaluate(lhs, scope), cx.evaluate(rhs, scope));
-    equate(cx, &left?, &first_output(right?), span, target)
-}
-
-/// A function with several outputs stands for its first where one value is needed.
-pub(super) fn first_output(value: Value) -> Value {
-    match &value {
-        Value::Tuple(all) if !all.is_empty() => all[0].clone(),
-        _ => value,
-    }
+    equate(cx, &left?, &right?, span, target)
 }
 
 fn equate(
@@ -381,7 +382,7 @@ fn call_equation(
             cx.unsupported(call.span, "over-constrained connection graphs");
             None
         }
-        _ => cx.evaluate(call, scope).map(|_| ()),
+        _ => cx.evaluate_outputs(call, scope).map(|_| ()),
     }
 }
 
@@ -402,6 +403,11 @@ pub(super) fn assertion(
     };
     let c = cx.evaluate(condition, scope)?;
     let c = cx.truth(&c, condition.span)?;
+    if cx.graph.as_const(c) == Some(Const::Boolean(true)) {
+        // What would never be said is not even read.
+        let nothing = cx.graph.string("");
+        return Some(Assert { condition: c, message: nothing, warning: false });
+    }
     let text = cx.evaluate_scalar(message, scope)?;
     if cx.graph.ty(text) != Type::String {
         cx.error("MO0212", message.span, "the message must be a String");
@@ -426,6 +432,7 @@ fn algorithm(
     scope: Scope,
     target: &mut Target<'_>,
 ) {
+    cx.evaluation.lost_unit = false;
     cx.evaluation.assigned.clear();
     let plain: Vec<ast::Statement> =
         list.iter().filter(|s| !matches!(s.kind, StatementKind::When { .. })).cloned().collect();
@@ -443,8 +450,11 @@ fn algorithm(
             && let Some(branches) = super::when::statement_branches(cx, branches, scope)
         {
             target.push(EquationKind::When(branches), s.span);
+            target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(s.span));
         }
     }
+    target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(span));
+    cx.evaluation.lost_unit = false;
 }
 
 /// What assigned variables hold before the section: discrete ones their `pre` value, others their

@@ -3,13 +3,16 @@
 //! as often as is known here. (Chapter 11 of the specification.)
 
 use super::Context;
+use super::Pending;
 use super::deduce::Body;
 use super::value::{Record, Value};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::instantiate::evaluate::reference::Selection;
-use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind, Subscript};
+use crate::ir::ast::{
+    ComponentRef, Expr, ExprKind, Ident, RefPart, Statement, StatementKind, Subscript,
+};
 use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
 
@@ -43,7 +46,7 @@ impl Context<'_> {
                 self.assign(target, value, scope)?;
             }
             StatementKind::AssignTuple(targets, call) => {
-                let value = self.evaluate(call, scope)?;
+                let value = self.evaluate_outputs(call, scope)?;
                 let values: Vec<Value> = match &value {
                     Value::Tuple(t) => t.to_vec(),
                     other => vec![other.clone()],
@@ -74,10 +77,8 @@ impl Context<'_> {
             StatementKind::While { condition, body } => {
                 return self.run_while(condition, body, scope);
             }
-            StatementKind::When { .. } => {
-                self.unsupported(s.span, "`when` inside other statements");
-                return None;
-            }
+            // Where it may not stand was said when the class was read.
+            StatementKind::When { .. } => return None,
             StatementKind::Break => return Some(Flow::Break),
             StatementKind::Return => return Some(Flow::Return),
             StatementKind::Broken => return None,
@@ -86,25 +87,68 @@ impl Context<'_> {
     }
 
     fn run_call(&mut self, call: &Expr, scope: Scope) -> Option<()> {
-        if let ExprKind::Call { function, args, .. } = &call.kind
+        if let ExprKind::Call { function, args, named } = &call.kind
             && function.simple().is_some_and(|n| n == "assert")
         {
-            let condition = self.evaluate_scalar(args.first()?, scope)?;
-            if self.graph.as_const(condition) == Some(Const::Boolean(false)) {
-                let text = args
-                    .get(1)
-                    .and_then(|m| self.evaluate_scalar(m, scope))
-                    .and_then(|m| self.graph.as_const(m));
-                let text = match text {
-                    Some(Const::String(t)) => t.to_string(),
-                    _ => "assertion failed".to_string(),
-                };
-                self.error("MO0223", call.span, text);
-                return None;
-            }
+            return self.run_assert(args, named, call.span, scope);
+        }
+        self.evaluate_outputs(call, scope).map(|_| ())
+    }
+
+    /// `assert` in an algorithm: decided here if its condition is known, else kept for the run.
+    fn run_assert(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<()> {
+        let find = |k: usize, n: &str| {
+            args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
+        };
+        let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
+            self.error("MO0219", span, "`assert` takes a condition and a message");
+            return None;
+        };
+        let value = self.evaluate(condition, scope)?;
+        let mut holds = self.truth(&value, condition.span)?;
+        if self.evaluation.in_function {
+            holds = self.graph.no_event(holds);
+        }
+        let passed = self.evaluation.broken.into_iter().chain(self.evaluation.returned);
+        let mut off: Vec<ExprId> = passed.collect();
+        for k in 0..self.evaluation.path.len() {
+            let applies = self.evaluation.path[k];
+            off.push(self.graph.not(applies));
+        }
+        for e in off {
+            holds = self.graph.or(e, holds);
+        }
+        let known = self.graph.as_const(holds);
+        if known == Some(Const::Boolean(true)) || self.evaluation.shaping {
             return Some(());
         }
-        self.evaluate(call, scope).map(|_| ())
+        let warning = match find(2, "level") {
+            Some(level) => {
+                let level = self.fold(level, scope)?.scalar()?;
+                matches!(self.graph.as_const(level), Some(Const::Enumeration(_, 1)))
+            }
+            None => false,
+        };
+        let message = self.evaluate_scalar(message, scope)?;
+        if known == Some(Const::Boolean(false)) && !warning {
+            let text = match self.graph.as_const(message) {
+                Some(Const::String(t)) => t.to_string(),
+                _ => "assertion failed".to_string(),
+            };
+            self.error("MO0223", span, text);
+            return None;
+        }
+        let pending = Pending { condition: holds, message, warning, span };
+        if !self.evaluation.folding && !self.evaluation.asserts.contains(&pending) {
+            self.evaluation.asserts.push(pending);
+        }
+        Some(())
     }
 
     fn run_if(
@@ -125,16 +169,16 @@ impl Context<'_> {
             _ => {}
         }
         let before = self.snapshot();
-        let first = self.run_statements(body, scope)?;
+        let first = self.under(c, |cx| cx.run_statements(body, scope))?;
         let after_first = self.snapshot();
         self.restore(&before);
-        let second = self.run_if(rest, otherwise, scope, span)?;
+        let not_c = self.graph.not(c);
+        let second = self.under(not_c, |cx| cx.run_if(rest, otherwise, scope, span))?;
         self.merge(c, &after_first, span)?;
         if first == second {
             return Some(first);
         }
         // One branch leaves: what follows counts only where it was not taken.
-        let not_c = self.graph.not(c);
         for (flow, taken) in [(first, c), (second, not_c)] {
             let left = match flow {
                 Flow::Next => continue,
@@ -213,7 +257,7 @@ impl Context<'_> {
         };
         let outer = self.evaluation.broken.take();
         let mut end = Flow::Next;
-        for value in self.fold_range(first, scope)? {
+        for value in self.values_of(first, scope)? {
             self.evaluation.locals.push((first.name.name, value));
             let flow = self.run_for(rest, body, scope);
             self.evaluation.locals.pop();
@@ -228,6 +272,24 @@ impl Context<'_> {
         }
         self.evaluation.broken = outer;
         Some(end)
+    }
+
+    /// What a loop runs over: how often is known here, the values need not be.
+    fn values_of(
+        &mut self,
+        iterator: &crate::ir::ast::Iterator,
+        scope: Scope,
+    ) -> Option<Vec<Value>> {
+        if let Some(range) = &iterator.range
+            && let ExprKind::Ref(_) | ExprKind::Array(_) = &range.kind
+            && !self.evaluation.folding
+            && !matches!(&range.kind, ExprKind::Ref(r) if self.type_size(r, scope).is_some())
+            && let Value::Array(a) = self.evaluate(range, scope)?
+            && a.dims.len() == 1
+        {
+            return Some(a.elements.clone());
+        }
+        self.fold_range(iterator, scope)
     }
 
     fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {

@@ -8,7 +8,7 @@ use super::{Context, MAX_DEPTH};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::ir::ast::{Causality, ClassKind, Ident};
+use crate::ir::ast::{Causality, ClassKind, Ident, Variability};
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
 
@@ -53,12 +53,15 @@ impl Context<'_> {
         named: Vec<(Ident, Value)>,
         span: Span,
     ) -> Option<Value> {
+        self.check_function(class);
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
-        let inputs: Vec<&(Entry, Declaration)> = components
-            .iter()
-            .filter(|(_, d)| d.clause().prefix.causality == Some(Causality::Input))
-            .collect();
+        let mut inputs: Vec<&(Entry, Declaration)> = Vec::new();
+        for c in &components {
+            if self.causality(&c.0, &c.1) == Some(Causality::Input) {
+                inputs.push(c);
+            }
+        }
         let mut given = self.matched(full_name, &inputs, args, named, span)?;
         if let Some(result) = self.vectorised(class, &inputs, &given, span) {
             return result;
@@ -183,6 +186,21 @@ impl Context<'_> {
         declaration.component().dims.len() + clause.type_dims.len() + inner
     }
 
+    /// `input` or `output`, as declared or by the type.
+    pub(crate) fn causality(&mut self, entry: &Entry, d: &Declaration) -> Option<Causality> {
+        let clause = d.clause();
+        let fixed = clause.prefix.variability.is_some();
+        if clause.prefix.causality.is_some() || entry.protected || fixed {
+            return clause.prefix.causality;
+        }
+        let scope = self.declaration_scope(entry);
+        let class = self.find_class(&clause.type_name, scope)?;
+        if self.table_in_progress(class) {
+            return None;
+        }
+        self.table(class).prefix.causality
+    }
+
     fn declaration_scope(&self, entry: &Entry) -> Scope {
         Scope { instance: self.classes[entry.class].holder, class: entry.class }
     }
@@ -198,7 +216,7 @@ impl Context<'_> {
         let mut next = 0;
         for (entry, declaration) in components {
             let name = entry.name.name;
-            let causality = declaration.clause().prefix.causality;
+            let causality = self.causality(entry, declaration);
             let argument = if causality == Some(Causality::Input) {
                 next += 1;
                 given[next - 1].take()
@@ -265,7 +283,7 @@ impl Context<'_> {
     fn local_start(&mut self, entry: &Entry, declaration: &Declaration) -> Option<Value> {
         let scope = self.declaration_scope(entry);
         let component = declaration.component();
-        let input = declaration.clause().prefix.causality == Some(Causality::Input);
+        let input = self.causality(entry, declaration) == Some(Causality::Input);
         let binding = component.modification.as_ref().and_then(|m| m.binding.clone());
         if let Some(binding) = binding {
             let value = self.evaluate(&binding, scope)?;
@@ -288,6 +306,7 @@ impl Context<'_> {
                 crate::ir::ast::Subscript::Colon(_) => dims.push(0),
             }
         }
+        self.check_count(&dims, component.name.span)?;
         let class = self.class_or_report(&declaration.clause().type_name, scope)?;
         let zero = self.zero_of_class(class, component.name.span)?;
         let n: usize = dims.iter().product();
@@ -330,12 +349,24 @@ impl Context<'_> {
     ) -> Option<Value> {
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
-        let fields: Vec<&(Entry, Declaration)> = components.iter().collect();
-        let given = self.matched(full_name, &fields, args, named, span)?;
+        let fields: Vec<&(Entry, Declaration)> =
+            components.iter().filter(|(_, d)| !is_settled(d)).collect();
+        let mut given = self.matched(full_name, &fields, args, named, span)?.into_iter();
+        let given: Vec<Option<Value>> = components
+            .iter()
+            .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
+            .collect();
         let saved = self.enter_frame(true);
-        let mut built = Vec::with_capacity(components.len());
-        for ((entry, declaration), value) in components.iter().zip(given) {
-            let value = match value {
+        let mut built: Vec<Option<(Name, Value)>> = vec![None; components.len()];
+        // Values that are given first, then constants, which nothing else decides.
+        let constant =
+            |k: &usize| components[*k].1.clause().prefix.variability == Some(Variability::Constant);
+        let mut order: Vec<usize> = (0..components.len()).collect();
+        order.sort_by_key(|k| (given[*k].is_none(), !constant(k)));
+        let mut given = given;
+        for k in order {
+            let (entry, declaration) = &components[k];
+            let value = match given[k].take() {
                 Some(v) => Some(v),
                 None => self.local_start(entry, declaration),
             };
@@ -346,9 +377,17 @@ impl Context<'_> {
                 return None;
             };
             self.evaluation.locals.push((entry.name.name, value.clone()));
-            built.push((entry.name.name, value));
+            built[k] = Some((entry.name.name, value));
         }
         self.leave_frame(saved);
+        let built = built.into_iter().flatten().collect();
         Some(Value::Record(Rc::new(Record { class: Some(class), fields: built })))
     }
+}
+
+/// Constants and final fields that have a value are no inputs of the constructor (section 12.6).
+fn is_settled(declaration: &Declaration) -> bool {
+    let constant = declaration.clause().prefix.variability == Some(Variability::Constant);
+    let bound = declaration.component().modification.as_ref().is_some_and(|m| m.binding.is_some());
+    (constant || declaration.element.is_final) && bound
 }

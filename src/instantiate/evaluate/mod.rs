@@ -11,6 +11,7 @@ pub mod deduce;
 pub mod function;
 pub mod operator;
 pub mod reference;
+mod text;
 pub mod value;
 
 use std::rc::Rc;
@@ -25,6 +26,8 @@ use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 use value::Value;
 
+/// Elements of the largest array.
+const MAX_ELEMENTS: usize = 10_000_000;
 /// How many calls of functions may be open at once.
 const MAX_DEPTH: usize = 200;
 
@@ -55,6 +58,18 @@ pub struct State {
     pub(crate) broken: Option<ExprId>,
     /// See `broken`.
     pub(crate) returned: Option<ExprId>,
+    /// A value is read: what is conditional may not be.
+    pub(crate) reading: bool,
+    /// The constant whose value is being found.
+    pub(crate) constant: Option<InstanceId>,
+    /// Conditions under which the statement or expression being read counts.
+    pub(crate) path: Vec<ExprId>,
+    /// Assertions of algorithms and functions, to be added to the model.
+    pub(crate) asserts: Vec<Pending>,
+    /// A constant with a unit stands as a number in what is being read.
+    pub(crate) lost_unit: bool,
+    /// Whether constants have units.
+    pub(crate) has_unit: FastMap<InstanceId, bool>,
     /// Only sizes are wanted: what has no value yet counts as zero.
     pub(crate) shaping: bool,
     /// What each numbered flat variable is: for folding what stands in an expression.
@@ -63,9 +78,32 @@ pub struct State {
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }
 
+/// An assertion met in an algorithm.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Pending {
+    /// What must be true.
+    pub(crate) condition: ExprId,
+    /// What is said if it is not.
+    pub(crate) message: ExprId,
+    /// `AssertionLevel.warning`.
+    pub(crate) warning: bool,
+    /// Where it stands.
+    pub(crate) span: Span,
+}
+
 impl Context<'_> {
-    /// The value of an expression; `None` after an error.
+    /// The value of an expression; of a function with several outputs the first. `None` after an error.
     pub fn evaluate(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
+        match self.evaluate_outputs(e, scope)? {
+            Value::Tuple(all) if !all.is_empty() && !matches!(e.kind, ExprKind::Tuple(_)) => {
+                Some(all[0].clone())
+            }
+            value => Some(value),
+        }
+    }
+
+    /// As [`Context::evaluate`], with all outputs of a function.
+    pub fn evaluate_outputs(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
         match &e.kind {
             ExprKind::Real(x) => Some(Value::Scalar(self.graph.real(*x))),
             ExprKind::Integer(i) => Some(Value::Scalar(self.graph.integer(*i))),
@@ -198,7 +236,7 @@ impl Context<'_> {
         match value.scalar().and_then(|s| self.graph.as_const(s)) {
             Some(Const::Boolean(b)) => Some(b),
             _ => {
-                self.error("MO0212", e.span, "a Boolean is needed here");
+                self.report_no_truth(&value, e.span);
                 None
             }
         }
@@ -213,7 +251,10 @@ impl Context<'_> {
         }
         let value = self.fold(e, scope)?;
         match value.scalar().and_then(|s| self.graph.as_const(s)) {
-            Some(Const::Integer(n)) if n >= 0 => Some(n as usize),
+            Some(Const::Integer(n)) if n >= 0 => {
+                self.check_count(&[n as usize], e.span)?;
+                Some(n as usize)
+            }
             Some(Const::Integer(n)) => {
                 self.error("MO0207", e.span, format!("a size cannot be negative, and this is {n}"));
                 None
@@ -223,6 +264,21 @@ impl Context<'_> {
                 None
             }
         }
+    }
+
+    /// Reports sizes whose elements no memory would hold.
+    pub(crate) fn check_count(&mut self, dims: &[usize], span: Span) -> Option<()> {
+        let count = dims.iter().try_fold(1_usize, |n, d| n.checked_mul(*d));
+        if count.is_some_and(|n| n <= MAX_ELEMENTS) {
+            return Some(());
+        }
+        let shown: Vec<String> = dims.iter().map(usize::to_string).collect();
+        let message = format!("{} elements are too many for one array", shown.join(" times "));
+        self.problems.push(
+            Diagnostic::error("MO0207", span, message)
+                .help(format!("use no more than {MAX_ELEMENTS}, or several arrays")),
+        );
+        None
     }
 
     /// Whole numbers that must be known before the model runs, such as the values of an iterator.
@@ -258,6 +314,9 @@ impl Context<'_> {
         // Met again before it has a value, it depends on itself.
         self.evaluation.folded.insert(id, None);
         let before = std::mem::replace(&mut self.evaluation.folding, true);
+        let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
+        let constant = is_constant.then_some(id);
+        let constant = std::mem::replace(&mut self.evaluation.constant, constant);
         let saved = self.enter_frame(false);
         let mut value = self.binding_value(id);
         if value.is_none() && self.binding(id).is_none() {
@@ -265,6 +324,13 @@ impl Context<'_> {
         }
         self.leave_frame(saved);
         self.evaluation.folding = before;
+        self.evaluation.constant = constant;
+        if let InstanceKind::Variable { ty: Type::Real, .. } = self.instances[id].kind
+            && let Some(found) = &value
+        {
+            let real = found.each_scalar(&mut |e| self.graph.as_real(e));
+            value = Some(real);
+        }
         self.evaluation.folded.insert(id, value.clone());
         self.evaluation.structural.push(id);
         value
@@ -301,6 +367,9 @@ impl Context<'_> {
     /// The value that the declaration or a modification binds to an instance: its own, or the field of
     /// the record around it that is bound as a whole.
     pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
+        if self.overruled(id) {
+            return self.part_of_parent(id);
+        }
         if let Some(binding) = self.binding(id) {
             let value =
                 self.cached(&binding.value, binding.scope, !binding.subscripts.is_empty(), id)?;
@@ -311,11 +380,48 @@ impl Context<'_> {
             return self.taken_apart(value, &dims, binding.setting, binding.value.span);
         }
         let parent = self.instances[id].parent?;
-        if !matches!(self.instances[parent].kind, InstanceKind::Object(_)) || !self.bound(parent) {
+        let holds = matches!(
+            self.instances[parent].kind,
+            InstanceKind::Object(_) | InstanceKind::Array { .. }
+        );
+        if !holds || !self.bound(parent) {
             return None;
         }
-        let name = self.instances[id].name;
-        self.binding_value(parent)?.field(name)
+        self.part_of_parent(id)
+    }
+
+    /// The field or element of what the record or array around an instance is bound to.
+    fn part_of_parent(&mut self, id: InstanceId) -> Option<Value> {
+        let parent = self.instances[id].parent?;
+        let whole = self.binding_value(parent)?;
+        if matches!(self.instances[parent].kind, InstanceKind::Array { .. }) {
+            let subscripts = self.instances[id].subscripts.clone();
+            return whole.select(&subscripts);
+        }
+        whole.field(self.instances[id].name)
+    }
+
+    /// Whether the value of the record around an instance counts, and not the one that the text of the
+    /// record gives to its field.
+    fn overruled(&mut self, id: InstanceId) -> bool {
+        let Some(parent) = self.instances[id].parent else { return false };
+        if self.instances[parent].layers.is_empty() && self.instances[parent].parent.is_none() {
+            return false;
+        }
+        if matches!(self.instances[parent].kind, InstanceKind::Array { .. }) {
+            return self.overruled(parent);
+        }
+        if !matches!(self.instances[parent].kind, InstanceKind::Object(_))
+            || self.instances[id].prefix.variability == Some(Variability::Constant)
+            || !self.bound(parent)
+        {
+            return false;
+        }
+        // What the surroundings say of the field itself comes first.
+        match self.binding(id) {
+            Some(own) => own.scope.instance == parent && !own.setting,
+            None => true,
+        }
     }
 
     /// True if the instance or a record around it has a binding.
@@ -324,8 +430,11 @@ impl Context<'_> {
             return true;
         }
         match self.instances[id].parent {
-            Some(p) if matches!(self.instances[p].kind, InstanceKind::Object(_)) => self.bound(p),
-            _ => false,
+            Some(p) => match self.instances[p].kind {
+                InstanceKind::Object(_) | InstanceKind::Array { .. } => self.bound(p),
+                _ => false,
+            },
+            None => false,
         }
     }
 
