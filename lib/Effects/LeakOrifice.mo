@@ -8,6 +8,6 @@ equation
   m_flow = Pneumatics.iso6358(p_a, p_b, C, b);
 
   annotation(__mocc(
-    effect   = "amplitude=C>0; b=0.3",
+    effect   = "amplitude=C>0; b=0.15,0.45",
     explains = "%at leaks as through a hole."));
 end LeakOrifice;

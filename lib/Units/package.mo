@@ -10,6 +10,10 @@ package Units "Types of physical quantities in SI units"
   type Mass                = Real(quantity = "Mass", unit = "kg", min = 0);
   type Force               = Real(quantity = "Force", unit = "N");
   type SpringStiffness     = Real(quantity = "TranslationalSpringConstant", unit = "N/m", min = 0);
+  type QuadraticStiffness  = Real(quantity = "QuadraticStiffness", unit = "N/m2", nominal = 1e6)
+    "Force per square of a deflection";
+  type CubicStiffness      = Real(quantity = "CubicStiffness", unit = "N/m3", nominal = 1e9)
+    "Force per cube of a deflection";
   type DampingCoefficient  = Real(quantity = "TranslationalDampingConstant", unit = "N.s/m", min = 0);
   type QuadraticDragCoefficient = Real(quantity = "QuadraticDragCoefficient", unit = "N.s2/m2", min = 0)
     "Drag per square of the speed";
@@ -24,6 +28,7 @@ package Units "Types of physical quantities in SI units"
   type PressureDifference  = Real(quantity = "Pressure", unit = "Pa", nominal = 1e5, displayUnit = "bar")
     "Difference of two pressures, also a gauge pressure";
   type MassFlowRate        = Real(quantity = "MassFlowRate", unit = "kg/s", nominal = 1e-3);
+  type VolumeFlowRate      = Real(quantity = "VolumeFlowRate", unit = "m3/s");
   type Density             = Real(quantity = "Density", unit = "kg/m3", min = 0);
   type Temperature         = Real(quantity = "ThermodynamicTemperature", unit = "K", min = 0, nominal = 300);
   type SpecificGasConstant = Real(quantity = "SpecificHeatCapacity", unit = "J/(kg.K)", min = 0)
@@ -43,4 +48,5 @@ package Units "Types of physical quantities in SI units"
   type Fraction            = Real(quantity = "Fraction", unit = "1")
     "Part of a whole, 0 to 1";
   type Exponent            = Real(quantity = "Exponent", unit = "1");
+  type Voltage             = Real(quantity = "ElectricPotential", unit = "V");
 end Units;

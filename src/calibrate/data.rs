@@ -8,6 +8,8 @@ use crate::base::source::Span;
 use crate::report::table::{ReadError, TextTable, read_text};
 
 use super::plan::Plan;
+use super::unit::Unit;
+use crate::math::numeric::course::{Course, Interpolation, smoothed};
 
 /// Repairs touch at most this part of a recording.
 const REPAIRABLE: f64 = 0.05;
@@ -37,6 +39,8 @@ impl Split {
 /// One recording.
 #[derive(Clone, Debug)]
 pub struct Recording {
+    /// The recording that it is a window of: its own name, if it is whole.
+    pub of: String,
     /// How it is called.
     pub name: String,
     /// Its file.
@@ -45,6 +49,12 @@ pub struct Recording {
     pub split: Split,
     /// One value in SI units for each condition of the plan.
     pub conditions: Vec<f64>,
+    /// One value in SI units for each start of the plan.
+    pub starts: Vec<f64>,
+    /// One course in SI units for each input of the plan.
+    pub courses: Vec<Arc<Course>>,
+    /// Where its run begins, s; where the model says, but not after the first instant, if not given.
+    pub start: Option<f64>,
     /// Instants, s, rising.
     pub time: Arc<[f64]>,
     /// Signal by signal, in the unit of its column; NaN where there is no value.
@@ -67,22 +77,36 @@ impl Data {
     pub fn of(&self, split: Split) -> impl Iterator<Item = &Recording> {
         self.recordings.iter().filter(move |r| r.split == split)
     }
+
+    /// Names of the recordings of one kind before they were cut into windows.
+    pub fn wholes(&self, split: Split) -> Vec<&str> {
+        let mut out: Vec<&str> = Vec::new();
+        for r in self.of(split) {
+            if out.last() != Some(&r.of.as_str()) {
+                out.push(&r.of);
+            }
+        }
+        out
+    }
 }
 
 /// Reads everything that a plan names. What is wrong is added to `problems`.
 pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
     let before = problems.error_count();
     let path = plan.folder.join(&plan.table);
-    let table = match read_text(&path) {
-        Ok(table) => table,
-        Err(why) => {
-            problems
-                .push(unreadable(&why).help("`[data]` of the plan or `--data` names the folder"));
-            return None;
-        }
-    };
     let mut repairs = Vec::new();
-    let recordings = recordings(plan, &path, &table, problems, &mut repairs);
+    let mut recordings = listed(plan, problems, &mut repairs);
+    if !plan.table.is_empty() {
+        let table = match read_text(&path) {
+            Ok(table) => table,
+            Err(why) => {
+                let help = "`[data]` of the plan or `--data` names the folder";
+                problems.push(unreadable(&why).help(help));
+                return None;
+            }
+        };
+        recordings.extend(tabled(plan, &path, &table, problems, &mut repairs));
+    }
     if problems.error_count() > before {
         return None;
     }
@@ -96,7 +120,106 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
     (problems.error_count() == before).then_some(Data { recordings, sigmas, repairs })
 }
 
-fn recordings(
+/// The recordings that the plan itself lists. A file that several are parts of is read once.
+fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Vec<Recording> {
+    let mut files: Vec<(&str, Option<Measured>)> = Vec::new();
+    let mut out = Vec::new();
+    for entry in &plan.listed {
+        let path = plan.folder.join(&entry.file);
+        if !files.iter().any(|(known, _)| *known == entry.file) {
+            files.push((&entry.file, measured(plan, &path, problems, repairs)));
+        }
+        let of_file = files.iter().find(|(known, _)| *known == entry.file);
+        let Some(measured) = of_file.and_then(|(_, m)| m.as_ref()) else { continue };
+        let whole = Recording {
+            of: entry.name.clone(),
+            name: entry.name.clone(),
+            path: path.clone(),
+            split: entry.split,
+            conditions: plan.conditions.iter().map(|_| f64::NAN).collect(),
+            starts: Vec::new(),
+            courses: measured.courses.clone(),
+            start: Some(0.0),
+            time: Arc::clone(&measured.time),
+            signals: measured.signals.clone(),
+        };
+        let cut = Cut {
+            part: entry.part,
+            window: entry.window.unwrap_or(plan.window),
+            skip: entry.skip.unwrap_or(plan.skip),
+            every: plan.every,
+        };
+        let before = out.len();
+        out.extend(cut.apply(&whole, &measured.begins));
+        if out.len() == before {
+            let message = format!("{}: nothing of `{}` is left", path.display(), entry.name);
+            let d = Diagnostic::error("MO1011", Span::NONE, message);
+            problems.push(d.help(
+                "`from` and `to` are times of the recording, in s; `skip` is less than they span, and than `window`, which spans several rows",
+            ));
+        }
+    }
+    out
+}
+
+/// How a recording becomes runs.
+struct Cut {
+    part: (f64, f64),
+    window: f64,
+    skip: f64,
+    every: usize,
+}
+
+impl Cut {
+    /// The runs that a recording becomes. `begins` holds the courses of what says where they begin.
+    fn apply(&self, whole: &Recording, begins: &[Begin]) -> Vec<Recording> {
+        let time = &whole.time;
+        let mut first = time.partition_point(|t| *t < self.part.0);
+        let end = time.partition_point(|t| *t <= self.part.1);
+        let mut out = Vec::new();
+        let mut number = 0;
+        while first + 1 < end {
+            let t0 = time[first];
+            // A rest that is shorter than half a window belongs to the one before it.
+            let mut last = end;
+            if self.window.is_finite() && time[end - 1] - t0 > 1.5 * self.window {
+                last = time.partition_point(|t| *t <= t0 + self.window).min(end);
+                if last < first + 2 {
+                    // Nothing was recorded for longer than a window: the next one begins behind it.
+                    first += 1;
+                    continue;
+                }
+            }
+            number += 1;
+            let compared =
+                |k: &usize| (*k == first || (*k - first).is_multiple_of(self.every)) && *k < last;
+            let rows: Vec<usize> = (first..last).filter(compared).collect();
+            let signal = |values: &Vec<f64>| {
+                let one = |k: &usize| if time[*k] - t0 < self.skip { f64::NAN } else { values[*k] };
+                rows.iter().map(one).collect::<Vec<f64>>()
+            };
+            let signals: Vec<Vec<f64>> = whole.signals.iter().map(signal).collect();
+            if signals.iter().flatten().any(|v| !v.is_nan()) {
+                let cut = last < end || number > 1;
+                let name =
+                    if cut { format!("{} {number}", whole.name) } else { whole.name.clone() };
+                out.push(Recording {
+                    name,
+                    starts: begins.iter().map(|b| b.at(t0)).collect(),
+                    start: Some(t0),
+                    time: rows.iter().map(|k| time[*k]).collect(),
+                    signals,
+                    ..whole.clone()
+                });
+            }
+            // The last row of a window is the first of the next.
+            first = if last == end { end } else { last - 1 };
+        }
+        out
+    }
+}
+
+fn tabled(
     plan: &Plan,
     path: &Path,
     table: &TextTable,
@@ -134,14 +257,72 @@ fn recordings(
         }
         let name = name.flatten().map_or_else(|| row[file].clone(), |k| row[k].clone());
         let source = plan.folder.join(&row[file]);
-        let Some((time, signals)) = measured(plan, &source, problems, repairs) else { continue };
-        out.push(Recording { name, path: source, split, conditions: values, time, signals });
+        let Some(measured) = measured(plan, &source, problems, repairs) else { continue };
+        let Measured { time, signals, courses, begins } = measured;
+        let conditions = values;
+        let whole = Recording {
+            of: name.clone(),
+            name,
+            path: source,
+            split,
+            conditions,
+            starts: begins.iter().map(|b| b.at(time[0])).collect(),
+            courses,
+            start: None,
+            time,
+            signals,
+        };
+        if plan.window.is_finite() || plan.skip > 0.0 || plan.every > 1 {
+            let part = (f64::NEG_INFINITY, f64::INFINITY);
+            let cut = Cut { part, window: plan.window, skip: plan.skip, every: plan.every };
+            out.extend(cut.apply(&whole, &begins));
+        } else {
+            out.push(whole);
+        }
     }
     out
 }
 
-/// Instants, and the values of each signal.
-type Measured = (Arc<[f64]>, Vec<Vec<f64>>);
+/// What one file holds.
+struct Measured {
+    time: Arc<[f64]>,
+    /// Signal by signal.
+    signals: Vec<Vec<f64>>,
+    /// Input by input.
+    courses: Vec<Arc<Course>>,
+    /// Start by start.
+    begins: Vec<Begin>,
+}
+
+/// What says where runs begin.
+struct Begin {
+    course: Course,
+    order: usize,
+}
+
+impl Begin {
+    /// The value that a run which begins at `t` takes, in SI units.
+    fn at(&self, t: f64) -> f64 {
+        self.course.value(t, self.order)
+    }
+}
+
+/// Instants, values, and if these were smoothed, rates.
+type Trace = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
+
+/// A column in SI units, through the rows where it has a value, perhaps smoothed.
+fn column_course(time: &[f64], values: &[f64], unit: Unit, smooth: f64) -> Option<Trace> {
+    let there = time.iter().zip(values).filter(|(_, v)| !v.is_nan());
+    let (times, values): (Vec<f64>, Vec<f64>) = there.map(|(t, v)| (*t, unit.to_si(*v))).unzip();
+    if times.is_empty() {
+        return None;
+    }
+    if smooth == 0.0 {
+        return Some((times, values, None));
+    }
+    let (values, rates) = smoothed(&times, &values, smooth);
+    Some((times, values, Some(rates)))
+}
 
 /// Time and signals of one file.
 fn measured(
@@ -158,17 +339,26 @@ fn measured(
         }
     };
     let at = column(&table, path, &plan.time, Span::NONE, problems);
+    let signals = plan.signals.iter().map(|s| (&s.column, s.span));
+    let inputs = plan.inputs.iter().map(|i| (&i.column, i.span));
+    let starts = plan.starts.iter().map(|b| (&b.column, b.span));
+    let named = signals.chain(inputs).chain(starts);
     let columns: Vec<_> =
-        plan.signals.iter().map(|s| column(&table, path, &s.column, s.span, problems)).collect();
+        named.map(|(name, span)| column(&table, path, name, span, problems)).collect();
     let columns: Vec<usize> = columns.into_iter().collect::<Option<_>>()?;
     let at = at?;
     let mut time: Vec<f64> = Vec::with_capacity(table.rows.len());
     let mut signals = vec![Vec::with_capacity(table.rows.len()); columns.len()];
-    let (mut dropped, mut missing) = (0usize, 0usize);
+    let (mut dropped, mut repeated, mut missing) = (0usize, 0usize, 0usize);
     let (mut first_dropped, mut first_missing) = (None, None);
     for (line, row) in &table.rows {
         let number = |k: usize| row[k].parse::<f64>().ok().filter(|x| x.is_finite());
         let t = number(at).map(|t| plan.time_unit.to_si(t));
+        // Clocks of loggers are coarser than what they log: of rows of one instant the first counts.
+        if t.is_some() && t == time.last().copied() {
+            repeated += 1;
+            continue;
+        }
         let rises = |t: &f64| time.last().is_none_or(|last| t > last);
         let Some(t) = t.filter(rises) else {
             dropped += 1;
@@ -209,6 +399,13 @@ fn measured(
         let (rows, place) = (counted(dropped, "row"), place(first_dropped));
         repairs.push(format!("{place}: {rows} left out because the time does not rise"));
     }
+    if repeated > 0 {
+        let rows = counted(repeated, "row");
+        repairs.push(format!(
+            "{}: {rows} left out, of the same instant as the row before",
+            path.display()
+        ));
+    }
     if missing > 0 {
         let (values, place) = (counted(missing, "value"), place(first_missing));
         repairs.push(format!("{place}: {values} left out, not numbers"));
@@ -216,7 +413,46 @@ fn measured(
     if let Some(gap) = gap(&time) {
         repairs.push(format!("{}: nothing was recorded for {gap:.3e} s", path.display()));
     }
-    Some((time.into(), signals))
+    let mut rest = signals.split_off(plan.signals.len()).into_iter();
+    for (signal, values) in plan.signals.iter().zip(&mut signals).filter(|(s, _)| s.smooth > 0.0) {
+        let there: Vec<usize> = (0..time.len()).filter(|k| !values[*k].is_nan()).collect();
+        let pick = |all: &[f64]| there.iter().map(|k| all[*k]).collect::<Vec<f64>>();
+        let (smooth, _) = smoothed(&pick(&time), &pick(values), signal.smooth);
+        for (k, value) in there.iter().zip(smooth) {
+            values[*k] = value;
+        }
+    }
+    let mut courses = Vec::new();
+    let mut begins = Vec::new();
+    for input in &plan.inputs {
+        let found = column_course(&time, &rest.next()?, input.unit, input.smooth);
+        let Some((times, values, _)) = found else {
+            problems.push(empty(path, &input.column, input.span));
+            continue;
+        };
+        courses.push(Arc::new(Course::new(times.into(), values, input.interpolation)));
+    }
+    for begin in &plan.starts {
+        let found = column_course(&time, &rest.next()?, begin.unit, begin.smooth);
+        let Some((times, values, rates)) = found else {
+            problems.push(empty(path, &begin.column, begin.span));
+            continue;
+        };
+        let (values, order) = match (begin.rate, rates) {
+            (true, Some(rates)) => (rates, 0),
+            (rate, _) => (values, usize::from(rate)),
+        };
+        begins.push(Begin {
+            course: Course::new(times.into(), values, Interpolation::Linear),
+            order,
+        });
+    }
+    Some(Measured { time: time.into(), signals, courses, begins })
+}
+
+fn empty(path: &Path, column: &str, span: Span) -> Diagnostic {
+    let message = format!("{}: `{column}` has no values", path.display());
+    Diagnostic::error("MO1011", span, message)
 }
 
 /// The longest interval, if it is many times the usual one.

@@ -8,7 +8,9 @@ use toml::de::{DeTable, DeValue};
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::{FileId, SourceMap, Span};
+use crate::math::numeric::course::Interpolation;
 
+use super::data::Split;
 use super::unit::Unit;
 
 /// A plan as it is written.
@@ -26,7 +28,15 @@ pub struct Plan {
     pub fixed: Vec<String>,
     /// Folder of the recordings.
     pub folder: PathBuf,
-    /// The table of recordings in it.
+    /// The recordings that the plan itself lists.
+    pub listed: Vec<Listed>,
+    /// Recordings are cut into windows of this length, s, each a run of its own; whole if infinite.
+    pub window: f64,
+    /// What is not compared at the begin of each run, s.
+    pub skip: f64,
+    /// Every so manieth row is compared.
+    pub every: usize,
+    /// The table of recordings in it; empty if the plan lists them.
     pub table: String,
     /// Its column with the names of the files.
     pub file_column: String,
@@ -36,6 +46,10 @@ pub struct Plan {
     pub split_column: Option<String>,
     /// Its columns that set parameters.
     pub conditions: Vec<Condition>,
+    /// Columns of the recordings that drive inputs of the model.
+    pub inputs: Vec<Driven>,
+    /// Columns of the recordings that say where runs begin.
+    pub starts: Vec<Begun>,
     /// The column of the time in each recording.
     pub time: String,
     /// Its unit.
@@ -72,8 +86,68 @@ pub struct Signal {
     pub unit_name: String,
     /// Standard deviation of the sensor's noise in that unit, if known.
     pub sigma: Option<f64>,
+    /// The column is smoothed over this time to both sides, s; 0 for not.
+    pub smooth: f64,
     /// Where the plan says so.
     pub span: Span,
+}
+
+/// A recording that the plan itself lists: a file, or a part of one.
+#[derive(Clone, Debug)]
+pub struct Listed {
+    /// The file.
+    pub file: String,
+    /// How it is called.
+    pub name: String,
+    /// Fitted or not.
+    pub split: Split,
+    /// The part of the file, s.
+    pub part: (f64, f64),
+    /// As [`Plan::window`], for this one.
+    pub window: Option<f64>,
+    /// As [`Plan::skip`], for this one.
+    pub skip: Option<f64>,
+}
+
+/// A column of the recordings that drives an input.
+#[derive(Clone, Debug)]
+pub struct Driven {
+    /// The column.
+    pub column: String,
+    /// The input.
+    pub input: String,
+    /// The unit of the column.
+    pub unit: Unit,
+    /// What holds between two rows.
+    pub interpolation: Interpolation,
+    /// The column is smoothed over this time to both sides, s; 0 for not.
+    pub smooth: f64,
+    /// Where the plan says so.
+    pub span: Span,
+}
+
+/// A column of the recordings that says where runs begin.
+#[derive(Clone, Debug)]
+pub struct Begun {
+    /// What it sets: a parameter, or `start(x)` for the start value of `x`.
+    pub target: String,
+    /// The column.
+    pub column: String,
+    /// The unit of the column.
+    pub unit: Unit,
+    /// The column's rate by time is meant, not its value.
+    pub rate: bool,
+    /// The column is smoothed over this time to both sides, s; 0 for not.
+    pub smooth: f64,
+    /// Where the plan says so.
+    pub span: Span,
+}
+
+impl Plan {
+    /// The inputs that recordings drive.
+    pub fn recorded(&self) -> Vec<String> {
+        self.inputs.iter().map(|i| i.input.clone()).collect()
+    }
 }
 
 /// A free parameter.
@@ -131,8 +205,23 @@ struct Reader<'a> {
     problems: &'a mut Problems,
 }
 
-const TOP: [&str; 9] =
-    ["model", "name", "libraries", "fixed", "data", "conditions", "time", "signals", "free"];
+const TOP: [&str; 15] = [
+    "model",
+    "name",
+    "libraries",
+    "fixed",
+    "data",
+    "recordings",
+    "window",
+    "skip",
+    "every",
+    "conditions",
+    "inputs",
+    "starts",
+    "time",
+    "signals",
+    "free",
+];
 
 impl Reader<'_> {
     fn plan(&mut self, root: &Table<'_>, whole: &Range<usize>, path: &Path, base: &Path) -> Plan {
@@ -144,8 +233,10 @@ impl Reader<'_> {
         if let Some((data, span)) = data {
             self.known(data, &["folder", "table", "file", "recording", "split"]);
             folder = self.required(data, "folder", &span);
-            table = self.required(data, "table", &span);
-            file_column = self.required(data, "file", &span);
+            if root.get("recordings").is_none() || data.get("table").is_some() {
+                table = self.required(data, "table", &span);
+                file_column = self.required(data, "file", &span);
+            }
             name_column = self.text(data, "recording");
             split_column = self.text(data, "split");
         }
@@ -165,23 +256,31 @@ impl Reader<'_> {
             };
             format!("{name}={text}")
         });
-        Plan {
+        let plan = Plan {
             path: path.to_owned(),
             model: base.join(model),
             name: self.text(root, "name"),
             libraries: self.texts(root, "libraries").into_iter().map(|f| base.join(f)).collect(),
             fixed: fixed.collect(),
             folder: base.join(folder),
+            listed: self.listed(root),
+            window: self.window(root).unwrap_or(f64::INFINITY),
+            skip: self.positive(root, "skip").unwrap_or(0.0),
+            every: self.count(root, "every").unwrap_or(1),
             table,
             file_column,
             name_column,
             split_column,
             conditions: self.conditions(root),
+            inputs: self.inputs(root),
+            starts: self.starts(root),
             time,
             time_unit: time_unit.unwrap_or(Unit { factor: 1.0, offset: 0.0 }),
             signals: self.signals(root, whole),
             free: self.free(root),
-        }
+        };
+        self.contradictions(&plan);
+        plan
     }
 
     fn conditions(&mut self, root: &Table<'_>) -> Vec<Condition> {
@@ -197,11 +296,162 @@ impl Reader<'_> {
         out
     }
 
+    fn listed(&mut self, root: &Table<'_>) -> Vec<Listed> {
+        let Some(value) = root.get("recordings") else { return Vec::new() };
+        let DeValue::Array(list) = value.get_ref() else {
+            self.wrong(value, "a list of tables `[[recordings]]`");
+            return Vec::new();
+        };
+        let mut out = Vec::new();
+        for item in list.iter() {
+            let Some((table, span)) = self.as_table("recordings", item) else { continue };
+            self.known(table, &["file", "name", "split", "from", "to", "window", "skip"]);
+            let file = self.required(table, "file", &span);
+            let split = match self.text(table, "split").as_deref() {
+                None | Some("train") => Split::Train,
+                Some("validation" | "test") => Split::Validation,
+                Some(_) => {
+                    self.wrong(item, "`split = \"train\"` or `split = \"validation\"`");
+                    Split::Train
+                }
+            };
+            let [from, to] = ["from", "to"].map(|key| self.number(table, key).map(|x| x.0));
+            out.push(Listed {
+                name: self.text(table, "name").unwrap_or_else(|| file.clone()),
+                file,
+                split,
+                part: (from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)),
+                window: self.window(table),
+                skip: self.positive(table, "skip"),
+            });
+        }
+        out
+    }
+
+    fn inputs(&mut self, root: &Table<'_>) -> Vec<Driven> {
+        let mut out = Vec::new();
+        for (column, value) in self.entries(root, "inputs") {
+            let Some((table, span)) = self.as_table(&column, value) else { continue };
+            self.known(table, &["input", "unit", "interpolation", "smooth"]);
+            let input = self.required(table, "input", &span);
+            let wanted = self.required(table, "interpolation", &span);
+            let found = Interpolation::ALL.iter().find(|(name, _)| *name == wanted);
+            if found.is_none() && !wanted.is_empty() {
+                let names = Interpolation::ALL.map(|(name, _)| name).join(", ");
+                let d = Diagnostic::error(
+                    "MO1004",
+                    self.at(&span),
+                    format!("`{wanted}` is no interpolation"),
+                );
+                self.problems.push(d.help(format!("known are {names}")));
+            }
+            let smooth = self.positive(table, "smooth").unwrap_or(0.0);
+            if let (Some((unit, _)), Some((_, interpolation))) = (self.unit(table, &span), found) {
+                let (interpolation, span) = (*interpolation, self.at(&span));
+                out.push(Driven { column, input, unit, interpolation, smooth, span });
+            }
+        }
+        out
+    }
+
+    fn starts(&mut self, root: &Table<'_>) -> Vec<Begun> {
+        let mut out = Vec::new();
+        for (target, value) in self.entries(root, "starts") {
+            let Some((table, span)) = self.as_table(&target, value) else { continue };
+            self.known(table, &["column", "unit", "rate", "smooth"]);
+            let column = self.required(table, "column", &span);
+            let rate = match table.get("rate").map(|v| (v, v.get_ref())) {
+                Some((_, DeValue::Boolean(b))) => *b,
+                Some((v, _)) => {
+                    self.wrong(v, "`true` or `false`");
+                    false
+                }
+                None => false,
+            };
+            let smooth = self.positive(table, "smooth").unwrap_or(0.0);
+            if let Some((unit, _)) = self.unit(table, &span) {
+                out.push(Begun { target, column, unit, rate, smooth, span: self.at(&span) });
+            }
+        }
+        out
+    }
+
+    /// A number that is not negative.
+    fn positive(&mut self, table: &Table<'_>, key: &str) -> Option<f64> {
+        let (number, span) = self.number(table, key)?;
+        if number >= 0.0 && number.is_finite() {
+            return Some(number);
+        }
+        let d = Diagnostic::error("MO1004", self.at(&span), format!("`{key}` is not negative"));
+        self.problems.push(d);
+        None
+    }
+
+    /// The length of windows.
+    fn window(&mut self, table: &Table<'_>) -> Option<f64> {
+        let (number, span) = self.number(table, "window")?;
+        if number > 0.0 {
+            return Some(number);
+        }
+        let d = Diagnostic::error("MO1004", self.at(&span), "`window` is longer than 0 s");
+        self.problems.push(d.help("leave it out, or write `inf`, for whole recordings"));
+        None
+    }
+
+    /// A whole number from 1 on.
+    fn count(&mut self, table: &Table<'_>, key: &str) -> Option<usize> {
+        let (number, span) = self.number(table, key)?;
+        if number >= 1.0 && number.fract() == 0.0 && number < 1e15 {
+            return Some(number as usize);
+        }
+        let message = format!("`{key}` is a whole number from 1 on");
+        self.problems.push(Diagnostic::error("MO1004", self.at(&span), message));
+        None
+    }
+
+    /// Whatever contradicts itself though each entry is right.
+    fn contradictions(&mut self, plan: &Plan) {
+        for (k, driven) in plan.inputs.iter().enumerate() {
+            if let Some(first) = plan.inputs[..k].iter().find(|d| d.input == driven.input) {
+                let message = format!("`{}` is driven by `{}` already", driven.input, first.column);
+                self.problems.push(
+                    Diagnostic::error("MO1018", driven.span, message)
+                        .help("one column drives an input"),
+                );
+            }
+        }
+        for begun in &plan.starts {
+            let is_free = |f: &&Free| f.targets.contains(&begun.target);
+            if plan.free.iter().any(|f| is_free(&f)) {
+                let message = format!("`{}` is free, and recordings set it", begun.target);
+                self.problems.push(
+                    Diagnostic::error("MO1018", begun.span, message)
+                        .help("take it out of `[starts]` or of `[free]`"),
+                );
+            }
+        }
+        if let Some(first) = plan.conditions.first().filter(|_| plan.table.is_empty()) {
+            let message = "the plan has conditions, but no table that they are columns of";
+            self.problems.push(
+                Diagnostic::error("MO1018", first.span, message)
+                    .help("name the table in `[data]`, or set parameters in `[fixed]`"),
+            );
+        }
+        for signal in plan.signals.iter().filter(|s| s.smooth > 0.0 && s.sigma.is_none()) {
+            let message = format!("the noise of `{}` can not be estimated", signal.column);
+            self.problems.push(
+                Diagnostic::error("MO1012", signal.span, message)
+                    .help("its column is smoothed: give `sigma`, what noise that leaves"),
+            );
+        }
+    }
+
     fn signals(&mut self, root: &Table<'_>, whole: &Range<usize>) -> Vec<Signal> {
         let mut out = Vec::new();
         for (column, value) in self.entries(root, "signals") {
             let Some((table, span)) = self.as_table(&column, value) else { continue };
-            self.known(table, &["variable", "unit", "sigma"]);
+            self.known(table, &["variable", "unit", "sigma", "smooth"]);
+            let smooth = self.positive(table, "smooth").unwrap_or(0.0);
             let variable = self.required(table, "variable", &span);
             let sigma = self.number(table, "sigma");
             if let Some((sigma, at)) = &sigma
@@ -214,7 +464,7 @@ impl Reader<'_> {
             }
             if let Some((unit, unit_name)) = self.unit(table, &span) {
                 let (sigma, span) = (sigma.map(|s| s.0), self.at(&span));
-                out.push(Signal { column, variable, unit, unit_name, sigma, span });
+                out.push(Signal { column, variable, unit, unit_name, sigma, smooth, span });
             }
         }
         if out.is_empty() && self.problems.error_count() == 0 {

@@ -118,6 +118,10 @@ pub struct Problem<'a> {
     /// What is free.
     pub parameters: Vec<Parameter>,
     conditions: Vec<VarId>,
+    /// What the starts of the recordings set.
+    starts: Vec<Input>,
+    /// What the courses of the recordings drive.
+    driven: Vec<VarId>,
     channels: Vec<Channel>,
     settings: Settings,
     /// Training recordings that are left out for the time being, by position.
@@ -158,8 +162,14 @@ impl Sums {
 
     /// Root of the mean square of a signal, in units of the noise.
     pub fn of_signal(&self, k: usize) -> f64 {
-        let sum: f64 = self.squares.iter().map(|s| s[k]).sum();
-        let count: usize = self.counts.iter().map(|c| c[k]).sum();
+        self.of_part(k, |_| true)
+    }
+
+    /// The same over those of the recordings that `belongs` picks by position.
+    pub fn of_part(&self, k: usize, belongs: impl Fn(usize) -> bool) -> f64 {
+        let picked = || (0..self.squares.len()).filter(|i| belongs(*i));
+        let sum: f64 = picked().map(|i| self.squares[i][k]).sum();
+        let count: usize = picked().map(|i| self.counts[i][k]).sum();
         (sum / count.max(1) as f64).sqrt()
     }
 }
@@ -195,6 +205,14 @@ impl<'a> Problem<'a> {
                 Some(Input::Start(_)) | None => {}
             }
         }
+        let mut starts = Vec::new();
+        for s in &plan.starts {
+            starts.extend(input(program, &s.target, s.span, problems));
+        }
+        let variables = &program.blocks.dae.variables;
+        let named = |name: &str| variables.enumerate().find(|(_, v)| v.name == name);
+        // That they are there was made sure of before the model was compiled.
+        let driven = plan.inputs.iter().filter_map(|i| Some(named(&i.input)?.0)).collect();
         let mut channels = Vec::new();
         for (signal, sigma) in plan.signals.iter().zip(&data.sigmas) {
             let names = program.recorded.iter().map(|v| program.name(*v));
@@ -230,6 +248,8 @@ impl<'a> Problem<'a> {
             data,
             parameters,
             conditions,
+            starts,
+            driven,
             channels,
             settings,
             left_out: Vec::new(),
@@ -264,6 +284,25 @@ impl<'a> Problem<'a> {
         values.filter(|v| !v.is_nan()).count()
     }
 
+    /// Number of residuals of the training recordings that are not left out.
+    pub fn count_fitted(&self) -> usize {
+        let values = self.fitted().into_iter().flat_map(|r| r.signals.iter().flatten());
+        values.filter(|v| !v.is_nan()).count()
+    }
+
+    /// Training recordings that a first look can do without: what is left has about `enough` instants, and
+    /// comes from the whole of the list.
+    pub fn surplus(&self, enough: usize) -> Vec<usize> {
+        let lengths: Vec<usize> = self.data.of(Split::Train).map(|r| r.time.len()).collect();
+        let total: usize = lengths.iter().sum();
+        let kept = (lengths.len() * enough).div_ceil(total.max(1)).max(2);
+        if kept >= lengths.len() {
+            return Vec::new();
+        }
+        let is_kept = |i: usize| i * kept / lengths.len() != (i + 1) * kept / lengths.len();
+        (0..lengths.len()).filter(|i| !is_kept(*i)).collect()
+    }
+
     /// Standard deviations of the signals' noise, in the units of their columns.
     pub fn sigmas(&self) -> &'a [f64] {
         &self.data.sigmas
@@ -272,8 +311,16 @@ impl<'a> Problem<'a> {
     /// The choices for a run under the conditions of a recording.
     pub fn settings(&self, recording: &Recording, values: &[f64]) -> Settings {
         let mut settings = self.settings.clone();
-        settings.parameters =
-            self.conditions.iter().copied().zip(recording.conditions.iter().copied()).collect();
+        let conditions = self.conditions.iter().copied().zip(recording.conditions.iter().copied());
+        settings.parameters = conditions.filter(|(_, value)| !value.is_nan()).collect();
+        for (target, value) in self.starts.iter().zip(&recording.starts) {
+            match *target {
+                Input::Parameter(v) => settings.parameters.push((v, *value)),
+                Input::Start(v) => settings.starts.push((v, *value)),
+            }
+        }
+        let courses = recording.courses.iter().cloned();
+        settings.courses = self.driven.iter().copied().zip(courses).collect();
         for (p, value) in self.parameters.iter().zip(values) {
             for target in &p.targets {
                 match *target {
@@ -283,7 +330,7 @@ impl<'a> Problem<'a> {
             }
         }
         let first = recording.time.first().copied().unwrap_or(settings.start);
-        settings.start = settings.start.min(first);
+        settings.start = recording.start.unwrap_or(settings.start.min(first));
         settings.stop = recording.time.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(recording.time.clone());
         settings

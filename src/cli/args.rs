@@ -321,6 +321,9 @@ pub struct Diagnose {
     /// Folder with further effects, beside the shipped ones.
     #[arg(long, value_name = "DIR")]
     pub effects: Option<PathBuf>,
+    /// Write what was measured and modelled, before and after: a table for each recording.
+    #[arg(long)]
+    pub tables: bool,
     /// Say on the standard error what is scored, fitted and found, with times.
     #[arg(long)]
     pub verbose: bool,
@@ -351,6 +354,7 @@ impl Model {
             model: self.model.clone(),
             appended: None,
             form: Form::default(),
+            recorded: Vec::new(),
             settings: self.settings.clone(),
             folders: self.folders.clone(),
             modelica_path: std::env::var_os("MODELICAPATH"),

@@ -316,8 +316,22 @@ impl Emitter {
                 Some((self.layout.terminal, HELD))
             }
             Node::Relation(k) => Some((self.layout.relations + k, HELD)),
+            Node::Recorded(v, order) => Some((self.recorded(v, order), self.moving)),
             _ => self.known.get(&e).copied(),
         }
+    }
+
+    /// The cell of what a recording says about an input. All derivatives up to the order are there, and
+    /// the next one, along which events move.
+    fn recorded(&mut self, v: VarId, order: u32) -> Slot {
+        for k in 0..=order + 1 {
+            if !self.layout.recorded.iter().any(|r| (r.0, r.1) == (v, k)) {
+                let slot = self.cell(0.0);
+                self.layout.recorded.push((v, k, slot));
+            }
+        }
+        let found = self.layout.recorded.iter().find(|r| (r.0, r.1) == (v, order));
+        found.map_or(0, |(.., slot)| *slot)
     }
 
     fn constant(&mut self, c: Const) -> Slot {
@@ -451,7 +465,7 @@ impl Emitter {
                 continue;
             }
             match graph.node(e) {
-                Node::Time => level = level.max(self.moving),
+                Node::Time | Node::Recorded(..) => level = level.max(self.moving),
                 Node::Pre(_) | Node::Initial | Node::Terminal | Node::Relation(_) => {
                     level = level.max(HELD);
                 }

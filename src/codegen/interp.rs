@@ -2,12 +2,16 @@
 //!
 //! Where there is machine code it does what is straight; the interpreter does it otherwise.
 
+use std::sync::Arc;
+
 use crate::base::index::Id;
 use crate::ir::expr::VarId;
 use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape, Watched};
+use crate::math::numeric::course::Course;
 use crate::symbolic::eval;
 
 use super::jit::rent::{Code, Execution};
+use super::played::Played;
 use super::solve::{ImplicitWork, SolverWork};
 use super::tangent::Tangents;
 
@@ -85,6 +89,8 @@ pub struct Instance<'p> {
     code: Code,
     /// While it is here, every tape that runs is followed by its derivatives.
     pub tangents: Option<Box<Tangents>>,
+    /// What recordings say about inputs.
+    pub played: Played,
     solvers: Vec<Option<Box<SolverWork>>>,
     implicits: Vec<Option<Box<ImplicitWork>>>,
     resting: Vec<Vec<f64>>,
@@ -102,6 +108,7 @@ impl<'p> Instance<'p> {
             inside: false,
             code: Code::Interpreted,
             tangents: None,
+            played: Played::default(),
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
                 .implicits
@@ -168,8 +175,15 @@ impl<'p> Instance<'p> {
     pub fn place(&mut self, t: f64, states: &[f64]) {
         let layout = &self.program.layout;
         self.memory[layout.time as usize] = t;
+        self.played.place(t, &mut self.memory);
         let first = layout.states as usize;
         self.memory[first..first + states.len()].copy_from_slice(states);
+    }
+
+    /// Gives inputs the courses of recordings, from the instant `t` on.
+    pub fn play(&mut self, courses: &[(VarId, Arc<Course>)], t: f64) {
+        self.played = Played::new(&self.program.layout, courses, t);
+        self.played.place(t, &mut self.memory);
     }
 
     /// The states.

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use crate::base::diag::Problems;
 use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
+use crate::calibrate::parallel;
 use crate::calibrate::problem::Problem;
 use crate::math::numeric::least_squares::Normal;
 use crate::math::numeric::linear::DenseLu;
@@ -131,21 +132,28 @@ fn balance(case: &Case<'_>, unknown: &Effect, place: Place, level: &Level) -> Op
     let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems)?;
     let x = problem.start();
     let scales: Vec<f64> = problem.parameters[free..].iter().map(|p| p.scale.slope(0.0)).collect();
-    let (mut gain, mut excess) = (0.0, 0.0);
-    let mut courses = Vec::new();
-    for recording in problem.recordings(Split::Train) {
+    let recordings = problem.recordings(Split::Train);
+    let of_recording = |i: usize| {
+        let recording = recordings[i];
         let normal = problem.normal_of(recording, &x).ok()?;
         let residuals: usize = recording.signals.iter().flatten().filter(|v| !v.is_nan()).count();
-        excess += (normal.cost - residuals as f64).max(0.0);
-        let (knots, own) = damped(&normal, free)?;
-        gain += own.min((normal.cost - residuals as f64).max(0.0));
+        let excess = (normal.cost - residuals as f64).max(0.0);
+        let (knots, gain) = damped(&normal, free)?;
         let knots: Vec<f64> = knots.iter().zip(&scales).map(|(k, s)| k * s).collect();
         let place = |t: f64| (t - first) / (last - first) * (knots.len() - 1) as f64;
         let inflow = recording.time.iter().map(|t| between(&knots, place(*t))).collect();
         let values = problem.others(recording, &x, &recorded).ok()?;
         let over = over.iter().zip(values).map(|((n, u), v)| (n.clone(), u.clone(), v)).collect();
         let (recording, time) = (recording.name.clone(), recording.time.clone());
-        courses.push(Course { recording, time, inflow, over });
+        Some((Course { recording, time, inflow, over }, gain.min(excess), excess))
+    };
+    let (mut gain, mut excess) = (0.0, 0.0);
+    let mut courses = Vec::new();
+    for one in parallel::map(problem.jobs, recordings.len(), of_recording) {
+        let (course, own, all) = one?;
+        courses.push(course);
+        gain += own;
+        excess += all;
     }
     let unit = unknown
         .amplitudes

@@ -6,6 +6,7 @@
 
 use crate::base::diag::Problems;
 use crate::base::index::FastSet;
+use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 
 use super::effect::Effect;
@@ -16,6 +17,13 @@ use super::text::Attached;
 
 /// Candidates in one model of a score test.
 const BATCH: usize = 48;
+
+/// Instants of recordings that a score test is made with.
+pub const ENOUGH: usize = 10_000;
+/// Instants that suffice to tell what is worth that test.
+const FEW: usize = 3_000;
+/// Candidates that it is made with.
+const AGAIN: usize = 64;
 
 /// An effect at one place with a shape.
 struct Candidate {
@@ -41,10 +49,14 @@ pub fn unscored(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> 
 /// Scores every effect at every place with every shape; of the shapes the best is kept.
 pub fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
     let (candidates, mut trials) = trials(case, level)?;
-    let batches = batches(case, &candidates);
-    (case.say)(&format!("scoring {} candidates in {} runs", candidates.len(), batches.len()));
-    for batch in batches {
-        score_batch(case, level, &candidates, &batch, &mut trials)?;
+    let all: Vec<usize> = (0..candidates.len()).collect();
+    let instants: usize = case.data.of(Split::Train).map(|r| r.time.len()).sum();
+    if instants > 2 * FEW && all.len() > 2 * AGAIN {
+        score_some(case, level, &candidates, &all, FEW, &mut trials)?;
+        let again = foremost(level, &trials);
+        score_some(case, level, &candidates, &again, ENOUGH, &mut trials)?;
+    } else {
+        score_some(case, level, &candidates, &all, ENOUGH, &mut trials)?;
     }
     let mut best: Vec<Scored> = Vec::new();
     for Trial { scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
@@ -55,10 +67,42 @@ pub fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
             None => best.push(scored),
         }
     }
-    let price = (level.train.count() as f64).ln();
-    let worth = |s: &Scored| s.gain - price * s.amplitudes.len() as f64;
-    best.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    best.sort_by(|a, b| b.worth(level).total_cmp(&a.worth(level)));
     Ok(best)
+}
+
+/// About [`AGAIN`] candidates, those that the best trials are made of.
+fn foremost(level: &Level, trials: &[Trial]) -> Vec<usize> {
+    let mut order: Vec<&Trial> = trials.iter().filter(|t| t.scored.gain > 0.0).collect();
+    order.sort_by(|a, b| b.scored.worth(level).total_cmp(&a.scored.worth(level)));
+    let mut chosen = Vec::new();
+    for trial in order {
+        if chosen.len() >= AGAIN {
+            break;
+        }
+        for member in &trial.members {
+            if !chosen.contains(member) {
+                chosen.push(*member);
+            }
+        }
+    }
+    chosen.sort_unstable();
+    chosen
+}
+
+/// Scores the trials that are made of `chosen` candidates with about `enough` instants.
+fn score_some(
+    case: &Case<'_>,
+    level: &Level,
+    candidates: &[Candidate],
+    chosen: &[usize],
+    enough: usize,
+    trials: &mut [Trial],
+) -> Result<(), Nothing> {
+    let batches = batches(case, candidates, chosen);
+    (case.say)(&format!("scoring {} candidates in {} runs", chosen.len(), batches.len()));
+    let scoring = Scoring { case, level, candidates, enough };
+    batches.iter().try_for_each(|batch| scoring.score(batch, trials))
 }
 
 /// What is scored, and the candidates that this takes.
@@ -105,9 +149,10 @@ fn trials(case: &Case<'_>, level: &Level) -> Result<(Vec<Candidate>, Vec<Trial>)
 
 /// Which candidates run together: those of one effect and shape always, and never two shapes of what is
 /// built into one component.
-fn batches(case: &Case<'_>, candidates: &[Candidate]) -> Vec<Vec<usize>> {
+fn batches(case: &Case<'_>, candidates: &[Candidate], chosen: &[usize]) -> Vec<Vec<usize>> {
     let mut blocks: Vec<Vec<usize>> = Vec::new();
-    for (i, c) in candidates.iter().enumerate() {
+    for i in chosen.iter().copied() {
+        let c = &candidates[i];
         let same = |b: &&mut Vec<usize>| {
             let first = &candidates[b[0]];
             first.effect == c.effect && first.number == c.number
@@ -133,62 +178,74 @@ fn batches(case: &Case<'_>, candidates: &[Candidate]) -> Vec<Vec<usize>> {
     batches
 }
 
-/// Scores the trials that are made of candidates of this batch alone.
-fn score_batch(
-    case: &Case<'_>,
-    level: &Level,
-    candidates: &[Candidate],
-    batch: &[usize],
-    trials: &mut [Trial],
-) -> Result<(), Nothing> {
-    let mut all = attached(case, &level.chosen);
-    let mut plan = level.plan.clone();
-    let free = plan.free.len();
-    for i in batch {
-        let Candidate { effect, place, shape, .. } = &candidates[*i];
-        let effect = &case.effects[*effect];
-        let name = if effect.built_in { place.at[0].clone() } else { format!("trial_{i}") };
-        for a in &effect.amplitudes {
-            plan.free.push(amplitude(&format!("{name}.{}", a.name), 0.0, None, place, &name));
+/// What the scores of one level are computed from.
+struct Scoring<'a> {
+    case: &'a Case<'a>,
+    level: &'a Level,
+    candidates: &'a [Candidate],
+    /// Instants of recordings.
+    enough: usize,
+}
+
+impl Scoring<'_> {
+    /// Scores the trials that are made of candidates of this batch alone.
+    fn score(&self, batch: &[usize], trials: &mut [Trial]) -> Result<(), Nothing> {
+        let Scoring { case, level, candidates, enough } = *self;
+        let mut all = attached(case, &level.chosen);
+        let mut plan = level.plan.clone();
+        let free = plan.free.len();
+        for i in batch {
+            let Candidate { effect, place, shape, .. } = &candidates[*i];
+            let effect = &case.effects[*effect];
+            let name = if effect.built_in { place.at[0].clone() } else { format!("trial_{i}") };
+            for a in &effect.amplitudes {
+                plan.free.push(amplitude(&format!("{name}.{}", a.name), 0.0, None, place, &name));
+            }
+            all.push(Attached { effect, place, name, values: shape.clone() });
         }
-        all.push(Attached { effect, place, name, values: shape.clone() });
-    }
-    let normal = compile(case, &plan, &all, &[]).ok().and_then(|(session, program)| {
-        let mut problems = Problems::new();
-        let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems)?;
-        problem.normal(&problem.start()).ok()
-    });
-    let Some(normal) = normal else {
-        // One that can not be run must not keep the others from it.
-        let half = batch.len() / 2;
-        if half > 0 {
-            let (left, right) = batch.split_at(half);
-            score_batch(case, level, candidates, left, trials)?;
-            score_batch(case, level, candidates, right, trials)?;
+        let normal = compile(case, &plan, &all, &[]).ok().and_then(|(session, program)| {
+            let mut problems = Problems::new();
+            let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
+            let mut problem = problem?;
+            problem.left_out = problem.surplus(enough);
+            let count = problem.count(Split::Train);
+            let normal = problem.normal(&problem.start()).ok()?;
+            // What is left out is taken to be like the rest.
+            let share = problem.count_fitted() as f64 / count.max(1) as f64;
+            Some((normal, share))
+        });
+        let Some((normal, share)) = normal else {
+            // One that can not be run must not keep the others from it.
+            let half = batch.len() / 2;
+            if half > 0 {
+                let (left, right) = batch.split_at(half);
+                self.score(left, trials)?;
+                self.score(right, trials)?;
+            }
+            return Ok(());
+        };
+        let mut columns = free;
+        let mut first = vec![None; candidates.len()];
+        for i in batch {
+            first[*i] = Some(columns);
+            columns += case.effects[candidates[*i].effect].amplitudes.len();
         }
-        return Ok(());
-    };
-    let mut columns = free;
-    let mut first = vec![None; candidates.len()];
-    for i in batch {
-        first[*i] = Some(columns);
-        columns += case.effects[candidates[*i].effect].amplitudes.len();
-    }
-    for Trial { scored, members } in trials {
-        let effect = &case.effects[scored.effect];
-        let count = effect.amplitudes.len();
-        let starts: Option<Vec<usize>> = members.iter().map(|m| first[*m]).collect();
-        let Some(starts) = starts else { continue };
-        let group: Vec<usize> = starts.into_iter().flat_map(|s| s..s + count).collect();
-        let signs = effect.amplitudes.iter().map(|a| a.positive);
-        let positive: Vec<bool> = members.iter().flat_map(|_| signs.clone()).collect();
-        if let Some(found) = score(&normal, free, &group, &positive) {
-            // More than everything can not be explained: beyond its range the line does not hold.
-            scored.gain = found.gain.min(level.train.total());
-            scored.amplitudes = found.amplitudes;
+        for Trial { scored, members } in trials {
+            let effect = &case.effects[scored.effect];
+            let count = effect.amplitudes.len();
+            let starts: Option<Vec<usize>> = members.iter().map(|m| first[*m]).collect();
+            let Some(starts) = starts else { continue };
+            let group: Vec<usize> = starts.into_iter().flat_map(|s| s..s + count).collect();
+            let signs = effect.amplitudes.iter().map(|a| a.positive);
+            let positive: Vec<bool> = members.iter().flat_map(|_| signs.clone()).collect();
+            if let Some(found) = score(&normal, free, &group, &positive) {
+                // More than everything can not be explained: beyond its range the line does not hold.
+                scored.gain = (found.gain / share).min(level.train.total());
+                scored.amplitudes = found.amplitudes;
+            }
         }
+        Ok(())
     }
-    Ok(())
 }
 
 type Ranges = Vec<((usize, Place), String, (f64, f64))>;

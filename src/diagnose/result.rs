@@ -124,6 +124,19 @@ pub fn sentences(effects: &[Effect], chosen: &[Chosen]) -> Vec<String> {
     groups(chosen).map(one).collect()
 }
 
+/// The fitted parameters of the effects: full name, value, standard error and unit.
+pub fn estimates(effects: &[Effect], level: &Level) -> Vec<(String, f64, f64, String)> {
+    let names = level.chosen.iter().flat_map(|c| {
+        let effect = &effects[c.effect];
+        c.fitted.iter().map(move |p| (format!("{}.{p}", c.name), unit(effect, p)))
+    });
+    let one = |(name, unit): (String, String)| {
+        let k = level.plan.free.iter().position(|f| f.name == name)?;
+        Some((name, level.values[k], level.errors[k], unit))
+    };
+    names.filter_map(one).collect()
+}
+
 /// What is one phenomenon at one or several places.
 fn groups(chosen: &[Chosen]) -> impl Iterator<Item = &[Chosen]> {
     chosen.chunk_by(|a, b| a.group == b.group)
@@ -158,6 +171,7 @@ pub fn json(
         ("before", quality(case.data, &found.before)),
         ("after", quality(case.data, &found.after)),
         ("balances", Json::list(balances.iter().map(balance_json))),
+        ("repairs", Json::list(case.data.repairs.iter().map(|r| Json::text(r.as_str())))),
         ("amended_model", amended_model.map_or(Json::null(), Json::text)),
         ("seconds", Json::number(seconds)),
         ("complete", Json::flag(complete)),
@@ -209,6 +223,13 @@ fn effect_json(
     Json::object(members)
 }
 
+/// Root of the mean square of a signal over all windows of one recording, in the unit of its column.
+pub fn rmse_of(data: &Data, level: &Level, split: Split, signal: usize, recording: &str) -> f64 {
+    let sums = if split == Split::Train { &level.train } else { &level.validation };
+    let belongs: Vec<bool> = data.of(split).map(|r| r.of == recording).collect();
+    sums.of_part(signal, |i| belongs.get(i).copied().unwrap_or(true)) * data.sigmas[signal]
+}
+
 fn quality(data: &Data, level: &Level) -> Json {
     let signals = |split: Split| {
         let sums = if split == Split::Train { &level.train } else { &level.validation };
@@ -223,8 +244,22 @@ fn quality(data: &Data, level: &Level) -> Json {
         };
         Json::object(level.plan.signals.iter().enumerate().map(one).collect::<Vec<_>>())
     };
+    let recordings = |split: Split| {
+        let all = data.wholes(split).into_iter().map(|name| {
+            let by_signal = level.plan.signals.iter().enumerate().map(|(k, s)| {
+                (s.column.clone(), Json::number(rmse_of(data, level, split, k, name)))
+            });
+            let rmse = Json::object(by_signal.collect::<Vec<_>>());
+            Json::object([("name", Json::text(name)), ("rmse", rmse)])
+        });
+        Json::list(all.collect::<Vec<_>>())
+    };
     let part = |split: Split, chi2: f64| {
-        Json::object([("chi2", Json::number(chi2)), ("signals", signals(split))])
+        Json::object([
+            ("chi2", Json::number(chi2)),
+            ("signals", signals(split)),
+            ("recordings", recordings(split)),
+        ])
     };
     Json::object([
         ("train", part(Split::Train, level.chi2_train())),

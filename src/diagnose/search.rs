@@ -11,11 +11,11 @@ use crate::driver::compile::{Request, Session, Wrong};
 use crate::flatten::inventory::Inventory;
 use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
-use crate::math::numeric::least_squares::Stopping;
+use crate::math::numeric::least_squares::{self, Stopping};
 
 use super::effect::{Effect, Start};
 use super::place::Place;
-use super::rank::rank;
+use super::rank::{ENOUGH, rank};
 use super::text::{Attached, model};
 
 /// Places that are fitted after a score test.
@@ -25,7 +25,13 @@ const SEARCHED: usize = 3;
 /// They are, if what they leave over after a first look is not more than this multiple of the least.
 const CLOSE: f64 = 2.0;
 /// Effects that are looked for, one after the other.
-const DEPTH: usize = 2;
+const DEPTH: usize = 5;
+/// Of these, those that are looked for while anything is left to explain; more only where much is.
+const USUAL: usize = 2;
+/// Reduced sum of squares above which much is left.
+const MUCH: f64 = 2.0;
+/// Share of what is left that each of these further ones must promise, and explain.
+const NOTABLE: f64 = 0.1;
 /// An effect with so many amplitudes is a free curve.
 const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
@@ -35,8 +41,16 @@ const WEAK: f64 = 10.0;
 const EVIDENCE: f64 = 30.0;
 /// Reduced sum of squares up to which nothing is left to explain.
 pub const COMPLETE: f64 = 1.03;
+/// Shares of what the score promises from which a look may begin.
+const WAY: [f64; 5] = [1.0, 0.5, 0.2, 0.07, 0.02];
+/// A law that explains this share of what a free curve does is taken for it.
+const NEARLY: f64 = 0.95;
+/// But not, if it leaves so many times what the curve leaves.
+const FAR: f64 = 5.0;
+/// If the curve leaves nothing to explain, the law must leave less than this too.
+const NEARLY_COMPLETE: f64 = 0.1;
 /// A first look at an effect.
-const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 6, reach: 1.0 };
+const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 };
 
 /// What is examined.
 pub struct Case<'a> {
@@ -143,6 +157,13 @@ pub struct Scored {
     pub gain: f64,
 }
 
+impl Scored {
+    /// The decrease less the price of the amplitudes.
+    pub fn worth(&self, level: &Level) -> f64 {
+        self.gain - (level.train.count() as f64).ln() * self.amplitudes.len() as f64
+    }
+}
+
 /// What was found.
 pub struct Found {
     /// Without any effect.
@@ -172,12 +193,18 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
     let mut found =
         Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
     for depth in 0..DEPTH {
-        if (depth > 0 && found.after.chi2_train() < COMPLETE) || !heed(0, found.after.train.total())
-        {
+        let enough = match depth {
+            0 => 0.0,
+            1..USUAL => COMPLETE,
+            _ => MUCH,
+        };
+        if found.after.chi2_train() < enough || !heed(0, found.after.train.total()) {
             break;
         }
         let ranking = rank(case, &found.after)?;
-        let promising = promising(&found.after, &ranking);
+        let notable = if depth < USUAL { 0.0 } else { NOTABLE * found.after.train.total() };
+        let mut promising = promising(&found.after, &ranking);
+        promising.retain(|s| s.gain > notable);
         for s in ranking.iter().take(2 * FITTED) {
             let share = s.gain / found.after.train.total();
             let name = case.named(s.effect, &s.place);
@@ -187,6 +214,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         let mut levels = tried(case, &found.after, &promising, depth, heed);
         let asked_for = |l: &Level| {
             l.bic() < found.after.bic() - EVIDENCE
+                && l.train.total() < found.after.train.total() - notable
                 && l.chi2_validation() < found.after.chi2_validation()
         };
         if let Some(first) = levels.iter().position(asked_for) {
@@ -245,8 +273,7 @@ fn is_intricate(case: &Case<'_>, level: &Level) -> bool {
 
 /// Those whose promise is worth their parameters.
 fn promising(level: &Level, ranking: &[Scored]) -> Vec<Scored> {
-    let price = (level.train.count() as f64).ln();
-    let worth = |s: &&Scored| s.gain - price * s.amplitudes.len() as f64 > EVIDENCE;
+    let worth = |s: &&Scored| s.worth(level) > EVIDENCE;
     ranking.iter().filter(worth).take(FITTED).cloned().collect()
 }
 
@@ -264,9 +291,13 @@ fn tried(
             break;
         }
         let (chosen, plan) = attach(case, from, scored, depth);
+        let new = amplitudes(case, &chosen[from.chosen.len()..]);
         let look = &mut |p: &mut Problem<'_>| {
-            let start = p.start();
-            search(p, &start, &LOOK, heed)
+            p.left_out = p.surplus(ENOUGH);
+            let start = shortened(p, &new);
+            let found = search(p, &start, &LOOK, heed);
+            p.left_out = Vec::new();
+            found
         };
         if let Ok(fitted) = level(case, chosen, plan, look) {
             let name = case.named(scored.effect, &scored.place);
@@ -274,10 +305,21 @@ fn tried(
             levels.push(fitted);
         }
     }
-    levels.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
-    let least = levels.first().map_or(0.0, |best| best.chi2_train() - 1.0);
-    let reach = 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
-    for fitted in levels.iter_mut().take(SEARCHED).filter(|l| l.chi2_train() < reach) {
+    in_order(case, from, &mut levels, Level::bic);
+    // A free curve soon leaves little, but says little: laws are measured by the best of the laws. A curve
+    // that a law surpasses at the first look is not worth a long search.
+    let least = |curve: bool| {
+        let of_kind = levels.iter().filter(|l| curve || !is_curve(case, l));
+        of_kind.map(|l| l.chi2_train() - 1.0).fold(f64::INFINITY, f64::min)
+    };
+    let reach = |least: f64| 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
+    let (law, any) = (least(false), reach(least(true)));
+    let reach_of_laws = reach(law);
+    let hopeful = |l: &&mut Level| match is_curve(case, l) {
+        true => l.chi2_train() < any.min(1.0 + law),
+        false => l.chi2_train() < reach_of_laws,
+    };
+    for fitted in levels.iter_mut().take(SEARCHED).filter(hopeful) {
         let longer = &mut |p: &mut Problem<'_>| {
             let start = p.start();
             let found = search(p, &start, &STOPPING, heed)?;
@@ -293,10 +335,72 @@ fn tried(
     }
     // Beside an effect that is there, what was never fitted counts as much as what was.
     match from.chosen.is_empty() {
-        true => levels.sort_by(|a, b| a.bic().total_cmp(&b.bic())),
-        false => levels.sort_by(|a, b| a.evidence().total_cmp(&b.evidence())),
+        true => in_order(case, from, &mut levels, Level::bic),
+        false => in_order(case, from, &mut levels, Level::evidence),
     }
     levels
+}
+
+/// Full names of the amplitudes of effects.
+fn amplitudes(case: &Case<'_>, chosen: &[Chosen]) -> Vec<String> {
+    let of = |c: &Chosen| {
+        let all = case.effects[c.effect].amplitudes.iter();
+        all.map(|a| format!("{}.{}", c.name, a.name)).collect::<Vec<_>>()
+    };
+    chosen.iter().flat_map(of).collect()
+}
+
+/// Where a look begins: the score is a straight line, and amplitudes that follow it to its end may be far
+/// beyond where it holds. So the best of some points on the way there.
+fn shortened(problem: &mut Problem<'_>, amplitudes: &[String]) -> Vec<f64> {
+    let whole = problem.start();
+    let at = |share: f64| {
+        let scaled = problem.parameters.iter().zip(&whole).map(|(p, x)| {
+            let is_new = amplitudes.contains(&p.name);
+            if is_new { p.scale.place(share * p.start) } else { *x }
+        });
+        scaled.collect::<Vec<f64>>()
+    };
+    let points: Vec<Vec<f64>> = WAY.into_iter().map(at).collect();
+    let costs: Vec<f64> = points
+        .iter()
+        .map(|x| least_squares::Residuals::cost(problem, x).unwrap_or(f64::INFINITY))
+        .collect();
+    let best = (0..points.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+    best.map_or(whole, |k| points[k].clone())
+}
+
+/// Best first. Of what is not known before a free curve explains as much as the law that it contains, and
+/// what noise and drift leave besides: it comes first only where no law explains nearly as much.
+fn in_order(case: &Case<'_>, from: &Level, levels: &mut [Level], by: impl Fn(&Level) -> f64) {
+    levels.sort_by(|a, b| by(a).total_cmp(&by(b)));
+    // A sensor is blamed only if nothing that it measures explains as much: what is in proportion to a
+    // pressure is the scale of the sensor as well.
+    let of_sensor = |l: &Level| l.chosen.last().is_some_and(|c| c.place.signal.is_some());
+    if let Some(sensor) = levels.first().filter(|l| of_sensor(l)) {
+        let as_good = by(sensor) + EVIDENCE;
+        if let Some(k) = levels.iter().position(|l| !of_sensor(l) && by(l) < as_good) {
+            levels[..=k].rotate_right(1);
+        }
+    }
+    let Some(curve) = levels.first().filter(|l| is_curve(case, l)) else { return };
+    let explained = |l: &Level| from.train.total() - l.train.total();
+    let wanted = NEARLY * explained(curve);
+    let complete = curve.chi2_train() < COMPLETE;
+    let far = FAR * curve.train.total();
+    let nearly = |l: &Level| {
+        let as_good = explained(l) > wanted && l.train.total() < far;
+        as_good && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE)
+    };
+    let is_law = |l: &Level| !is_curve(case, l) && !of_sensor(l);
+    if let Some(k) = levels.iter().position(|l| is_law(l) && nearly(l)) {
+        levels[..=k].rotate_right(1);
+    }
+}
+
+/// True if what was found last is a free curve.
+fn is_curve(case: &Case<'_>, level: &Level) -> bool {
+    level.chosen.last().is_some_and(|c| case.effects[c.effect].amplitudes.len() >= CURVE)
 }
 
 /// One simple effect in place of what a level has: where that has led, the parameters of the model are

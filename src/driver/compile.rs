@@ -18,7 +18,7 @@ use crate::ir::ast::{
 use crate::ir::blocks::Blocks;
 use crate::ir::dae::Kind;
 use crate::ir::expr::{Const, Type, VarId};
-use crate::ir::flat::FlatModel;
+use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::Setting;
 use crate::ir::program::{Continuation, Form, Program};
@@ -38,6 +38,8 @@ pub struct Request {
     pub appended: Option<String>,
     /// `NAME=VALUE`.
     pub settings: Vec<String>,
+    /// Inputs of the model, or of its components, that recordings give values.
+    pub recorded: Vec<String>,
     /// How algebraic loops are solved while the model runs.
     pub form: Form,
     /// Folders of libraries.
@@ -202,8 +204,41 @@ impl Session {
 
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
-        let flat = self.flatten(request)?;
+        let mut flat = self.flatten(request)?;
+        self.record(&mut flat, &request.recorded)?;
         self.compile_flat(flat, request.form)
+    }
+
+    /// Lets recordings give values to inputs that have none.
+    fn record(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), Wrong> {
+        for input in inputs {
+            let found = flat.variables.enumerate().find(|(_, v)| v.name == *input);
+            let open =
+                |v: &Variable| v.ty == Type::Real && v.variability == Variability::Continuous;
+            match found {
+                Some((id, v)) if v.binding.is_none() && open(v) => flat.recorded.push(id),
+                Some((_, v)) => {
+                    let message =
+                        format!("`{input}` is no real input that a recording could give a value");
+                    self.problems.push(
+                        Diagnostic::error("MO1017", v.span, message)
+                            .help("declare it as `input Real` without a value of its own"),
+                    );
+                }
+                None => {
+                    let message = format!("the model has no input `{input}`");
+                    let d = Diagnostic::error("MO1017", Span::NONE, message);
+                    let inputs =
+                        flat.variables.iter().filter(|v| v.causality == Some(Causality::Input));
+                    let names = inputs.map(|v| v.name.as_str());
+                    self.problems.push(match did_you_mean(input, names) {
+                        Some(near) => d.help(format!("did you mean `{near}`?")),
+                        None => d.help("declare it as `input Real` without a value of its own"),
+                    });
+                }
+            }
+        }
+        self.checked(Wrong::Request)
     }
 
     /// The program of a request, extended by what measures need; and the measures in it.

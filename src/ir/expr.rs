@@ -161,6 +161,9 @@ pub enum Node {
     Terminal,
     /// The held truth value of relation `k` of the model. Made by `lower`.
     Relation(u32),
+    /// What a recording says about an input at `time`: its derivative of this order, 0 the value itself.
+    /// Made by `lower`.
+    Recorded(VarId, u32),
 }
 
 /// An enumeration type.
@@ -305,7 +308,8 @@ impl Graph {
             | Node::Pre(_)
             | Node::Initial
             | Node::Terminal
-            | Node::Relation(_) => {}
+            | Node::Relation(_)
+            | Node::Recorded(..) => {}
             Node::Unary(_, a) | Node::NoEvent(a) | Node::Smooth(_, a) => visit(a),
             Node::Binary(_, a, b) | Node::Homotopy(a, b) | Node::Sample(a, b) => {
                 visit(a);

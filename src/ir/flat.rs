@@ -39,6 +39,8 @@ pub struct FlatModel {
     pub experiment: Experiment,
     /// Places of equations and declarations in which constants with units stand as numbers.
     pub lost_units: FastSet<Span>,
+    /// Inputs without a value that recordings give one, moving with time.
+    pub recorded: Vec<VarId>,
 }
 
 /// Defaults of a run from `annotation(experiment(...))`.
@@ -237,6 +239,7 @@ impl FlatModel {
             functions: IndexVec::new(),
             experiment: Experiment::default(),
             lost_units: FastSet::default(),
+            recorded: Vec::new(),
         }
     }
 

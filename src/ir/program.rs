@@ -332,6 +332,8 @@ pub struct Layout {
     pub gaps: Slot,
     /// Parameters that a run may set: variable, input cell (NaN: not given).
     pub parameter_inputs: Vec<(VarId, Slot)>,
+    /// What recordings say about inputs: input, order of the derivative, cell.
+    pub recorded: Vec<(VarId, u32, Slot)>,
     /// Starts that a run may set: variable, input cell (NaN: not given), cell of the start value.
     pub starts: Vec<(VarId, Slot, Slot)>,
 }

@@ -6,7 +6,7 @@ use super::event::Rewriting;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
 use crate::ir::dae::{self, DiscreteEquation, Kind};
-use crate::ir::expr::{ExprId, VarId};
+use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{
     Action, Assert, Causality, EquationKind, FlatModel, Origin, Variability, Variable, WhenBranch,
 };
@@ -27,7 +27,12 @@ pub struct Sections {
 /// is discrete whatever its declaration says (Modelica 3.6, section 3.8.4).
 pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, dae::Variable> {
     let by_when = assigned_in_when(flat);
-    flat.variables.enumerate().map(|(id, v)| classify(id, v, &by_when, problems)).collect()
+    let mut all: IndexVec<VarId, dae::Variable> =
+        flat.variables.enumerate().map(|(id, v)| classify(id, v, &by_when, problems)).collect();
+    for &id in &flat.recorded {
+        all[id].kind = Kind::Algebraic;
+    }
+    all
 }
 
 /// Takes the equations out of the model and splits them by form; declarations `Real x = e` and
@@ -39,6 +44,11 @@ pub fn sections(flat: &mut FlatModel) -> Sections {
             let lhs = flat.graph.var(id, v.ty);
             s.equal.push(Equal { lhs, rhs, origin: declaration_origin(v) });
         }
+    }
+    for id in flat.recorded.clone() {
+        let lhs = flat.graph.var(id, Type::Real);
+        let rhs = flat.graph.intern(Node::Recorded(id, 0), Type::Real);
+        s.equal.push(Equal { lhs, rhs, origin: declaration_origin(&flat.variables[id]) });
     }
     for equation in std::mem::take(&mut flat.equations) {
         let origin = equation.origin;

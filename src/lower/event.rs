@@ -189,9 +189,12 @@ impl<'a> Rewriting<'a> {
     /// What a leaf becomes; `None` for anything with operands.
     fn leaf(&mut self, e: ExprId, origin: &Origin) -> Option<ExprId> {
         match self.graph.node(e) {
-            Node::Const(_) | Node::Time | Node::Initial | Node::Terminal | Node::Relation(_) => {
-                Some(e)
-            }
+            Node::Const(_)
+            | Node::Time
+            | Node::Initial
+            | Node::Terminal
+            | Node::Relation(_)
+            | Node::Recorded(..) => Some(e),
             Node::Var(v) => Some(match self.replacement.get(v) {
                 Some(Replacement::Alias(s)) => self.read(*s),
                 Some(Replacement::Value(value)) => *value,

@@ -25,7 +25,7 @@ impl Variabilities {
             let next = self.known.next_id();
             let variability = match graph.node(next) {
                 Node::Var(v) => of_variable(&variables[v]),
-                Node::Time | Node::Der(_) => Variability::Continuous,
+                Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
                 Node::Pre(_)
                 | Node::Sample(..)
                 | Node::Initial

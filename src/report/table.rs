@@ -321,7 +321,7 @@ impl TextTable {
 }
 
 /// Reads a table: a header with names, then fields of any text. Spaces around fields and a byte order
-/// mark are skipped.
+/// mark are skipped. Fields are separated by commas; by semicolons or tabs if the header has no comma.
 pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
     let path = path.as_ref();
     let at = || path.to_path_buf();
@@ -330,6 +330,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
+        .delimiter(delimiter(bytes))
         .trim(csv::Trim::All)
         .from_reader(bytes);
     let mut record = csv::StringRecord::new();
@@ -380,6 +381,12 @@ impl Lines<'_> {
         self.at = start + empty;
         self.line
     }
+}
+
+/// What separates the fields.
+fn delimiter(bytes: &[u8]) -> u8 {
+    let header = bytes.split(|b| *b == b'\n').next().unwrap_or(bytes);
+    [b',', b';', b'\t'].into_iter().find(|d| header.contains(d)).unwrap_or(b',')
 }
 
 /// Every column has a name of its own.

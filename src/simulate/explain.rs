@@ -245,6 +245,10 @@ impl<'a> Reader<'a> {
                 Node::Initial => cell(layout.initial),
                 Node::Terminal => cell(layout.terminal),
                 Node::Relation(k) => cell(layout.relations + k),
+                Node::Recorded(v, order) => {
+                    let known = layout.recorded.iter().find(|r| (r.0, r.1) == (v, order));
+                    known.map_or(f64::NAN, |(.., slot)| cell(*slot))
+                }
                 Node::Call { .. } | Node::Sample(..) => f64::NAN,
             };
             values.insert(e, value);

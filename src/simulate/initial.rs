@@ -66,6 +66,7 @@ pub fn initialise_from(
             return Err(NoStart::NotAnInput(v));
         }
     }
+    instance.play(&settings.courses, settings.start);
     instance.set(program.layout.time, settings.start);
     instance.set(program.layout.initial, 1.0);
     instance.run(&program.parameters).map_err(Unsettled::Fault)?;

@@ -33,6 +33,9 @@ const SHARPEST: f64 = 1e-12;
 /// First shift of an event that its evaluation does not confirm, in spacings of doubles.
 const NUDGE: f64 = 8.0;
 
+/// Longest step in intervals between two values of a recording that drives the model.
+const UNSEEN: f64 = 4.0;
+
 /// What a run cost.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Statistics {
@@ -253,7 +256,8 @@ impl<'p, 's> Simulation<'p, 's> {
                 break;
             }
             let instant = self.clocks.next_instant(&self.model.instance, self.t);
-            let t_stop = instant.min(self.stop);
+            let corner = self.model.instance.played.next_corner();
+            let t_stop = instant.min(corner).min(self.stop);
             let mut reached = self.step(t_stop)?;
             let mut switched = self.first_switch()?;
             if self.model.beyond && switched.is_none() && self.has_left_the_domain() {
@@ -271,6 +275,7 @@ impl<'p, 's> Simulation<'p, 's> {
             match switched {
                 Some(at) => self.event(at, Cause::State)?,
                 None if reached && t_stop == instant => self.event(t_stop, Cause::Time)?,
+                None if reached && t_stop == corner => self.corner(t_stop)?,
                 None if self.end_of_sliding()?.is_some() => {}
                 None => {
                     let t = self.stepper.t();
@@ -288,6 +293,26 @@ impl<'p, 's> Simulation<'p, 's> {
         self.statistics.end = self.t;
         let ends_by_itself = !self.statistics.interrupted;
         if self.program.reads_terminal && ends_by_itself { self.finish() } else { Ok(()) }
+    }
+
+    /// Goes on past a corner of what recordings say about inputs. Only what jumps there is an event.
+    fn corner(&mut self, t: f64) -> Result<(), Failure> {
+        self.search.heed(&self.model.instance);
+        self.check_assertions_of_step()?;
+        self.vary()?;
+        self.record_grid(t, true)?;
+        self.t = t;
+        if !self.model.instance.played.pass(t) {
+            return Ok(());
+        }
+        if !self.program.watches.is_empty() {
+            return self.event(t, Cause::Time);
+        }
+        self.go_to(t)?;
+        if let Some(s) = &mut self.sensitivity {
+            s.restart(t);
+        }
+        self.restart()
     }
 
     /// The event at the end of the run, for what happens `when terminal()`.
@@ -616,9 +641,11 @@ fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let reaction = if program.state_sets.is_empty() { 1.0 } else { LIMIT * LIMIT };
     let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
     let mut options = Options::with_nominals(tolerance, &nominals);
+    // What is shorter than a step may not be seen.
+    options.max_step = UNSEEN * model.instance.played.spacing();
     if program.order() == 0 && settings.stop > settings.start {
         // Nothing limits the error of a resting state, but events must not be stepped over.
-        options.max_step = settings.spacing.unwrap_or(settings.interval);
+        options.max_step = options.max_step.min(settings.spacing.unwrap_or(settings.interval));
     }
     options
 }

@@ -220,6 +220,9 @@ impl Sensitivity {
             tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
         }
         tangents.of_mut(layout.time)[self.count] = 1.0;
+        instance.played.rates(&instance.memory, |slot, rate| {
+            tangents.of_mut(slot)[self.count] = rate;
+        });
         for tape in [&program.rhs, &program.roots, &program.rest] {
             tangents.follow(instance, tape)?;
         }
@@ -255,6 +258,7 @@ impl Sensitivity {
             }
         }
         tangents.of_mut(layout.time).fill(0.0);
+        layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
     }
 
     fn read_slopes(&mut self) {

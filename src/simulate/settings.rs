@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::codegen::jit::rent::Execution;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
+use crate::math::numeric::course::Course;
 
 use super::extremes::Extreme;
 
@@ -46,6 +47,8 @@ pub struct Settings {
     pub parameters: Vec<(VarId, f64)>,
     /// Values for starts.
     pub starts: Vec<(VarId, f64)>,
+    /// What recordings say about inputs of the program; those without a course rest at 0.
+    pub courses: Vec<(VarId, Arc<Course>)>,
     /// How tapes are run; the results are the same.
     pub execution: Execution,
     /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have
@@ -70,6 +73,7 @@ impl Settings {
             method: Method::default(),
             parameters: Vec::new(),
             starts: Vec::new(),
+            courses: Vec::new(),
             execution: Execution::default(),
             instants: None,
             extremes: Vec::new(),

@@ -146,6 +146,7 @@ impl Surface {
         let mut parts = vec![0.0; count];
         if let Some(tangents) = tangents {
             tangents.of_mut(layout.time).fill(0.0);
+            layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
             for (direction, part) in parts.iter_mut().enumerate() {
                 self.variation.interpolate(direction, t, &mut s);
                 *part = s[n];
@@ -242,6 +243,7 @@ fn by_inputs(
     instance.place(t, y);
     if let Some(tangents) = &mut instance.tangents {
         tangents.of_mut(layout.time).fill(0.0);
+        layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
         for i in 0..y.len() {
             tangents.of_mut(layout.states + i as Slot).fill(0.0);
         }

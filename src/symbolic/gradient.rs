@@ -232,6 +232,9 @@ pub fn time_derivative(
     for e in graph.postorder([root]) {
         let d = match graph.node(e) {
             Node::Time => Some(one),
+            Node::Recorded(v, order) => {
+                Some(graph.intern(Node::Recorded(v, order + 1), graph.ty(e)))
+            }
             Node::Var(_) | Node::Der(_) => leaf(graph, e).and_then(|l| rate(graph, l)),
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => rates[&a],
             Node::If(c, a, b) => alternative(graph, c, rates[&a], rates[&b]),

@@ -61,6 +61,10 @@ impl Printer<'_> {
         match g.node(e) {
             Node::Const(c) => self.literal(c, out),
             Node::Time => out.push_str("time"),
+            Node::Recorded(v, order) => {
+                let name = if order == 0 { "recorded" } else { "recorded_rate" };
+                call(out, name, |out| out.push_str(&names(v)));
+            }
             Node::Var(v) => out.push_str(&names(v)),
             Node::Der(v) => call(out, "der", |out| out.push_str(&names(v))),
             Node::Pre(v) => call(out, "pre", |out| out.push_str(&names(v))),

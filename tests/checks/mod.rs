@@ -21,6 +21,7 @@ mod implicit;
 mod language;
 mod machine_code;
 mod mutation;
+mod measured;
 mod reference;
 mod report;
 mod results;

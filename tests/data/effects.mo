@@ -75,6 +75,41 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end ExtraSpring;
 
+    model StiffeningSpring
+      // What the spring holds it gives back: the motion keeps its energy.
+      extends OnMass(s_0 = 0.1);
+      Effects.StiffeningSpring effect(c_2 = 500, c_3 = 2e4, s_0 = 0.02);
+      Real x = s - 0.02;
+    equation
+      connect(effect.flange, mass.flange);
+      found = {m*v^2/2};
+      exact = {500*(0.08^3 - x^3)/3 + 2e4*(0.08^4 - x^4)/4};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end StiffeningSpring;
+
+    model Overflow
+      // Half of it is lost, half falls into a tank below.
+      Tanks.Tank  upper(A = 2, h_start = 1.5);
+      Tanks.Tank  lower(A = 1, h_start = 0);
+      Effects.Overflow effect(k_in = 0.5, k_out = 0.5, h_max = 0.5);
+      Real found[2] = {upper.h, lower.h};
+      Real exact[2] = {0.5 + 1/(1 + time/4)^2, 1 - 1/(1 + time/4)^2};
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      annotation(experiment(StopTime = 4, Tolerance = 1e-9));
+    end Overflow;
+
+    model LaminarOutflow
+      Tanks.Tank  upper(A = 2, h_start = 1);
+      Tanks.Tank  lower(A = 1, h_start = 0);
+      Effects.LaminarOutflow effect(k = 0.6);
+      Real found[2] = {upper.h, lower.h};
+      Real exact[2] = {exp(-0.3*time), 2*(1 - exp(-0.3*time))};
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      annotation(experiment(StopTime = 4, Tolerance = 1e-9));
+    end LaminarOutflow;
+
     model ViscousDrag
       extends OnMass(v_0 = 1);
       Effects.ViscousDrag effect(d = 3);
@@ -94,6 +129,20 @@ package EffectTests
       exact = {-1/(1 + 3/m*time)};
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end QuadraticDrag;
+
+    model DirectionalDrag
+      // The same coefficient brakes one way and drives the other.
+      extends OnMass(v_0 = 1, n = 2);
+      Effects.DirectionalDrag effect(d = 3);
+      Effects.DirectionalDrag against(d = 3);
+      Translational.Mass back(m = m, s_start = 0, v_start = -1);
+    equation
+      connect(effect.flange, mass.flange);
+      connect(against.flange, back.flange);
+      found = {v, back.v};
+      exact = {exp(-3/m*time), -exp(3/m*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end DirectionalDrag;
 
     model AddedMass
       extends OnMass;
@@ -553,6 +602,19 @@ package EffectTests
     annotation(experiment(StopTime = 0.08, Interval = 1e-4, Tolerance = 1e-9));
   end Base;
 
+  model BesideTanks "The same, and two tanks"
+    extends Base;
+    Tanks.Tank   upper(h_start = 2);
+    Tanks.Tank   lower(h_start = 0.1);
+    Tanks.Outlet outlet;
+    Tanks.Outlet drainage;
+    Tanks.Drain  drain;
+    Units.Position observed = lower.h + 1e3*upper.h;
+  equation
+    connect(outlet.port_a, upper.port);    connect(outlet.port_b, lower.port);
+    connect(drainage.port_a, lower.port);  connect(drainage.port_b, drain.port);
+  end BesideTanks;
+
   package Absent
     model ConstantForce
       extends Base;
@@ -568,6 +630,27 @@ package EffectTests
       connect(effect.flange, spool.flange);
     end ExtraSpring;
 
+    model StiffeningSpring
+      extends Base;
+      Effects.StiffeningSpring effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end StiffeningSpring;
+
+    model Overflow
+      extends BesideTanks;
+      Effects.Overflow effect(h_max = 0.5);
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end Overflow;
+
+    model LaminarOutflow
+      extends BesideTanks;
+      Effects.LaminarOutflow effect;
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end LaminarOutflow;
+
     model ViscousDrag
       extends Base;
       Effects.ViscousDrag effect;
@@ -581,6 +664,13 @@ package EffectTests
     equation
       connect(effect.flange, spool.flange);
     end QuadraticDrag;
+
+    model DirectionalDrag
+      extends Base;
+      Effects.DirectionalDrag effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end DirectionalDrag;
 
     model AddedMass
       extends Base;

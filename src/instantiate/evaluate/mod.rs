@@ -605,7 +605,7 @@ impl Context<'_> {
         for n in self.graph.postorder([e]) {
             let v = match self.graph.node(n) {
                 Node::Var(v) => self.variable_variability(v),
-                Node::Time | Node::Der(_) => Variability::Continuous,
+                Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
                 Node::Pre(_) | Node::Initial | Node::Terminal | Node::Sample(..) => {
                     Variability::Discrete
                 }
@@ -661,6 +661,7 @@ impl Context<'_> {
                 | Node::Terminal
                 | Node::Sample(..)
                 | Node::Call { .. }
+                | Node::Recorded(..)
                 | Node::Relation(_) => return None,
                 _ => {}
             }

@@ -8,6 +8,7 @@
 )]
 
 pub mod coloring;
+pub mod course;
 pub mod eigen;
 pub mod extremum;
 pub mod least_squares;

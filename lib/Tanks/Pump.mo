@@ -1,0 +1,8 @@
+within Tanks;
+model Pump "Pump that delivers in proportion to its voltage"
+  parameter Real k(unit = "m3/(s.V)") = 0.05 "Volume flow per voltage";
+  input Units.Voltage u "Voltage";
+  Port port;
+equation
+  port.q = -k*u;
+end Pump;
