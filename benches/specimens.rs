@@ -200,16 +200,24 @@ impl Stand {
             let own: Vec<&Scored> =
                 all.iter().filter(|s| s.effect == k && s.place.others.is_empty()).collect();
             let mut random = Random(1000 + k as u64);
-            let Some(inserted) = own.get((5 * k + 3) % own.len().max(1)) else {
+            if own.is_empty() {
                 println!("{:28}  fits nowhere", effect.class);
                 continue;
-            };
+            }
             let plan = self.other(SPREAD, &mut random);
-            let at = format!("{} at {}", effect.class, inserted.place.at.join(", "));
-            let Some(values) = self.amplitude(&plan, inserted) else {
-                println!("{at}: no trace in the signals beyond what the parameters absorb");
+            // Where it moves nothing it leaves no trace: the next place then.
+            let seen = (0..own.len()).find_map(|i| {
+                let inserted = own[(5 * k + 3 + i) % own.len()];
+                Some((inserted, self.amplitude(&plan, inserted)?))
+            });
+            let Some((inserted, values)) = seen else {
+                println!(
+                    "{}: no trace in the signals beyond what the parameters absorb",
+                    effect.class
+                );
                 continue;
             };
+            let at = format!("{} at {}", effect.class, inserted.place.at.join(", "));
             let attached = [attachment(effect, inserted, values.clone())];
             let Some(data) = self.recorded(&plan, &attached, &mut random) else {
                 println!("{at} {values:?}: can not be run");

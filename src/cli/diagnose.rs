@@ -69,10 +69,11 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         },
     };
     // What the plan names wrongly, and what can not be run, is said before the search.
-    if let Ok(mut program) = Session::default().compile(&case.request) {
+    let mut trial = Session::default();
+    if let Ok(mut program) = trial.compile(&case.request) {
         record_signals(&mut program, &plan);
         let mut problems = Problems::new();
-        let problem = Problem::new(&program, &session.sources, &plan, &data, &mut problems);
+        let problem = Problem::new(&program, &trial.sources, &plan, &data, &mut problems);
         let failure = problem.as_ref().map(failing);
         drop(problem);
         match failure {
@@ -81,7 +82,7 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
                 return Status::Usage;
             }
             Some(Some(failure)) => {
-                eprintln!("{}", render(&failure.diagnostic, &session.sources, super::style()));
+                eprintln!("{}", render(&failure.diagnostic, &trial.sources, super::style()));
                 return status_of(&failure);
             }
             Some(None) => {}

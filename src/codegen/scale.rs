@@ -17,6 +17,9 @@ use super::emit::{Emitter, PARAMETER};
 /// The part of a size that is not given at which errors become absolute.
 const CAUTION: f64 = 1e-2;
 
+/// No size beyond this follows from a coefficient alone.
+const LARGEST: f64 = 1e6;
+
 /// Emits the sizes of what is integrated to the parameter tape; their cells.
 pub fn of_components(e: &mut Emitter, components: &[VarId]) -> Vec<Slot> {
     let mut equations: FastMap<VarId, Vec<EqId>> = FastMap::default();
@@ -78,6 +81,7 @@ fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
     };
     let partials = gradient(&mut e.dae.graph, rest, |_| true);
     let mut telling = is_telling(e, coefficient);
+    let mut known = false;
     let mut terms = Vec::new();
     for (leaf, partial) in partials {
         let Leaf::Var(z) = leaf else { return None };
@@ -89,6 +93,7 @@ fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
         }
         let given = e.dae.variables[z].nominal.filter(|n| is_fixed(e, *n));
         telling |= given.is_some() || is_telling(e, partial);
+        known |= given.is_some();
         let term = e.dae.graph.unary(Unary::Abs, partial);
         terms.push(match given {
             Some(size) => {
@@ -104,7 +109,14 @@ fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
     let g = &mut e.dae.graph;
     let sum = g.sum(terms);
     let coefficient = g.unary(Unary::Abs, coefficient);
-    Some(g.div(sum, coefficient))
+    let size = g.div(sum, coefficient);
+    if known {
+        return Some(size);
+    }
+    // A coefficient such as 1e-12 says that the other side is small, and not that this one is large.
+    let (limit, one) = (g.real(LARGEST), g.real(1.0));
+    let too_large = g.binary(Binary::Greater, size, limit);
+    Some(g.if_then_else(too_large, one, size))
 }
 
 fn is_telling(e: &Emitter, coefficient: ExprId) -> bool {

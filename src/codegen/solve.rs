@@ -77,6 +77,20 @@ impl SolverWork {
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
+                if self.z.len() == 1 && !matches!(ending, Ending::Converged { .. }) {
+                    // The branch that the solution was on may have come to its end.
+                    let found = other_branch(&mut equations, self.start[0], self.nominal[0]);
+                    if let Some(z) = found {
+                        self.z[0] = z;
+                        region.bounds = None;
+                        ending = newton.solve(&mut equations, &mut self.z, region, &settings);
+                    }
+                }
+                if self.z.len() > 1 && !matches!(ending, Ending::Converged { .. }) {
+                    region.bounds = None;
+                    ending =
+                        elsewhere(newton, &mut equations, &mut self.z, &self.start, region, ending);
+                }
                 let fault = equations.fault;
                 judge(ending, k, fault)?;
             }
@@ -88,6 +102,88 @@ impl SolverWork {
         instance.run(&solver.residual_tape)
     }
 }
+
+/// The root of one equation in one unknown that is nearest to `start`, by a search outwards for a
+/// change of sign and bisection. A jump or a pole changes sign too and is no root.
+fn other_branch(equations: &mut BlockEquations<'_, '_>, start: f64, nominal: f64) -> Option<f64> {
+    let mut value = |z: f64| {
+        let mut g = [0.0];
+        (equations.residual(&[z], &mut g) && g[0].is_finite()).then_some(g[0])
+    };
+    let centre = value(start)?;
+    let mut sides = [(start, centre), (start, centre)];
+    for k in 0..DOUBLINGS {
+        let step = FIRST_STEP * nominal * f64::exp2(f64::from(k));
+        for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
+            let z = start + sign * step;
+            let Some(g) = value(z) else { continue };
+            let before = std::mem::replace(side, (z, g));
+            if before.1.signum() != g.signum() {
+                let (mut a, mut b) = (before, (z, g));
+                let size = a.1.abs().max(b.1.abs());
+                for _ in 0..BISECTIONS {
+                    let middle = 0.5 * (a.0 + b.0);
+                    let Some(g) = value(middle) else { break };
+                    let end = if g.signum() == a.1.signum() { &mut a } else { &mut b };
+                    *end = (middle, g);
+                }
+                let (z, g) = if a.1.abs() < b.1.abs() { a } else { b };
+                if g.abs() <= 1e-6 * size {
+                    return Some(z);
+                }
+            }
+        }
+    }
+    None
+}
+
+/// Newton's method from points around `start`, one unknown displaced at a time, the nearest first;
+/// how it ended at last.
+fn elsewhere(
+    newton: &mut Newton,
+    equations: &mut BlockEquations<'_, '_>,
+    z: &mut [f64],
+    start: &[f64],
+    region: Region<'_>,
+    failed: Ending,
+) -> Ending {
+    let settings = Settings::default();
+    if z.len() > MOST_UNKNOWNS {
+        return failed;
+    }
+    for k in 0..DISPLACEMENTS {
+        let size = FIRST_DISPLACEMENT * DISPLACEMENT_GROWTH.powi(k);
+        for j in 0..z.len() {
+            for sign in [1.0, -1.0] {
+                z.copy_from_slice(start);
+                z[j] += sign * size * region.nominal[j];
+                let ending = newton.solve(equations, z, region, &settings);
+                if matches!(ending, Ending::Converged { .. }) {
+                    return ending;
+                }
+            }
+        }
+    }
+    z.copy_from_slice(start);
+    let _ = newton.solve(equations, z, region, &settings);
+    failed
+}
+
+/// Larger blocks are not searched for other branches.
+const MOST_UNKNOWNS: usize = 12;
+/// How far unknowns are displaced at first, in their typical sizes.
+const FIRST_DISPLACEMENT: f64 = 1e-3;
+/// How often they are displaced further, and by which factor.
+const DISPLACEMENTS: i32 = 8;
+/// See [`DISPLACEMENTS`].
+const DISPLACEMENT_GROWTH: f64 = 8.0;
+
+/// First step of the search for another branch, in typical sizes of the unknown.
+const FIRST_STEP: f64 = 1e-6;
+/// How often that step is doubled.
+const DOUBLINGS: u32 = 60;
+/// Bisections until nothing changes any more.
+const BISECTIONS: u32 = 100;
 
 impl SolverWork {
     /// After a failure: the next attempt starts from the last solution, not from where this one got

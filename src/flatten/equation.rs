@@ -7,8 +7,8 @@ use super::connect::Connections;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::instantiate::Context;
-use crate::instantiate::evaluate::Pending;
 use crate::instantiate::evaluate::deduce::Body;
+use crate::instantiate::evaluate::external::Asserted;
 use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
@@ -58,10 +58,7 @@ pub fn of_object(
             SectionKind::Equations(list) => expand_all(cx, list, scope, &mut target),
             SectionKind::Algorithm(list, span) => algorithm(cx, list, *span, scope, &mut target),
         }
-        for p in std::mem::take(&mut cx.evaluation.asserts) {
-            let Pending { condition, message, warning, span } = p;
-            target.push(EquationKind::Assert(Assert { condition, message, warning }), span);
-        }
+        asserted(cx, &mut target);
     }
 }
 
@@ -72,6 +69,15 @@ fn expand_all(cx: &mut Context<'_>, list: &[ast::Equation], scope: Scope, target
         if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
             target.flat.lost_units.insert(e.span);
         }
+        asserted(cx, target);
+    }
+}
+
+/// Adds what the functions that were called assert.
+fn asserted(cx: &mut Context<'_>, target: &mut Target<'_>) {
+    for a in std::mem::take(&mut cx.evaluation.asserts) {
+        let Asserted { condition, message, warning, span } = a;
+        target.push(EquationKind::Assert(Assert { condition, message, warning }), span);
     }
 }
 
@@ -246,13 +252,48 @@ fn if_equation(
         }
         _ => {}
     }
-    let first = collected(target, |t| expand_all(cx, body, scope, t));
+    let not_c = cx.graph.not(c);
+    let first = collected(target, |t| cx.under(c, |cx| expand_all(cx, body, scope, t)));
     let mut done = None;
     let second = collected(target, |t| {
-        done = if_equation(cx, rest, otherwise, span, scope, t);
+        done = cx.under(not_c, |cx| if_equation(cx, rest, otherwise, span, scope, t));
     });
     done?;
+    // Where the branches relate different unknowns, the condition is part of the structure, as soon
+    // as its parameters have values (with `v = 0` for `R = 0`, say).
+    if unknowns(cx, &first) != unknowns(cx, &second)
+        && let Some(Const::Boolean(chosen)) = cx.parameter_expression(c, true)
+    {
+        let list = if target.initial {
+            &mut target.flat.initial_equations
+        } else {
+            &mut target.flat.equations
+        };
+        list.extend(if chosen { first } else { second });
+        return Some(());
+    }
     merge(cx, c, first, second, span, target)
+}
+
+/// The variables, other than parameters, and the derivatives that equations relate, in order.
+fn unknowns(cx: &mut Context<'_>, equations: &[Equation]) -> Vec<(VarId, bool)> {
+    let sides = equations.iter().filter_map(|e| match e.kind {
+        EquationKind::Equal(a, b) => Some([a, b]),
+        _ => None,
+    });
+    let nodes = cx.graph.postorder(sides.flatten());
+    let mut found = Vec::new();
+    for n in nodes {
+        match cx.graph.node(n) {
+            Node::Var(v) if cx.variability(n) > ast::Variability::Parameter => {
+                found.push((v, false));
+            }
+            Node::Der(v) => found.push((v, true)),
+            _ => {}
+        }
+    }
+    found.sort_unstable();
+    found
 }
 
 /// The equations that `act` adds, taken out again.
@@ -445,13 +486,18 @@ fn algorithm(
         target.push(EquationKind::Algorithm { outputs, values }, span);
     }
     cx.evaluation.assigned.clear();
+    asserted(cx, target);
+    let mut whens = Vec::new();
     for s in list {
         if let StatementKind::When { branches } = &s.kind
             && let Some(branches) = super::when::statement_branches(cx, branches, scope)
         {
-            target.push(EquationKind::When(branches), s.span);
             target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(s.span));
+            whens.push((branches, s.span));
         }
+    }
+    for (branches, span) in super::when::last_wins(whens) {
+        target.push(EquationKind::When(branches), span);
     }
     target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(span));
     cx.evaluation.lost_unit = false;

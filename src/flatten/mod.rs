@@ -21,7 +21,7 @@ use crate::instantiate::Context;
 use crate::ir::assembly::Assembly;
 use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path};
 use crate::ir::expr::Const;
-use crate::ir::flat::{Experiment, FlatModel};
+use crate::ir::flat::{Assert, Equation, EquationKind, Experiment, FlatModel, Origin};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::ir::modification::Setting;
 
@@ -104,6 +104,13 @@ fn flatten_with(
     for (v, (instance, _)) in cx.evaluation.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
         flat.variables[v].structural |= structural.contains(instance);
+    }
+    flat.functions = std::mem::take(&mut cx.evaluation.functions).into_iter().collect();
+    // What functions assert that are called in declarations.
+    for a in std::mem::take(&mut cx.evaluation.asserts) {
+        let origin = Origin { span: a.span, component: "".into() };
+        let assert = Assert { condition: a.condition, message: a.message, warning: a.warning };
+        flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
     }
     flat.graph = std::mem::take(&mut cx.graph);
     flat

@@ -3,7 +3,7 @@
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::instantiate::Context;
-use crate::instantiate::evaluate::Pending;
+use crate::instantiate::evaluate::external::Asserted;
 use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
@@ -150,9 +150,9 @@ fn is_input(cx: &mut Context<'_>, holder: InstanceId, part: &ast::RefPart) -> bo
 }
 
 /// Assertions met while a clause was read belong to it; those from before stay.
-fn keep_asserts(cx: &mut Context<'_>, outside: Vec<Pending>, out: &mut Vec<Action>) {
+fn keep_asserts(cx: &mut Context<'_>, outside: Vec<Asserted>, out: &mut Vec<Action>) {
     for p in std::mem::replace(&mut cx.evaluation.asserts, outside) {
-        let Pending { condition, message, warning, .. } = p;
+        let Asserted { condition, message, warning, .. } = p;
         out.push(Action::Assert(Assert { condition, message, warning }));
     }
 }
@@ -369,4 +369,57 @@ fn statement_actions(
         }
     }
     Some(())
+}
+
+/// When-statements of one algorithm section, made such that each variable is assigned by one of them:
+/// where several assign it, the last that is active counts (section 11.2.7 of the specification).
+pub(super) fn last_wins(whens: Vec<(Vec<WhenBranch>, Span)>) -> Vec<(Vec<WhenBranch>, Span)> {
+    let assigned = |branches: &[WhenBranch]| -> Vec<VarId> {
+        let actions = branches.iter().flat_map(|b| &b.actions);
+        let mut all: Vec<VarId> = actions
+            .filter_map(|a| match a {
+                Action::Assign(v, _) => Some(*v),
+                _ => None,
+            })
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
+    let mut counted: Vec<VarId> = whens.iter().flat_map(|(b, _)| assigned(b)).collect();
+    counted.sort_unstable();
+    let mut shared: Vec<VarId> =
+        counted.windows(2).filter(|w| w[0] == w[1]).map(|w| w[0]).collect();
+    shared.dedup();
+    if shared.is_empty() {
+        return whens;
+    }
+    let mut joined: Vec<(Vec<WhenBranch>, Span)> = Vec::new();
+    for &v in &shared {
+        let mut branches = Vec::new();
+        let mut place = Span::NONE;
+        for (list, span) in whens.iter().rev() {
+            for b in list {
+                let own =
+                    b.actions.iter().rev().find(|a| matches!(a, Action::Assign(w, _) if *w == v));
+                if let Some(action) = own {
+                    place = *span;
+                    branches.push(WhenBranch {
+                        conditions: b.conditions.clone(),
+                        actions: vec![action.clone()],
+                    });
+                }
+            }
+        }
+        joined.push((branches, place));
+    }
+    for (mut list, span) in whens {
+        for b in &mut list {
+            b.actions.retain(|a| !matches!(a, Action::Assign(v, _) if shared.contains(v)));
+        }
+        if list.iter().any(|b| !b.actions.is_empty()) {
+            joined.push((list, span));
+        }
+    }
+    joined
 }

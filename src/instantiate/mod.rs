@@ -106,6 +106,8 @@ impl<'a> Context<'a> {
             ("Integer", Type::Integer),
             ("Boolean", Type::Boolean),
             ("String", Type::String),
+            // What an external object is stays inside: from outside it is a text that names it.
+            ("ExternalObject", Type::String),
         ];
         for (text, ty) in types {
             let id = self.add_predefined_class(text, ty);

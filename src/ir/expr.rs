@@ -12,6 +12,7 @@ use std::hash::{BuildHasher, Hash};
 use crate::base::index::{FastMap, IndexVec};
 use crate::base::name::Name;
 use crate::define_id;
+use crate::ir::native::Native;
 
 define_id! {
     /// A node of the [`Graph`].
@@ -91,6 +92,8 @@ pub enum Unary {
     ToInteger,
     /// The number of an enumeration literal; also `Integer(b)` of an event flag.
     Ordinal,
+    /// A function that is made of data.
+    Native(Native),
 }
 
 /// Binary operators and functions. Relations give `Boolean`.
@@ -117,6 +120,8 @@ pub enum Binary {
     Quotient,
     Mod,
     Rem,
+    /// A function that is made of data.
+    Native(Native),
 }
 
 /// One node.
@@ -403,6 +408,7 @@ impl Unary {
             Unary::Ceil => "ceil",
             Unary::ToInteger => "integer",
             Unary::Ordinal => "Integer",
+            Unary::Native(f) => f.name(),
         }
     }
 }
@@ -443,6 +449,7 @@ impl Binary {
             Binary::Quotient => "div",
             Binary::Mod => "mod",
             Binary::Rem => "rem",
+            Binary::Native(f) => f.name(),
         }
     }
 }

@@ -2,6 +2,7 @@
 pub mod ast;
 pub mod modification;
 pub mod instance;
+pub mod native;
 pub mod expr;
 pub mod flat;
 pub mod dae;

@@ -11,6 +11,12 @@ use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::Variability;
 
+/// Longer sums are not looked through for terms that are 0.
+const LONGEST: usize = 8;
+
+/// How often equations are looked at again because variables were found to be 0.
+const ROUNDS: usize = 5;
+
 /// A variable or its negative.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Signed {
@@ -47,6 +53,11 @@ pub fn search(
         variability: Variabilities::default(),
         chains: SignedUnion::new(variables.len()),
         with_input: variables.iter().map(|v| v.kind == Kind::Input).collect(),
+        past: variables
+            .enumerate()
+            .filter(|(_, v)| v.kind == Kind::Discrete && v.fixed == Some(true))
+            .filter_map(|(id, v)| Some((id, v.start?)))
+            .collect(),
         classes: Classes {
             union,
             value: FastMap::default(),
@@ -59,6 +70,15 @@ pub fn search(
     let mut remaining = equations;
     remaining.retain(|e| !search.unite(e));
     remaining.retain(|e| !search.note_constant(e));
+    // What is 0 may leave two terms where there were more.
+    for _ in 0..ROUNDS {
+        let before = remaining.len();
+        remaining.retain(|e| !search.unite(e));
+        if remaining.len() == before {
+            break;
+        }
+        remaining.retain(|e| !search.note_constant(e));
+    }
     remaining.retain(|e| !search.note_name(e));
     (search.classes, remaining)
 }
@@ -70,6 +90,8 @@ struct Search<'a> {
     /// Roots joined by names of derivatives: a name within one chain would close a circle.
     chains: SignedUnion,
     with_input: IndexVec<VarId, bool>,
+    /// The fixed starts of discrete classes, by root.
+    past: FastMap<VarId, ExprId>,
     classes: Classes,
 }
 
@@ -84,7 +106,13 @@ struct Term {
 impl Search<'_> {
     /// `a = b` and the like, between variables of one kind.
     fn unite(&mut self, e: &Equal) -> bool {
-        let Some([a, b]) = two_terms(self.graph, e) else { return false };
+        let (union, value) = (&mut self.classes.union, &self.classes.value);
+        let graph = &*self.graph;
+        let mut is_zero = |v: VarId| {
+            let known = value.get(&union.find(v).variable);
+            known.is_some_and(|e| graph.as_number(*e) == Some(0.0))
+        };
+        let Some([a, b]) = terms(graph, e, LONGEST, &mut is_zero) else { return false };
         let negative = a.negative == b.negative;
         let of_one_kind = |x: &Variable, y: &Variable| match (x.kind, y.kind) {
             (Kind::Algebraic | Kind::Input, Kind::Algebraic | Kind::Input) => x.ty == Type::Real,
@@ -96,12 +124,21 @@ impl Search<'_> {
             return false;
         }
         let roots = [a, b].map(|t| self.classes.union.find(t.variable).variable);
-        if roots.iter().all(|r| self.with_input[*r]) {
+        let has_value = |r: &VarId| self.classes.value.contains_key(r);
+        if roots.iter().all(|r| self.with_input[*r]) || roots.iter().any(has_value) {
+            return false;
+        }
+        // What two discrete variables were before the start may differ though they are equal.
+        let past = roots.map(|r| self.past.get(&r).copied());
+        if matches!(past, [Some(p), Some(q)] if p != q) {
             return false;
         }
         let united = self.classes.union.unite(a.variable, b.variable, negative);
         let root = self.classes.union.find(a.variable).variable;
         self.with_input[root] = roots.iter().any(|r| self.with_input[*r]);
+        if let Some(start) = past[0].or(past[1]) {
+            self.past.insert(root, start);
+        }
         united
     }
 
@@ -191,23 +228,34 @@ impl Search<'_> {
 
 /// `lhs - rhs`, if it is the sum of two terms of different variables.
 fn two_terms(graph: &Graph, e: &Equal) -> Option<[Term; 2]> {
+    terms(graph, e, 2, &mut |_| false)
+}
+
+/// As [`two_terms`], of at most so many terms of which all others are 0.
+fn terms(
+    graph: &Graph,
+    e: &Equal,
+    most: usize,
+    is_zero: &mut impl FnMut(VarId) -> bool,
+) -> Option<[Term; 2]> {
     let mut open = vec![(e.lhs, false), (e.rhs, true)];
     open.retain(|(side, _)| graph.as_number(*side) != Some(0.0));
-    let mut terms = Vec::with_capacity(2);
+    let mut found = Vec::with_capacity(2);
     while let Some((e, negative)) = open.pop() {
-        if open.len() + terms.len() >= 2 {
+        if open.len() + found.len() >= most {
             return None;
         }
         match graph.node(e) {
-            Node::Var(variable) => terms.push(Term { variable, differentiated: false, negative }),
-            Node::Der(variable) => terms.push(Term { variable, differentiated: true, negative }),
+            Node::Var(variable) if is_zero(variable) => {}
+            Node::Var(variable) => found.push(Term { variable, differentiated: false, negative }),
+            Node::Der(variable) => found.push(Term { variable, differentiated: true, negative }),
             Node::Unary(Unary::Neg, a) => open.push((a, !negative)),
             Node::Binary(Binary::Add, a, b) => open.extend([(b, negative), (a, negative)]),
             Node::Binary(Binary::Sub, a, b) => open.extend([(b, !negative), (a, negative)]),
             _ => return None,
         }
     }
-    let [a, b] = <[Term; 2]>::try_from(terms).ok()?;
+    let [a, b] = <[Term; 2]>::try_from(found).ok()?;
     let distinct = a.variable != b.variable || a.differentiated != b.differentiated;
     distinct.then_some([a, b])
 }

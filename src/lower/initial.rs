@@ -2,6 +2,7 @@
 
 use super::event::{Mode, Rewriting};
 use super::{Discrete, error};
+use crate::base::index::FastSet;
 use crate::ir::dae::{self, Kind};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{Equation, EquationKind, Origin, Variability};
@@ -14,14 +15,17 @@ pub fn equations(
     r: &mut Rewriting<'_>,
 ) -> Vec<dae::Equation> {
     let mut equations = Vec::new();
+    let mut past = Past::default();
     for equation in flat {
         let origin = &equation.origin;
         match &equation.kind {
-            EquationKind::Equal(a, b) => equal(*a, *b, origin, discrete, &mut equations, r),
+            EquationKind::Equal(a, b) => {
+                equal(*a, *b, origin, discrete, &mut equations, &mut past, r);
+            }
             EquationKind::Algorithm { outputs, values } => {
                 for (v, value) in outputs.iter().zip(values) {
                     let lhs = r.graph.var(*v, r.variables[*v].ty);
-                    equal(lhs, *value, origin, discrete, &mut equations, r);
+                    equal(lhs, *value, origin, discrete, &mut equations, &mut past, r);
                 }
             }
             EquationKind::When(_) => r.problems.push(error::initial_when(origin)),
@@ -29,15 +33,112 @@ pub fn equations(
             EquationKind::Assert(_) => {}
         }
     }
+    past.settle(r);
+    for (v, value) in past.moving {
+        with_past(v, value, discrete, r);
+    }
     equations
 }
 
+/// While `initial()`, `pre(v)` is what an initial equation with time or variables says.
+fn with_past(v: VarId, value: ExprId, discrete: &mut Discrete, r: &mut Rewriting<'_>) {
+    let initial = r.graph.intern(Node::Initial, Type::Boolean);
+    for d in &mut discrete.list {
+        let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
+        let at_start = rewriter.apply(r.graph, d.value, &mut |g, n| match g.node(n) {
+            Node::Pre(w) if w == v => Some(value),
+            _ => None,
+        });
+        d.value = r.graph.if_then_else(initial, at_start, d.value);
+    }
+}
+
+/// Initial equations between `pre` values, as `pre(a) = pre(b)`: one side takes what the other has.
+#[derive(Default)]
+struct Past {
+    /// Variables whose `pre` value other initial equations give.
+    given: FastSet<VarId>,
+    open: Vec<(VarId, ExprId)>,
+    /// Values that depend on time or on variables.
+    moving: Vec<(VarId, ExprId)>,
+}
+
+impl Past {
+    /// Gives values in an order in which each is known when it is read; where nothing else gives one,
+    /// the start of what is read counts.
+    fn settle(&mut self, r: &mut Rewriting<'_>) {
+        while !self.open.is_empty() {
+            let known = |e: ExprId, past: &Past, r: &Rewriting<'_>| {
+                past_values(e, r).iter().all(|w| past.given.contains(w))
+            };
+            let mut place = None;
+            for (k, &(v, e)) in self.open.iter().enumerate() {
+                let other = match r.graph.node(e) {
+                    Node::Pre(w) => Some(w),
+                    _ => None,
+                };
+                if known(e, self, r) && !self.given.contains(&v) {
+                    place = Some((k, v, e));
+                } else if let Some(w) = other
+                    && self.given.contains(&v)
+                    && !self.given.contains(&w)
+                {
+                    let read = r.graph.pre(v, r.variables[v].ty);
+                    place = Some((k, w, read));
+                }
+                if place.is_some() {
+                    break;
+                }
+            }
+            let (k, v, e) = place.unwrap_or((0, self.open[0].0, self.open[0].1));
+            self.open.remove(k);
+            if !self.given.insert(v) {
+                continue;
+            }
+            let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
+            let variables = &*r.variables;
+            let start = rewriter.apply(r.graph, e, &mut |g, n| match g.node(n) {
+                Node::Pre(w) => Some(variables[w].start.unwrap_or_else(|| match g.ty(n) {
+                    Type::Boolean => g.boolean(false),
+                    Type::Integer => g.integer(0),
+                    _ => g.real(0.0),
+                })),
+                _ => None,
+            });
+            r.variables[v].start = Some(start);
+        }
+    }
+}
+
+/// The variables whose `pre` values stand in an expression.
+fn past_values(e: ExprId, r: &Rewriting<'_>) -> Vec<VarId> {
+    let nodes = r.graph.postorder([e]);
+    nodes
+        .into_iter()
+        .filter_map(|n| match r.graph.node(n) {
+            Node::Pre(w) => Some(w),
+            _ => None,
+        })
+        .collect()
+}
+
+/// True if nothing but `pre` values and parameters stand in it.
+fn is_past(e: ExprId, r: &Rewriting<'_>) -> bool {
+    r.graph.postorder([e]).into_iter().all(|n| match r.graph.node(n) {
+        Node::Var(v) => r.variables[v].kind == Kind::Parameter,
+        Node::Pre(_) | Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,
+        _ => false,
+    })
+}
+
+#[allow(clippy::too_many_arguments, reason = "what an equation may add to")]
 fn equal(
     a: ExprId,
     b: ExprId,
     origin: &Origin,
     discrete: &mut Discrete,
     equations: &mut Vec<dae::Equation>,
+    past: &mut Past,
     r: &mut Rewriting<'_>,
 ) {
     let lhs = r.apply(a, Mode::Literal, origin);
@@ -49,6 +150,15 @@ fn equal(
             }
             Node::Pre(v) if r.variability(value) <= Variability::Parameter => {
                 r.variables[v].start = Some(value);
+                past.given.insert(v);
+                return;
+            }
+            Node::Pre(v) if is_past(value, r) => {
+                past.open.push((v, value));
+                return;
+            }
+            Node::Pre(v) if r.variables[v].kind == Kind::Discrete => {
+                past.moving.push((v, value));
                 return;
             }
             _ => {}

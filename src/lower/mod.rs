@@ -13,6 +13,7 @@ pub mod initial;
 pub mod jump;
 pub mod parameter;
 pub mod representative;
+pub mod semilinear;
 pub mod variability;
 pub mod when;
 
@@ -34,11 +35,12 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let errors_before = problems.error_count();
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
-    let (classes, equal) = alias::search(&mut flat.graph, &variables, sections.equal);
+    let (classes, mut equal) = alias::search(&mut flat.graph, &variables, sections.equal);
     let replacement =
         representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
 
     let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
+    semilinear::join(&mut equal, &mut rewriting);
     let by_when = when::assigned(&sections.whens, &rewriting);
     let (equations, mut discrete) = split(equal, &by_when, &mut rewriting);
     let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);

@@ -24,7 +24,8 @@ impl Variabilities {
         while self.known.len() <= e.idx() {
             let next = self.known.next_id();
             let variability = match graph.node(next) {
-                Node::Var(v) => of_variable(&variables[v]),
+                // Symbols that stood for locals of loops are no variables of the model.
+                Node::Var(v) => variables.get(v).map_or(Variability::Continuous, of_variable),
                 Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
                 Node::Pre(_)
                 | Node::Sample(..)

@@ -17,6 +17,7 @@ pub mod solve;
 pub mod sort;
 pub mod sums;
 pub mod tear;
+pub mod vanish;
 
 #[cfg(test)]
 mod tests;
@@ -28,19 +29,38 @@ use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::VarId;
 use crate::math::graph::matching::{self, Matching};
 use incidence::System;
+use vanish::Vanishing;
 
 /// Sorts a system. Whatever is wrong with the model is added to `problems`; without errors there is
 /// a result.
 pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
+    let vanishing = Vanishing::find(&mut dae);
+    let original = (!vanishing.is_empty()).then(|| dae.clone());
     explain::check_determined(&dae, problems)?;
     let reduce::Reduced { mut is_state, pivots } = reduced(&mut dae, problems)?;
 
-    let (mut system, mut matched) = matched(&dae, &is_state, problems)?;
+    let reduced_vanishing = match original {
+        Some(_) => Vanishing::find(&mut dae),
+        None => vanishing,
+    };
+    let (mut system, mut matched) = matched(&dae, &is_state, &reduced_vanishing, problems)?;
+    if let Some(mut original) = original {
+        let wrong = reduced_vanishing.mismatched(&dae, &system, &matched);
+        // Should the model make no sense at these values, its numbers will say so.
+        if Vanishing::find(&mut original).apply(&mut original, &wrong)
+            && let mut quiet = Problems::new()
+            && let Some(blocks) = structure(original, &mut quiet)
+        {
+            problems.extend(quiet);
+            return Some(blocks);
+        }
+    }
+    let vanishing = reduced_vanishing;
     // The start is computed before any state is selected.
-    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, problems)?;
+    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, &vanishing, problems)?;
     let state_sets = select::state_sets(&mut dae, &pivots, &mut is_state);
     if !state_sets.is_empty() {
-        (system, matched) = self::matched(&dae, &is_state, problems)?;
+        (system, matched) = self::matched(&dae, &is_state, &vanishing, problems)?;
     }
     let continuous = sort::sequence(&mut dae, &system, &matched);
     let (system, matched) = system.with_discrete(&dae, matched);
@@ -74,10 +94,17 @@ fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
 fn matched(
     dae: &Dae,
     is_state: &IndexVec<VarId, bool>,
+    vanishing: &Vanishing,
     problems: &mut Problems,
 ) -> Option<(System, Matching)> {
     let system = running(dae, is_state);
-    let matched = matching::maximum(&system.graph, |_, _| true, Matching::empty(&system.graph));
+    let empty = Matching::empty(&system.graph);
+    let matched = if vanishing.is_empty() {
+        matching::maximum(&system.graph, |_, _| true, empty)
+    } else {
+        let cost = vanishing.edges(&system).iter().map(|gone| Some(u8::from(*gone))).collect();
+        matching::maximum_preferring(&system.graph, &cost, empty)
+    };
     if matched.cardinality() < system.sources.len().max(system.unknowns.len()) {
         problems.push(explain::lost_rank(dae, &system, &matched));
         return None;

@@ -37,6 +37,16 @@ pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
             return Some(other);
         }
     }
+    // `a = b / v` is `v = b / a`, and needs no iteration.
+    for (side, other) in [(lhs, rhs), (rhs, lhs)] {
+        if let Node::Binary(Binary::Div, b, divisor) = dae.graph.node(side)
+            && is_v(dae, divisor)
+            && ![b, other].into_iter().any(|e| dae.graph.variables(e).contains(&v))
+            && is_never_zero(dae, b)
+        {
+            return Some(dae.graph.div(b, other));
+        }
+    }
     let (coefficient, rest) = linear::split(&mut dae.graph, residual, Leaf::Var(v))?;
     if !is_never_zero(dae, coefficient) {
         return None;

@@ -35,6 +35,7 @@ pub fn unary(op: Unary, a: f64) -> f64 {
         Unary::Floor | Unary::ToInteger => a.floor(),
         Unary::Ceil => a.ceil(),
         Unary::Ordinal => a,
+        Unary::Native(f) => f.unary(a),
     }
 }
 
@@ -74,6 +75,7 @@ pub fn binary(op: Binary, a: f64, b: f64) -> f64 {
         Binary::Quotient => (a / b).trunc(),
         Binary::Mod => a - (a / b).floor() * b,
         Binary::Rem => a - (a / b).trunc() * b,
+        Binary::Native(f) => f.binary(a, b),
     }
 }
 

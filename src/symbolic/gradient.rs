@@ -139,6 +139,10 @@ fn unary_partial(g: &mut Graph, op: Unary, a: ExprId, e: ExprId) -> Option<ExprI
         | Unary::Ceil
         | Unary::ToInteger
         | Unary::Ordinal => return None,
+        Unary::Native(f) => {
+            let derivative = f.derivative(0)?;
+            g.unary(Unary::Native(derivative), a)
+        }
     })
 }
 
@@ -192,6 +196,16 @@ fn binary_partials(
             let product = g.mul(seed, quotient);
             let by_b = g.neg(product);
             vec![(a, seed), (b, by_b)]
+        }
+        Binary::Native(f) => {
+            let mut by = Vec::new();
+            for (k, operand) in [a, b].into_iter().enumerate() {
+                if let Some(derivative) = f.derivative(k) {
+                    let d = g.binary(Binary::Native(derivative), a, b);
+                    by.push((operand, g.mul(seed, d)));
+                }
+            }
+            by
         }
         _ => vec![],
     }

@@ -112,6 +112,8 @@ pub fn hidden_variables(graph: &Graph, root: ExprId) -> FastSet<VarId> {
                 _,
             )
             | Node::Binary(Binary::Quotient | Binary::Mod | Binary::Rem, ..) => tops.push(node),
+            Node::Unary(Unary::Native(f), _) if !f.has_slope() => tops.push(node),
+            Node::Binary(Binary::Native(f), ..) if !f.has_slope() => tops.push(node),
             _ => {}
         }
     }

@@ -28,6 +28,7 @@ pub fn unary(op: Unary, a: f64, value: f64) -> f64 {
         | Unary::Ceil
         | Unary::ToInteger
         | Unary::Ordinal => 0.0,
+        Unary::Native(f) => f.slope(a),
     }
 }
 
@@ -57,6 +58,7 @@ pub fn binary(op: Binary, a: f64, b: f64, value: f64) -> (f64, f64) {
         | Binary::NotEqual
         | Binary::And
         | Binary::Or => (0.0, 0.0),
+        Binary::Native(f) => f.slopes(a, b),
     }
 }
 

@@ -93,7 +93,7 @@ impl Graph {
         let ty = match op {
             _ if op.is_relation() => Type::Boolean,
             Binary::And | Binary::Or => Type::Boolean,
-            Binary::Div | Binary::Pow | Binary::Atan2 => Type::Real,
+            Binary::Div | Binary::Pow | Binary::Atan2 | Binary::Native(_) => Type::Real,
             _ => self.common_type(a, b),
         };
         self.intern(Node::Binary(op, a, b), ty)

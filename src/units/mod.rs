@@ -159,8 +159,8 @@ impl Inference<'_> {
         let known = |e: ExprId| self.expressions[e];
         match self.graph().node(e) {
             Node::Time => Some(Dimension::TIME),
-            Node::Var(v) | Node::Pre(v) => self.variables[v],
-            Node::Der(v) => self.variables[v].map(|d| d.over(Dimension::TIME)),
+            Node::Var(v) | Node::Pre(v) => self.of_variable(v),
+            Node::Der(v) => self.of_variable(v).map(|d| d.over(Dimension::TIME)),
             Node::Unary(op, a) => match op {
                 Unary::Neg | Unary::Abs => known(a),
                 Unary::Sqrt => known(a)?.power(0.5),
@@ -186,6 +186,11 @@ impl Inference<'_> {
             Node::NoEvent(a) | Node::Smooth(_, a) => known(a),
             _ => None,
         }
+    }
+
+    /// Functions that are called at run time have variables of their own: nothing is known of those.
+    fn of_variable(&self, v: VarId) -> Option<Dimension> {
+        self.variables.get(v).copied().flatten()
     }
 
     /// As a factor a plain number has no dimension; as a term it may have any.
@@ -252,7 +257,7 @@ impl Inference<'_> {
 
     fn set(&mut self, v: VarId, d: Dimension) {
         // A unit that is written but not understood is not replaced by another one.
-        let variable = &self.flat.variables[v];
+        let Some(variable) = self.flat.variables.get(v) else { return };
         if self.variables[v].is_none() && variable.unit.is_empty() && variable.ty == Type::Real {
             self.variables[v] = Some(d);
             self.changed = true;
@@ -346,7 +351,7 @@ impl Inference<'_> {
             let declared = self.graph().postorder([side]).into_iter().find_map(|e| {
                 match self.graph().node(e) {
                     Node::Var(v) | Node::Der(v) | Node::Pre(v)
-                        if !self.flat.variables[v].unit.is_empty() =>
+                        if self.flat.variables.get(v).is_some_and(|x| !x.unit.is_empty()) =>
                     {
                         Some(v)
                     }
@@ -362,7 +367,8 @@ impl Inference<'_> {
     }
 
     fn text(&self, e: ExprId) -> String {
-        let names = |v: VarId| self.flat.variables[v].name.clone();
+        let names =
+            |v: VarId| self.flat.variables.get(v).map_or_else(String::new, |x| x.name.clone());
         let text = crate::symbolic::print::print(self.graph(), e, &names);
         match text.char_indices().nth(60) {
             Some((end, _)) => format!("{}...", &text[..end]),
@@ -373,8 +379,8 @@ impl Inference<'_> {
     /// The unit as declared if the expression is one variable, else the dimension.
     fn unit(&self, e: ExprId) -> String {
         if let Node::Var(v) = self.graph().node(e) {
-            let unit = self.flat.variables[v].unit;
-            if !unit.is_empty() {
+            let unit = self.flat.variables.get(v).map(|x| x.unit);
+            if let Some(unit) = unit.filter(|u| !u.is_empty()) {
                 return format!("`{unit}`");
             }
         }

@@ -97,6 +97,61 @@ fn flat_events() {
 }
 
 #[test]
+fn flat_tables() {
+    let flat = flat("tables");
+    // The value of the curve, that of the course, and its next event.
+    assert_eq!((count(&flat, "table("), count(&flat, "nextTimeEvent(")), (2, 1));
+    let run = Case::file("tests/suite/flatten/tables.mo").stop(3.0).tolerance(1e-9).run();
+    // Between the points -1 and 1 the spring is linear with stiffness 2; the course rises from 0.5 s
+    // to 1 in 1 s, jumps to 3 and stays: 0.5 + 1.5 * 3.
+    assert!((run.last("x") - 0.5 * f64::cos(2.0_f64.sqrt() * 3.0)).abs() < 1e-7);
+    assert!((run.last("sum") - 5.0).abs() < 1e-7);
+}
+
+#[test]
+fn flat_operator_records() {
+    let flat = flat("operators");
+    assert_eq!(count(&flat, "Dual"), 0);
+    let run = Case::file("tests/suite/flatten/operators.mo").stop(2.0).run();
+    // x^2 + 2 x - 5 and 2 x + 2 at 3; -x + x^2 + t and 2 x - 1.
+    assert_eq!((run.last("y.value"), run.last("y.slope")), (10.0, 8.0));
+    assert_eq!((run.last("z.value"), run.last("z.slope")), (8.0, 5.0));
+}
+
+#[test]
+fn flat_loops_that_a_run_counts() {
+    let flat = flat("loops");
+    assert_eq!(count(&flat, "while"), 0);
+    let run = Case::file("tests/suite/flatten/loops.mo").stop(1.0).run();
+    assert!((run.last("r") - 3.0_f64.sqrt()).abs() < 1e-12);
+    assert_eq!((run.last("rods[1].m"), run.last("rods[2].m")), (23400.0, 23400.0));
+    assert_eq!((run.last("plain.m"), run.last("last")), (9.0, 1.0));
+}
+
+#[test]
+fn structure_without_what_vanishes() {
+    let text = structure("vanishing");
+    // v and u are one node, and so one state.
+    assert_eq!(count(&text, "states (1): v"), 1);
+    assert_eq!(count(&text, "core"), 0);
+    let run = Case::file("tests/suite/structure/vanishing.mo").stop(1.0).tolerance(1e-9).run();
+    assert!((run.last("u") - f64::exp(-1.0)).abs() < 1e-7);
+    assert_eq!((run.last("core"), run.last("speed")), (0.0, 2.0));
+    // With its resistance the node is two: u' = -u - (v - u) = -v, v' = (v - u) - v = -u.
+    let whole = Case::file("tests/suite/structure/vanishing.mo").set("R=1").stop(1.0);
+    let run = whole.tolerance(1e-9).run();
+    assert!((run.last("v") - f64::cosh(1.0)).abs() < 1e-7);
+}
+
+#[test]
+fn structure_of_a_chain_of_flows() {
+    let text = structure("chains");
+    assert_eq!(count(&text, "3 explicit"), 1);
+    let run = Case::file("tests/suite/structure/chains.mo").stop(3.0).run();
+    assert_eq!((run.last("port"), run.last("a"), run.last("later")), (1.0, 0.5, 1.0));
+}
+
+#[test]
 fn structure_of_the_pendulum() {
     let text = structure("pendulum");
     // One position and one velocity (Mattsson, Olsson & Elmqvist 2000), whichever the angle allows.

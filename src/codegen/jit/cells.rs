@@ -74,7 +74,7 @@ pub struct Cells<'a, 'k> {
     memory: Value,
     memo: Value,
     call_conv: isa::CallConv,
-    signatures: [Option<SigRef>; 2],
+    signatures: [Option<SigRef>; 3],
 }
 
 impl<'a, 'k> Cells<'a, 'k> {
@@ -90,7 +90,7 @@ impl<'a, 'k> Cells<'a, 'k> {
         let parameters = build.block_params(entry);
         let (memory, memo) = (parameters[0], parameters[1]);
         known.forget();
-        Cells { build, known, memory, memo, call_conv, signatures: [None; 2] }
+        Cells { build, known, memory, memo, call_conv, signatures: [None; 3] }
     }
 
     /// Forgets which registers hold what: where paths meet, and where something else may have
@@ -225,6 +225,10 @@ impl<'a, 'k> Cells<'a, 'k> {
                 self.build.ins().sqrt(a)
             }
             Unary::Ordinal => self.get(i.a),
+            Unary::Native(f) => {
+                let (number, a) = (self.number(f64::from(f.number())), self.get(i.a));
+                self.external(external::native_unary(), &[number, a])
+            }
             Unary::Sign | Unary::Floor | Unary::Ceil | Unary::ToInteger => {
                 let a = self.get(i.a);
                 self.external(external::unary(op), &[a])
@@ -262,6 +266,10 @@ impl<'a, 'k> Cells<'a, 'k> {
         }
         let (a, b) = (self.get(i.a), self.get(i.b));
         let value = match op {
+            Binary::Native(f) => {
+                let number = self.number(f64::from(f.number()));
+                self.external(external::native_binary(), &[number, a, b])
+            }
             Binary::Add => self.build.ins().fadd(a, b),
             Binary::Sub => self.build.ins().fsub(a, b),
             Binary::Mul => self.build.ins().fmul(a, b),

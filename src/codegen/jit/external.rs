@@ -1,6 +1,7 @@
 //! The functions that machine code calls: those of [`eval`], which the interpreter calls too.
 
 use crate::ir::expr::{Binary, Unary};
+use crate::ir::native::Native;
 use crate::symbolic::eval;
 
 /// Address of a function `extern "C" fn(f64) -> f64` that computes a unary operator.
@@ -8,6 +9,8 @@ pub fn unary(op: Unary) -> usize {
     macro_rules! addresses {
         ($($name:ident)*) => {
             match op {
+                // Has a signature of its own.
+                Unary::Native(_) => native_unary(),
                 $(Unary::$name => {
                     extern "C" fn compute(a: f64) -> f64 {
                         eval::unary(Unary::$name, a)
@@ -23,11 +26,31 @@ pub fn unary(op: Unary) -> usize {
     }
 }
 
+/// Address of a function `extern "C" fn(f64, f64) -> f64` that calls a function made of data, by
+/// its number and its argument.
+pub fn native_unary() -> usize {
+    extern "C" fn compute(number: f64, a: f64) -> f64 {
+        Native::numbered(number as u32).unary(a)
+    }
+    compute as *const () as usize
+}
+
+/// Address of a function `extern "C" fn(f64, f64, f64) -> f64` that calls a function made of data, by
+/// its number and its arguments.
+pub fn native_binary() -> usize {
+    extern "C" fn compute(number: f64, a: f64, b: f64) -> f64 {
+        Native::numbered(number as u32).binary(a, b)
+    }
+    compute as *const () as usize
+}
+
 /// Address of a function `extern "C" fn(f64, f64) -> f64` that computes a binary operator.
 pub fn binary(op: Binary) -> usize {
     macro_rules! addresses {
         ($($name:ident)*) => {
             match op {
+                // Has a signature of its own.
+                Binary::Native(_) => native_binary(),
                 $(Binary::$name => {
                     extern "C" fn compute(a: f64, b: f64) -> f64 {
                         eval::binary(Binary::$name, a, b)

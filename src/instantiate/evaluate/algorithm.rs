@@ -3,16 +3,13 @@
 //! as often as is known here. (Chapter 11 of the specification.)
 
 use super::Context;
-use super::Pending;
 use super::deduce::Body;
 use super::value::{Record, Value};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::instantiate::evaluate::reference::Selection;
-use crate::ir::ast::{
-    ComponentRef, Expr, ExprKind, Ident, RefPart, Statement, StatementKind, Subscript,
-};
+use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind, Subscript};
 use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
 
@@ -42,7 +39,10 @@ impl Context<'_> {
     fn run_statement(&mut self, s: &Statement, scope: Scope) -> Option<Flow> {
         match &s.kind {
             StatementKind::Assign(target, value) => {
-                let value = self.evaluate(value, scope)?;
+                let value = match self.evaluate(value, scope)? {
+                    Value::Tuple(all) if !all.is_empty() => all[0].clone(),
+                    value => value,
+                };
                 self.assign(target, value, scope)?;
             }
             StatementKind::AssignTuple(targets, call) => {
@@ -93,62 +93,6 @@ impl Context<'_> {
             return self.run_assert(args, named, call.span, scope);
         }
         self.evaluate_outputs(call, scope).map(|_| ())
-    }
-
-    /// `assert` in an algorithm: decided here if its condition is known, else kept for the run.
-    fn run_assert(
-        &mut self,
-        args: &[Expr],
-        named: &[(Ident, Expr)],
-        span: Span,
-        scope: Scope,
-    ) -> Option<()> {
-        let find = |k: usize, n: &str| {
-            args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
-        };
-        let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
-            self.error("MO0219", span, "`assert` takes a condition and a message");
-            return None;
-        };
-        let value = self.evaluate(condition, scope)?;
-        let mut holds = self.truth(&value, condition.span)?;
-        if self.evaluation.in_function {
-            holds = self.graph.no_event(holds);
-        }
-        let passed = self.evaluation.broken.into_iter().chain(self.evaluation.returned);
-        let mut off: Vec<ExprId> = passed.collect();
-        for k in 0..self.evaluation.path.len() {
-            let applies = self.evaluation.path[k];
-            off.push(self.graph.not(applies));
-        }
-        for e in off {
-            holds = self.graph.or(e, holds);
-        }
-        let known = self.graph.as_const(holds);
-        if known == Some(Const::Boolean(true)) || self.evaluation.shaping {
-            return Some(());
-        }
-        let warning = match find(2, "level") {
-            Some(level) => {
-                let level = self.fold(level, scope)?.scalar()?;
-                matches!(self.graph.as_const(level), Some(Const::Enumeration(_, 1)))
-            }
-            None => false,
-        };
-        let message = self.evaluate_scalar(message, scope)?;
-        if known == Some(Const::Boolean(false)) && !warning {
-            let text = match self.graph.as_const(message) {
-                Some(Const::String(t)) => t.to_string(),
-                _ => "assertion failed".to_string(),
-            };
-            self.error("MO0223", span, text);
-            return None;
-        }
-        let pending = Pending { condition: holds, message, warning, span };
-        if !self.evaluation.folding && !self.evaluation.asserts.contains(&pending) {
-            self.evaluation.asserts.push(pending);
-        }
-        Some(())
     }
 
     fn run_if(
@@ -300,8 +244,8 @@ impl Context<'_> {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
                 Some(Const::Boolean(true)) => {}
                 _ => {
-                    self.unsupported(condition.span, "loops whose length only a run knows");
-                    return None;
+                    self.repeat(condition, body, scope, condition.span)?;
+                    return Some(Flow::Next);
                 }
             }
             match self.run_statements(body, scope)? {
@@ -340,14 +284,15 @@ impl Context<'_> {
         }
         let selection = self.select(target, scope)?;
         let variables = self.selected_variables(&selection, target.span)?;
-        if value.elements().len() != variables.len() {
-            let message =
-                format!("{} values are assigned to {}", value.elements().len(), variables.len());
+        // Records are taken apart in the order of their fields, as the variables are.
+        let mut scalars = Vec::with_capacity(variables.len());
+        value.for_each_scalar(&mut |e| scalars.push(e));
+        if scalars.len() != variables.len() {
+            let message = format!("{} values are assigned to {}", scalars.len(), variables.len());
             self.error("MO0215", target.span, message);
             return None;
         }
-        for (v, e) in variables.into_iter().zip(value.elements()) {
-            let e = e.scalar()?;
+        for (v, e) in variables.into_iter().zip(scalars) {
             self.evaluation.assigned.insert(v, e);
         }
         Some(())

@@ -221,6 +221,21 @@ impl Context<'_> {
             "homotopy" => self.homotopy_call(args, named, span, scope),
             "semiLinear" => self.semi_linear(args, span, scope),
             "delay" => {
+                if let [_, time] = args
+                    && let Some(Value::Scalar(e)) = self.evaluate(time, scope)
+                    && self.variability(e) > crate::ir::ast::Variability::Parameter
+                {
+                    self.problems.push(
+                        Diagnostic::error(
+                            "MO0219",
+                            time.span,
+                            "this delay changes while the model runs",
+                        )
+                        .help("give the longest delay as third argument: `delay(x, t, t_max)`")
+                        .note("section 3.7.4.1 of the specification"),
+                    );
+                    return Some(None);
+                }
                 self.unsupported(span, "`delay`");
                 None
             }
@@ -508,7 +523,7 @@ impl Context<'_> {
                 if matches!(given.get("format"), Some(Const::String(_))) =>
             {
                 let Some(Const::String(format)) = given.get("format") else { return None };
-                let Some(text) = super::text::formatted(c.number()?, format) else {
+                let Some(text) = super::string::formatted(c.number()?, format) else {
                     let message = format!("`{format}` is no format of a number");
                     self.problems.push(
                         Diagnostic::error("MO0219", span, message)
@@ -518,8 +533,8 @@ impl Context<'_> {
                 };
                 text
             }
-            Some(c) if real => super::text::general(c.number()?, number("significantDigits", 6)),
-            Some(Const::Real(bits)) => super::text::general(f64::from_bits(bits), 6),
+            Some(c) if real => super::string::general(c.number()?, number("significantDigits", 6)),
+            Some(Const::Real(bits)) => super::string::general(f64::from_bits(bits), 6),
             Some(Const::Integer(i)) => i.to_string(),
             Some(Const::Boolean(b)) => b.to_string(),
             Some(Const::String(s)) => s.to_string(),
@@ -528,7 +543,7 @@ impl Context<'_> {
             }
             None => self.sources.text(first.span).unwrap_or("?").to_string(),
         };
-        let text = super::text::padded(text, number("minimumLength", 0), left);
+        let text = super::string::padded(text, number("minimumLength", 0), left);
         Some(Value::Scalar(self.graph.string(&text)))
     }
 

@@ -6,7 +6,8 @@
 
 use super::Context;
 use crate::base::diag::Diagnostic;
-use crate::base::name::name;
+use crate::base::index::FastSet;
+use crate::base::name::{Name, name};
 use crate::ir::ast::{
     ComponentRef, Equation, EquationKind, Expr, ExprKind, Ident, Iterator, RefPart, Statement,
     StatementKind, Subscript,
@@ -188,7 +189,30 @@ fn in_reference(r: &ComponentRef, see: &mut See<'_>) {
     }
 }
 
-fn in_expression(e: &Expr, see: &mut See<'_>) {
+/// The names of the variables that statements assign.
+pub(super) fn assigned(list: &[Statement], names: &mut FastSet<Name>) {
+    for s in list {
+        match &s.kind {
+            StatementKind::Assign(to, _) => {
+                names.insert(to.parts[0].name.name);
+            }
+            StatementKind::AssignTuple(all, _) => {
+                names.extend(all.iter().flatten().map(|to| to.parts[0].name.name));
+            }
+            StatementKind::If { branches, otherwise } => {
+                branches.iter().for_each(|(_, body)| assigned(body, names));
+                assigned(otherwise, names);
+            }
+            StatementKind::For { body, .. } | StatementKind::While { body, .. } => {
+                assigned(body, names);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Calls `see` with every reference in an expression.
+pub(super) fn in_expression(e: &Expr, see: &mut See<'_>) {
     match &e.kind {
         ExprKind::Ref(r) => in_reference(r, see),
         ExprKind::Unary(_, a) | ExprKind::Parenthesised(a) => in_expression(a, see),

@@ -2,13 +2,14 @@
 //! its arguments, symbolic or not, and so becomes part of the expression that calls it.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use super::value::{Record, Value};
 use super::{Context, MAX_DEPTH};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::ir::ast::{Causality, ClassKind, Ident, Variability};
+use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript, Variability};
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
 
@@ -23,6 +24,24 @@ impl Context<'_> {
     ) -> Option<Value> {
         match self.kind(class) {
             ClassKind::Function { .. } => self.call_function(class, args, named, span),
+            _ if self.is_external_object(class) => {
+                let constructor = super::external::constructor();
+                let holder = self.classes[class].holder;
+                match self.member_class(class, constructor, holder) {
+                    Some(f) => self.call_function(f, args, named, span),
+                    None => {
+                        let full_name = self.classes[class].full_name;
+                        let message = format!("`{full_name}` has no constructor");
+                        self.error("MO0219", span, message);
+                        None
+                    }
+                }
+            }
+            ClassKind::OperatorRecord
+                if let Some(made) = self.overloaded_constructor(class, &args, &named, span) =>
+            {
+                made
+            }
             ClassKind::Record | ClassKind::OperatorRecord => {
                 self.construct(class, args, named, span)
             }
@@ -34,7 +53,7 @@ impl Context<'_> {
         }
     }
 
-    fn components(&mut self, class: ClassId) -> Vec<(Entry, Declaration)> {
+    pub(super) fn components(&mut self, class: ClassId) -> Vec<(Entry, Declaration)> {
         let table = self.table(class);
         table
             .entries
@@ -176,7 +195,7 @@ impl Context<'_> {
         Some(Some(Value::array(dims, results)))
     }
 
-    fn formal_rank(&mut self, entry: &Entry, declaration: &Declaration) -> usize {
+    pub(super) fn formal_rank(&mut self, entry: &Entry, declaration: &Declaration) -> usize {
         let clause = declaration.clause();
         let scope = self.declaration_scope(entry);
         let inner = match self.find_class(&clause.type_name, scope) {
@@ -243,18 +262,14 @@ impl Context<'_> {
             self.evaluation.locals.push((name, value));
         }
         let table = self.table(class);
-        if let Some((external, _)) = &table.external {
-            let called = external.function.map_or(self.classes[class].full_name, |f| f.name);
-            self.problems.push(
-                Diagnostic::error(
-                    "MO0222",
-                    span,
-                    format!("the external function `{called}` is not known to mocc"),
-                )
-                .also(external.span, "declared external here")
-                .help("write the function in Modelica"),
-            );
-            return None;
+        if let Some((external, at)) = &table.external {
+            let inputs: Vec<Name> = components
+                .iter()
+                .filter(|(_, d)| d.clause().prefix.causality == Some(Causality::Input))
+                .map(|(e, _)| e.name.name)
+                .collect();
+            let scope = Scope { instance: self.classes[*at].holder, class: *at };
+            self.run_external(class, external, &inputs, &outputs, scope, span)?;
         }
         for section in &table.sections {
             if let SectionKind::Algorithm(statements, _) = &section.kind {
@@ -279,19 +294,43 @@ impl Context<'_> {
         }
     }
 
+    /// The value that a declaration, or what extends it, gives a local or a field.
+    fn declared_value(
+        &self,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> Option<(Arc<Expr>, Scope)> {
+        let name = entry.name.name;
+        for (modification, class) in entry.layers.iter() {
+            for argument in &modification.args {
+                if let ArgumentKind::Element { path, modification: Some(inner), .. } =
+                    &argument.kind
+                    && let [one] = path.parts.as_slice()
+                    && one.name == name
+                    && let Some(binding) = &inner.binding
+                {
+                    // What the modification names are the other fields, and what its class sees.
+                    let scope = Scope { instance: self.classes[*class].holder, class: *class };
+                    return Some((binding.clone(), scope));
+                }
+            }
+        }
+        let binding = declaration.component().modification.as_ref()?.binding.clone()?;
+        Some((binding, self.declaration_scope(entry)))
+    }
+
     /// What a local variable, an output or an omitted input starts with.
     fn local_start(&mut self, entry: &Entry, declaration: &Declaration) -> Option<Value> {
         let scope = self.declaration_scope(entry);
         let component = declaration.component();
         let input = self.causality(entry, declaration) == Some(Causality::Input);
-        let binding = component.modification.as_ref().and_then(|m| m.binding.clone());
-        if let Some(binding) = binding {
-            let value = self.evaluate(&binding, scope)?;
+        if let Some((binding, written_in)) = self.declared_value(entry, declaration) {
+            let value = self.evaluate(&binding, written_in)?;
             let mut dims = Vec::new();
-            for s in &component.dims {
+            for s in component.dims.iter().chain(&declaration.clause().type_dims) {
                 match s {
-                    crate::ir::ast::Subscript::Expr(e) => dims.push(self.fold_size(e, scope)?),
-                    crate::ir::ast::Subscript::Colon(_) => return Some(value),
+                    Subscript::Expr(e) => dims.push(self.fold_size(e, scope)?),
+                    Subscript::Colon(_) => return Some(value),
                 }
             }
             return self.spread(value, &dims, &Rc::from([]), binding.span);
@@ -302,13 +341,29 @@ impl Context<'_> {
         let mut dims = Vec::new();
         for s in component.dims.iter().chain(&declaration.clause().type_dims) {
             match s {
-                crate::ir::ast::Subscript::Expr(e) => dims.push(self.fold_size(e, scope)?),
-                crate::ir::ast::Subscript::Colon(_) => dims.push(0),
+                Subscript::Expr(e) => dims.push(self.fold_size(e, scope)?),
+                Subscript::Colon(_) => dims.push(0),
             }
         }
         self.check_count(&dims, component.name.span)?;
         let class = self.class_or_report(&declaration.clause().type_name, scope)?;
-        let zero = self.zero_of_class(class, component.name.span)?;
+        let mut zero = self.zero_of_class(class, component.name.span)?;
+        // Fields may be given values one by one: `output Complex result(re=re, im=im)`.
+        if let (Value::Record(record), Some(m)) = (&zero, &component.modification) {
+            let mut fields = record.fields.clone();
+            let class = record.class;
+            for argument in &m.args {
+                if let ArgumentKind::Element { path, modification: Some(inner), .. } =
+                    &argument.kind
+                    && let [field] = path.parts.as_slice()
+                    && let Some(binding) = &inner.binding
+                    && let Some(at) = fields.iter().position(|(n, _)| *n == field.name)
+                {
+                    fields[at].1 = self.evaluate(binding, scope)?;
+                }
+            }
+            zero = Value::Record(Rc::new(Record { class, fields }));
+        }
         let n: usize = dims.iter().product();
         let elements = vec![zero; n];
         Some(Value::array(dims, elements))
@@ -331,12 +386,72 @@ impl Context<'_> {
         if let Some(ty) = table.scalar {
             return Some(self.zero_of_type(ty));
         }
-        let mut fields = Vec::new();
-        for (entry, declaration) in self.components(class) {
-            fields.push((entry.name.name, self.local_start(&entry, &declaration)?));
-        }
+        let components = self.components(class);
+        let given = vec![None; components.len()];
+        let saved = self.enter_frame(true);
+        let fields = self.fields(&components, given);
+        self.leave_frame(saved);
         let _ = span;
-        Some(Value::Record(Rc::new(Record { class: Some(class), fields })))
+        Some(Value::Record(Rc::new(Record { class: Some(class), fields: fields.ok()? })))
+    }
+
+    /// The fields of a record in order. What a default reads of other fields is computed before it;
+    /// an error is the place of the field without a value.
+    fn fields(
+        &mut self,
+        components: &[(Entry, Declaration)],
+        given: Vec<Option<Value>>,
+    ) -> Result<Vec<(Name, Value)>, usize> {
+        let mut order = Vec::with_capacity(components.len());
+        let mut met = vec![false; components.len()];
+        for k in 0..components.len() {
+            self.order_of_fields(components, &given, k, &mut met, &mut order);
+        }
+        let mut values: Vec<Option<Value>> = given;
+        for k in order {
+            let (entry, declaration) = &components[k];
+            let value = match values[k].take() {
+                Some(value) => value,
+                None => self.local_start(entry, declaration).ok_or(k)?,
+            };
+            self.evaluation.locals.push((entry.name.name, value.clone()));
+            values[k] = Some(value);
+        }
+        let names = components.iter().map(|(e, _)| e.name.name);
+        Ok(names.zip(values.into_iter().flatten()).collect())
+    }
+
+    fn order_of_fields(
+        &self,
+        components: &[(Entry, Declaration)],
+        given: &[Option<Value>],
+        k: usize,
+        met: &mut [bool],
+        order: &mut Vec<usize>,
+    ) {
+        if std::mem::replace(&mut met[k], true) {
+            return;
+        }
+        let (entry, declaration) = &components[k];
+        let mut read: Vec<Name> = Vec::new();
+        let mut see = |r: &crate::ir::ast::ComponentRef| read.push(r.parts[0].name.name);
+        if given[k].is_none() {
+            if let Some((binding, _)) = self.declared_value(entry, declaration) {
+                super::deduce::in_expression(&binding, &mut see);
+            }
+            let clause = declaration.clause();
+            for s in declaration.component().dims.iter().chain(&clause.type_dims) {
+                if let Subscript::Expr(e) = s {
+                    super::deduce::in_expression(e, &mut see);
+                }
+            }
+        }
+        for name in read {
+            if let Some(other) = components.iter().position(|(e, _)| e.name.name == name) {
+                self.order_of_fields(components, given, other, met, order);
+            }
+        }
+        order.push(k);
     }
 
     /// A record constructor (section 12.6).
@@ -357,37 +472,33 @@ impl Context<'_> {
             .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
             .collect();
         let saved = self.enter_frame(true);
-        let mut built: Vec<Option<(Name, Value)>> = vec![None; components.len()];
-        // Values that are given first, then constants, which nothing else decides.
-        let constant =
-            |k: &usize| components[*k].1.clause().prefix.variability == Some(Variability::Constant);
-        let mut order: Vec<usize> = (0..components.len()).collect();
-        order.sort_by_key(|k| (given[*k].is_none(), !constant(k)));
-        let mut given = given;
-        for k in order {
-            let (entry, declaration) = &components[k];
-            let value = match given[k].take() {
-                Some(v) => Some(v),
-                None => self.local_start(entry, declaration),
-            };
-            let Some(value) = value else {
-                self.leave_frame(saved);
-                let message = format!("field `{}` of `{full_name}` is missing", entry.name.name);
-                self.error("MO0219", span, message);
-                return None;
-            };
-            self.evaluation.locals.push((entry.name.name, value.clone()));
-            built[k] = Some((entry.name.name, value));
-        }
+        let built = self.fields(&components, given);
         self.leave_frame(saved);
-        let built = built.into_iter().flatten().collect();
+        let built = match built {
+            Ok(built) => built,
+            Err(k) => {
+                let name = components[k].0.name.name;
+                let message = format!("field `{name}` of `{full_name}` has no value");
+                if !self.problems.has_errors() {
+                    self.error("MO0219", span, message);
+                }
+                return None;
+            }
+        };
         Some(Value::Record(Rc::new(Record { class: Some(class), fields: built })))
     }
 }
 
 /// Constants and final fields that have a value are no inputs of the constructor (section 12.6).
 fn is_settled(declaration: &Declaration) -> bool {
-    let constant = declaration.clause().prefix.variability == Some(Variability::Constant);
-    let bound = declaration.component().modification.as_ref().is_some_and(|m| m.binding.is_some());
-    (constant || declaration.element.is_final) && bound
+    is_constant(declaration) || declaration.element.is_final && has_value(declaration)
+}
+
+/// A constant with a value.
+pub(super) fn is_constant(declaration: &Declaration) -> bool {
+    declaration.clause().prefix.variability == Some(Variability::Constant) && has_value(declaration)
+}
+
+fn has_value(declaration: &Declaration) -> bool {
+    declaration.component().modification.as_ref().is_some_and(|m| m.binding.is_some())
 }

@@ -8,10 +8,14 @@
 pub mod algorithm;
 pub mod builtin;
 pub mod deduce;
+pub mod external;
 pub mod function;
 pub mod operator;
+pub mod overload;
 pub mod reference;
-mod text;
+pub mod repeat;
+mod string;
+pub mod text;
 pub mod value;
 
 use std::rc::Rc;
@@ -62,10 +66,6 @@ pub struct State {
     pub(crate) reading: bool,
     /// The constant whose value is being found.
     pub(crate) constant: Option<InstanceId>,
-    /// Conditions under which the statement or expression being read counts.
-    pub(crate) path: Vec<ExprId>,
-    /// Assertions of algorithms and functions, to be added to the model.
-    pub(crate) asserts: Vec<Pending>,
     /// A constant with a unit stands as a number in what is being read.
     pub(crate) lost_unit: bool,
     /// Whether constants have units.
@@ -74,21 +74,18 @@ pub struct State {
     pub(crate) shaping: bool,
     /// What each numbered flat variable is: for folding what stands in an expression.
     pub(crate) instance_of: Vec<(InstanceId, usize)>,
+    /// Tables, by the number that stands for each.
+    pub(crate) objects: Vec<external::Object>,
+    /// Conditions, known only when the model runs, under which what is being run counts.
+    pub(crate) path: Vec<ExprId>,
+    /// Functions made of loops whose length only a run knows.
+    pub(crate) functions: Vec<crate::ir::flat::Function>,
+    /// How many symbols such loops have.
+    pub(crate) symbols: u32,
+    /// Assertions of functions that only a run can decide.
+    pub(crate) asserts: Vec<external::Asserted>,
     /// In how many connections each connector is; known where equations are read.
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
-}
-
-/// An assertion met in an algorithm.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Pending {
-    /// What must be true.
-    pub(crate) condition: ExprId,
-    /// What is said if it is not.
-    pub(crate) message: ExprId,
-    /// `AssertionLevel.warning`.
-    pub(crate) warning: bool,
-    /// Where it stands.
-    pub(crate) span: Span,
 }
 
 impl Context<'_> {
@@ -317,13 +314,14 @@ impl Context<'_> {
         let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
         let constant = is_constant.then_some(id);
         let constant = std::mem::replace(&mut self.evaluation.constant, constant);
+        let shaping = std::mem::replace(&mut self.evaluation.shaping, false);
         let saved = self.enter_frame(false);
         let mut value = self.binding_value(id);
         if value.is_none() && self.binding(id).is_none() {
             value = self.start_or_children(id, span);
         }
         self.leave_frame(saved);
-        self.evaluation.folding = before;
+        (self.evaluation.folding, self.evaluation.shaping) = (before, shaping);
         self.evaluation.constant = constant;
         if let InstanceKind::Variable { ty: Type::Real, .. } = self.instances[id].kind
             && let Some(found) = &value
@@ -367,12 +365,12 @@ impl Context<'_> {
     /// The value that the declaration or a modification binds to an instance: its own, or the field of
     /// the record around it that is bound as a whole.
     pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
-        if self.overruled(id) {
-            return self.part_of_parent(id);
-        }
-        if let Some(binding) = self.binding(id) {
-            let value =
-                self.cached(&binding.value, binding.scope, !binding.subscripts.is_empty(), id)?;
+        if let Some(binding) = self.binding(id).filter(|_| !self.outranked(id)) {
+            // A record is asked for by each of its fields.
+            let record = matches!(self.instances[id].kind, InstanceKind::Object(_));
+            let keep =
+                !binding.subscripts.is_empty() || (record && self.evaluation.assigned.is_empty());
+            let value = self.cached(&binding.value, binding.scope, keep, id)?;
             let dims = binding.subscripts.clone();
             if !binding.setting {
                 self.check_extent(id, &value, &dims, binding.value.span);
@@ -380,48 +378,48 @@ impl Context<'_> {
             return self.taken_apart(value, &dims, binding.setting, binding.value.span);
         }
         let parent = self.instances[id].parent?;
-        let holds = matches!(
-            self.instances[parent].kind,
-            InstanceKind::Object(_) | InstanceKind::Array { .. }
-        );
-        if !holds || !self.bound(parent) {
+        if !self.bound(parent) {
             return None;
         }
-        self.part_of_parent(id)
-    }
-
-    /// The field or element of what the record or array around an instance is bound to.
-    fn part_of_parent(&mut self, id: InstanceId) -> Option<Value> {
-        let parent = self.instances[id].parent?;
-        let whole = self.binding_value(parent)?;
-        if matches!(self.instances[parent].kind, InstanceKind::Array { .. }) {
-            let subscripts = self.instances[id].subscripts.clone();
-            return whole.select(&subscripts);
+        match self.instances[parent].kind {
+            InstanceKind::Object(_) => {
+                let name = self.instances[id].name;
+                self.binding_value(parent)?.field(name)
+            }
+            InstanceKind::Array { .. } => {
+                let subscripts = self.instances[id].subscripts.clone();
+                self.binding_value(parent)?.select(&subscripts)
+            }
+            _ => None,
         }
-        whole.field(self.instances[id].name)
     }
 
-    /// Whether the value of the record around an instance counts, and not the one that the text of the
-    /// record gives to its field.
-    fn overruled(&mut self, id: InstanceId) -> bool {
+    /// True if the binding of a record around an instance comes from further out than its own: the
+    /// record as a whole takes the place of what its class says of its fields (section 7.2.4).
+    fn outranked(&self, id: InstanceId) -> bool {
         let Some(parent) = self.instances[id].parent else { return false };
-        if self.instances[parent].layers.is_empty() && self.instances[parent].parent.is_none() {
+        // A constant that its class gives a value is no field that a constructor could give another.
+        if self.instances[id].declaration.as_ref().is_some_and(function::is_constant) {
             return false;
         }
-        if matches!(self.instances[parent].kind, InstanceKind::Array { .. }) {
-            return self.overruled(parent);
+        match self.instances[parent].kind {
+            InstanceKind::Object(_) => {}
+            // An element is what its array is.
+            InstanceKind::Array { .. } => return self.outranked(parent),
+            _ => return false,
         }
-        if !matches!(self.instances[parent].kind, InstanceKind::Object(_))
-            || self.instances[id].prefix.variability == Some(Variability::Constant)
-            || !self.bound(parent)
-        {
-            return false;
+        let name = self.instances[id].name;
+        let mut own = Vec::new();
+        for layer in self.instances[parent].layers.iter() {
+            layer.child(name, &mut own);
+            if own.iter().any(|l| l.binding().is_some()) {
+                return false;
+            }
+            if layer.binding().is_some() {
+                return true;
+            }
         }
-        // What the surroundings say of the field itself comes first.
-        match self.binding(id) {
-            Some(own) => own.scope.instance == parent && !own.setting,
-            None => true,
-        }
+        self.outranked(parent)
     }
 
     /// True if the instance or a record around it has a binding.
@@ -637,7 +635,7 @@ impl Context<'_> {
     }
 
     /// The value of an expression that reads parameters only; `reals` says whether Real ones count.
-    fn parameter_expression(&mut self, e: ExprId, reals: bool) -> Option<Const> {
+    pub(crate) fn parameter_expression(&mut self, e: ExprId, reals: bool) -> Option<Const> {
         if let Some(c) = self.graph.as_const(e) {
             return Some(c);
         }

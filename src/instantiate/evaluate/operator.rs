@@ -17,6 +17,9 @@ impl Context<'_> {
     pub(crate) fn unary_operator(&mut self, op: UnaryOp, a: Value, span: Span) -> Option<Value> {
         match op {
             UnaryOp::Plus | UnaryOp::ElementPlus => Some(a),
+            UnaryOp::Minus | UnaryOp::ElementMinus if self.is_overloaded(&a) => {
+                a.map(|v| self.overloaded("'-'", std::slice::from_ref(v), span))
+            }
             UnaryOp::Minus | UnaryOp::ElementMinus => {
                 a.map(|v| Some(Value::Scalar(self.number(v, span).map(|e| self.graph.neg(e))?)))
             }
@@ -83,6 +86,10 @@ impl Context<'_> {
     }
 
     fn relation(&mut self, op: Binary, a: &Value, b: &Value, span: Span) -> Option<Value> {
+        if let (Value::Record(_), _) | (_, Value::Record(_)) = (a, b) {
+            let operator = format!("'{}'", op.name());
+            return self.overloaded(&operator, &[a.clone(), b.clone()], span);
+        }
         let (Some(x), Some(y)) = (a.scalar(), b.scalar()) else {
             self.error("MO0212", span, "only scalars can be compared");
             return None;
@@ -177,12 +184,9 @@ impl Context<'_> {
             {
                 return Some(Value::Scalar(cx.graph.binary(op, s, t)));
             }
-            if let (Value::Record(r), Value::Record(_)) = (x, y)
-                && matches!(op, Binary::Add | Binary::Sub)
-            {
-                let _ = r;
-                cx.unsupported(span, "operators on records");
-                return None;
+            if let (Value::Record(_), _) | (_, Value::Record(_)) = (x, y) {
+                let operator = format!("'{}'", op.name());
+                return cx.overloaded(&operator, &[x.clone(), y.clone()], span);
             }
             let (s, t) = (cx.number(x, span)?, cx.number(y, span)?);
             Some(Value::Scalar(cx.graph.binary(op, s, t)))
@@ -227,6 +231,9 @@ impl Context<'_> {
                 return None;
             }
         };
+        if self.is_overloaded(a) || self.is_overloaded(b) {
+            return self.overloaded_product(a, b, [rows, inner, columns], span);
+        }
         let mut out = Vec::with_capacity(rows * columns);
         for r in 0..rows {
             for c in 0..columns {
@@ -244,6 +251,42 @@ impl Context<'_> {
             dims.push(rows);
         }
         if n.len() == 2 {
+            dims.push(columns);
+        }
+        Some(Value::array(dims, out))
+    }
+
+    /// The product of arrays of operator records: their own for two vectors, if they have one, else
+    /// sums of products.
+    fn overloaded_product(
+        &mut self,
+        a: &Value,
+        b: &Value,
+        [rows, inner, columns]: [usize; 3],
+        span: Span,
+    ) -> Option<Value> {
+        if a.dims().len() == 1 && b.dims().len() == 1 {
+            return self.overloaded("'*'", &[a.clone(), b.clone()], span);
+        }
+        let mut out = Vec::with_capacity(rows * columns);
+        for k in 0..rows * columns {
+            let (r, c) = (k / columns, k % columns);
+            let mut sum: Option<Value> = None;
+            for k in 0..inner {
+                let (x, y) = (&a.elements()[r * inner + k], &b.elements()[k * columns + c]);
+                let term = self.overloaded("'*'", &[x.clone(), y.clone()], span)?;
+                sum = Some(match sum {
+                    Some(sum) => self.overloaded("'+'", &[sum, term], span)?,
+                    None => term,
+                });
+            }
+            out.push(sum?);
+        }
+        let mut dims = Vec::new();
+        if a.dims().len() == 2 {
+            dims.push(rows);
+        }
+        if b.dims().len() == 2 {
             dims.push(columns);
         }
         Some(Value::array(dims, out))
@@ -293,20 +336,12 @@ impl Context<'_> {
             Some(Const::Boolean(true)) => self.evaluate(value, scope),
             Some(Const::Boolean(false)) => self.if_expression(rest, otherwise, scope),
             _ => {
-                let a = self.under(c, |cx| cx.evaluate(value, scope));
                 let not_c = self.graph.not(c);
+                let a = self.under(c, |cx| cx.evaluate(value, scope));
                 let b = self.under(not_c, |cx| cx.if_expression(rest, otherwise, scope));
                 self.if_values(c, a?, b?, value.span)
             }
         }
-    }
-
-    /// Does something that counts under a condition only.
-    pub(crate) fn under<T>(&mut self, c: ExprId, act: impl FnOnce(&mut Self) -> T) -> T {
-        self.evaluation.path.push(c);
-        let result = act(self);
-        self.evaluation.path.pop();
-        result
     }
 
     /// `if c then a else b` of values of the same shape.
@@ -540,6 +575,13 @@ impl Context<'_> {
 
     /// `sum`, `product`, `min`, `max` over all elements.
     pub(crate) fn reduce(&mut self, name: &str, all: &Value, span: Span) -> Option<Value> {
+        if self.is_overloaded(all) && matches!(name, "sum" | "product") {
+            let operator = if name == "sum" { "'+'" } else { "'*'" };
+            let (first, rest) = all.elements().split_first()?;
+            return rest.iter().try_fold(first.clone(), |result, v| {
+                self.overloaded(operator, &[result, v.clone()], span)
+            });
+        }
         let mut elements = Vec::with_capacity(all.elements().len());
         for v in all.elements() {
             elements.push(match v.scalar() {

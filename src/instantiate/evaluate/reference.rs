@@ -434,6 +434,14 @@ impl Context<'_> {
             return None;
         };
         if self.evaluation.shaping {
+            // What fixes the structure decides shapes too.
+            if variability == Some(Variability::Parameter)
+                && ty != Type::Real
+                && self.bound(id)
+                && let Some(value) = self.parameter_value(id, span)
+            {
+                return Some(Some(value));
+            }
             return Some(Some(self.zero_of_type(ty)));
         }
         if self.evaluation.folding || first.is_none() {

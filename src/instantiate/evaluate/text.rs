@@ -1,95 +1,176 @@
-//! `String(...)`: numbers and choices as texts, as C's `printf` writes them (section 3.7.3.1 of the
-//! specification).
+//! External functions on texts, computed before the model runs, from their documentation.
+//!
+//! Positions count characters from 1.
 
-/// A number in the form of C's `%.<digits>g`.
-pub(super) fn general(x: f64, digits: usize) -> String {
-    let digits = digits.max(1);
-    if x == 0.0 {
-        return "0".to_string();
-    }
-    let (mantissa, exponent) = scientific(x, digits - 1);
-    let trimmed = |text: &str| {
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_string()
-        } else {
-            text.to_string()
+use super::Context;
+use super::external::Refusal;
+use super::value::Value;
+use crate::ir::expr::{Const, EnumId};
+
+impl Context<'_> {
+    /// A function of the family `ModelicaStrings_`.
+    pub(super) fn text_function(
+        &mut self,
+        what: &str,
+        args: &[Value],
+    ) -> Result<Vec<Value>, Refusal> {
+        let mut known = Vec::new();
+        for a in args {
+            known.push(self.known(a)?.first().copied().ok_or(Refusal::Unknown)?);
         }
-    };
-    if exponent < -4 || exponent >= digits as i32 {
-        return with_exponent(&trimmed(&mantissa), exponent);
-    }
-    let places = (digits as i32 - 1 - exponent).max(0) as usize;
-    trimmed(&format!("{x:.places$}"))
-}
-
-/// A number in a format such as `2.6f`, `-10.3e` or `.4g`; `None` if it is no such format.
-pub(super) fn formatted(x: f64, format: &str) -> Option<String> {
-    let format = format.strip_prefix('%').unwrap_or(format);
-    let kind = format.chars().last().filter(|c| c.is_ascii_alphabetic())?;
-    let rest = &format[..format.len() - 1];
-    let (flags, rest) = rest.split_at(rest.find(|c| !"-+ 0#".contains(c)).unwrap_or(rest.len()));
-    let (width, places) = match rest.split_once('.') {
-        Some((width, places)) => (width, places.parse::<usize>().ok()?.min(60)),
-        None => (rest, 6),
-    };
-    let width = if width.is_empty() { 0 } else { width.parse::<usize>().ok()?.min(200) };
-    let mut text = match kind {
-        'f' | 'F' => format!("{x:.places$}"),
-        'e' | 'E' => {
-            let (mantissa, exponent) = scientific(x, places);
-            with_exponent(&mantissa, exponent)
+        let text = |k: usize| match known.get(k) {
+            Some(Const::String(t)) => Ok(t.chars().collect::<Vec<char>>()),
+            _ => Err(Refusal::Unknown),
+        };
+        let whole = |k: usize| match known.get(k) {
+            Some(Const::Integer(i)) => Ok(*i),
+            Some(Const::Boolean(b)) => Ok(i64::from(*b)),
+            _ => Err(Refusal::Unknown),
+        };
+        match what {
+            "length" => {
+                let n = text(0)?.len() as i64;
+                Ok(vec![self.whole_number(n)])
+            }
+            "substring" => {
+                let all = text(0)?;
+                let (from, to) = (whole(1)?.max(1), whole(2)?.min(all.len() as i64));
+                let part: String = if from > to {
+                    String::new()
+                } else {
+                    all[from as usize - 1..to as usize].iter().collect()
+                };
+                Ok(vec![Value::Scalar(self.graph.string(&part))])
+            }
+            "compare" => {
+                let (mut a, mut b) = (text(0)?, text(1)?);
+                if whole(2)? == 0 {
+                    a = a.into_iter().flat_map(char::to_lowercase).collect();
+                    b = b.into_iter().flat_map(char::to_lowercase).collect();
+                }
+                let order = a.cmp(&b) as i64 + 2;
+                let literal = self.comparison().map(|t| Const::Enumeration(t, order as u32));
+                let literal = literal.unwrap_or(Const::Integer(order));
+                Ok(vec![Value::Scalar(self.graph.constant(literal))])
+            }
+            "skipWhiteSpace" => {
+                let (all, start) = (text(0)?, whole(1)?.max(1));
+                let blanks =
+                    all.iter().skip(start as usize - 1).take_while(|c| c.is_whitespace()).count();
+                Ok(vec![self.whole_number(start + blanks as i64)])
+            }
+            "hashString" => {
+                // Hash of P. Evans and D. Bernstein in the form with exclusive or, on 32 bits.
+                let hash = text(0)?.iter().fold(5381_u32, |h, c| h.wrapping_mul(33) ^ (*c as u32));
+                Ok(vec![self.whole_number(i64::from(hash as i32))])
+            }
+            "scanInteger" | "scanReal" | "scanIdentifier" | "scanString" => {
+                self.scan(what, &text(0)?, whole(1)?)
+            }
+            _ => Err(Refusal::Unknown),
         }
-        'g' | 'G' => general(x, places),
-        'd' | 'i' => format!("{x:.0}"),
-        _ => return None,
-    };
-    if kind.is_ascii_uppercase() {
-        text = text.to_uppercase();
     }
-    if flags.contains('+') && x >= 0.0 {
-        text.insert(0, '+');
+
+    /// What stands at a position: the position after it (1 if there is nothing such), and its value.
+    fn scan(&mut self, what: &str, all: &[char], start: i64) -> Result<Vec<Value>, Refusal> {
+        let begin = (start.max(1) as usize - 1).min(all.len());
+        let blanks = all[begin..].iter().take_while(|c| c.is_whitespace()).count();
+        let rest = &all[begin + blanks..];
+        let length = match what {
+            "scanIdentifier" => identifier(rest),
+            "scanString" => quoted(rest),
+            "scanInteger" => number(rest, false),
+            _ => number(rest, true),
+        };
+        let token: String = rest[..length].iter().collect();
+        let next = if length == 0 { 1 } else { (begin + blanks + length + 1) as i64 };
+        let value = match what {
+            "scanIdentifier" => Value::Scalar(self.graph.string(&token)),
+            "scanString" => {
+                let inner = token.trim_matches('"').replace("\\\"", "\"");
+                Value::Scalar(self.graph.string(&inner))
+            }
+            "scanInteger" => self.whole_number(token.parse().unwrap_or(0)),
+            _ => Value::Scalar(self.graph.real(token.parse().unwrap_or(0.0))),
+        };
+        Ok(vec![self.whole_number(next), value])
     }
-    Some(padded(text, width, flags.contains('-')))
+
+    fn whole_number(&mut self, n: i64) -> Value {
+        Value::Scalar(self.graph.integer(n))
+    }
+
+    /// The enumeration that a comparison of texts gives.
+    fn comparison(&self) -> Option<EnumId> {
+        let is_it = |id: &EnumId| {
+            let literals = &self.graph.enumerations[*id].literals;
+            literals.iter().map(|l| l.as_str()).eq(["Less", "Equal", "Greater"])
+        };
+        self.graph.enumerations.ids().find(is_it)
+    }
 }
 
-/// At least `width` characters long.
-pub(super) fn padded(text: String, width: usize, left: bool) -> String {
-    if left { format!("{text:<width$}") } else { format!("{text:>width$}") }
+fn identifier(text: &[char]) -> usize {
+    let starts = text.first().is_some_and(|c| c.is_ascii_alphabetic());
+    let goes_on = |c: &&char| c.is_ascii_alphanumeric() || **c == '_';
+    if starts { text.iter().take_while(goes_on).count() } else { 0 }
 }
 
-/// Mantissa with `places` digits behind the point, and exponent of ten.
-fn scientific(x: f64, places: usize) -> (String, i32) {
-    let text = format!("{x:.places$e}");
-    match text.split_once('e') {
-        Some((mantissa, exponent)) => (mantissa.to_string(), exponent.parse().unwrap_or(0)),
-        None => (text, 0),
+fn quoted(text: &[char]) -> usize {
+    if text.first() != Some(&'"') {
+        return 0;
     }
+    let mut escaped = false;
+    for (i, c) in text.iter().enumerate().skip(1) {
+        match c {
+            '"' if !escaped => return i + 1,
+            _ => escaped = *c == '\\' && !escaped,
+        }
+    }
+    0
 }
 
-fn with_exponent(mantissa: &str, exponent: i32) -> String {
-    let sign = if exponent < 0 { '-' } else { '+' };
-    format!("{mantissa}e{sign}{:02}", exponent.abs())
+/// The length of a number: a sign, digits, and for a real one a fraction and an exponent.
+fn number(text: &[char], real: bool) -> usize {
+    let digits = |from: usize| text[from..].iter().take_while(|c| c.is_ascii_digit()).count();
+    let mut at = usize::from(matches!(text.first(), Some('+' | '-')));
+    let whole = digits(at);
+    at += whole;
+    let mut fraction = 0;
+    if real && text.get(at) == Some(&'.') {
+        fraction = digits(at + 1);
+        at += 1 + fraction;
+    }
+    if whole + fraction == 0 {
+        return 0;
+    }
+    if real && matches!(text.get(at), Some('e' | 'E')) {
+        let sign = usize::from(matches!(text.get(at + 1), Some('+' | '-')));
+        let exponent = if at + 1 + sign <= text.len() { digits(at + 1 + sign) } else { 0 };
+        if exponent > 0 {
+            at += 1 + sign + exponent;
+        }
+    }
+    // `1.5` is no whole number.
+    if !real && matches!(text.get(at), Some('.' | 'e' | 'E')) { 0 } else { at }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn chars(text: &str) -> Vec<char> {
+        text.chars().collect()
+    }
+
     #[test]
-    fn numbers_are_written_as_c_writes_them() {
-        // From the C standard's rules for `%g`, `%f` and `%e` (C17, section 7.21.6.1).
-        assert_eq!(general(111.222, 6), "111.222");
-        assert_eq!(general(std::f64::consts::PI, 4), "3.142");
-        assert_eq!(general(1e6, 6), "1e+06");
-        assert_eq!(general(123_456.0, 6), "123456");
-        assert_eq!(general(-0.000_05, 6), "-5e-05");
-        assert_eq!(general(0.0001, 6), "0.0001");
-        assert_eq!(general(0.1 + 0.2, 6), "0.3");
-        assert_eq!(formatted(5.235_353_534_5, "2.6f").as_deref(), Some("5.235354"));
-        assert_eq!(formatted(6565.35, "2.0e").as_deref(), Some("7e+03"));
-        assert_eq!(formatted(1.5, "8.2f").as_deref(), Some("    1.50"));
-        assert_eq!(formatted(1.5, "-8.2f").as_deref(), Some("1.50    "));
-        assert_eq!(formatted(1.5, "+.1f").as_deref(), Some("+1.5"));
-        assert_eq!(formatted(1.5, "what"), None);
+    fn lengths_of_what_is_scanned() {
+        assert_eq!(number(&chars("-12 x"), false), 3);
+        assert_eq!(number(&chars("1.5"), false), 0);
+        assert_eq!(number(&chars("1.5e-3kg"), true), 6);
+        assert_eq!(number(&chars("1e"), true), 1);
+        assert_eq!(number(&chars("."), true), 0);
+        assert_eq!(identifier(&chars("a_1.b")), 3);
+        assert_eq!(quoted(&chars(r#""a\"b" c"#)), 6);
     }
 }

@@ -20,3 +20,4 @@ pub mod root;
 pub mod sequence;
 pub mod small_lu;
 pub mod submatrix;
+pub mod table;

@@ -1,0 +1,530 @@
+//! External functions and objects (sections 12.9 and 12.9.7 of the specification). C is not
+//! compiled: what libraries need for tables and texts is computed here, from its documentation.
+//!
+//! An external object is known before the model runs. It is held as a text that numbers it, so that
+//! it passes through parameters, modifications and arguments like any other value.
+
+use super::Context;
+use super::value::Value;
+use crate::base::diag::Diagnostic;
+use crate::base::name::{Name, name};
+use crate::base::source::Span;
+use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External, Ident};
+use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
+use crate::ir::instance::{ClassId, Scope};
+use crate::ir::native::{Function, Native};
+use crate::math::numeric::table::course::{Course, Placing, Stops};
+use crate::math::numeric::table::curve::Curve;
+use crate::math::numeric::table::surface::Surface;
+use crate::math::numeric::table::{Extrapolation, Smoothness};
+
+/// What stands before the number of an object.
+const MARK: &str = "external object ";
+
+/// An external object.
+#[derive(Clone, Debug)]
+pub(crate) enum Object {
+    /// Columns over the first one.
+    Curves(Vec<Curve>),
+    /// Columns over time.
+    Courses(Vec<Course>),
+    /// A grid.
+    Surface(Surface),
+}
+
+/// An assertion in a function, for a run to decide.
+#[derive(Clone, Debug)]
+pub(crate) struct Asserted {
+    pub(crate) condition: ExprId,
+    pub(crate) message: ExprId,
+    pub(crate) warning: bool,
+    pub(crate) span: Span,
+}
+
+/// Why an external function has no result.
+pub(super) enum Refusal {
+    /// It is not one of those known here.
+    Unknown,
+    /// What is wrong was reported.
+    Reported,
+    /// What is wrong with its arguments.
+    Wrong(String),
+}
+
+impl Context<'_> {
+    /// True for a class that extends `ExternalObject`.
+    pub(crate) fn is_external_object(&mut self, class: ClassId) -> bool {
+        self.kind(class) == ClassKind::Class && self.table(class).scalar == Some(Type::String)
+    }
+
+    /// Evaluates something that counts only where `c` is true, which a run decides.
+    pub(crate) fn under<T>(&mut self, c: ExprId, act: impl FnOnce(&mut Self) -> T) -> T {
+        self.evaluation.path.push(c);
+        let result = act(self);
+        self.evaluation.path.pop();
+        result
+    }
+
+    /// `assert(condition, message, level)` in a function: decided here, or left to the run.
+    pub(super) fn run_assert(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<()> {
+        let find = |k: usize, n: &str| {
+            args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
+        };
+        let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
+            self.error("MO0219", span, "`assert` takes a condition and a message");
+            return None;
+        };
+        let value = self.evaluate(condition, scope)?;
+        let condition = self.truth(&value, condition.span)?;
+        if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
+            return Some(());
+        }
+        let message = self.evaluate_scalar(message, scope)?;
+        let level = find(2, "level").and_then(|l| self.evaluate_scalar(l, scope));
+        let level = level.and_then(|l| self.graph.as_const(l));
+        let warning = matches!(level, Some(Const::Enumeration(_, 1)));
+        self.assert_now_or_later(condition, message, warning, span)
+    }
+
+    /// Reports what is false here and now; a run decides what only it knows.
+    pub(super) fn assert_now_or_later(
+        &mut self,
+        condition: ExprId,
+        message: ExprId,
+        warning: bool,
+        span: Span,
+    ) -> Option<()> {
+        let left = [self.evaluation.broken, self.evaluation.returned];
+        let sure = self.evaluation.path.is_empty() && left == [None, None];
+        if sure && !warning && self.graph.as_const(condition) == Some(Const::Boolean(false)) {
+            let text = match self.graph.as_const(message) {
+                Some(Const::String(t)) => t.to_string(),
+                _ => "assertion failed".to_string(),
+            };
+            self.error("MO0223", span, text);
+            return None;
+        }
+        // Asked for its value before the model runs, a function is not yet called by the model.
+        if self.evaluation.folding || self.evaluation.shaping {
+            return Some(());
+        }
+        let mut condition = condition;
+        for c in self.evaluation.path.clone() {
+            let off = self.graph.not(c);
+            condition = self.graph.or(off, condition);
+        }
+        for c in left.into_iter().flatten() {
+            condition = self.graph.or(c, condition);
+        }
+        self.evaluation.asserts.push(Asserted { condition, message, warning, span });
+        Some(())
+    }
+
+    /// Calls an external function whose inputs are locals, and assigns its outputs.
+    pub(super) fn run_external(
+        &mut self,
+        class: ClassId,
+        external: &External,
+        inputs: &[Name],
+        outputs: &[Name],
+        scope: Scope,
+        span: Span,
+    ) -> Option<()> {
+        let called = match external.function {
+            Some(f) => f.name,
+            None => {
+                let full_name = self.classes[class].full_name;
+                name(full_name.rsplit('.').next().unwrap_or_default())
+            }
+        };
+        let is_output = |e: &Expr| match &e.kind {
+            ExprKind::Ref(r) => r.simple().filter(|n| outputs.contains(n)),
+            _ => None,
+        };
+        // Without a mapping of its own a function gets its inputs and gives its output.
+        let mut args = Vec::new();
+        let mut results = Vec::new();
+        match (&external.function, &external.output) {
+            (None, _) => {
+                for input in inputs {
+                    args.push(self.local_value(*input)?);
+                }
+                results.extend(outputs.iter().copied());
+            }
+            (Some(_), output) => {
+                results.extend(output.as_ref().and_then(ComponentRef::simple));
+                for e in &external.args {
+                    match is_output(e) {
+                        Some(output) => results.push(output),
+                        None => args.push(self.evaluate(e, scope)?),
+                    }
+                }
+            }
+        }
+        let values = match self.native(&called, &args, span) {
+            Ok(values) => values,
+            Err(why) => {
+                match why {
+                    Refusal::Reported => {}
+                    Refusal::Wrong(why) => {
+                        self.problems.push(
+                            Diagnostic::error("MO0290", span, format!("`{called}`: {why}"))
+                                .also(external.span, "declared external here"),
+                        );
+                    }
+                    Refusal::Unknown => {
+                        self.problems.push(
+                            Diagnostic::error(
+                                "MO0222",
+                                span,
+                                format!("the external function `{called}` is not known to mocc"),
+                            )
+                            .also(external.span, "declared external here")
+                            .help("write the function in Modelica"),
+                        );
+                    }
+                }
+                return None;
+            }
+        };
+        for (to, value) in results.into_iter().zip(values) {
+            let frame = self.evaluation.frame;
+            let local = self.evaluation.locals[frame..].iter_mut().find(|(n, _)| *n == to)?;
+            local.1 = value;
+        }
+        Some(())
+    }
+
+    fn local_value(&self, wanted: Name) -> Option<Value> {
+        let locals = &self.evaluation.locals[self.evaluation.frame..];
+        locals.iter().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
+    }
+
+    fn native(&mut self, called: &str, args: &[Value], span: Span) -> Result<Vec<Value>, Refusal> {
+        if let Some(text) = called.strip_prefix("ModelicaStrings_") {
+            return self.text_function(text, args);
+        }
+        let Some(table) = called.strip_prefix("ModelicaStandardTables_") else {
+            return match called {
+                // A message while a model is compiled is not for its user.
+                "ModelicaInternal_print" => Ok(Vec::new()),
+                _ => Err(Refusal::Unknown),
+            };
+        };
+        let (kind, what) = table.split_once('_').ok_or(Refusal::Unknown)?;
+        if what == "init3" {
+            let object = match kind {
+                "CombiTimeTable" => self.courses(args)?,
+                "CombiTable1D" => self.curves(args)?,
+                "CombiTable2D" => self.surface(args)?,
+                _ => return Err(Refusal::Unknown),
+            };
+            self.evaluation.objects.push(object);
+            let text = format!("{MARK}{}", self.evaluation.objects.len());
+            return Ok(vec![Value::Scalar(self.graph.string(&text))]);
+        }
+        let object = self.object_of(args.first())?;
+        let scalars: Option<Vec<ExprId>> = args[1..].iter().map(Value::scalar).collect();
+        self.table_function(what, &object, &scalars.ok_or(Refusal::Unknown)?, span)
+    }
+
+    fn object_of(&mut self, handle: Option<&Value>) -> Result<Object, Refusal> {
+        let e = handle.and_then(Value::scalar).ok_or(Refusal::Unknown)?;
+        let text = match self.structural_value(e) {
+            Some(Const::String(text)) => text,
+            _ => return Err(Refusal::Wrong("the external object has no value".into())),
+        };
+        let number = text.strip_prefix(MARK).and_then(|n| n.parse::<usize>().ok());
+        let object = number.and_then(|n| self.evaluation.objects.get(n.checked_sub(1)?));
+        object.cloned().ok_or_else(|| Refusal::Wrong("this is no external object".into()))
+    }
+
+    fn table_function(
+        &mut self,
+        what: &str,
+        object: &Object,
+        args: &[ExprId],
+        span: Span,
+    ) -> Result<Vec<Value>, Refusal> {
+        let one = |e| Ok(vec![Value::Scalar(e)]);
+        match (object, what, args) {
+            (Object::Courses(all), "minimumTime", []) => {
+                one(self.graph.real(all.first().map_or(0.0, |c| c.range().0)))
+            }
+            (Object::Courses(all), "maximumTime", []) => {
+                one(self.graph.real(all.first().map_or(0.0, |c| c.range().1)))
+            }
+            (Object::Courses(all), "nextTimeEvent", [t]) => {
+                let course = all.first().ok_or(Refusal::Unknown)?.clone();
+                let f = Native::of(Function::NextStop(course));
+                one(self.graph.unary(Unary::Native(f), *t))
+            }
+            (Object::Courses(all), _, [column, t, next, _, rates @ ..]) => {
+                let course = self.column(all, *column)?;
+                let f = Native::of(Function::Course(0, course));
+                let value = self.graph.binary(Binary::Native(f), *t, *next);
+                let by = |order: usize| -> Option<Native> {
+                    (0..order).try_fold(f, |f, _| f.derivative(0))
+                };
+                let slopes: Vec<ExprId> = (1..=2)
+                    .map(|k| match by(k) {
+                        Some(f) => self.graph.binary(Binary::Native(f), *t, *next),
+                        None => self.graph.real(0.0),
+                    })
+                    .collect();
+                self.rate(what, value, &slopes, rates)
+            }
+            (Object::Curves(all), "minimumAbscissa", []) => {
+                one(self.graph.real(all.first().map_or(0.0, |c| c.range().0)))
+            }
+            (Object::Curves(all), "maximumAbscissa", []) => {
+                one(self.graph.real(all.first().map_or(0.0, |c| c.range().1)))
+            }
+            (Object::Curves(all), _, [column, u, rates @ ..]) => {
+                let curve = self.column(all, *column)?;
+                if curve.extrapolation() == Extrapolation::Forbidden {
+                    self.inside(*u, curve.range(), span)?;
+                }
+                let f = Native::of(Function::Curve(0, curve));
+                let value = self.graph.unary(Unary::Native(f), *u);
+                let slopes: Vec<ExprId> = (1..=2)
+                    .map(|k| match (0..k).try_fold(f, |f, _| f.derivative(0)) {
+                        Some(f) => self.graph.unary(Unary::Native(f), *u),
+                        None => self.graph.real(0.0),
+                    })
+                    .collect();
+                self.rate(what, value, &slopes, rates)
+            }
+            (Object::Surface(surface), "minimumAbscissa" | "maximumAbscissa", []) => {
+                let least = what == "minimumAbscissa";
+                let ends = surface.range().map(|(a, b)| if least { a } else { b });
+                Ok(vec![Value::vector(ends.iter().map(|x| self.graph.real(*x)).collect())])
+            }
+            (Object::Surface(surface), "getValue" | "getDerValue", [u, v, rates @ ..]) => {
+                if surface.extrapolation() == Extrapolation::Forbidden {
+                    let [x, y] = surface.range();
+                    self.inside(*u, x, span)?;
+                    self.inside(*v, y, span)?;
+                }
+                let f = Native::of(Function::Surface((0, 0), surface.clone()));
+                if what == "getValue" {
+                    return one(self.graph.binary(Binary::Native(f), *u, *v));
+                }
+                let mut terms = Vec::new();
+                for (k, rate) in rates.iter().take(2).enumerate() {
+                    if let Some(d) = f.derivative(k) {
+                        let slope = self.graph.binary(Binary::Native(d), *u, *v);
+                        terms.push(self.graph.mul(slope, *rate));
+                    }
+                }
+                one(self.graph.sum(terms))
+            }
+            _ => Err(Refusal::Unknown),
+        }
+    }
+
+    /// The value of a function of one argument, or its first or second derivative by time.
+    fn rate(
+        &mut self,
+        what: &str,
+        value: ExprId,
+        slopes: &[ExprId],
+        rates: &[ExprId],
+    ) -> Result<Vec<Value>, Refusal> {
+        let result = match (what, rates) {
+            ("getValue", []) => value,
+            ("getDerValue", [first]) => self.graph.mul(slopes[0], *first),
+            ("getDer2Value", [first, second]) => {
+                let square = self.graph.mul(*first, *first);
+                let curved = self.graph.mul(slopes[1], square);
+                let straight = self.graph.mul(slopes[0], *second);
+                self.graph.add(curved, straight)
+            }
+            _ => return Err(Refusal::Unknown),
+        };
+        Ok(vec![Value::Scalar(result)])
+    }
+
+    fn column<T: Clone>(&mut self, all: &[T], column: ExprId) -> Result<T, Refusal> {
+        match self.structural_value(column) {
+            Some(Const::Integer(k)) if k >= 1 && k as usize <= all.len() => {
+                Ok(all[k as usize - 1].clone())
+            }
+            Some(Const::Integer(k)) => {
+                Err(Refusal::Wrong(format!("column {k} is outside 1 to {}", all.len())))
+            }
+            _ => Err(Refusal::Wrong("the column must be known before the model runs".into())),
+        }
+    }
+
+    /// Asserts that an argument stays inside a table that does not go on beyond.
+    fn inside(&mut self, u: ExprId, range: (f64, f64), span: Span) -> Result<(), Refusal> {
+        let (first, last) = (self.graph.real(range.0), self.graph.real(range.1));
+        let above = self.graph.binary(Binary::GreaterEqual, u, first);
+        let below = self.graph.binary(Binary::LessEqual, u, last);
+        let condition = self.graph.and(above, below);
+        let text = format!(
+            "the argument of a table without extrapolation left its range from {} to {}",
+            range.0, range.1
+        );
+        let message = self.graph.string(&text);
+        self.assert_now_or_later(condition, message, false, span).ok_or(Refusal::Reported)
+    }
+
+    /// `fileName, tableName, table, rows, columns, columns to use, their number, smoothness,
+    /// extrapolation, ...`
+    fn curves(&mut self, args: &[Value]) -> Result<Object, Refusal> {
+        let [file, _, table, _, _, columns, _, smoothness, extrapolation, ..] = args else {
+            return Err(Refusal::Unknown);
+        };
+        self.no_file(file)?;
+        let table = self.matrix(table)?;
+        let x = table.column(1)?;
+        let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
+        let mut all = Vec::new();
+        for k in self.numbers(columns)? {
+            let y = table.column(k as usize)?;
+            let curve = Curve::new(&x, &y, smoothness, extrapolation);
+            all.push(curve.ok_or_else(|| {
+                Refusal::Wrong("the first column of the table must rise from row to row".into())
+            })?);
+        }
+        Ok(Object::Curves(all))
+    }
+
+    /// `fileName, tableName, table, rows, columns, start, columns to use, their number, smoothness,
+    /// extrapolation, shift, events, ...`
+    fn courses(&mut self, args: &[Value]) -> Result<Object, Refusal> {
+        let [file, _, table, _, _, start, columns, _, smoothness, extrapolation, shift, stops, ..] =
+            args
+        else {
+            return Err(Refusal::Unknown);
+        };
+        self.no_file(file)?;
+        let table = self.matrix(table)?;
+        let t = table.column(1)?;
+        let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
+        let placing = Placing {
+            start: self.number_of(start)?,
+            shift: self.number_of(shift)?,
+            stops: match self.number_of(stops)? as u32 {
+                1 => Stops::Always,
+                2 => Stops::AtJumps,
+                _ => Stops::Never,
+            },
+        };
+        let mut all = Vec::new();
+        for k in self.numbers(columns)? {
+            let y = table.column(k as usize)?;
+            let course = Course::new(&t, &y, smoothness, extrapolation, placing);
+            all.push(course.ok_or_else(|| {
+                Refusal::Wrong("the first column of the table must not fall from row to row".into())
+            })?);
+        }
+        Ok(Object::Courses(all))
+    }
+
+    /// `fileName, tableName, table, rows, columns, smoothness, extrapolation, ...`
+    fn surface(&mut self, args: &[Value]) -> Result<Object, Refusal> {
+        let [file, _, table, _, _, smoothness, extrapolation, ..] = args else {
+            return Err(Refusal::Unknown);
+        };
+        self.no_file(file)?;
+        let table = self.matrix(table)?;
+        let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
+        if table.rows < 2 || table.columns < 2 {
+            return Err(Refusal::Wrong("the table has no grid".into()));
+        }
+        let x = table.column(1)?[1..].to_vec();
+        let y = table.elements[1..table.columns].to_vec();
+        let rows = table.elements.chunks_exact(table.columns).skip(1);
+        let z: Vec<f64> = rows.flat_map(|row| row[1..].iter().copied()).collect();
+        let surface = Surface::new(&x, &y, &z, smoothness, extrapolation);
+        surface.map(Object::Surface).ok_or_else(|| {
+            Refusal::Wrong("the first row and column must rise, and a grid is linear, constant or with continuous derivatives".into())
+        })
+    }
+
+    fn no_file(&mut self, file: &Value) -> Result<(), Refusal> {
+        let text = self.known(file)?;
+        match text.first() {
+            Some(Const::String(t)) if t.as_str() == "NoName" || t.trim().is_empty() => Ok(()),
+            _ => Err(Refusal::Wrong("tables in files are not supported yet".into())),
+        }
+    }
+
+    fn interpretation(
+        &mut self,
+        smoothness: &Value,
+        extrapolation: &Value,
+    ) -> Result<(Smoothness, Extrapolation), Refusal> {
+        let (s, e) = (self.number_of(smoothness)?, self.number_of(extrapolation)?);
+        let both = (Smoothness::numbered(s as u32), Extrapolation::numbered(e as u32));
+        match both {
+            (Some(s), Some(e)) => Ok((s, e)),
+            _ => Err(Refusal::Wrong("there is no such smoothness or extrapolation".into())),
+        }
+    }
+
+    fn number_of(&mut self, value: &Value) -> Result<f64, Refusal> {
+        self.numbers(value)?.first().copied().ok_or(Refusal::Unknown)
+    }
+
+    fn numbers(&mut self, value: &Value) -> Result<Vec<f64>, Refusal> {
+        let all = self.known(value)?;
+        let numbers: Option<Vec<f64>> = all.into_iter().map(Const::register).collect();
+        numbers.ok_or(Refusal::Unknown)
+    }
+
+    /// The values of all scalars of a value, which must be known before the model runs.
+    pub(super) fn known(&mut self, value: &Value) -> Result<Vec<Const>, Refusal> {
+        let mut scalars = Vec::new();
+        value.for_each_scalar(&mut |e| scalars.push(e));
+        let mut known = Vec::with_capacity(scalars.len());
+        for e in scalars {
+            known.push(self.parameter_expression(e, true).ok_or_else(|| {
+                Refusal::Wrong("its arguments must be known before the model runs".into())
+            })?);
+        }
+        Ok(known)
+    }
+
+    fn matrix(&mut self, value: &Value) -> Result<Matrix, Refusal> {
+        let [rows, columns] = *value.dims() else {
+            return Err(Refusal::Wrong("a table is a matrix".into()));
+        };
+        let elements = self.numbers(value)?;
+        if rows == 0 {
+            return Err(Refusal::Wrong("the table is empty".into()));
+        }
+        Ok(Matrix { rows, columns, elements })
+    }
+}
+
+/// A table, row by row.
+struct Matrix {
+    rows: usize,
+    columns: usize,
+    elements: Vec<f64>,
+}
+
+impl Matrix {
+    fn column(&self, k: usize) -> Result<Vec<f64>, Refusal> {
+        if k < 1 || k > self.columns {
+            let why = format!("the table has {} columns, and column {k} is wanted", self.columns);
+            return Err(Refusal::Wrong(why));
+        }
+        Ok(self.elements.iter().skip(k - 1).step_by(self.columns).copied().collect())
+    }
+}
+
+/// The name of the function that makes an external object.
+pub(super) fn constructor() -> Name {
+    name("constructor")
+}

@@ -1,0 +1,192 @@
+//! Operators of operator records (chapter 14 of the specification): `a + b` calls the function in
+//! `operator '+'` whose inputs fit, and a number beside a record is converted by its constructor.
+
+use std::sync::Arc;
+
+use super::Context;
+use super::value::Value;
+use crate::base::name::{Name, name};
+use crate::base::source::Span;
+use crate::ir::ast::{Causality, ClassBody, ClassKind, Ident};
+use crate::ir::expr::Type;
+use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope};
+
+impl Context<'_> {
+    /// True if a value is an operator record or an array of such.
+    pub(super) fn is_overloaded(&mut self, value: &Value) -> bool {
+        self.operator_record(value).is_some()
+    }
+
+    /// The value of an operator with an operator record among its operands.
+    pub(super) fn overloaded(
+        &mut self,
+        operator: &str,
+        operands: &[Value],
+        span: Span,
+    ) -> Option<Value> {
+        let classes: Vec<ClassId> =
+            operands.iter().filter_map(|v| self.operator_record(v)).collect();
+        for &class in &classes {
+            if let Some(f) = self.fitting(class, operator, operands, true) {
+                return self.call_class(f, operands.to_vec(), Vec::new(), span);
+            }
+        }
+        // Another operand is converted to the record.
+        for &class in &classes {
+            let converted: Option<Vec<Value>> = operands
+                .iter()
+                .map(|v| match v {
+                    Value::Scalar(_) => {
+                        let alone = std::slice::from_ref(v);
+                        let f = self.fitting(class, "'constructor'", alone, false)?;
+                        self.call_class(f, alone.to_vec(), Vec::new(), span)
+                    }
+                    _ => Some(v.clone()),
+                })
+                .collect();
+            let Some(converted) = converted else { continue };
+            if let Some(f) = self.fitting(class, operator, &converted, true) {
+                return self.call_class(f, converted, Vec::new(), span);
+            }
+        }
+        let full_name = classes.first().map(|c| self.classes[*c].full_name);
+        let message = match full_name {
+            Some(full_name) => {
+                format!("`{full_name}` has no operator {operator} for these operands")
+            }
+            None => "a number is needed here, and this is a record".to_string(),
+        };
+        self.error("MO0212", span, message);
+        None
+    }
+
+    /// Calls the constructor of an operator record whose inputs fit; `None` if it has none.
+    pub(super) fn overloaded_constructor(
+        &mut self,
+        class: ClassId,
+        args: &[Value],
+        named: &[(Ident, Value)],
+        span: Span,
+    ) -> Option<Option<Value>> {
+        let names: Vec<Name> = named.iter().map(|(n, _)| n.name).collect();
+        let functions = self.operator_functions(class, "'constructor'");
+        let fits = |cx: &mut Self, f: ClassId| {
+            let inputs = cx.inputs(f);
+            inputs.len() >= args.len()
+                && names.iter().all(|n| inputs.iter().any(|(e, _)| e.name.name == *n))
+                && args.iter().zip(&inputs).all(|(v, (e, d))| cx.accepts(v, e, d))
+        };
+        for f in functions {
+            if fits(self, f) {
+                return Some(self.call_class(f, args.to_vec(), named.to_vec(), span));
+            }
+        }
+        None
+    }
+
+    /// The class of the operator record that a value is, or its elements are.
+    fn operator_record(&mut self, value: &Value) -> Option<ClassId> {
+        let class = match value.elements().first()? {
+            Value::Record(r) => r.class?,
+            _ => return None,
+        };
+        let base = self.written(class);
+        (self.text(base)?.kind == ClassKind::OperatorRecord).then_some(class)
+    }
+
+    /// The class with a text of its own that short classes lead to.
+    fn written(&mut self, mut class: ClassId) -> ClassId {
+        // A circle of short classes was reported where it is read.
+        for _ in 0..100 {
+            let Some(text) = self.text(class).cloned() else { break };
+            let ClassBody::Short(short) = &text.body else { break };
+            let scope = self.outside(class);
+            match self.find_class(&short.base, scope) {
+                Some(base) if base != class => class = base,
+                _ => break,
+            }
+        }
+        class
+    }
+
+    fn same_record(&mut self, a: ClassId, b: ClassId) -> bool {
+        let (a, b) = (self.written(a), self.written(b));
+        match (self.text(a), self.text(b)) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            _ => a == b,
+        }
+    }
+
+    /// The functions of an operator.
+    fn operator_functions(&mut self, class: ClassId, operator: &str) -> Vec<ClassId> {
+        let holder = self.classes[class].holder;
+        let Some(found) = self.member_class(class, name(operator), holder) else {
+            return Vec::new();
+        };
+        if matches!(self.kind(found), ClassKind::Function { .. }) {
+            return vec![found];
+        }
+        let names: Vec<Name> = self
+            .table(found)
+            .entries
+            .iter()
+            .filter(|e| matches!(e.kind, EntryKind::Class(_)))
+            .map(|e| e.name.name)
+            .collect();
+        let holder = self.classes[found].holder;
+        names.into_iter().filter_map(|n| self.member_class(found, n, holder)).collect()
+    }
+
+    /// The function of an operator that takes these operands; if `exactly`, without its defaults.
+    fn fitting(
+        &mut self,
+        class: ClassId,
+        operator: &str,
+        operands: &[Value],
+        exactly: bool,
+    ) -> Option<ClassId> {
+        self.operator_functions(class, operator).into_iter().find(|f| {
+            let inputs = self.inputs(*f);
+            let required = inputs
+                .iter()
+                .filter(|(_, d)| {
+                    d.component().modification.as_ref().is_none_or(|m| m.binding.is_none())
+                })
+                .count();
+            let count = operands.len();
+            let enough = required <= count && count <= inputs.len();
+            enough
+                && (!exactly || required == count)
+                && operands.iter().zip(&inputs).all(|(v, (e, d))| self.accepts(v, e, d))
+        })
+    }
+
+    fn inputs(&mut self, function: ClassId) -> Vec<(Entry, Declaration)> {
+        let all = self.components(function);
+        let is_input = |d: &Declaration| d.clause().prefix.causality == Some(Causality::Input);
+        all.into_iter().filter(|(_, d)| is_input(d)).collect()
+    }
+
+    /// True if a value can be given to an input as it is.
+    fn accepts(&mut self, value: &Value, entry: &Entry, declaration: &Declaration) -> bool {
+        if value.dims().len() != self.formal_rank(entry, declaration) {
+            return false;
+        }
+        let scope = Scope { instance: self.classes[entry.class].holder, class: entry.class };
+        let Some(formal) = self.find_class(&declaration.clause().type_name, scope) else {
+            return false;
+        };
+        match value.elements().first() {
+            None => true,
+            Some(Value::Record(r)) => r.class.is_some_and(|c| self.same_record(c, formal)),
+            Some(Value::Scalar(e)) => {
+                let given = self.graph.ty(*e);
+                match self.table(formal).scalar {
+                    Some(Type::Real) => matches!(given, Type::Real | Type::Integer),
+                    other => other == Some(given),
+                }
+            }
+            Some(_) => false,
+        }
+    }
+}

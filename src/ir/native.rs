@@ -1,0 +1,131 @@
+//! Functions of numbers that are made of data: tables.
+//!
+//! *Holds:* each such function once, with its number. A [`Native`] is that number, so that operators
+//! which are functions can be copied and compared like all others.
+//! *Never holds:* anything that a run changes.
+//! *Made by:* `instantiate`, from external objects. *Read by:* `symbolic::eval`, which calls them.
+
+use std::sync::RwLock;
+
+use crate::math::numeric::table::course::Course;
+use crate::math::numeric::table::curve::Curve;
+use crate::math::numeric::table::surface::Surface;
+
+/// A function that is made of data, by its number. Equal functions have equal numbers.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Native(u32);
+
+/// What it computes.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Function {
+    /// The derivative of this order of a curve: one argument.
+    Curve(u8, Curve),
+    /// The derivative of this order of a course: time and the time of the next event.
+    Course(u8, Course),
+    /// The next event of a course after an instant: one argument.
+    NextStop(Course),
+    /// The partial derivative of these orders of a surface: two arguments.
+    Surface((u8, u8), Surface),
+}
+
+/// All functions so far. They are few, and stay for as long as the process does.
+static KNOWN: RwLock<Vec<&'static Function>> = RwLock::new(Vec::new());
+
+impl Native {
+    /// The number of a function.
+    pub fn of(function: Function) -> Native {
+        let mut known = KNOWN.write().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(at) = known.iter().position(|f| **f == function) {
+            return Native(at as u32);
+        }
+        known.push(Box::leak(Box::new(function)));
+        Native(known.len() as u32 - 1)
+    }
+
+    /// The number, for what can hold nothing else.
+    pub fn number(self) -> u32 {
+        self.0
+    }
+
+    /// From its number.
+    pub fn numbered(number: u32) -> Native {
+        Native(number)
+    }
+
+    /// The function.
+    pub fn function(self) -> &'static Function {
+        KNOWN.read().unwrap_or_else(std::sync::PoisonError::into_inner)[self.0 as usize]
+    }
+
+    /// The value of a function of one number.
+    pub fn unary(self, a: f64) -> f64 {
+        match self.function() {
+            Function::Curve(order, curve) => curve.at(a, *order),
+            Function::NextStop(course) => course.next_stop(a),
+            Function::Course(..) | Function::Surface(..) => f64::NAN,
+        }
+    }
+
+    /// The value of a function of two numbers.
+    pub fn binary(self, a: f64, b: f64) -> f64 {
+        match self.function() {
+            Function::Course(order, course) => course.at(a, b, *order),
+            Function::Surface(orders, surface) => surface.at(a, b, *orders),
+            Function::Curve(..) | Function::NextStop(_) => f64::NAN,
+        }
+    }
+
+    /// The derivative by an argument (counted from 0); `None` if it is 0 everywhere.
+    pub fn derivative(self, argument: usize) -> Option<Native> {
+        let derived = match (self.function(), argument) {
+            // The polynomials are cubic.
+            (Function::Curve(order @ 0..3, curve), 0) => Function::Curve(order + 1, curve.clone()),
+            (Function::Course(order @ 0..3, course), 0) => {
+                Function::Course(order + 1, course.clone())
+            }
+            (Function::Surface((k @ 0..3, l), surface), 0) => {
+                Function::Surface((k + 1, *l), surface.clone())
+            }
+            (Function::Surface((k, l @ 0..3), surface), 1) => {
+                Function::Surface((*k, l + 1), surface.clone())
+            }
+            _ => return None,
+        };
+        Some(Native::of(derived))
+    }
+
+    /// The slope of a function of one number.
+    pub fn slope(self, a: f64) -> f64 {
+        match self.function() {
+            Function::Curve(order, curve) => curve.at(a, order + 1),
+            _ => 0.0,
+        }
+    }
+
+    /// The slopes of a function of two numbers, by the first and by the second.
+    pub fn slopes(self, a: f64, b: f64) -> (f64, f64) {
+        match self.function() {
+            Function::Course(order, course) => (course.at(a, b, order + 1), 0.0),
+            Function::Surface((k, l), s) => (s.at(a, b, (k + 1, *l)), s.at(a, b, (*k, l + 1))),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// False for what steps from one value to the next.
+    pub fn has_slope(self) -> bool {
+        !matches!(self.function(), Function::NextStop(_))
+    }
+
+    /// What it is called in texts.
+    pub fn name(self) -> &'static str {
+        match self.function() {
+            Function::Curve(0, _) | Function::Course(0, _) | Function::Surface((0, 0), _) => {
+                "table"
+            }
+            Function::NextStop(_) => "nextTimeEvent",
+            Function::Curve(..) | Function::Course(..) | Function::Surface(..) => {
+                "derivativeOfTable"
+            }
+        }
+    }
+}

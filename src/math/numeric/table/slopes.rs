@@ -1,0 +1,153 @@
+//! Slopes at points, from which cubic Hermite polynomials are made.
+//!
+//! H. Akima, "A new method of interpolation and smooth curve fitting based on local procedures",
+//! J. ACM 17 (1970) 589-602. F. N. Fritsch and J. Butland, "A method for constructing local monotone
+//! piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5 (1984) 300-304. M. Steffen, "A simple
+//! method for monotonic interpolation in one dimension", Astron. Astrophys. 239 (1990) 443-450.
+//! The modified weights are those of C. Moler, "Makima piecewise cubic interpolation", 2019.
+
+use super::Smoothness;
+
+/// The slope at each point. `x` rises; `periodic` makes the end go on with the beginning. Two points
+/// are joined by a line.
+pub fn slopes(smoothness: Smoothness, x: &[f64], y: &[f64], periodic: bool) -> Vec<f64> {
+    let n = x.len();
+    let secants: Vec<f64> = (1..n).map(|i| (y[i] - y[i - 1]) / (x[i] - x[i - 1])).collect();
+    match (n, smoothness) {
+        (0 | 1, _) => vec![0.0; n],
+        (2, _) => vec![secants[0]; 2],
+        (_, Smoothness::Akima | Smoothness::ModifiedAkima) => {
+            let d = extended(&secants, periodic);
+            let modified = smoothness == Smoothness::ModifiedAkima;
+            (0..n)
+                .map(|i| {
+                    let (left, right) = weights(&d[i..i + 4], modified);
+                    left * d[i + 1] + right * d[i + 2]
+                })
+                .collect()
+        }
+        _ => {
+            let widths: Vec<f64> = x.windows(2).map(|p| p[1] - p[0]).collect();
+            let inner = |i: usize, j: usize| match smoothness {
+                Smoothness::FritschButland => {
+                    fritsch_butland(secants[i], secants[j], widths[i], widths[j])
+                }
+                _ => steffen(secants[i], secants[j], widths[i], widths[j]),
+            };
+            let ends = if periodic { [inner(n - 2, 0); 2] } else { [secants[0], secants[n - 2]] };
+            let mut all = vec![ends[0]];
+            all.extend((1..n - 1).map(|i| inner(i - 1, i)));
+            all.push(ends[1]);
+            all
+        }
+    }
+}
+
+/// Secants with two more on each side: by Akima's parabola, or from the other end.
+pub fn extended(secants: &[f64], periodic: bool) -> Vec<f64> {
+    let n = secants.len();
+    let mut d = vec![0.0; n + 4];
+    d[2..n + 2].copy_from_slice(secants);
+    if periodic {
+        for k in 0..2 {
+            d[1 - k] = secants[(2 * n - 1 - k) % n];
+            d[n + 2 + k] = secants[k % n];
+        }
+    } else if n == 1 {
+        d.fill(secants[0]);
+    } else {
+        d[1] = 2.0 * d[2] - d[3];
+        d[0] = 2.0 * d[1] - d[2];
+        d[n + 2] = 2.0 * d[n + 1] - d[n];
+        d[n + 3] = 2.0 * d[n + 2] - d[n + 1];
+    }
+    d
+}
+
+/// How much the secants before and after a point count, given the two on each side; their sum is 1.
+pub fn weights(d: &[f64], modified: bool) -> (f64, f64) {
+    let weight = |a: f64, b: f64| {
+        let change = (b - a).abs();
+        if modified { change + 0.5 * (a + b).abs() } else { change }
+    };
+    let (left, right) = (weight(d[2], d[3]), weight(d[0], d[1]));
+    let sum = left + right;
+    let size = d.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    if sum <= 1e-14 * size || sum == 0.0 {
+        return (0.5, 0.5);
+    }
+    (left / sum, right / sum)
+}
+
+/// The weighted harmonic mean where both secants rise or both fall, else 0.
+fn fritsch_butland(a: f64, b: f64, ha: f64, hb: f64) -> f64 {
+    if a * b <= 0.0 {
+        return 0.0;
+    }
+    let sum = ha + hb;
+    3.0 * sum / ((sum + hb) / a + (sum + ha) / b)
+}
+
+/// The slope of the parabola through three points, limited by twice the lesser secant.
+fn steffen(a: f64, b: f64, ha: f64, hb: f64) -> f64 {
+    if a * b <= 0.0 {
+        return 0.0;
+    }
+    let parabola = (a * hb + b * ha) / (ha + hb);
+    2.0_f64.copysign(a) * a.abs().min(b.abs()).min(0.5 * parabola.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Smoothness; 4] = [
+        Smoothness::Akima,
+        Smoothness::ModifiedAkima,
+        Smoothness::FritschButland,
+        Smoothness::Steffen,
+    ];
+
+    #[test]
+    fn a_line_keeps_its_slope() {
+        let x = [0.0, 1.0, 3.0, 4.5, 7.0];
+        let y = x.map(|x| 2.0 - 3.0 * x);
+        for smoothness in ALL {
+            for slope in slopes(smoothness, &x, &y, false) {
+                assert!((slope + 3.0).abs() < 1e-14, "{smoothness:?}: {slope}");
+            }
+        }
+    }
+
+    /// Akima's first reason: a parabola on equal steps is met exactly inside.
+    #[test]
+    fn a_parabola_on_equal_steps_has_its_own_slopes() {
+        let x: Vec<f64> = (0..7).map(f64::from).collect();
+        let y: Vec<f64> = x.iter().map(|x| x * x).collect();
+        let found = slopes(Smoothness::Akima, &x, &y, false);
+        for (x, slope) in x.iter().zip(found) {
+            assert!((slope - 2.0 * x).abs() < 1e-13, "{x}: {slope}");
+        }
+    }
+
+    /// At a corner between a level and a rising stretch: Akima's slope is that of the level one.
+    #[test]
+    fn a_level_stretch_stays_level() {
+        let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let y = [0.0, 0.0, 0.0, 0.0, 1.0, 3.0];
+        for smoothness in ALL {
+            let found = slopes(smoothness, &x, &y, false);
+            assert_eq!(found[1], 0.0, "{smoothness:?}");
+            assert_eq!(found[2], 0.0, "{smoothness:?}");
+        }
+    }
+
+    /// The harmonic mean of secants 1 and 3 on equal steps is 1.5; Steffen's parabola gives 2, which
+    /// its bound of twice the lesser one allows.
+    #[test]
+    fn monotone_slopes_are_those_of_the_papers() {
+        let (x, y) = ([0.0, 1.0, 2.0], [0.0, 1.0, 4.0]);
+        assert_eq!(slopes(Smoothness::FritschButland, &x, &y, false)[1], 1.5);
+        assert_eq!(slopes(Smoothness::Steffen, &x, &y, false)[1], 2.0);
+    }
+}
