@@ -1,10 +1,12 @@
-//! Calibration and diagnosis of specimens that mocc makes itself: the valve of `examples/valve52.toml`
-//! with other parameters, other noise, and perhaps one effect of the catalogue.
+//! Calibration and diagnosis of specimens that mocc makes itself: the valve of `examples/valve52.toml`, or
+//! after the word `valve32` that of `examples/valve32.toml`, with other parameters, other noise, and
+//! perhaps one effect of the catalogue.
 //!
 //! ```sh
 //! cargo bench --bench specimens -- starts 20          # calibrations from random starts
 //! cargo bench --bench specimens -- healthy 20         # diagnoses where nothing is missing
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
+//! cargo bench --bench specimens -- valve32 effects    # in the other valve
 //! ```
 
 use std::path::Path;
@@ -32,9 +34,13 @@ const EXCESS: f64 = 3.0;
 const SPREAD: f64 = 0.2;
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let mut arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let plan = match arguments.first().map(String::as_str) {
+        Some("valve32") => arguments.remove(0),
+        _ => "valve52".to_owned(),
+    };
     let number = |k: usize| arguments.get(k).and_then(|a| a.parse().ok()).unwrap_or(20);
-    let stand = Stand::new();
+    let stand = Stand::new(&plan);
     match arguments.first().map(String::as_str) {
         Some("starts") => stand.starts(number(1)),
         Some("healthy") => stand.healthy(number(1)),
@@ -56,8 +62,8 @@ struct Stand {
 }
 
 impl Stand {
-    fn new() -> Stand {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/valve52.toml");
+    fn new(name: &str) -> Stand {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/{name}.toml"));
         let mut session = Session::default();
         let text = std::fs::read_to_string(&path).expect("the plan");
         let plan = plan::read(&path, &text, &mut session.sources, &mut session.problems);
@@ -185,7 +191,7 @@ impl Stand {
             train: Sums::default(),
             validation: Sums::default(),
         };
-        let all = unscored(&self.case(&self.data), &level).expect("candidates");
+        let all = unscored(&self.case(&self.data), &level);
         for (k, effect) in self.effects.iter().enumerate() {
             if !effect.class.contains(wanted) {
                 continue;
@@ -194,16 +200,24 @@ impl Stand {
             let own: Vec<&Scored> =
                 all.iter().filter(|s| s.effect == k && s.place.others.is_empty()).collect();
             let mut random = Random(1000 + k as u64);
-            let Some(inserted) = own.get((5 * k + 3) % own.len().max(1)) else {
+            if own.is_empty() {
                 println!("{:28}  fits nowhere", effect.class);
                 continue;
-            };
+            }
             let plan = self.other(SPREAD, &mut random);
-            let at = format!("{} at {}", effect.class, inserted.place.at.join(", "));
-            let Some(values) = self.amplitude(&plan, inserted) else {
-                println!("{at}: no trace in the signals beyond what the parameters absorb");
+            // Where it moves nothing it leaves no trace: the next place then.
+            let seen = (0..own.len()).find_map(|i| {
+                let inserted = own[(5 * k + 3 + i) % own.len()];
+                Some((inserted, self.amplitude(&plan, inserted)?))
+            });
+            let Some((inserted, values)) = seen else {
+                println!(
+                    "{}: no trace in the signals beyond what the parameters absorb",
+                    effect.class
+                );
                 continue;
             };
+            let at = format!("{} at {}", effect.class, inserted.place.at.join(", "));
             let attached = [attachment(effect, inserted, values.clone())];
             let Some(data) = self.recorded(&plan, &attached, &mut random) else {
                 println!("{at} {values:?}: can not be run");

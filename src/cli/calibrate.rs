@@ -61,11 +61,8 @@ pub fn run(options: &Calibrate) -> Status {
         eprintln!("error: {why}");
         return Status::Usage;
     }
-    if let Some((recording, failure)) = failing(&problem) {
-        let said = (*failure.diagnostic).clone();
-        let said =
-            said.note(format!("so recording `{recording}` can not be simulated at the start"));
-        eprintln!("{}", render(&said, &session.sources, super::style()));
+    if let Some(failure) = failing(&problem) {
+        eprintln!("{}", render(&failure.diagnostic, &session.sources, super::style()));
         return status_of(&failure);
     }
     let working = Working::new();
@@ -129,12 +126,17 @@ pub(super) fn inputs(
     Some((plan, data))
 }
 
-/// The first recording for training that can not be simulated at the start.
-fn failing(problem: &Problem<'_>) -> Option<(String, Failure)> {
+/// Why the first recording for training that can not be simulated at the start can not.
+pub(super) fn failing(problem: &Problem<'_>) -> Option<Failure> {
     let start = problem.start();
     problem.sums(Split::Train, &start).err()?;
     let recordings = problem.recordings(Split::Train);
-    recordings.iter().find_map(|r| Some((r.name.clone(), problem.predict(r, &start).err()?)))
+    recordings.iter().find_map(|r| {
+        let mut failure = problem.predict(r, &start).err()?;
+        let note = format!("so recording `{}` can not be simulated at the start", r.name);
+        *failure.diagnostic = failure.diagnostic.note(note);
+        Some(failure)
+    })
 }
 
 type Found = (Fit, Statistics, Vec<Interval>, bool);
@@ -234,7 +236,7 @@ fn summary(found: &Calibration, written: &[PathBuf]) -> String {
     out
 }
 
-fn status_of(failure: &Failure) -> Status {
+pub(super) fn status_of(failure: &Failure) -> Status {
     match failure.kind {
         FailureKind::Numerics | FailureKind::Assertion => Status::Numerics,
         FailureKind::Settings => Status::Usage,

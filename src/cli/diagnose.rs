@@ -3,10 +3,12 @@
 use std::time::Instant;
 
 use super::args::Diagnose;
-use super::calibrate::inputs;
+use super::calibrate::{failing, inputs, status_of};
 use super::progress::Working;
 use super::{Status, interrupt, print, say};
 use crate::base::diag::Problems;
+use crate::base::render::render;
+use crate::calibrate::problem::{Problem, record_signals};
 use crate::diagnose::effect::{catalogue, unknowns};
 use crate::diagnose::search::{Case, Nothing, diagnose};
 use crate::diagnose::{balance, page, residual, result};
@@ -66,24 +68,28 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
             }
         },
     };
-    // What the plan names wrongly is said before the search.
-    if let Ok(program) = Session::default().compile(&case.request) {
-        let mut program = program;
-        crate::calibrate::problem::record_signals(&mut program, &plan);
+    // What the plan names wrongly, and what can not be run, is said before the search.
+    let mut trial = Session::default();
+    if let Ok(mut program) = trial.compile(&case.request) {
+        record_signals(&mut program, &plan);
         let mut problems = Problems::new();
-        let fine = crate::calibrate::problem::Problem::new(
-            &program,
-            &session.sources,
-            &plan,
-            &data,
-            &mut problems,
-        );
-        if fine.is_none() {
-            drop(fine);
-            session.problems.extend(problems);
-            return Status::Usage;
+        let problem = Problem::new(&program, &trial.sources, &plan, &data, &mut problems);
+        let failure = problem.as_ref().map(failing);
+        drop(problem);
+        match failure {
+            None => {
+                session.problems.extend(problems);
+                return Status::Usage;
+            }
+            Some(Some(failure)) => {
+                eprintln!("{}", render(&failure.diagnostic, &trial.sources, super::style()));
+                return status_of(&failure);
+            }
+            Some(None) => {}
         }
     }
+    // From here on an end is asked for, not forced: what was found is to be written.
+    interrupt::listen();
     let folder = options.out.clone().unwrap_or_else(|| {
         let stem = options.plan.file_stem().map(|s| s.to_string_lossy().into_owned());
         format!("{}-diagnosis", stem.unwrap_or_default()).into()
@@ -92,7 +98,6 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         eprintln!("error: {why}");
         return Status::Usage;
     }
-    interrupt::listen();
     let found = {
         let _working = Working::new();
         diagnose(&case, &mut |_, _| !interrupt::asked())

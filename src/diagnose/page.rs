@@ -1,15 +1,17 @@
 //! A diagnosis for people: the summary for the terminal and one page of HTML that needs nothing else.
 
+use crate::calibrate::calibration::shown;
 use crate::calibrate::data::Split;
 use crate::calibrate::plan::Signal;
 use crate::report::markup::escaped;
 use crate::report::page::diff::unified;
 use crate::report::page::figure::{Curve, Panel, Stroke, figure, figure_over};
 use crate::report::page::frame::Page;
+use crate::report::scale::pretty;
 
 use super::balance::{Balance, Course};
 use super::residual::residuals;
-use super::result::{rmse_of, sentences, verdict};
+use super::result::{estimates, rmse_of, sentences, verdict};
 use super::search::{Case, Found, Level, Scored};
 
 /// Rows of the ranking that are shown.
@@ -21,16 +23,9 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
     for sentence in sentences(case.effects, &found.after.chosen) {
         out.push_str(&format!("  {sentence}\n"));
     }
-    let first = case.plan.free.len();
-    for (free, (value, error)) in found
-        .after
-        .plan
-        .free
-        .iter()
-        .zip(found.after.values.iter().zip(&found.after.errors))
-        .skip(first)
-    {
-        out.push_str(&format!("    {} = {value:.5e} +- {error:.1e}\n", free.name));
+    for (name, value, error, unit) in estimates(case.effects, &found.after) {
+        let line = format!("    {name} = {} ± {error:.1e} {unit}", shown(value, error));
+        out.push_str(&format!("{}\n", line.trim_end()));
     }
     out.push_str("  reduced chi-square       before      after\n");
     let pairs = [
@@ -39,6 +34,9 @@ pub fn summary(case: &Case<'_>, found: &Found, seconds: f64) -> String {
     ];
     for (name, before, after) in pairs {
         out.push_str(&format!("    {name:<12} {before:16.4} {after:10.4}\n"));
+    }
+    for repair in &case.data.repairs {
+        out.push_str(&format!("  {repair}\n"));
     }
     out.push_str(&format!("  {seconds:.1} s\n"));
     out
@@ -60,6 +58,14 @@ pub fn html(
     ));
     for sentence in sentences(case.effects, &found.after.chosen) {
         page.add(&format!("<p>{}</p>\n", escaped(&sentence)));
+    }
+    if !case.data.repairs.is_empty() {
+        let repair = |text: &String| format!("<p>{}</p>\n", escaped(text));
+        page.section(
+            "repairs",
+            "Repairs",
+            &case.data.repairs.iter().map(repair).collect::<String>(),
+        );
     }
     let part = |write: &dyn Fn(&mut String)| {
         let mut out = String::new();
@@ -114,8 +120,8 @@ fn unbalanced(balances: &[Balance], law: &[Course]) -> String {
     for (k, b) in balances.iter().take(DRAWN).enumerate() {
         let label = format!("at {}", b.at);
         let panel = |curves| {
-            let (label, unit) = (label.clone(), b.unit.clone());
-            [Panel { label, display_unit: unit.clone(), unit, curves, height: Some(220) }]
+            let (label, unit, display_unit) = (label.clone(), b.unit.clone(), String::new());
+            [Panel { label, display_unit, unit, curves, height: Some(220) }]
         };
         let over_time = b.courses.iter().enumerate().map(|(colour, c)| Curve {
             name: c.recording.clone(),
@@ -233,12 +239,13 @@ fn errors(case: &Case<'_>, found: &Found, out: &mut String) {
 }
 
 fn parameters(case: &Case<'_>, level: &Level, out: &mut String) {
-    out.push_str("<table><tr><th>parameter</th><th>value</th><th>standard error</th></tr>");
-    let all = level.plan.free.iter().zip(level.values.iter().zip(&level.errors));
-    for (free, (value, error)) in all.skip(case.plan.free.len()) {
+    out.push_str(
+        "<table><tr><th>parameter</th><th>value</th><th>standard error</th><th>unit</th></tr>",
+    );
+    for (name, value, error, unit) in estimates(case.effects, level) {
+        let (name, value, unit) = (escaped(&name), shown(value, error), escaped(&pretty(&unit)));
         out.push_str(&format!(
-            "<tr><td>{}</td><td>{value:.5e}</td><td>{error:.1e}</td></tr>",
-            escaped(&free.name)
+            "<tr><td>{name}</td><td>{value}</td><td>{error:.1e}</td><td>{unit}</td></tr>"
         ));
     }
     out.push_str("</table>");

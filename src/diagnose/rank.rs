@@ -12,7 +12,7 @@ use crate::calibrate::problem::Problem;
 use super::effect::Effect;
 use super::place::{Place, places};
 use super::score::score;
-use super::search::{Case, Level, Nothing, Scored, amplitude, attached, compile};
+use super::search::{Case, Level, Scored, amplitude, attached, compile};
 use super::text::Attached;
 
 /// Candidates in one model of a score test.
@@ -41,22 +41,22 @@ struct Trial {
 }
 
 /// Every effect at every place with every shape, not yet scored.
-pub fn unscored(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
-    let (_, trials) = trials(case, level)?;
-    Ok(trials.into_iter().map(|t| t.scored).collect())
+pub fn unscored(case: &Case<'_>, level: &Level) -> Vec<Scored> {
+    let (_, trials) = trials(case, level);
+    trials.into_iter().map(|t| t.scored).collect()
 }
 
 /// Scores every effect at every place with every shape; of the shapes the best is kept.
-pub fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
-    let (candidates, mut trials) = trials(case, level)?;
+pub fn rank(case: &Case<'_>, level: &Level) -> Vec<Scored> {
+    let (candidates, mut trials) = trials(case, level);
     let all: Vec<usize> = (0..candidates.len()).collect();
     let instants: usize = case.data.of(Split::Train).map(|r| r.time.len()).sum();
     if instants > 2 * FEW && all.len() > 2 * AGAIN {
-        score_some(case, level, &candidates, &all, FEW, &mut trials)?;
+        score_some(case, level, &candidates, &all, FEW, &mut trials);
         let again = foremost(level, &trials);
-        score_some(case, level, &candidates, &again, ENOUGH, &mut trials)?;
+        score_some(case, level, &candidates, &again, ENOUGH, &mut trials);
     } else {
-        score_some(case, level, &candidates, &all, ENOUGH, &mut trials)?;
+        score_some(case, level, &candidates, &all, ENOUGH, &mut trials);
     }
     let mut best: Vec<Scored> = Vec::new();
     for Trial { scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
@@ -68,7 +68,7 @@ pub fn rank(case: &Case<'_>, level: &Level) -> Result<Vec<Scored>, Nothing> {
         }
     }
     best.sort_by(|a, b| b.worth(level).total_cmp(&a.worth(level)));
-    Ok(best)
+    best
 }
 
 /// About [`AGAIN`] candidates, those that the best trials are made of.
@@ -98,15 +98,15 @@ fn score_some(
     chosen: &[usize],
     enough: usize,
     trials: &mut [Trial],
-) -> Result<(), Nothing> {
+) {
     let batches = batches(case, candidates, chosen);
     (case.say)(&format!("scoring {} candidates in {} runs", chosen.len(), batches.len()));
     let scoring = Scoring { case, level, candidates, enough };
-    batches.iter().try_for_each(|batch| scoring.score(batch, trials))
+    batches.iter().for_each(|batch| scoring.score(batch, trials));
 }
 
 /// What is scored, and the candidates that this takes.
-fn trials(case: &Case<'_>, level: &Level) -> Result<(Vec<Candidate>, Vec<Trial>), Nothing> {
+fn trials(case: &Case<'_>, level: &Level) -> (Vec<Candidate>, Vec<Trial>) {
     let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in case.effects.iter().enumerate() {
@@ -123,7 +123,7 @@ fn trials(case: &Case<'_>, level: &Level) -> Result<(Vec<Candidate>, Vec<Trial>)
             }
         }
     }
-    let ranges = ranges(case, level, &all)?;
+    let ranges = ranges(case, level, &all);
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut trials: Vec<Trial> = Vec::new();
     for (effect, place) in &all {
@@ -144,7 +144,7 @@ fn trials(case: &Case<'_>, level: &Level) -> Result<(Vec<Candidate>, Vec<Trial>)
             trials.push(Trial { scored, members });
         }
     }
-    Ok((candidates, trials))
+    (candidates, trials)
 }
 
 /// Which candidates run together: those of one effect and shape always, and never two shapes of what is
@@ -189,7 +189,7 @@ struct Scoring<'a> {
 
 impl Scoring<'_> {
     /// Scores the trials that are made of candidates of this batch alone.
-    fn score(&self, batch: &[usize], trials: &mut [Trial]) -> Result<(), Nothing> {
+    fn score(&self, batch: &[usize], trials: &mut [Trial]) {
         let Scoring { case, level, candidates, enough } = *self;
         let mut all = attached(case, &level.chosen);
         let mut plan = level.plan.clone();
@@ -219,10 +219,10 @@ impl Scoring<'_> {
             let half = batch.len() / 2;
             if half > 0 {
                 let (left, right) = batch.split_at(half);
-                self.score(left, trials)?;
-                self.score(right, trials)?;
+                self.score(left, trials);
+                self.score(right, trials);
             }
-            return Ok(());
+            return;
         };
         let mut columns = free;
         let mut first = vec![None; candidates.len()];
@@ -244,7 +244,6 @@ impl Scoring<'_> {
                 scored.amplitudes = found.amplitudes;
             }
         }
-        Ok(())
     }
 }
 
@@ -256,7 +255,7 @@ fn ranges_of(ranges: &Ranges, effect: usize, place: &Place, variable: &str) -> (
 }
 
 /// The ranges that the variables of effects cover at their places.
-fn ranges(case: &Case<'_>, level: &Level, all: &[(usize, Place)]) -> Result<Ranges, Nothing> {
+fn ranges(case: &Case<'_>, level: &Level, all: &[(usize, Place)]) -> Ranges {
     let mut out = Ranges::new();
     let mut wanted: Vec<(usize, &Place, Vec<String>)> = Vec::new();
     for (k, place) in all {
@@ -273,29 +272,48 @@ fn ranges(case: &Case<'_>, level: &Level, all: &[(usize, Place)]) -> Result<Rang
         }
     }
     for batch in wanted.chunks(BATCH) {
-        let mut probes = attached(case, &level.chosen);
-        let mut names = Vec::new();
-        for (i, (k, place, variables)) in batch.iter().enumerate() {
-            let name = format!("probe_{i}");
-            names.extend(variables.iter().map(|v| format!("{name}.{v}")));
-            let effect = &case.effects[*k];
-            probes.push(Attached { effect, place, name, values: Vec::new() });
-        }
-        let (session, program) = compile(case, &level.plan, &probes, &names)?;
+        probe(case, level, batch, &mut out);
+    }
+    out
+}
+
+/// Adds the ranges at some places. Where a run with all of them fails, each half is tried by itself; a
+/// place that can not be probed even alone has no range.
+fn probe(
+    case: &Case<'_>,
+    level: &Level,
+    wanted: &[(usize, &Place, Vec<String>)],
+    out: &mut Ranges,
+) {
+    let mut probes = attached(case, &level.chosen);
+    let mut names = Vec::new();
+    for (i, (k, place, variables)) in wanted.iter().enumerate() {
+        let name = format!("probe_{i}");
+        names.extend(variables.iter().map(|v| format!("{name}.{v}")));
+        let effect = &case.effects[*k];
+        probes.push(Attached { effect, place, name, values: Vec::new() });
+    }
+    let found = compile(case, &level.plan, &probes, &names).ok().and_then(|(session, program)| {
         let mut problems = Problems::new();
         let problem =
-            Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems);
-        let problem = problem.ok_or(Nothing::Run)?;
-        let found = problem.ranges(&problem.start(), &names).map_err(|_| Nothing::Run)?;
-        let mut found = found.into_iter();
-        for (k, place, variables) in batch {
-            for v in variables {
-                let range = found.next().unwrap_or((0.0, 1.0));
-                out.push(((*k, (*place).clone()), v.clone(), range));
-            }
+            Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems)?;
+        problem.ranges(&problem.start(), &names).ok()
+    });
+    let Some(found) = found else {
+        let half = wanted.len() / 2;
+        if half > 0 {
+            probe(case, level, &wanted[..half], out);
+            probe(case, level, &wanted[half..], out);
+        }
+        return;
+    };
+    let mut found = found.into_iter();
+    for (k, place, variables) in wanted {
+        for v in variables {
+            let range = found.next().unwrap_or((0.0, 1.0));
+            out.push(((*k, (*place).clone()), v.clone(), range));
         }
     }
-    Ok(out)
 }
 
 /// All combinations of what the parameters of a shape start from.

@@ -124,6 +124,19 @@ pub fn sentences(effects: &[Effect], chosen: &[Chosen]) -> Vec<String> {
     groups(chosen).map(one).collect()
 }
 
+/// The fitted parameters of the effects: full name, value, standard error and unit.
+pub fn estimates(effects: &[Effect], level: &Level) -> Vec<(String, f64, f64, String)> {
+    let names = level.chosen.iter().flat_map(|c| {
+        let effect = &effects[c.effect];
+        c.fitted.iter().map(move |p| (format!("{}.{p}", c.name), unit(effect, p)))
+    });
+    let one = |(name, unit): (String, String)| {
+        let k = level.plan.free.iter().position(|f| f.name == name)?;
+        Some((name, level.values[k], level.errors[k], unit))
+    };
+    names.filter_map(one).collect()
+}
+
 /// What is one phenomenon at one or several places.
 fn groups(chosen: &[Chosen]) -> impl Iterator<Item = &[Chosen]> {
     chosen.chunk_by(|a, b| a.group == b.group)
@@ -158,6 +171,7 @@ pub fn json(
         ("before", quality(case.data, &found.before)),
         ("after", quality(case.data, &found.after)),
         ("balances", Json::list(balances.iter().map(balance_json))),
+        ("repairs", Json::list(case.data.repairs.iter().map(|r| Json::text(r.as_str())))),
         ("amended_model", amended_model.map_or(Json::null(), Json::text)),
         ("seconds", Json::number(seconds)),
         ("complete", Json::flag(complete)),

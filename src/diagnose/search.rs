@@ -30,6 +30,8 @@ const DEPTH: usize = 5;
 const USUAL: usize = 2;
 /// Reduced sum of squares above which much is left.
 const MUCH: f64 = 2.0;
+/// Share of what is left that each of these further ones must promise, and explain.
+const NOTABLE: f64 = 0.1;
 /// An effect with so many amplitudes is a free curve.
 const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
@@ -43,6 +45,8 @@ pub const COMPLETE: f64 = 1.03;
 const WAY: [f64; 5] = [1.0, 0.5, 0.2, 0.07, 0.02];
 /// A law that explains this share of what a free curve does is taken for it.
 const NEARLY: f64 = 0.95;
+/// But not, if it leaves so many times what the curve leaves.
+const FAR: f64 = 5.0;
 /// If the curve leaves nothing to explain, the law must leave less than this too.
 const NEARLY_COMPLETE: f64 = 0.1;
 /// A first look at an effect.
@@ -197,8 +201,10 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         if found.after.chi2_train() < enough || !heed(0, found.after.train.total()) {
             break;
         }
-        let ranking = rank(case, &found.after)?;
-        let promising = promising(&found.after, &ranking);
+        let ranking = rank(case, &found.after);
+        let notable = if depth < USUAL { 0.0 } else { NOTABLE * found.after.train.total() };
+        let mut promising = promising(&found.after, &ranking);
+        promising.retain(|s| s.gain > notable);
         for s in ranking.iter().take(2 * FITTED) {
             let share = s.gain / found.after.train.total();
             let name = case.named(s.effect, &s.place);
@@ -208,6 +214,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         let mut levels = tried(case, &found.after, &promising, depth, heed);
         let asked_for = |l: &Level| {
             l.bic() < found.after.bic() - EVIDENCE
+                && l.train.total() < found.after.train.total() - notable
                 && l.chi2_validation() < found.after.chi2_validation()
         };
         if let Some(first) = levels.iter().position(asked_for) {
@@ -245,7 +252,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
         }
     };
     if let Some(from) = from
-        && let Some(simple) = single(case, &from.clone(), heed)?
+        && let Some(simple) = single(case, &from.clone(), heed)
         && simple.chi2_validation() < found.before.chi2_validation()
     {
         let simple = simplified(case, simple, heed);
@@ -380,9 +387,13 @@ fn in_order(case: &Case<'_>, from: &Level, levels: &mut [Level], by: impl Fn(&Le
     let explained = |l: &Level| from.train.total() - l.train.total();
     let wanted = NEARLY * explained(curve);
     let complete = curve.chi2_train() < COMPLETE;
-    let nearly =
-        |l: &Level| explained(l) > wanted && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE);
-    if let Some(k) = levels.iter().position(|l| !is_curve(case, l) && nearly(l)) {
+    let far = FAR * curve.train.total();
+    let nearly = |l: &Level| {
+        let as_good = explained(l) > wanted && l.train.total() < far;
+        as_good && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE)
+    };
+    let is_law = |l: &Level| !is_curve(case, l) && !of_sensor(l);
+    if let Some(k) = levels.iter().position(|l| is_law(l) && nearly(l)) {
         levels[..=k].rotate_right(1);
     }
 }
@@ -394,22 +405,22 @@ fn is_curve(case: &Case<'_>, level: &Level) -> bool {
 
 /// One simple effect in place of what a level has: where that has led, the parameters of the model are
 /// near the true ones, and the scores tell more than at the first attempt.
-fn single(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Result<Option<Level>, Nothing> {
+fn single(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
     if !heed(0, from.train.total()) {
-        return Ok(None);
+        return None;
     }
     let here = &mut |p: &mut Problem<'_>| {
         let x = p.start();
         let normal = p.normal(&x).ok()?;
         Some(Fit { x, normal, iterations: 0, converged: true, beyond: None })
     };
-    let Ok(start) = level(case, Vec::new(), bare_plan(case, from), here) else { return Ok(None) };
-    let ranking = rank(case, &start)?;
+    let start = level(case, Vec::new(), bare_plan(case, from), here).ok()?;
+    let ranking = rank(case, &start);
     let simple: Vec<Scored> =
         ranking.into_iter().filter(|s| case.effects[s.effect].amplitudes.len() < CURVE).collect();
     let levels = tried(case, &start, &promising(&start, &simple), 0, heed);
     let enough = |l: &Level| l.bic() < from.bic() + EVIDENCE;
-    Ok(levels.into_iter().find(enough))
+    levels.into_iter().find(enough)
 }
 
 /// The model as it was, fitted from where a level with effects stands.

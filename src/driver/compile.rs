@@ -18,7 +18,7 @@ use crate::ir::ast::{
 use crate::ir::blocks::Blocks;
 use crate::ir::dae::Kind;
 use crate::ir::expr::{Const, Type, VarId};
-use crate::ir::flat::{FlatModel, Variability, Variable};
+use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::Setting;
 use crate::ir::program::{Continuation, Form, Program};
@@ -228,7 +228,9 @@ impl Session {
                 None => {
                     let message = format!("the model has no input `{input}`");
                     let d = Diagnostic::error("MO1017", Span::NONE, message);
-                    let names = flat.variables.iter().map(|v| v.name.as_str());
+                    let inputs =
+                        flat.variables.iter().filter(|v| v.causality == Some(Causality::Input));
+                    let names = inputs.map(|v| v.name.as_str());
                     self.problems.push(match did_you_mean(input, names) {
                         Some(near) => d.help(format!("did you mean `{near}`?")),
                         None => d.help("declare it as `input Real` without a value of its own"),

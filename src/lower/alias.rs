@@ -205,7 +205,11 @@ impl Search<'_> {
             };
             let is_constant =
                 self.variability.of(self.graph, self.variables, other) <= Variability::Parameter;
-            if is_constant && self.variables[v].kind == Kind::Algebraic {
+            // Texts have no place in a running program: one that never changes is known here.
+            let text = self.variables[v].ty == Type::String
+                && self.variables[v].kind == Kind::Discrete
+                && self.graph.as_const(other).is_some();
+            if is_constant && (text || self.variables[v].kind == Kind::Algebraic) {
                 return Some((v, if negative { self.graph.neg(other) } else { other }));
             }
         }

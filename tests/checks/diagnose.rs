@@ -142,6 +142,111 @@ fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
     assert!(page.contains("id=\"residual-0\"") && page.contains("\"name\":\"after\""));
 }
 
+/// What is said to a plan, a model or a recording in which `old` is replaced by `new`.
+fn refused(file: &str, old: &str, new: &str) -> String {
+    let scratch = Scratch::new();
+    let recording = recording(0.1, 5, |_, _| 0.0);
+    let files = [
+        ("swing.mo", MODEL),
+        ("plan.toml", PLAN),
+        ("table.csv", "file,split,s_0\n1.csv,train,0.1\n"),
+        ("1.csv", &recording),
+    ];
+    for (name, text) in files {
+        assert!(name != file || text.contains(old), "{file} has no {old}");
+        let text = if name == file { text.replacen(old, new, 1) } else { text.to_owned() };
+        scratch.file(name, &text);
+    }
+    let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+    let written = scratch.path().join("out/diagnosis.json").exists();
+    assert!(ended.out.is_empty() && !written, "{}", ended.out);
+    format!("status {}\n{}", ended.status, ended.err)
+}
+
+#[test]
+fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
+    let cases = [
+        ("a column is missing", refused("1.csv", "t,s", "t,x")),
+        (
+            "a unit that is not known",
+            refused("plan.toml", "unit = \"m\", sigma", "unit = \"mn\", sigma"),
+        ),
+        ("a variable that is not there", refused("plan.toml", "mass.s", "mass.x")),
+        ("a parameter that is not there", refused("plan.toml", "c = {}", "cc = {}")),
+        ("no noise", refused("plan.toml", "sigma = 5e-4", "sigma = 0")),
+        ("time runs backwards", refused("plan.toml", "column = \"t\"", "column = \"s\"")),
+        (
+            "the model is wrong",
+            refused("swing.mo", "connect(spring.flange_b", "connect(spring.flange_c"),
+        ),
+        (
+            "the start can not be simulated",
+            refused("swing.mo", "equation", "equation\n  assert(mass.s > 0, \"too far\");"),
+        ),
+    ];
+    let said: Vec<String> = cases.iter().map(|(what, said)| format!("## {what}\n{said}")).collect();
+    insta::assert_snapshot!(said.join("\n"));
+}
+
+/// Values that are no numbers, a gap and rows out of order are repaired, which is said; a free parameter
+/// that affects nothing does not keep the drag from being found.
+#[test]
+fn recordings_are_repaired_and_idle_parameters_borne() {
+    let scratch = Scratch::new();
+    let model =
+        MODEL.replace("  Translational.Mass ", "  parameter Real idle = 1;\n  Translational.Mass ");
+    scratch.file("swing.mo", &model);
+    scratch.file("plan.toml", &PLAN.replace("d = {}", "d = {}\nidle = {}"));
+    let mut table = "file,split,s_0\n".to_owned();
+    for (k, (s_0, split)) in
+        [(0.1, "train"), (-0.08, "train"), (0.09, "validation")].iter().enumerate()
+    {
+        let text = recording(*s_0, 29 + k as u64, |_, v| -0.9 * v.abs() * v);
+        let mut lines: Vec<&str> = text.lines().collect();
+        lines.drain(200..230);
+        lines.swap(50, 51);
+        let text =
+            lines.join("\n").replacen(lines[20].split(',').nth(1).expect("a value"), "NaN", 1);
+        scratch.file(&format!("{k}.csv"), &text);
+        writeln!(table, "{k}.csv,{split},{s_0}").expect("a String");
+    }
+    scratch.file("table.csv", &table);
+    let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
+    let found: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(found["effects"][0]["component"], "Effects.QuadraticDrag", "{found:#}");
+    assert_eq!(found["repairs"].as_array().map(Vec::len), Some(9), "{}", found["repairs"]);
+}
+
+/// SIGINT ends the search after its step; what was found is written and marked.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_diagnosis_writes_what_it_has() {
+    use std::process::{Command, Stdio};
+    use std::time::Duration;
+
+    let scratch = Scratch::new();
+    let plan = format!("{}/examples/valve32.toml", env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mocc"));
+    command.current_dir(scratch.path()).args(["diagnose", &plan, "--out", "out"]);
+    let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let running = running.expect("mocc starts");
+    // The folder is made after the handler.
+    while !scratch.path().join("out").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    std::thread::sleep(Duration::from_millis(50));
+    let pid = running.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &pid]).status().expect("kill is there");
+    assert!(sent.success());
+    let ended = running.wait_with_output().expect("an end");
+    assert_eq!(ended.status.code(), Some(130), "{}", String::from_utf8_lossy(&ended.stderr));
+    let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
+    let found: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(found["complete"], false);
+}
+
 /// A catalogue of the user's own: the effect is one more model with an annotation.
 #[test]
 fn a_users_effect_is_found_too() {

@@ -101,14 +101,13 @@ fn a_held_recording_jumps_without_events() {
 #[test]
 fn windows_begin_where_they_were_recorded() {
     let exact = |t: f64| t - (1.0 - (-2.0 * t).exp()) / 2.0;
-    // A blow that the model does not know moves what is behind it.
-    let struck = |t: f64| exact(t) + if t > 1.495 { 0.7 * (-2.0 * (t - 1.5)).exp() } else { 0.0 };
+    // A blow that the model does not know moves what is behind it: one row of the window that ends with it.
+    let struck = |t: f64| exact(t) + if t > 1.495 { 0.07 * (-2.0 * (t - 1.5)).exp() } else { 0.0 };
     let text = table(301, 0.01, |t| t, struck);
     let (_, whole) = calibrated(&plan("linear", ""), &text);
     let (k, cut) = calibrated(&plan("linear", "window = 0.5\nskip = 0.02"), &text);
-    assert!(whole > 0.1, "{whole}");
-    // One window of six is struck within it, at its last instant.
-    assert!((k - 2.0).abs() < 0.1 && cut < 0.05, "{k}, {cut}");
+    assert!(whole > 0.01, "{whole}");
+    assert!((k - 2.0).abs() < 0.03 && cut < 0.006, "{k}, {cut}");
 }
 
 /// As many samples as the longest of the public recordings; nothing here depends on time.
@@ -140,7 +139,7 @@ fn refused(file: &str, from: &str, to: &str) -> String {
         folder.file(name, &if is_it { text.replace(from, to) } else { text.clone() });
     }
     let ended = mocc(folder.path(), &["calibrate", "plan.toml", "--no-profiles", "--out", "out"]);
-    assert!(ended.out.is_empty() && !folder.path().join("out").exists(), "{}", ended.out);
+    assert!(ended.out.is_empty() && !folder.path().join("out").exists(), "{to}: {}", ended.out);
     assert_eq!(ended.status, 2, "{}", ended.err);
     ended.err
 }
@@ -152,7 +151,7 @@ fn plans_that_can_not_drive_a_model_are_refused_with_place_and_remedy() {
         ("a parameter is no input", "input = \"u\"", "input = \"k\""),
         ("an interpolation that is not known", "\"linear\"", "\"cubic\""),
         ("a column that is not there", "u_V = {", "v_V = {"),
-        ("a unit that is not known", "input = \"u\", unit = \"V\"", "input = \"u\", unit = \"W\""),
+        ("a unit that is not known", "input = \"u\", unit = \"V\"", "input = \"u\", unit = \"Vo\""),
         ("a start of nothing", "\"start(x)\"", "\"start(y)\""),
         ("a start from a column that is not there", "column = \"x_V\"", "column = \"x_mV\""),
         ("a start that is free", "[free]\n", "[free]\n\"start(x)\" = {}\n"),
@@ -180,7 +179,7 @@ fn plans_that_can_not_drive_a_model_are_refused_with_place_and_remedy() {
     let of_plan = of_plan.map(|(what, from, to)| (what, refused("plan.toml", from, to)));
     let of_rest = [
         ("an input with a value", refused("lag.mo", "u(unit = \"V\")", "u(unit = \"V\") = 1")),
-        ("time runs backwards", refused("plan.toml", "column = \"t\"", "column = \"x_V\"")),
+        ("time runs backwards", refused("run.csv", "\n0.1,", "\n9.1,")),
     ];
     let all = of_plan.into_iter().chain(of_rest);
     let said: Vec<String> = all.map(|(what, said)| format!("## {what}\n{said}")).collect();
@@ -195,12 +194,14 @@ fn recordings_that_drive_are_repaired() {
     let text = table(201, 0.02, |t| t, exact);
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     lines.drain(100..140);
-    lines[20] = lines[20].replacen(&lines[20].split(',').nth(1).expect("u").to_owned(), "NaN", 1);
+    let (rest, x) = lines[20].rsplit_once(',').expect("three fields");
+    let t = rest.split(',').next().expect("a time");
+    lines[20] = format!("{t},NaN,{x}");
     lines.swap(30, 31);
     let twice = lines[40].clone();
     lines.insert(40, twice);
     let text = lines.join("\n").replace(',', ";");
-    for (more, runs) in [("", 1), ("window = 0.5", 7), ("window = 99", 1)] {
+    for (more, runs) in [("", 1), ("window = 0.5", 6), ("window = 99", 1)] {
         let folder = Scratch::new();
         folder.file("lag.mo", LAG);
         folder.file("plan.toml", &plan("linear", more));
