@@ -81,11 +81,10 @@ impl SolverWork {
                 if leaps && self.z.len() == 1 && !matches!(ending, Ending::Converged { .. }) {
                     // The branch that the solution was on may have come to its end.
                     let found = other_branch(&mut equations, self.start[0], self.nominal[0]);
-                    if let Some(z) = found {
-                        self.z[0] = z;
-                        region.bounds = None;
-                        ending = newton.solve(&mut equations, &mut self.z, region, &settings);
-                    }
+                    // Without one the message is about where the iteration came to from the start.
+                    self.z[0] = found.unwrap_or(self.start[0]);
+                    region.bounds = None;
+                    ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
                 if leaps && self.z.len() > 1 && !matches!(ending, Ending::Converged { .. }) {
                     region.bounds = None;

@@ -63,7 +63,7 @@ impl Printer<'_> {
             Node::Time => out.push_str("time"),
             Node::Recorded(v, order) => {
                 let of = names(v);
-                let name = match (of.starts_with("$delay"), order) {
+                let name = match (of.trim_start_matches('\'').starts_with("$delay"), order) {
                     (true, _) => "delayed",
                     (false, 0) => "recorded",
                     _ => "recorded_rate",
