@@ -33,6 +33,8 @@ pub mod resolve;
 pub mod instantiate;
 // Instances to scalar variables and equations.
 pub mod flatten;
+// Do the units of a flat model agree?
+pub mod units;
 // Flat model to hybrid differential-algebraic system.
 pub mod lower;
 // Index reduction, sorting, tearing.

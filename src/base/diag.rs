@@ -100,6 +100,12 @@ impl Problems {
     pub fn error_count(&self) -> usize {
         self.list.iter().filter(|d| d.severity == Severity::Error).count()
     }
+    /// Makes the warnings of a code errors.
+    pub fn raise(&mut self, code: &str) {
+        for d in self.list.iter_mut().filter(|d| d.code == code) {
+            d.severity = Severity::Error;
+        }
+    }
     /// True without any.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use regex_lite::Regex;
 
+use crate::base::diag::Severity;
 use crate::driver::compile::Request;
 use crate::ir::program::Form;
 use crate::simulate::settings;
@@ -72,9 +73,21 @@ pub struct Check {
     /// Folder with libraries, besides those of MODELICAPATH and the shipped ones.
     #[arg(long = "lib", value_name = "DIR")]
     pub folders: Vec<PathBuf>,
+    /// How bad it is if the units of an equation do not match.
+    #[arg(long, value_enum, value_name = "HOW", default_value = "warning")]
+    pub units: Units,
     /// Print the problems as JSON, on the standard output.
     #[arg(long)]
     pub json: bool,
+}
+
+/// How bad mismatched units are.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Units {
+    /// Worth a look.
+    Warning,
+    /// The model is refused.
+    Error,
 }
 
 /// What to format.
@@ -350,6 +363,14 @@ impl Model {
 }
 
 impl Check {
+    /// How bad mismatched units are.
+    pub fn severity(&self) -> Severity {
+        match self.units {
+            Units::Warning => Severity::Warning,
+            Units::Error => Severity::Error,
+        }
+    }
+
     /// The request to the compiler.
     pub fn request(&self) -> Request {
         Request {

@@ -10,7 +10,7 @@ use crate::report::json::Json;
 /// Checks; status 0 without errors, 1 with some.
 pub fn run(options: &Check) -> Status {
     let mut session = Session::default();
-    let checked = session.check(&options.request());
+    let checked = session.check(&options.request(), options.severity());
     if options.json {
         let all = session.problems.sorted().into_iter().map(|d| as_json(d, &session.sources));
         let printed = print(&Json::list(all).pretty());

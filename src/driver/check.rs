@@ -19,7 +19,17 @@ const NO_VALUE: &str = "MO0303";
 
 impl Session {
     /// Collects the problems of a request in [`Session::problems`].
-    pub fn check(&mut self, request: &Request) -> Result<(), Wrong> {
+    /// Units that do not match are as bad as `units` says.
+    pub fn check(&mut self, request: &Request, units: Severity) -> Result<(), Wrong> {
+        let checked = self.check_classes(request);
+        if units == Severity::Error {
+            self.problems.raise(crate::units::MISMATCH);
+        }
+        checked?;
+        if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) }
+    }
+
+    fn check_classes(&mut self, request: &Request) -> Result<(), Wrong> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
         let file = self.read(request, &mut library)?;
@@ -106,7 +116,10 @@ fn is_component(cx: &mut Context<'_>, class: ClassId) -> bool {
 
 fn component(cx: &mut Context<'_>, class: ClassId) {
     let mut balance = None;
-    let flat = crate::flatten::flatten_with_balance(cx, class, &mut balance);
+    let mut flat = crate::flatten::flatten_with_balance(cx, class, &mut balance);
+    if !cx.problems.has_errors() {
+        crate::units::check(&mut flat, cx.problems);
+    }
     if !cx.problems.has_errors()
         && let Some(balance) = balance
     {
@@ -115,11 +128,12 @@ fn component(cx: &mut Context<'_>, class: ClassId) {
 }
 
 fn whole(mut cx: Context<'_>, class: ClassId) {
-    let flat = crate::flatten::flatten(&mut cx, class, &[]);
+    let mut flat = crate::flatten::flatten(&mut cx, class, &[]);
     let problems = cx.problems;
     if problems.has_errors() {
         return;
     }
+    crate::units::check(&mut flat, problems);
     let mut own = Problems::new();
     let dae = crate::lower::lower(flat, &mut own);
     for d in own.iter() {

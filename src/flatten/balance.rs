@@ -115,7 +115,10 @@ fn is_input(cx: &mut Context<'_>, id: InstanceId, root: InstanceId) -> bool {
             return true;
         }
         let array = matches!(cx.instances[holder].kind, InstanceKind::Array { .. });
-        if !array && !super::connect::is_connector(cx, holder) {
+        if !array
+            && !super::connect::is_connector(cx, holder)
+            && !super::connect::is_record(cx, holder)
+        {
             return false;
         }
         at = cx.instances[holder].parent;

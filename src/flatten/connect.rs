@@ -3,14 +3,15 @@
 
 use std::sync::Arc;
 
+use super::connector::is_source;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::instantiate::Context;
 use crate::instantiate::evaluate::reference::Selection;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
-use crate::ir::expr::VarId;
-use crate::ir::flat::{Equation, EquationKind, FlatModel, Origin};
+use crate::ir::expr::{Binary, Const, ExprId, VarId};
+use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Origin};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 
 /// A variable of a connector, seen from inside or outside the component that has it.
@@ -21,6 +22,8 @@ type Member = (VarId, bool);
 pub struct Connections {
     potentials: Sets,
     flows: Sets,
+    /// Parameters that connections make equal.
+    equalities: Vec<(Assert, Origin)>,
     /// Each `connect` of two connectors, if somebody wants to know.
     pub(super) noted: Option<Vec<Noted>>,
 }
@@ -122,7 +125,8 @@ impl Connections {
         }
         let outside = (is_outside(cx, a, scope), is_outside(cx, b, scope));
         let origin = Origin { span, component: component.clone() };
-        let pair = Pair { outside, origin, ends: (a.span, b.span), holder: scope.instance };
+        let of = [&left, &right].map(first_instance);
+        let pair = Pair { outside, origin, ends: (a.span, b.span), of, holder: scope.instance };
         self.pair(cx, &left, &right, &pair)
     }
 
@@ -296,8 +300,24 @@ impl Connections {
                 Some(Variability::Parameter | Variability::Constant)
             )
         };
-        if fixed(x.0) && fixed(y.0) {
-            return Some(());
+        if fixed(x.0) || fixed(y.0) {
+            let of = |i: InstanceId| cx.instances[i].prefix.variability.filter(|_| fixed(i));
+            if of(x.0) != of(y.0) {
+                let word = |v: Option<Variability>| match v {
+                    Some(Variability::Constant) => "a constant",
+                    Some(_) => "a parameter",
+                    None => "a variable",
+                };
+                let why = format!(
+                    "do not match: `{}` is {}, and `{}` is {}",
+                    cx.path(x.0),
+                    word(of(x.0)),
+                    cx.path(y.0),
+                    word(of(y.0))
+                );
+                return mismatch(cx, pair, &why);
+            }
+            return self.equal(cx, x, y, pair);
         }
         let number = |(i, k): (InstanceId, usize)| match cx.instances[i].kind {
             InstanceKind::Variable { first: Some(first), .. } => Some(VarId(first.0 + k as u32)),
@@ -309,10 +329,42 @@ impl Connections {
         Some(())
     }
 
+    /// Connected parameters and constants must have the same value (section 9.3).
+    fn equal(
+        &mut self,
+        cx: &mut Context<'_>,
+        x: (InstanceId, usize),
+        y: (InstanceId, usize),
+        pair: &Pair,
+    ) -> Option<()> {
+        let mut read = |(i, k): (InstanceId, usize)| -> Option<ExprId> {
+            let value = cx.instance_value(i, pair.origin.span)?;
+            value.elements().get(k)?.scalar()
+        };
+        let (a, b) = (read(x)?, read(y)?);
+        let same = cx.graph.binary(Binary::Equal, a, b);
+        let names = format!("`{}` and `{}`", cx.path(x.0), cx.path(y.0));
+        match cx.graph.as_const(same) {
+            Some(Const::Boolean(true)) => {}
+            Some(Const::Boolean(false)) => {
+                let show = |e| crate::symbolic::print::print(&cx.graph, e, &|_| String::new());
+                let why = format!("have different values of {names}: {} and {}", show(a), show(b));
+                return mismatch(cx, pair, &why);
+            }
+            _ => {
+                let message = cx.graph.string(&format!("connected parameters differ: {names}"));
+                let assert = Assert { condition: same, message, warning: false };
+                self.equalities.push((assert, pair.origin.clone()));
+            }
+        }
+        Some(())
+    }
+
     /// Writes the sets out: equal potentials, sums of flows, and zero for flows of connectors that
     /// nothing is connected to.
     pub(super) fn equations(&mut self, cx: &mut Context<'_>, flat: &mut FlatModel) {
         for (members, origin) in self.potentials.sets() {
+            one_source(cx, flat, &members, origin.span);
             let mut variables: Vec<VarId> = members.iter().map(|m| m.0).collect();
             let mut seen = crate::base::index::FastSet::default();
             variables.retain(|v| seen.insert(*v));
@@ -334,13 +386,20 @@ impl Connections {
             let zero = cx.graph.real(0.0);
             flat.equations.push(Equation { kind: EquationKind::Equal(sum, zero), origin });
         }
+        for (assert, origin) in self.equalities.drain(..) {
+            flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
+        }
+        let mut in_connector: FastMap<InstanceId, bool> = FastMap::default();
         for v in flat.variables.ids() {
             let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
             let flow = cx.instances[instance].prefix.connection == Some(ConnectionPrefix::Flow);
             // What connections have added to a bus is open on the inside, too (section 9.2).
             let inside = self.flows.number.contains_key(&(v, false));
             let outside = self.flows.number.contains_key(&(v, true));
-            if !flow || inside && (outside || !super::expandable::is_within(cx, instance)) {
+            if !flow
+                || !stands_in_connector(cx, instance, &mut in_connector)
+                || inside && (outside || !super::expandable::is_within(cx, instance))
+            {
                 continue;
             }
             let e = read(cx, flat, v);
@@ -355,25 +414,78 @@ impl Connections {
     }
 }
 
+/// A set has one source of its signal at most.
+fn one_source(cx: &mut Context<'_>, flat: &FlatModel, members: &[Member], span: Span) {
+    let mut sources = members.iter().filter(|(v, outside)| is_source(cx, *v, *outside));
+    let (Some((a, _)), Some((b, _))) = (sources.next(), sources.next()) else { return };
+    let expandable = members
+        .iter()
+        .any(|(v, _)| super::expandable::is_within(cx, cx.evaluation.instance_of[v.0 as usize].0));
+    if a == b || expandable {
+        return;
+    }
+    let (a, b) = (&flat.variables[*a], &flat.variables[*b]);
+    let message = format!("`{}` and `{}` are connected, and both give a value", a.name, b.name);
+    cx.problems.push(
+        Diagnostic::error("MO0246", span, message)
+            .also(a.span, format!("`{}`", a.name))
+            .also(b.span, format!("`{}`", b.name))
+            .help("connect each input to one output only")
+            .note("outputs of components and inputs of the model itself give values (section 9.3)"),
+    );
+}
+
+/// Whether a flow is one of a connector: others are variables like any.
+fn stands_in_connector(
+    cx: &mut Context<'_>,
+    id: InstanceId,
+    known: &mut FastMap<InstanceId, bool>,
+) -> bool {
+    if let Some(known) = known.get(&id) {
+        return *known;
+    }
+    let parent = cx.instances[id].parent;
+    let found =
+        is_connector(cx, id) || parent.is_some_and(|parent| stands_in_connector(cx, parent, known));
+    known.insert(id, found);
+    found
+}
+
 struct Pair {
     holder: InstanceId,
     outside: (bool, bool),
     origin: Origin,
     ends: (Span, Span),
+    /// What is connected, for messages.
+    of: [Option<InstanceId>; 2],
 }
 
-fn read(cx: &mut Context<'_>, flat: &FlatModel, v: VarId) -> crate::ir::expr::ExprId {
+fn read(cx: &mut Context<'_>, flat: &FlatModel, v: VarId) -> ExprId {
     cx.graph.var(v, flat.variables[v].ty)
 }
 
 fn mismatch(cx: &mut Context<'_>, pair: &Pair, why: &str) -> Option<()> {
+    let class = |id: Option<InstanceId>, otherwise: &str| {
+        let class = id.and_then(|id| cx.instances[id].class);
+        class.map_or(otherwise.to_string(), |c| format!("`{}`", cx.classes[c].full_name))
+    };
+    let (one, other) = (class(pair.of[0], "one"), class(pair.of[1], "the other"));
     cx.problems.push(
         Diagnostic::error("MO0230", pair.origin.span, format!("the two connectors {why}"))
-            .also(pair.ends.0, "one")
-            .also(pair.ends.1, "the other")
+            .also(pair.ends.0, one)
+            .also(pair.ends.1, other)
             .help("connect connectors of the same class (section 9.3)"),
     );
     None
+}
+
+/// One of the instances that are selected.
+fn first_instance(s: &Selection) -> Option<InstanceId> {
+    match s {
+        Selection::Whole(id) | Selection::Element(id, _) => Some(*id),
+        Selection::Many(_, all) => all.first().and_then(first_instance),
+        Selection::Absent => None,
+    }
 }
 
 /// Scalars of array variables, or the parts of a slice.
@@ -422,7 +534,7 @@ pub(super) fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
     matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
 }
 
-fn is_record(cx: &mut Context<'_>, id: InstanceId) -> bool {
+pub(super) fn is_record(cx: &mut Context<'_>, id: InstanceId) -> bool {
     let Some(class) = cx.instances[id].class else { return false };
     matches!(cx.kind(class), ClassKind::Record | ClassKind::OperatorRecord)
 }

@@ -58,12 +58,17 @@ pub fn of_object(
             SectionKind::Equations(list) => expand_all(cx, list, scope, &mut target),
             SectionKind::Algorithm(list, span) => algorithm(cx, list, *span, scope, &mut target),
         }
+        asserted(cx, &mut target);
     }
 }
 
 fn expand_all(cx: &mut Context<'_>, list: &[ast::Equation], scope: Scope, target: &mut Target<'_>) {
     for e in list {
+        let outside = std::mem::take(&mut cx.evaluation.lost_unit);
         expand(cx, e, scope, target);
+        if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
+            target.flat.lost_units.insert(e.span);
+        }
         asserted(cx, target);
     }
 }
@@ -138,7 +143,7 @@ fn equal(
     target: &mut Target<'_>,
 ) -> Option<()> {
     if let ExprKind::Tuple(items) = &lhs.kind {
-        let Value::Tuple(values) = cx.evaluate(rhs, scope)? else {
+        let Value::Tuple(values) = cx.evaluate_outputs(rhs, scope)? else {
             cx.error("MO0219", rhs.span, "a function with several outputs is needed here");
             return None;
         };
@@ -160,15 +165,7 @@ fn equal(
         return Some(());
     }
     let (left, right) = (cx.evaluate(lhs, scope), cx.evaluate(rhs, scope));
-    equate(cx, &left?, &first_output(right?), span, target)
-}
-
-/// A function with several outputs stands for its first where one value is needed.
-pub(super) fn first_output(value: Value) -> Value {
-    match &value {
-        Value::Tuple(all) if !all.is_empty() => all[0].clone(),
-        _ => value,
-    }
+    equate(cx, &left?, &right?, span, target)
 }
 
 fn equate(
@@ -426,7 +423,7 @@ fn call_equation(
             cx.unsupported(call.span, "over-constrained connection graphs");
             None
         }
-        _ => cx.evaluate(call, scope).map(|_| ()),
+        _ => cx.evaluate_outputs(call, scope).map(|_| ()),
     }
 }
 
@@ -447,6 +444,11 @@ pub(super) fn assertion(
     };
     let c = cx.evaluate(condition, scope)?;
     let c = cx.truth(&c, condition.span)?;
+    if cx.graph.as_const(c) == Some(Const::Boolean(true)) {
+        // What would never be said is not even read.
+        let nothing = cx.graph.string("");
+        return Some(Assert { condition: c, message: nothing, warning: false });
+    }
     let text = cx.evaluate_scalar(message, scope)?;
     if cx.graph.ty(text) != Type::String {
         cx.error("MO0212", message.span, "the message must be a String");
@@ -471,6 +473,7 @@ fn algorithm(
     scope: Scope,
     target: &mut Target<'_>,
 ) {
+    cx.evaluation.lost_unit = false;
     cx.evaluation.assigned.clear();
     let plain: Vec<ast::Statement> =
         list.iter().filter(|s| !matches!(s.kind, StatementKind::When { .. })).cloned().collect();
@@ -489,12 +492,15 @@ fn algorithm(
         if let StatementKind::When { branches } = &s.kind
             && let Some(branches) = super::when::statement_branches(cx, branches, scope)
         {
+            target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(s.span));
             whens.push((branches, s.span));
         }
     }
     for (branches, span) in super::when::last_wins(whens) {
         target.push(EquationKind::When(branches), span);
     }
+    target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(span));
+    cx.evaluation.lost_unit = false;
 }
 
 /// What assigned variables hold before the section: discrete ones their `pre` value, others their

@@ -4,6 +4,7 @@ pub mod assembly;
 pub mod balance;
 mod cardinality;
 pub mod connect;
+mod connector;
 pub mod equation;
 pub mod expandable;
 pub mod inventory;
@@ -89,6 +90,7 @@ fn flatten_with(
     setting::report_unused(cx, root, settings);
     expandable::elaborate(cx, root);
     cardinality::count(cx, root);
+    connector::check(cx, root);
     variable::number(cx, root, &mut flat);
     variable::fill(cx, &mut flat);
 

@@ -246,7 +246,11 @@ fn binding(
     let span = cx.binding(id).map_or_else(|| cx.declared_at(id), |b| b.value.span);
     // A constant is known, and so are parameters that have fixed the structure: one value serves all.
     let constant = cx.instances[id].prefix.variability == Some(Variability::Constant);
+    let outside = std::mem::take(&mut cx.evaluation.lost_unit);
     let value = if constant { cx.parameter_value(id, span) } else { cx.binding_value(id) };
+    if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
+        flat.lost_units.insert(flat.variables[first].span);
+    }
     let Some(value) = value else { return };
     let setting = cx.binding(id).is_some_and(|b| b.setting);
     if value.dims() != &**dims && !(setting && value.dims().is_empty()) {
@@ -266,6 +270,14 @@ fn binding(
         return;
     }
     let Some(value) = cx.spread(value, dims, &Rc::from([]), span) else { return };
+    if cx.instances[id].prefix.variability == Some(Variability::Parameter) && !cx.from_outside(span)
+    {
+        let mut scalars = value.elements().iter().filter_map(Value::scalar);
+        if scalars.any(|e| cx.variability(e) > Variability::Parameter) {
+            cx.report_variability(id, span, "a value that changes while the model runs");
+            return;
+        }
+    }
     for (k, e) in value.elements().iter().enumerate() {
         let v = VarId(first.0 + k as u32);
         let Some(e) = e.scalar() else { continue };

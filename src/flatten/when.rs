@@ -1,12 +1,14 @@
 //! When-clauses: conditions, and what happens at the instants (section 8.3.5 of the specification).
 
+use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::instantiate::Context;
+use crate::instantiate::evaluate::external::Asserted;
 use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
-use crate::ir::flat::{Action, WhenBranch};
-use crate::ir::instance::Scope;
+use crate::ir::flat::{Action, Assert, WhenBranch};
+use crate::ir::instance::{InstanceId, Scope};
 
 /// The branches of a when-equation.
 pub(super) fn branches(
@@ -18,9 +20,11 @@ pub(super) fn branches(
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
+        let outside = std::mem::take(&mut cx.evaluation.asserts);
         for e in body {
             action(cx, e, scope, &mut actions)?;
         }
+        keep_asserts(cx, outside, &mut actions);
         out.push(WhenBranch { conditions, actions });
     }
     Some(out)
@@ -81,9 +85,11 @@ fn equal(
     scope: Scope,
     out: &mut Vec<Action>,
 ) -> Option<()> {
-    let right = cx.evaluate(rhs, scope)?;
+    for target in targets(lhs) {
+        check_target(cx, target, scope);
+    }
     if let ExprKind::Tuple(items) = &lhs.kind {
-        let Value::Tuple(values) = right else {
+        let Value::Tuple(values) = cx.evaluate_outputs(rhs, scope)? else {
             cx.error("MO0219", rhs.span, "a function with several outputs is needed here");
             return None;
         };
@@ -95,8 +101,60 @@ fn equal(
         }
         return Some(());
     }
+    let right = cx.evaluate(rhs, scope)?;
     let left = cx.evaluate(lhs, scope)?;
-    assign(cx, &left, &super::equation::first_output(right), span, out)
+    assign(cx, &left, &right, span, out)
+}
+
+/// The variables on a left side.
+fn targets(lhs: &Expr) -> Vec<&ast::ComponentRef> {
+    match &lhs.kind {
+        ExprKind::Ref(r) => vec![r],
+        ExprKind::Tuple(items) => items.iter().flatten().flat_map(targets).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// What a when-clause determines belongs to its own class: else the component would have an equation
+/// more than it seems to have (section 8.3.5).
+fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) {
+    let [first, .., last] = target.parts.as_slice() else { return };
+    let Some(mut at) = cx.child(scope.instance, first.name.name) else { return };
+    cx.complete(at);
+    if let crate::ir::instance::InstanceKind::Array { elements, .. } = &cx.instances[at].kind {
+        let Some(element) = elements.first() else { return };
+        at = *element;
+    }
+    let Some(class) = cx.instances[at].class else { return };
+    if matches!(cx.kind(class), ast::ClassKind::Model | ast::ClassKind::Block)
+        && !is_input(cx, at, last)
+    {
+        let message = format!(
+            "`{}` of component `{}` is determined in a when-clause outside of it",
+            last.name.name, first.name.name
+        );
+        cx.problems.push(
+            Diagnostic::error("MO0231", target.span, message)
+                .label("belongs to another component")
+                .help("make it an input of the component, or write the when-clause there")
+                .note("section 8.3.5.1 of the specification"),
+        );
+    }
+}
+
+/// Inputs of components are determined by what is around them.
+fn is_input(cx: &mut Context<'_>, holder: InstanceId, part: &ast::RefPart) -> bool {
+    let Some(child) = cx.child(holder, part.name.name) else { return true };
+    cx.complete(child);
+    cx.instances[child].prefix.causality == Some(ast::Causality::Input)
+}
+
+/// Assertions met while a clause was read belong to it; those from before stay.
+fn keep_asserts(cx: &mut Context<'_>, outside: Vec<Asserted>, out: &mut Vec<Action>) {
+    for p in std::mem::replace(&mut cx.evaluation.asserts, outside) {
+        let Asserted { condition, message, warning, .. } = p;
+        out.push(Action::Assert(Assert { condition, message, warning }));
+    }
 }
 
 fn assign(
@@ -183,7 +241,7 @@ fn call_action(
             out.push(Action::Terminate(message));
             Some(())
         }
-        _ => cx.evaluate(call, scope).map(|_| ()),
+        _ => cx.evaluate_outputs(call, scope).map(|_| ()),
     }
 }
 
@@ -282,7 +340,9 @@ pub(super) fn statement_branches(
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
         cx.evaluation.assigned.clear();
+        let outside = std::mem::take(&mut cx.evaluation.asserts);
         let result = statement_actions(cx, body, scope, &mut actions);
+        keep_asserts(cx, outside, &mut actions);
         let assigned = std::mem::take(&mut cx.evaluation.assigned);
         result?;
         let mut all: Vec<(VarId, ExprId)> = assigned.into_iter().collect();

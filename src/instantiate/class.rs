@@ -125,8 +125,17 @@ impl Context<'_> {
             ClassText::Root => {}
             ClassText::Predefined(ty) => table.scalar = Some(ty),
             ClassText::Written(text) => {
-                self.restrict(&text);
+                let first = !self.is_checked(&text);
+                if first {
+                    self.restrict(&text);
+                }
                 self.fill(class, &text, &mut table);
+                let table = Rc::new(table);
+                self.tables[class] = TableState::Done(table.clone());
+                if first {
+                    self.check_body(class, &text);
+                }
+                return table;
             }
         }
         let table = Rc::new(table);
@@ -148,10 +157,11 @@ impl Context<'_> {
             ClassBody::Short(short) => {
                 let scope = self.outside(class);
                 let Some(base) = self.class_or_report(&short.base, scope) else { return };
+                self.restrict_short(text, base, short.base.span);
                 let layers: Rc<[_]> =
                     short.modification.iter().map(|m| (m.clone(), class)).collect();
                 let inherited = self.base_with_redeclarations(class, base, &short.modification);
-                self.inherit(table, inherited, &layers);
+                self.inherit(table, inherited, &layers, false);
                 if !short.dims.is_empty() {
                     table.dims.insert(0, (short.dims.clone(), class));
                 }
@@ -170,25 +180,17 @@ impl Context<'_> {
         composition: &ast::Composition,
         table: &mut ClassTable,
     ) {
-        if composition.class_extends.is_some() {
-            let span = self.text(class).map_or(crate::base::source::Span::NONE, |t| t.name.span);
-            self.unsupported(span, "`extends` of an inherited class in its definition");
+        let mut bases = Vec::new();
+        if let Some(modification) = &composition.class_extends
+            && let Some(base) = self.inherited_class(class)
+        {
+            bases.push(base);
+            let base = self.base_with_redeclarations(class, base, modification);
+            let layers: Rc<[_]> = modification.iter().map(|m| (m.clone(), class)).collect();
+            self.inherit(table, base, &layers, false);
         }
         // Classes redeclared by elements of this class replace those of its bases.
-        let own: Vec<Redeclaration> = composition
-            .elements
-            .iter()
-            .filter(|e| e.redeclare)
-            .filter_map(|e| match &e.kind {
-                ElementKind::Class(c) => Some(Redeclaration {
-                    name: c.name.name,
-                    class: c.clone(),
-                    written_in: class,
-                    instance: None,
-                }),
-                _ => None,
-            })
-            .collect();
+        let own = redeclared_elements(class, composition);
         for element in &composition.elements {
             match &element.kind {
                 ElementKind::Import(_) => {}
@@ -198,11 +200,13 @@ impl Context<'_> {
                     if let Some(text) = self.text(class).cloned() {
                         self.restrict_base(&text, base, extends.base.span);
                     }
+                    self.check_base(&extends.base, scope);
+                    bases.push(base);
                     let base = self.with_redeclarations(base, own.clone());
                     let base = self.base_with_redeclarations(class, base, &extends.modification);
                     let layers: Rc<[_]> =
                         extends.modification.iter().map(|m| (m.clone(), class)).collect();
-                    self.inherit(table, base, &layers);
+                    self.inherit(table, base, &layers, element.protected);
                 }
                 ElementKind::Components(clause) => {
                     let shared = Rc::new(element.clone());
@@ -234,6 +238,7 @@ impl Context<'_> {
                 }
             }
         }
+        self.restrict_simple(class, table, &bases);
         for s in &composition.equations {
             let kind = SectionKind::Equations(s.equations.clone());
             table.sections.push(Section { class, initial: s.initial, kind });
@@ -272,11 +277,52 @@ impl Context<'_> {
         self.with_redeclarations(base, all)
     }
 
+    /// The class that `model extends M` extends: M as the class around it inherits it, with what that
+    /// class redeclares besides (section 7.3.1).
+    fn inherited_class(&mut self, class: ClassId) -> Option<ClassId> {
+        let wanted = self.text(class)?.name;
+        let around = self.classes[class].enclosing?;
+        let holder = self.classes[class].holder;
+        if let Some(ClassBody::Long(composition)) =
+            self.text(around).cloned().map(|t| t.body.clone())
+        {
+            let mut redeclared = self.classes[around].redeclared.to_vec();
+            redeclared.extend(redeclared_elements(around, &composition));
+            redeclared.retain(|r| r.name != wanted.name);
+            for element in &composition.elements {
+                let ElementKind::Extends(extends) = &element.kind else { continue };
+                let scope = Scope { instance: self.classes[around].holder, class: around };
+                let Some(base) = self.find_class(&extends.base, scope) else { continue };
+                let base = self.with_redeclarations(base, redeclared.clone());
+                if let Some(found) = self.member_class(base, wanted.name, holder)
+                    && !self.is_text(found, class)
+                {
+                    return Some(found);
+                }
+            }
+        }
+        self.problems.push(
+            crate::base::diag::Diagnostic::error(
+                "MO0201",
+                wanted.span,
+                format!("there is no inherited class `{}` to extend", wanted.name),
+            )
+            .help("`model extends A` extends the A of a base class; write `model A extends ...` for another one")
+            .note("section 7.3.1 of the specification"),
+        );
+        None
+    }
+
+    fn is_text(&self, a: ClassId, b: ClassId) -> bool {
+        matches!((self.text(a), self.text(b)), (Some(a), Some(b)) if Arc::ptr_eq(a, b))
+    }
+
     fn inherit(
         &mut self,
         table: &mut ClassTable,
         base: ClassId,
         layers: &Rc<[(Arc<ast::Modification>, ClassId)]>,
+        protected: bool,
     ) {
         let inherited = self.table(base);
         if let Some(ty) = inherited.scalar {
@@ -309,8 +355,19 @@ impl Context<'_> {
                 layers.iter().chain(entry.layers.iter()).cloned().collect()
             };
             // The same element inherited twice is one element (section 7.1).
-            if !table.index.contains_key(&entry.name.name) {
-                insert(table, Entry { layers: all, ..entry.clone() });
+            if let Some(&at) = table.index.get(&entry.name.name) {
+                let before = &table.entries[at];
+                if before.name.span != entry.name.span
+                    && !before.element.redeclare
+                    && !matches!(&before.kind, EntryKind::Class(c) if is_class_extends(c))
+                    && !self.identical(before, entry)
+                {
+                    let (before, entry) = (before.clone(), entry.clone());
+                    self.report_inherited_duplicate(&before, &entry.name);
+                }
+            } else {
+                let protected = protected || entry.protected;
+                insert(table, Entry { layers: all, protected, ..entry.clone() });
             }
         }
         table.sections.extend(inherited.sections.iter().cloned());
@@ -336,8 +393,16 @@ impl Context<'_> {
                 let old = table.entries[at].name.span;
                 self.report_not_replaceable(entry.name.name, entry.name.span, old);
             }
+            self.check_redeclared_prefixes(&table.entries[at], &entry);
             let old = &mut table.entries[at];
             *old = Entry { component: old.component, layers: old.layers.clone(), ..entry };
+        } else if matches!(&entry.kind, EntryKind::Class(c) if is_class_extends(c)) {
+            // `model extends M` takes the place of the inherited M.
+            if table.entries[at].element.replaceable.is_none() {
+                let old = table.entries[at].name.span;
+                self.report_not_replaceable(entry.name.name, entry.name.span, old);
+            }
+            table.entries[at] = entry;
         } else if table.entries[at].class == class {
             self.report_duplicate(&entry, &table.entries[at].name);
         } else {
@@ -353,8 +418,16 @@ impl Context<'_> {
 
     /// Whether two declarations of one name say the same: type, sizes and modification, as written.
     fn identical(&self, a: &Entry, b: &Entry) -> bool {
-        let (EntryKind::Component(a), EntryKind::Component(b)) = (&a.kind, &b.kind) else {
-            return matches!((&a.kind, &b.kind), (EntryKind::Class(_), EntryKind::Class(_)));
+        let (a, b) = match (&a.kind, &b.kind) {
+            (EntryKind::Component(a), EntryKind::Component(b)) => (a, b),
+            (EntryKind::Class(a), EntryKind::Class(b)) => {
+                let words = |class: &ast::Class| {
+                    let text = self.sources.text(class.span).unwrap_or_default();
+                    text.split_whitespace().collect::<String>()
+                };
+                return words(a) == words(b);
+            }
+            _ => return false,
         };
         let written = |d: &Declaration| {
             let text = d.component().modification.as_ref().and_then(|m| self.sources.text(m.span));
@@ -385,6 +458,27 @@ impl Context<'_> {
         self.enumerations.insert(key, id);
         id
     }
+}
+
+/// `model extends M ... end M`
+fn is_class_extends(class: &ast::Class) -> bool {
+    matches!(&class.body, ClassBody::Long(c) if c.class_extends.is_some())
+}
+
+/// Classes that elements of a class redeclare, for its bases.
+fn redeclared_elements(class: ClassId, composition: &ast::Composition) -> Vec<Redeclaration> {
+    let redeclared = composition.elements.iter().filter(|e| e.redeclare);
+    redeclared
+        .filter_map(|e| match &e.kind {
+            ElementKind::Class(c) => Some(Redeclaration {
+                name: c.name.name,
+                class: c.clone(),
+                written_in: class,
+                instance: None,
+            }),
+            _ => None,
+        })
+        .collect()
 }
 
 fn insert(table: &mut ClassTable, mut entry: Entry) {

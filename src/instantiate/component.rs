@@ -70,7 +70,11 @@ impl Context<'_> {
         let clause = declaration.clause();
         let component = declaration.component();
         if element.outer && !element.inner {
+            self.check_outer_unmodified(id, component.name);
             if let Some(inner) = self.find_inner(id, component.name.name) {
+                let class = self.class_or_report(&clause.type_name, scope)?;
+                self.instances[id].class = Some(class);
+                self.check_inner_fits(id, inner, class, component.name);
                 return Some(InstanceKind::Outer(inner));
             }
             self.report_no_inner(component.name);
@@ -83,7 +87,12 @@ impl Context<'_> {
                 None => return None,
             }
         }
+        let of_class = self.check_type_name(&clause.type_name, scope)?;
         let class = self.class_or_report(&clause.type_name, scope)?;
+        if !of_class.is_empty() {
+            let own = self.instances[id].layers.iter().cloned();
+            self.instances[id].layers = own.chain(of_class).collect();
+        }
         let redeclared = self.class_redeclarations(&self.instances[id].layers.clone());
         let class = self.with_redeclarations(class, redeclared);
         self.instances[id].class = Some(class);
@@ -92,12 +101,16 @@ impl Context<'_> {
         self.restrict_prefix(clause.prefix, class, table.scalar, component.name);
         let mut prefix = clause.prefix;
         merge_prefix(&mut prefix, table.prefix);
+        if table.scalar.is_none() {
+            self.check_prefix_conflict(prefix, &table, component.name);
+        }
         let around = self.instances[id].prefix;
         prefix.variability = match (prefix.variability, around.variability) {
             (Some(a), Some(b)) => Some(a.min(b)),
             (a, b) => a.or(b),
         };
         prefix.connection = prefix.connection.or(around.connection);
+        prefix.causality = prefix.causality.or(around.causality);
         self.instances[id].prefix = prefix;
 
         let sizes = self.sizes(id, declaration, &table)?;
@@ -127,6 +140,10 @@ impl Context<'_> {
         for s in component.dims.iter().chain(&declaration.clause().type_dims) {
             written.push((s.clone(), scope));
         }
+        let element = &declaration.element;
+        if written.is_empty() && (element.redeclare || element.replaceable.is_some()) {
+            written = self.dims_before(id, declaration);
+        }
         for (list, holder) in &table.dims {
             let outside = self.outside(*holder);
             written.extend(list.iter().map(|s| (s.clone(), outside)));
@@ -155,7 +172,25 @@ impl Context<'_> {
                 }
             }
         }
+        self.check_count(&sizes, component.name.span)?;
         Some(sizes)
+    }
+
+    /// The sizes of the declaration that a redeclared component replaces: they stay (section 7.3).
+    fn dims_before(&mut self, id: InstanceId, now: &Declaration) -> Vec<(Subscript, Scope)> {
+        let Some(parent) = self.instances[id].parent else { return Vec::new() };
+        let wanted = self.instances[id].name;
+        let table = self.table_of(parent);
+        let Some(entry) = table.index.get(&wanted).map(|at| &table.entries[*at]) else {
+            return Vec::new();
+        };
+        let EntryKind::Component(before) = &entry.kind else { return Vec::new() };
+        if Rc::ptr_eq(&before.element, &now.element) {
+            return Vec::new();
+        }
+        let scope = Scope { instance: parent, class: entry.class };
+        let dims = before.component().dims.iter().chain(&before.clause().type_dims);
+        dims.map(|s| (s.clone(), scope)).collect()
     }
 
     /// Whether the component around an instance is an expandable connector.
@@ -226,9 +261,18 @@ impl Context<'_> {
         }
         let mut scope = own;
         let mut declared = declaration.clone();
+        // Of a chain of redeclarations the outermost counts; of the others what constrains it.
+        let mut replaced = false;
         for (replacement, at) in self.component_redeclarations(&outer, entry, parent, wanted) {
-            push_whole(&mut layers, replacement.component().modification.as_ref(), at);
-            if scope == own {
+            let constraint = constraint(&replacement.element).cloned();
+            if !replaced || constraint.is_none() {
+                push_whole(&mut layers, replacement.component().modification.as_ref(), at);
+            }
+            if let Some(constraint) = constraint {
+                push_whole(&mut layers, constraint.modification.as_ref(), at);
+            }
+            if !replaced {
+                replaced = true;
                 scope = at;
                 declared = replacement;
             }
@@ -243,17 +287,19 @@ impl Context<'_> {
         }
         // What the original declaration says also holds for a replacement (section 7.3.2), unless
         // a constraining clause says what does.
-        let constraint = declaration.element.replaceable.as_ref();
-        match constraint.and_then(|r| r.constraint.as_ref().map(|_| r)) {
-            Some(r) if scope != own => push_whole(&mut layers, r.modification.as_ref(), own),
-            _ => push_whole(&mut layers, declaration.component().modification.as_ref(), own),
+        let constraint = constraint(&declaration.element);
+        if !replaced || constraint.is_none() {
+            push_whole(&mut layers, declaration.component().modification.as_ref(), own);
+        }
+        if let Some(r) = constraint {
+            push_whole(&mut layers, r.modification.as_ref(), own);
         }
         let holder = &self.instances[parent];
-        let prefix = ast::TypePrefix {
-            variability: holder.prefix.variability,
-            connection: holder.prefix.connection,
-            causality: None,
-        };
+        let mut prefix = holder.prefix;
+        if replaced {
+            // What the redeclaration does not say stays as it was (section 7.3).
+            merge_prefix(&mut prefix, declaration.clause().prefix);
+        }
         let protected = holder.protected || entry.protected;
         self.instances.push(Instance {
             name: wanted,
@@ -362,6 +408,28 @@ impl Context<'_> {
         found.iter().find_map(Layer::binding)
     }
 
+    /// An attribute that is `final` in the type or in the declaration is not given again further outside.
+    fn check_final_attribute(&mut self, id: InstanceId, attribute: Name) {
+        let mut found = Vec::new();
+        for layer in self.instances[id].layers.iter() {
+            layer.child(attribute, &mut found);
+        }
+        let table = self.table_of(id);
+        for (modification, class) in &table.layers {
+            let layer = Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.outside(*class),
+                subscripts: Rc::from([]),
+            };
+            layer.child(attribute, &mut found);
+        }
+        let bindings: Vec<Binding> = found.iter().filter_map(Layer::binding).collect();
+        let Some((outer, inner)) = bindings.split_first() else { return };
+        if let Some(closed) = inner.iter().find(|b| b.is_final) {
+            self.report_final_attribute(id, attribute, outer.value.span, closed.value.span);
+        }
+    }
+
     /// What is `final` inside is not bound again further outside (section 7.2.6 of the specification).
     fn check_final(&mut self, id: InstanceId) {
         let bindings: Vec<Binding> =
@@ -387,7 +455,9 @@ impl Context<'_> {
                 continue;
             }
             for (text, span) in layer.modified_names() {
-                if !is_attribute(text) {
+                if is_attribute(text) {
+                    self.check_final_attribute(id, text);
+                } else {
                     self.report_unknown_attribute(id, text, span);
                 }
             }
@@ -403,13 +473,25 @@ impl Context<'_> {
             }
             let redeclared = layer.redeclarations().flat_map(|(e, _)| e.names());
             for (text, span) in layer.modified_names().into_iter().chain(redeclared) {
-                if !table.index.contains_key(&text) {
-                    let class = self.instances[id].class;
-                    self.report_unknown_modifier(class, text, span, table);
+                match table.index.get(&text).map(|at| &table.entries[*at]) {
+                    Some(entry) if entry.protected => {
+                        let part = ast::Ident { name: text, span };
+                        self.report_protected(part, entry.name.span);
+                    }
+                    Some(_) => {}
+                    None => {
+                        let class = self.instances[id].class;
+                        self.report_unknown_modifier(class, text, span, table);
+                    }
                 }
             }
         }
     }
+}
+
+/// The constraining clause of an element.
+fn constraint(element: &ast::Element) -> Option<&ast::Replaceable> {
+    element.replaceable.as_ref().filter(|r| r.constraint.is_some())
 }
 
 fn is_attribute(text: Name) -> bool {

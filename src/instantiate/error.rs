@@ -190,6 +190,55 @@ impl Context<'_> {
         );
     }
 
+    /// A value that changes faster than what it is bound to.
+    pub(crate) fn report_variability(&mut self, id: InstanceId, span: Span, what: &str) {
+        let path = self.path(id);
+        let constant = self.instances[id].prefix.variability == Some(ast::Variability::Constant);
+        let kind = if constant { "constant" } else { "parameter" };
+        self.problems.push(
+            Diagnostic::error("MO0268", span, format!("{kind} `{path}` is bound to {what}"))
+                .label(what)
+                .also(self.declared_at(id), "declared here")
+                .help(if constant {
+                    "use constants only, or make it a parameter"
+                } else {
+                    "use parameters and constants only, or leave `parameter` out"
+                })
+                .note("a value may not change faster than what it is bound to (section 3.8)"),
+        );
+    }
+
+    pub(crate) fn report_conditional(&mut self, id: InstanceId, span: Span) {
+        let path = self.path(id);
+        self.problems.push(
+            Diagnostic::error("MO0217", span, format!("`{path}` is conditional, and read as a value"))
+                .also(self.declared_at(id), "declared with a condition")
+                .help("declare it without condition, or read it inside of a component that has the same condition")
+                .note("a conditional component may be modified and connected only (section 4.4.5)"),
+        );
+    }
+
+    pub(crate) fn report_final_attribute(
+        &mut self,
+        id: InstanceId,
+        attribute: Name,
+        span: Span,
+        closed: Span,
+    ) {
+        let path = self.path(id);
+        self.problems.push(
+            Diagnostic::error(
+                "MO0209",
+                span,
+                format!("attribute `{attribute}` of `{path}` is final"),
+            )
+            .label("another value")
+            .also(closed, "its final value")
+            .help("remove this value, or use another type")
+            .note("section 7.2.6 of the specification"),
+        );
+    }
+
     pub(crate) fn report_duplicate(&mut self, entry: &Entry, before: &ast::Ident) {
         self.problems.push(
             Diagnostic::error(

@@ -2,6 +2,7 @@
 //! specification).
 
 use super::{Context, ROOT};
+use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind, ImportForm};
 use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, InstanceKind, Scope};
@@ -18,6 +19,7 @@ pub enum Found {
 impl Context<'_> {
     /// The class of a dotted name, seen from `scope`.
     pub fn find_class(&mut self, path: &ast::Path, scope: Scope) -> Option<ClassId> {
+        let mut trespass = None;
         let (first, rest) = path.parts.split_first()?;
         let mut at = if path.global {
             self.member_class(ROOT.class, first.name, ROOT.instance)
@@ -29,16 +31,20 @@ impl Context<'_> {
         }?;
         for part in rest {
             let holder = self.classes[at].holder;
-            at = self.member_class(at, part.name, holder)?;
+            let inner = self.member_class(at, part.name, holder)?;
+            trespass = trespass.or_else(|| self.trespass_at(at, *part));
+            at = inner;
         }
+        self.trespass = trespass;
         Some(at)
     }
 
     /// The class of a dotted name; what is missing is reported.
     pub fn class_or_report(&mut self, path: &ast::Path, scope: Scope) -> Option<ClassId> {
         let found = self.find_class(path, scope);
-        if found.is_none() {
-            self.report_unknown_class(path, scope);
+        match found {
+            Some(_) => self.report_trespass(),
+            None => self.report_unknown_class(path, scope),
         }
         found
     }
@@ -54,7 +60,7 @@ impl Context<'_> {
             if let Some(c) = self.member_class(class, wanted, instance) {
                 return Some(Found::Class(c));
             }
-            if !own && let Some(i) = self.package_component(class, wanted) {
+            if !own && let Some(i) = self.package_constant(class, instance, wanted) {
                 return Some(Found::Component(i));
             }
             if let Some(found) = self.imported(class, wanted) {
@@ -95,13 +101,24 @@ impl Context<'_> {
             let holder = r.instance.unwrap_or(instance);
             return Some(self.class_in(&r.class, r.written_in, holder));
         }
+        let mut elsewhere = None;
         let (text, declared_in) = if self.table_in_progress(class) {
             (self.own_class(class, wanted)?, class)
         } else {
             let table = self.table(class);
             match table.index.get(&wanted).map(|at| &table.entries[*at]) {
                 Some(entry) => match &entry.kind {
-                    EntryKind::Class(c) => (c.clone(), entry.class),
+                    EntryKind::Class(c) => {
+                        if entry.class != class {
+                            // Inherited from a class in which it is redeclared.
+                            let redeclared = &self.classes[entry.class].redeclared;
+                            elsewhere = redeclared.iter().find(|r| r.name == wanted).cloned();
+                        }
+                        if entry.element.outer && !entry.element.inner {
+                            return self.inner_class(wanted, instance);
+                        }
+                        (c.clone(), entry.class)
+                    }
                     EntryKind::Component(_) => return None,
                 },
                 None => {
@@ -112,7 +129,29 @@ impl Context<'_> {
             }
         };
         let holder = if self.is_package(class) { self.package_instance(class) } else { instance };
+        if let Some(r) = elsewhere {
+            let holder = r.instance.unwrap_or(holder);
+            return Some(self.class_in(&r.class, r.written_in, holder));
+        }
         Some(self.class_in(&text, declared_in, holder))
+    }
+
+    /// The class that an `outer` class stands for: the `inner` one of that name in the components
+    /// around (section 5.4).
+    fn inner_class(&mut self, wanted: Name, instance: InstanceId) -> Option<ClassId> {
+        let mut at = self.instances[instance].parent;
+        while let Some(holder) = at {
+            at = self.instances[holder].parent;
+            let Some(class) = self.instances[holder].class else { continue };
+            let table = self.table(class);
+            if let Some(entry) = table.index.get(&wanted).map(|at| &table.entries[*at])
+                && entry.element.inner
+                && matches!(entry.kind, EntryKind::Class(_))
+            {
+                return self.member_class(class, wanted, holder);
+            }
+        }
+        None
     }
 
     /// A class written in the text of `class` itself, or beside it in the package's folder.
@@ -145,6 +184,27 @@ impl Context<'_> {
         self.instances[id].scope = Scope { instance: id, class };
         self.package_instances.insert(class, id);
         id
+    }
+
+    /// The constant `wanted` that is seen from a class in `class`, which was found in `instance`: a package
+    /// that extends the one of the text may give it another value.
+    fn package_constant(
+        &mut self,
+        class: ClassId,
+        instance: InstanceId,
+        wanted: Name,
+    ) -> Option<InstanceId> {
+        if let Some(derived) = self.instances[instance].class
+            && derived != class
+            && self.package_instances.get(&derived) == Some(&instance)
+            && !self.table_in_progress(derived)
+            && !self.table_in_progress(class)
+            && self.table(class).index.contains_key(&wanted)
+            && let Some(found) = self.package_component(derived, wanted)
+        {
+            return Some(found);
+        }
+        self.package_component(class, wanted)
     }
 
     /// The component `wanted` of a package.
@@ -196,19 +256,49 @@ impl Context<'_> {
                 ImportForm::All => Some([parts, vec![wanted]].concat()),
                 ImportForm::List(_) => None,
             };
-            if let Some(found) = full.and_then(|f| self.absolute(&f)) {
+            let Some(full) = full else { continue };
+            let all = matches!(import.form, ImportForm::All);
+            if let Some(found) = self.absolute(&full, all) {
+                self.check_import(&import.path, &full);
                 return Some(found);
             }
         }
         None
     }
 
-    /// A name from the top: a class, or a component of a package.
-    fn absolute(&mut self, parts: &[Name]) -> Option<Found> {
+    /// What is imported must be a package or stand in one (section 13.2.1).
+    fn check_import(&mut self, path: &ast::Path, full: &[Name]) {
+        let Some((last, packages)) = full.split_last() else { return };
+        let mut class = ROOT.class;
+        for part in packages {
+            let Some(next) = self.member_class(class, *part, ROOT.instance) else { return };
+            class = next;
+        }
+        let itself = self.member_class(class, *last, ROOT.instance);
+        if class == ROOT.class
+            || self.kind(class) == ClassKind::Package
+            || itself.is_some_and(|c| self.kind(c) == ClassKind::Package)
+        {
+            return;
+        }
+        let holder = packages.last().map_or_else(String::new, Name::to_string);
+        let message = format!("`{last}` is imported from `{holder}`, which is no package");
+        self.problems.push(
+            Diagnostic::error("MO0263", path.span, message)
+                .help("import packages and what stands in them only (section 13.2.1)"),
+        );
+    }
+
+    /// A name from the top: a class, or a component of a package; only a public one if it is one of
+    /// many that are imported.
+    fn absolute(&mut self, parts: &[Name], public: bool) -> Option<Found> {
         let (last, packages) = parts.split_last()?;
         let mut class = ROOT.class;
         for part in packages {
             class = self.member_class(class, *part, ROOT.instance)?;
+        }
+        if public && self.protected_in(class, *last).is_some() {
+            return None;
         }
         if let Some(c) = self.member_class(class, *last, ROOT.instance) {
             return Some(Found::Class(c));

@@ -4,18 +4,23 @@
 //! `flatten`. Modelica specification, chapters 4, 5 and 7. The work is demand-driven: a component
 //! is looked into when something asks for it, so that a size may depend on a parameter declared
 //! later.
+pub mod access;
+pub mod body;
 pub mod class;
 pub mod component;
 pub mod error;
 pub mod evaluate;
+mod local;
 pub mod lookup;
+mod outer;
+mod prefix;
 pub mod redeclare;
 pub mod restrict;
 
 use std::rc::Rc;
 
 use crate::base::diag::Problems;
-use crate::base::index::{FastMap, IndexVec};
+use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::base::name::{Name, name};
 use crate::base::source::{SourceMap, Span};
 use crate::ir::ast;
@@ -48,6 +53,14 @@ pub struct Context<'a> {
     pub(crate) package_instances: FastMap<ClassId, InstanceId>,
     pub(crate) enumerations: FastMap<usize, EnumId>,
     pub(crate) predefined: FastMap<Name, ClassId>,
+    /// Texts whose bodies have been checked, by address.
+    pub(crate) checked: FastSet<usize>,
+    /// Functions whose components have been checked.
+    pub(crate) checked_functions: FastSet<ClassId>,
+    /// Places of elements whose constraining clauses have been checked.
+    pub(crate) checked_constraints: FastSet<Span>,
+    /// What was wrong with the last name that was looked up, until somebody needs it.
+    pub(crate) trespass: Option<access::Trespass>,
     pub(crate) evaluation: evaluate::State,
 }
 
@@ -70,6 +83,10 @@ impl<'a> Context<'a> {
             package_instances: FastMap::default(),
             enumerations: FastMap::default(),
             predefined: FastMap::default(),
+            checked: FastSet::default(),
+            checked_functions: FastSet::default(),
+            checked_constraints: FastSet::default(),
+            trespass: None,
             evaluation: evaluate::State::default(),
         };
         let root = cx.add_class(ClassText::Root, name(""), None, ROOT.instance, Rc::from([]));

@@ -32,6 +32,9 @@ impl Context<'_> {
             if !found.is_empty() {
                 fit &= self.fits(id, entry, &found);
             }
+            if entry.element.replaceable.as_ref().is_some_and(|r| r.constraint.is_some()) {
+                self.check_own_constraint(id, entry);
+            }
         }
         fit
     }
@@ -56,6 +59,33 @@ impl Context<'_> {
         found
     }
 
+    /// What is declared replaceable must fit its own constraining class; said once for each text.
+    fn check_own_constraint(&mut self, id: InstanceId, entry: &Entry) {
+        let Some(path) = entry.element.replaceable.as_ref().and_then(|r| r.constraint.clone())
+        else {
+            return;
+        };
+        if !self.checked_constraints.insert(entry.name.span) {
+            return;
+        }
+        let own = Scope { instance: id, class: entry.class };
+        let Some(wanted) = self.find_class(&path, own) else { return };
+        let Some(given) = self.original(id, entry) else { return };
+        if let Some(why) = self.misfit(wanted, given) {
+            let text = entry.name.name;
+            self.problems.push(
+                crate::base::diag::Diagnostic::error(
+                    "MO0225",
+                    entry.name.span,
+                    format!("`{text}` does not fit its own constraining class: {why}"),
+                )
+                .also(path.span, "the constraining class")
+                .help("declare it with a class that has all that the constraining class has")
+                .note("section 7.3.2 of the specification"),
+            );
+        }
+    }
+
     fn fits(&mut self, id: InstanceId, entry: &Entry, found: &[Replacement]) -> bool {
         let text = entry.name.name;
         let own = Scope { instance: id, class: entry.class };
@@ -76,9 +106,20 @@ impl Context<'_> {
                 }
             }
         }
-        let clause = entry.element.replaceable.as_ref().and_then(|r| r.constraint.as_ref());
-        let (wanted, span) = match clause {
-            Some(path) => match self.find_class(path, own) {
+        if entry.element.is_final {
+            let name = ast::Ident { name: text, span: outermost.span };
+            self.report_closed(name, entry.name.span, "is final");
+            return false;
+        }
+        // The nearest constraining clause counts: a redeclaration may have narrowed it.
+        let narrowed = found.iter().skip(1).find_map(|r| {
+            let constraint = r.element.replaceable.as_ref()?.constraint.as_ref()?;
+            Some((constraint.clone(), r.scope))
+        });
+        let declared = entry.element.replaceable.as_ref().and_then(|r| r.constraint.clone());
+        let clause = narrowed.or(declared.map(|path| (path, own)));
+        let (wanted, span) = match &clause {
+            Some((path, scope)) => match self.find_class(path, *scope) {
                 Some(class) => (class, path.span),
                 None => return true,
             },
@@ -125,6 +166,27 @@ impl Context<'_> {
 
     /// What `given` lacks of `wanted`, in words.
     fn misfit(&mut self, wanted: ClassId, given: ClassId) -> Option<String> {
+        if self.is_same(wanted, given)
+            || self.table_in_progress(wanted)
+            || self.table_in_progress(given)
+        {
+            return None;
+        }
+        let mut rank = |c: ClassId| self.table(c).dims.iter().map(|(d, _)| d.len()).sum::<usize>();
+        let (needs, has) = (rank(wanted), rank(given));
+        if needs != has {
+            let (wanted, given) = (self.classes[wanted].full_name, self.classes[given].full_name);
+            return Some(format!("`{given}` has {has} dimensions, and `{wanted}` has {needs}"));
+        }
+        self.misfit_without_sizes(wanted, given)
+    }
+
+    /// As `misfit`, whatever the dimensions.
+    pub(crate) fn misfit_without_sizes(
+        &mut self,
+        wanted: ClassId,
+        given: ClassId,
+    ) -> Option<String> {
         let in_progress = self.table_in_progress(wanted) || self.table_in_progress(given);
         if self.is_same(wanted, given) || in_progress {
             return None;

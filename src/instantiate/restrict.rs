@@ -9,8 +9,7 @@ use crate::ir::ast::{
     self, Causality, Class, ClassBody, ClassKind, ComponentRef, Composition, ConnectionPrefix,
     ElementKind, Variability,
 };
-use crate::ir::expr::Type;
-use crate::ir::instance::{ClassId, Scope};
+use crate::ir::instance::{ClassId, ClassTable, Scope};
 
 /// Names of predefined types: they can not be given to anything else.
 const PREDEFINED: [&str; 4] = ["Real", "Integer", "Boolean", "String"];
@@ -94,13 +93,18 @@ impl Context<'_> {
                 };
                 self.restricted(first.span, say(what), "use a connector, or leave the prefix out");
             }
-            let fixed = matches!(
-                clause.prefix.variability,
-                Some(Variability::Constant | Variability::Parameter)
-            );
-            if function && !element.protected && clause.prefix.causality.is_none() && !fixed {
-                let what = "neither input nor output, and public";
-                self.restricted(first.span, say(what), "declare it after `protected`");
+            if function && element.protected && clause.prefix.causality.is_some() {
+                let what = "an input or output, and protected";
+                self.restricted(first.span, say(what), "make it public, or leave the prefix out");
+            }
+            if kind == ClassKind::Package
+                && clause.prefix.variability != Some(Variability::Constant)
+            {
+                self.restricted(
+                    first.span,
+                    say("no constant"),
+                    "declare it `constant`, or make the package a model",
+                );
             }
         }
     }
@@ -124,7 +128,7 @@ impl Context<'_> {
         use ClassKind as K;
         let fits = match (text.kind, of_base) {
             (_, K::Class) => true,
-            (K::Class, _) => true,
+            (K::Class, base) => !matches!(base, K::Function { .. }),
             (K::Package, base) => base == K::Package,
             (K::Operator, base) => matches!(base, K::Operator | K::Package),
             (K::Function { .. }, base) => matches!(base, K::Function { .. }),
@@ -156,38 +160,80 @@ impl Context<'_> {
         }
     }
 
-    /// A component of a model or block has no prefix, and flows are real numbers.
-    pub(crate) fn restrict_prefix(
+    /// `class A = F` does not make a function of A: only `function A = F` does.
+    pub(crate) fn restrict_short(&mut self, text: &Class, base: ClassId, span: Span) {
+        if text.kind != ClassKind::Class || !matches!(self.kind(base), ClassKind::Function { .. }) {
+            return;
+        }
+        let base = self.classes[base].full_name;
+        let message = format!("class `{}` cannot extend function `{base}`", text.name.name);
+        self.problems.push(
+            Diagnostic::error("MO0227", span, message)
+                .label("of another kind")
+                .help(format!("write `function {} = ...`", text.name.name))
+                .note("section 7.1.3 of the specification"),
+        );
+    }
+
+    /// A public component of a function is an input or an output, if only by its type.
+    pub(crate) fn restrict_formal(&mut self, function: Name, name: ast::Ident) {
+        self.restricted(
+            name.span,
+            format!(
+                "`{}` of function `{function}` is neither input nor output, and public",
+                name.name
+            ),
+            "declare it after `protected`",
+        );
+    }
+
+    /// `time` is known in models and blocks only (section 3.6.7).
+    pub(crate) fn restrict_time(&mut self, span: Span, scope: Scope) {
+        let kind = self.kind(scope.class);
+        if matches!(kind, ClassKind::Model | ClassKind::Block | ClassKind::Class) {
+            return;
+        }
+        self.problems.push(
+            Diagnostic::error("MO0226", span, format!("`time` in a {}", word(kind)))
+                .label("known in models and blocks only")
+                .help("give it from outside: as an input, or by a modification in a model")
+                .note("section 3.6.7 of the specification"),
+        );
+    }
+
+    /// A class that is a number or an array has nothing besides (section 7.1.3).
+    pub(crate) fn restrict_simple(
         &mut self,
-        prefix: ast::TypePrefix,
         class: ClassId,
-        ty: Option<Type>,
-        name: ast::Ident,
+        table: &ClassTable,
+        bases: &[ClassId],
     ) {
-        let what = match prefix {
-            ast::TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => "flow",
-            ast::TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => "stream",
-            ast::TypePrefix { causality: Some(Causality::Input), .. } => "input",
-            ast::TypePrefix { causality: Some(Causality::Output), .. } => "output",
-            ast::TypePrefix { variability: Some(Variability::Constant), .. } => "constant",
-            ast::TypePrefix { variability: Some(Variability::Parameter), .. } => "parameter",
-            ast::TypePrefix { variability: Some(Variability::Discrete), .. } => "discrete",
-            _ => return,
-        };
-        let flow = prefix.connection.is_some();
-        let wrong = match ty {
-            Some(ty) => flow && ty != Type::Real,
-            None => matches!(self.kind(class), ClassKind::Model | ClassKind::Block),
-        };
-        if wrong {
-            let class = self.classes[class].full_name;
-            let message = format!("`{}` of class `{class}` cannot be `{what}`", name.name);
-            self.problems.push(
-                Diagnostic::error("MO0228", name.span, message)
-                    .help("leave the prefix out, or use a type that can have it")
-                    .note("flows are real; models and blocks have no prefixes (section 4.4.2)"),
+        if table.scalar.is_none() && table.dims.is_empty() {
+            return;
+        }
+        let Some(text) = self.text(class).cloned() else { return };
+        let ClassBody::Long(composition) = &text.body else { return };
+        let components =
+            composition.elements.iter().any(|e| matches!(e.kind, ElementKind::Components(_)));
+        // Bases without anything in them, such as icons, do no harm.
+        let mut filled = 0;
+        for base in bases {
+            let of_base = self.table(*base);
+            filled += usize::from(
+                of_base.scalar.is_some() || !of_base.dims.is_empty() || !of_base.entries.is_empty(),
             );
         }
+        if !components && filled < 2 {
+            return;
+        }
+        let what = if table.scalar.is_some() { "a predefined type" } else { "an array" };
+        let more = if components { "has components" } else { "another class" };
+        let message = format!("`{}` extends {what}, and {more} besides", text.name.name);
+        self.problems.push(
+            Diagnostic::error("MO0227", text.name.span, message)
+                .help("declare a component of the type instead of extending it")
+                .note("section 7.1.3 of the specification"),
+        );
     }
 
     /// `connect(a.b.c, ...)`: everything but the first name must be a connector (section 9.1).
@@ -226,7 +272,7 @@ impl Context<'_> {
     }
 }
 
-fn word(kind: ClassKind) -> &'static str {
+pub(crate) fn word(kind: ClassKind) -> &'static str {
     match kind {
         ClassKind::Class => "class",
         ClassKind::Model => "model",

@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::expr::{ExprId, FunctionId, Graph, Type, VarId};
-use crate::base::index::IndexVec;
+use crate::base::index::{FastSet, IndexVec};
 use crate::base::name::Name;
 use crate::base::source::Span;
 
@@ -37,6 +37,8 @@ pub struct FlatModel {
     pub functions: IndexVec<FunctionId, Function>,
     /// `annotation(experiment(...))`.
     pub experiment: Experiment,
+    /// Places of equations and declarations in which constants with units stand as numbers.
+    pub lost_units: FastSet<Span>,
     /// Inputs without a value that recordings give one, moving with time.
     pub recorded: Vec<VarId>,
     /// Delayed expressions.
@@ -249,6 +251,7 @@ impl FlatModel {
             initial_equations: Vec::new(),
             functions: IndexVec::new(),
             experiment: Experiment::default(),
+            lost_units: FastSet::default(),
             recorded: Vec::new(),
             delays: Vec::new(),
         }

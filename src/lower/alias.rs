@@ -53,6 +53,7 @@ pub fn search(
         variability: Variabilities::default(),
         chains: SignedUnion::new(variables.len()),
         with_input: variables.iter().map(|v| v.kind == Kind::Input).collect(),
+        flagged: IndexVec::filled(false, variables.len()),
         past: variables
             .enumerate()
             .filter(|(_, v)| v.kind == Kind::Discrete && v.fixed == Some(true))
@@ -70,8 +71,13 @@ pub fn search(
     let mut remaining = equations;
     remaining.retain(|e| !search.unite(e));
     remaining.retain(|e| !search.note_constant(e));
-    // What is 0 may leave two terms where there were more.
+    // What is 0 may leave two terms where there were more. That matters where flows rest, see
+    // `semilinear`; elsewhere a sum is no worse than a name.
+    search.flags(&remaining);
     for _ in 0..ROUNDS {
+        if !search.flagged.iter().any(|f| *f) {
+            break;
+        }
         let before = remaining.len();
         remaining.retain(|e| !search.unite(e));
         if remaining.len() == before {
@@ -90,6 +96,8 @@ struct Search<'a> {
     /// Roots joined by names of derivatives: a name within one chain would close a circle.
     chains: SignedUnion,
     with_input: IndexVec<VarId, bool>,
+    /// Classes with a variable that a `semiLinear` gives.
+    flagged: IndexVec<VarId, bool>,
     /// The fixed starts of discrete classes, by root.
     past: FastMap<VarId, ExprId>,
     classes: Classes,
@@ -104,6 +112,31 @@ struct Term {
 }
 
 impl Search<'_> {
+    /// Notes which classes `semiLinear` gives a variable of.
+    fn flags(&mut self, equations: &[Equal]) {
+        for e in equations {
+            for (side, other) in [(e.lhs, e.rhs), (e.rhs, e.lhs)] {
+                let v = match self.graph.node(side) {
+                    Node::Var(v) => v,
+                    Node::Unary(Unary::Neg, a) => match self.graph.node(a) {
+                        Node::Var(v) => v,
+                        _ => continue,
+                    },
+                    _ => continue,
+                };
+                let Node::Smooth(_, inner) = self.graph.node(other) else { continue };
+                let Node::If(c, ..) = self.graph.node(inner) else { continue };
+                let Node::Binary(Binary::GreaterEqual, _, zero) = self.graph.node(c) else {
+                    continue;
+                };
+                if self.graph.as_number(zero) == Some(0.0) {
+                    let root = self.classes.union.find(v).variable;
+                    self.flagged[root] = true;
+                }
+            }
+        }
+    }
+
     /// `a = b` and the like, between variables of one kind.
     fn unite(&mut self, e: &Equal) -> bool {
         let (union, value) = (&mut self.classes.union, &self.classes.value);
@@ -124,6 +157,10 @@ impl Search<'_> {
             return false;
         }
         let roots = [a, b].map(|t| self.classes.union.find(t.variable).variable);
+        let longer = two_terms(self.graph, e).is_none();
+        if longer && !roots.iter().any(|r| self.flagged[*r]) {
+            return false;
+        }
         let has_value = |r: &VarId| self.classes.value.contains_key(r);
         if roots.iter().all(|r| self.with_input[*r]) || roots.iter().any(has_value) {
             return false;
@@ -136,6 +173,7 @@ impl Search<'_> {
         let united = self.classes.union.unite(a.variable, b.variable, negative);
         let root = self.classes.union.find(a.variable).variable;
         self.with_input[root] = roots.iter().any(|r| self.with_input[*r]);
+        self.flagged[root] = roots.iter().any(|r| self.flagged[*r]);
         if let Some(start) = past[0].or(past[1]) {
             self.past.insert(root, start);
         }
@@ -167,7 +205,11 @@ impl Search<'_> {
             };
             let is_constant =
                 self.variability.of(self.graph, self.variables, other) <= Variability::Parameter;
-            if is_constant && self.variables[v].kind == Kind::Algebraic {
+            // Texts have no place in a running program: one that never changes is known here.
+            let text = self.variables[v].ty == Type::String
+                && self.variables[v].kind == Kind::Discrete
+                && self.graph.as_const(other).is_some();
+            if is_constant && (text || self.variables[v].kind == Kind::Algebraic) {
                 return Some((v, if negative { self.graph.neg(other) } else { other }));
             }
         }

@@ -3,11 +3,13 @@
 use std::time::{Duration, Instant};
 
 use crate::base::diag::Diagnostic;
+use crate::base::index::Id;
 use crate::base::source::{SourceMap, Span};
 use crate::integrate::options::Options;
 use crate::integrate::outcome::Step;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
+use crate::ir::expr::{Node, Unary};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
@@ -37,6 +39,9 @@ const NUDGE: f64 = 8.0;
 
 /// Longest step in intervals between two values of a recording that drives the model.
 const UNSEEN: f64 = 4.0;
+
+/// Fewest steps of a run in which a source oscillates and relations are searched.
+const LEAST_STEPS: f64 = 50.0;
 
 /// How far beyond the end of a branch another one is looked for first, as a part of the run.
 const FIRST_LEAP: f64 = 1e-12;
@@ -753,6 +758,23 @@ fn first_values(model: &mut Model<'_>, t: f64) -> bool {
     instance.delayed.begin(t, &instance.memory)
 }
 
+/// True if a sine or cosine of time stands in the model.
+fn oscillates(program: &Program) -> bool {
+    let graph = &program.blocks.dae.graph;
+    let mut of_time: Vec<bool> = Vec::with_capacity(graph.len());
+    for e in graph.ids() {
+        let node = graph.node(e);
+        let mut moves = node == Node::Time;
+        // Operands have lower numbers.
+        graph.for_each_operand(e, |a| moves |= of_time[a.idx()]);
+        if moves && matches!(node, Node::Unary(Unary::Sin | Unary::Cos, _)) {
+            return true;
+        }
+        of_time.push(moves);
+    }
+    false
+}
+
 fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let program = model.instance.program;
     let nominals = program.layout.nominals.iter().map(|slot| {
@@ -769,6 +791,10 @@ fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let instance = &model.instance;
     options.max_step = UNSEEN * instance.played.spacing();
     options.max_step = options.max_step.min(instance.delayed.shortest(&instance.memory));
+    if program.watches.contains(&Watch::State) && oscillates(program) {
+        // Where states rest nothing but this limits the step, and a source may come and go within it.
+        options.max_step = options.max_step.min((settings.stop - settings.start) / LEAST_STEPS);
+    }
     if program.order() == 0 && settings.stop > settings.start {
         // Nothing limits the error of a resting state, but events must not be stepped over.
         options.max_step = options.max_step.min(settings.spacing.unwrap_or(settings.interval));

@@ -84,3 +84,27 @@ fn one_model_and_what_is_not_there() {
     assert!(none.err.contains("MO0104"), "{}", none.err);
     assert_eq!(mocc(root(), &["check", "nowhere.mo"]).status, 2);
 }
+
+#[test]
+fn units_that_do_not_match_are_warnings_or_errors() {
+    const UNITS: &str = "tests/suite/check/units.mo";
+    let ended = mocc(root(), &["check", UNITS]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let text = std::fs::read_to_string(root().join(UNITS)).expect("a file");
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path("../suite/check");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!("units", format!("{text}----\n{}", ended.err)));
+    let strict = mocc(root(), &["check", UNITS, "--units=error", "--json"]);
+    assert_eq!(strict.status, 1);
+    let all: serde_json::Value = serde_json::from_str(&strict.out).expect("JSON");
+    let lines: Vec<(&str, u64)> = all
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|p| (p["severity"].as_str().expect("a word"), p["line"].as_u64().expect("a line")))
+        .collect();
+    // The share, the force, and the exponent; nothing of what is right.
+    assert_eq!(lines, [("error", 14), ("error", 20), ("error", 37)]);
+}

@@ -20,6 +20,7 @@ mod hybrid;
 mod implicit;
 mod language;
 mod machine_code;
+mod mutation;
 mod measured;
 mod reference;
 mod report;

@@ -72,6 +72,25 @@ fn flat_inheritance() {
 }
 
 #[test]
+fn flat_rules() {
+    let flat = flat("rules");
+    // A flow outside of connectors has no second equation.
+    assert_eq!(count(&flat, "q = 0"), 0);
+    let run = Case::file("tests/suite/flatten/rules.mo").stop(1.0).run();
+    let value = |name: &str| run.last(name);
+    assert_eq!((value("body.mass"), value("body.weight")), (2.0, 6.0));
+    assert_eq!(value("n"), 3.0);
+    let seen = [1, 2, 3, 4, 5, 6, 7].map(|k| value(&format!("seen[{k}]")));
+    assert_eq!(seen, [6.0, 7.0, 8.0, 9.0, 5.0, 2.0, 4.0]);
+    assert_eq!((value("t"), value("around.user.y")), (14.0, 9.0));
+    assert_eq!((value("data.x"), value("data.y")), (1.0, 2.0));
+    assert_eq!((value("short.x"), value("short.y")), (5.0, 11.0));
+    assert_eq!((value("first"), value("v")), (5.0, 2.0));
+    assert_eq!((value("q"), value("right")), (3.0, 1.0));
+    assert!((value("limited") - 1.0).abs() < 1e-9);
+}
+
+#[test]
 fn flat_events() {
     let flat = flat("events");
     assert_eq!((count(&flat, "when "), count(&flat, "reinit(")), (2, 1));

@@ -46,7 +46,7 @@ impl Context<'_> {
                 self.assign(target, value, scope)?;
             }
             StatementKind::AssignTuple(targets, call) => {
-                let value = self.evaluate(call, scope)?;
+                let value = self.evaluate_outputs(call, scope)?;
                 let values: Vec<Value> = match &value {
                     Value::Tuple(t) => t.to_vec(),
                     other => vec![other.clone()],
@@ -77,10 +77,8 @@ impl Context<'_> {
             StatementKind::While { condition, body } => {
                 return self.run_while(condition, body, scope);
             }
-            StatementKind::When { .. } => {
-                self.unsupported(s.span, "`when` inside other statements");
-                return None;
-            }
+            // Where it may not stand was said when the class was read.
+            StatementKind::When { .. } => return None,
             StatementKind::Break => return Some(Flow::Break),
             StatementKind::Return => return Some(Flow::Return),
             StatementKind::Broken => return None,
@@ -94,7 +92,7 @@ impl Context<'_> {
         {
             return self.run_assert(args, named, call.span, scope);
         }
-        self.evaluate(call, scope).map(|_| ())
+        self.evaluate_outputs(call, scope).map(|_| ())
     }
 
     fn run_if(
@@ -203,7 +201,7 @@ impl Context<'_> {
         };
         let outer = self.evaluation.broken.take();
         let mut end = Flow::Next;
-        for value in self.fold_range(first, scope)? {
+        for value in self.values_of(first, scope)? {
             self.evaluation.locals.push((first.name.name, value));
             let flow = self.run_for(rest, body, scope);
             self.evaluation.locals.pop();
@@ -218,6 +216,24 @@ impl Context<'_> {
         }
         self.evaluation.broken = outer;
         Some(end)
+    }
+
+    /// What a loop runs over: how often is known here, the values need not be.
+    fn values_of(
+        &mut self,
+        iterator: &crate::ir::ast::Iterator,
+        scope: Scope,
+    ) -> Option<Vec<Value>> {
+        if let Some(range) = &iterator.range
+            && let ExprKind::Ref(_) | ExprKind::Array(_) = &range.kind
+            && !self.evaluation.folding
+            && !matches!(&range.kind, ExprKind::Ref(r) if self.type_size(r, scope).is_some())
+            && let Value::Array(a) = self.evaluate(range, scope)?
+            && a.dims.len() == 1
+        {
+            return Some(a.elements.clone());
+        }
+        self.fold_range(iterator, scope)
     }
 
     fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {

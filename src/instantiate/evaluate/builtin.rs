@@ -5,11 +5,12 @@ use super::Context;
 use super::reference::Selection;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::ir::ast::{ComponentRef, Expr, ExprKind, Ident};
+use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
-use crate::ir::instance::{InstanceKind, Scope};
+use crate::ir::instance::{ClassId, InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
 /// Names of the functions of one number.
@@ -125,9 +126,50 @@ impl Context<'_> {
             span: function.span,
         };
         let Some(class) = self.find_class(&path, scope) else {
+            if let Some(class) = self.function_of_component(&path, scope) {
+                return self.call_with(class, args, named, span, scope);
+            }
             self.report_unknown_function(&path);
             return None;
         };
+        self.report_trespass();
+        self.call_with(class, args, named, span, scope)
+    }
+
+    /// `a.B.f`, where `a` is a component and all that follows are classes (section 5.3.2).
+    fn function_of_component(
+        &mut self,
+        path: &crate::ir::ast::Path,
+        scope: Scope,
+    ) -> Option<ClassId> {
+        let (first, rest) = path.parts.split_first()?;
+        if path.global || rest.is_empty() || self.evaluation.in_function {
+            return None;
+        }
+        let mut holder = self.child(scope.instance, first.name)?;
+        self.complete(holder);
+        if let InstanceKind::Outer(inner) = self.instances[holder].kind {
+            holder = inner;
+        }
+        let mut class = self.instances[holder].class?;
+        for part in rest {
+            let inner = self.member_class(class, part.name, holder)?;
+            if let Some(declared) = self.protected_in(class, part.name) {
+                self.report_protected(*part, declared);
+            }
+            class = inner;
+        }
+        matches!(self.kind(class), ClassKind::Function { .. }).then_some(class)
+    }
+
+    fn call_with(
+        &mut self,
+        class: ClassId,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
         let mut positional = Vec::with_capacity(args.len());
         for a in args {
             positional.push(self.evaluate(a, scope)?);
@@ -269,6 +311,26 @@ impl Context<'_> {
         let value = self.one(args, span, scope)?;
         value.map(|v| {
             let e = v.scalar()?;
+            if self.graph.ty(e) != Type::Real {
+                let given = crate::symbolic::print::type_name(&self.graph, self.graph.ty(e));
+                let message = format!("`der` of an expression of type {given}");
+                self.problems.push(
+                    Diagnostic::error("MO0212", span, message)
+                        .label("only Real expressions have derivatives")
+                        .help("write `der` of a Real variable (section 3.7.4)"),
+                );
+                return None;
+            }
+            if matches!(self.graph.node(e), Node::Var(_))
+                && self.variability(e) == crate::ir::ast::Variability::Discrete
+            {
+                self.problems.push(
+                    Diagnostic::error("MO0212", span, "`der` of a discrete variable")
+                        .label("changes at events only")
+                        .help("leave `discrete` out where it is declared, or write 0"),
+                );
+                return None;
+            }
             if let Node::Var(x) = self.graph.node(e)
                 && self.variability(e) == crate::ir::ast::Variability::Continuous
             {
@@ -365,7 +427,16 @@ impl Context<'_> {
             self.wrong_arguments(span, "an expression and a time are");
             return None;
         };
+        let place = time.span;
         let (value, time) = (self.evaluate(e, scope)?, self.evaluate_scalar(time, scope)?);
+        if args.len() == 2 && self.variability(time) > crate::ir::ast::Variability::Parameter {
+            self.problems.push(
+                Diagnostic::error("MO0219", place, "this delay changes while the model runs")
+                    .help("give the longest delay as third argument: `delay(x, t, t_max)`")
+                    .note("section 3.7.4.1 of the specification"),
+            );
+            return None;
+        }
         let known = self.parameter_expression(time, true).and_then(Const::number);
         if known.is_some_and(|t| t < 0.0) {
             self.error("MO0219", span, "a delay can not be negative");
@@ -426,21 +497,42 @@ impl Context<'_> {
             self.wrong_arguments(span, "three are");
             return None;
         };
-        let x = self.evaluate_scalar(x, scope)?;
-        let p = self.evaluate_scalar(p, scope)?;
-        let n = self.evaluate_scalar(n, scope)?;
+        let values = [x, p, n].map(|e| self.evaluate(e, scope));
+        let [Some(x), Some(p), Some(n)] = values else { return None };
+        let Some(shape) = [&x, &p, &n].into_iter().find(|v| !v.dims().is_empty()) else {
+            let (x, p, n) = (x.scalar()?, p.scalar()?, n.scalar()?);
+            return Some(Value::Scalar(self.semi_linear_scalar(x, p, n)));
+        };
+        // With arrays it is called for each element (section 12.4.6).
+        let (dims, count) = (shape.dims().to_vec(), shape.elements().len());
+        if [&x, &p, &n].iter().any(|v| !v.dims().is_empty() && v.dims() != dims) {
+            self.error("MO0215", span, "arrays of different sizes in one vectorised call");
+            return None;
+        }
+        let part = |v: &Value, k: usize| {
+            v.elements().get(if v.dims().is_empty() { 0 } else { k })?.scalar()
+        };
+        let mut elements = Vec::with_capacity(count);
+        for k in 0..count {
+            let (x, p, n) = (part(&x, k)?, part(&p, k)?, part(&n, k)?);
+            elements.push(Value::Scalar(self.semi_linear_scalar(x, p, n)));
+        }
+        Some(Value::array(dims, elements))
+    }
+
+    fn semi_linear_scalar(&mut self, x: ExprId, p: ExprId, n: ExprId) -> ExprId {
         let zero = self.graph.real(0.0);
         let c = self.graph.binary(Binary::GreaterEqual, x, zero);
         let (a, b) = (self.graph.mul(p, x), self.graph.mul(n, x));
         let e = self.graph.if_then_else(c, a, b);
-        Some(Value::Scalar(self.graph.smooth(0, e)))
+        self.graph.smooth(0, e)
     }
 
     /// Texts of what is known; what only a run knows is written as its expression.
     fn string_call(
         &mut self,
         args: &[Expr],
-        _named: &[(Ident, Expr)],
+        named: &[(Ident, Expr)],
         span: Span,
         scope: Scope,
     ) -> Option<Value> {
@@ -448,9 +540,35 @@ impl Context<'_> {
             self.wrong_arguments(span, "one is");
             return None;
         };
+        let mut given: FastMap<&str, Const> = FastMap::default();
+        for (name, e) in named {
+            let value = self.fold(e, scope)?.scalar().and_then(|e| self.graph.as_const(e));
+            given.insert(name.name.as_str(), value?);
+        }
+        let number = |name: &str, otherwise: usize| match given.get(name) {
+            Some(Const::Integer(n)) => usize::try_from(*n).map_or(0, |n| n.min(1000)),
+            _ => otherwise,
+        };
+        let left = given.get("leftJustified") != Some(&Const::Boolean(false));
         let e = self.evaluate_scalar(first, scope)?;
+        let real = self.graph.ty(e) == Type::Real;
         let text = match self.graph.as_const(e) {
-            Some(Const::Real(bits)) => format!("{}", f64::from_bits(bits)),
+            Some(c @ (Const::Real(_) | Const::Integer(_)))
+                if matches!(given.get("format"), Some(Const::String(_))) =>
+            {
+                let Some(Const::String(format)) = given.get("format") else { return None };
+                let Some(text) = super::string::formatted(c.number()?, format) else {
+                    let message = format!("`{format}` is no format of a number");
+                    self.problems.push(
+                        Diagnostic::error("MO0219", span, message)
+                            .help("write it as in C without the %: \"8.3f\", \".6g\", \"12.4e\""),
+                    );
+                    return None;
+                };
+                text
+            }
+            Some(c) if real => super::string::general(c.number()?, number("significantDigits", 6)),
+            Some(Const::Real(bits)) => super::string::general(f64::from_bits(bits), 6),
             Some(Const::Integer(i)) => i.to_string(),
             Some(Const::Boolean(b)) => b.to_string(),
             Some(Const::String(s)) => s.to_string(),
@@ -459,6 +577,7 @@ impl Context<'_> {
             }
             None => self.sources.text(first.span).unwrap_or("?").to_string(),
         };
+        let text = super::string::padded(text, number("minimumLength", 0), left);
         Some(Value::Scalar(self.graph.string(&text)))
     }
 
@@ -490,7 +609,10 @@ impl Context<'_> {
         if whole {
             (self.evaluation.folding, self.evaluation.shaping) = (false, true);
         }
+        // Sizes are known even where values are not.
+        let constant = self.evaluation.constant.take();
         let value = self.evaluate(e, scope);
+        self.evaluation.constant = constant;
         (self.evaluation.folding, self.evaluation.shaping) = before;
         value.map(|v| v.dims().to_vec())
     }
@@ -532,6 +654,7 @@ impl Context<'_> {
             }
             ("identity", [n]) => {
                 let n = self.fold_size(n, scope)?;
+                self.check_count(&[n, n], span)?;
                 Some(self.identity(n))
             }
             ("linspace", [a, b, n]) => self.linspace(a, b, n, scope, span),
@@ -572,6 +695,7 @@ impl Context<'_> {
         let mut dims = Vec::with_capacity(sizes.len());
         for s in sizes {
             dims.push(self.fold_size(s, scope)?);
+            self.check_count(&[dims.as_slice(), &[value.elements().len()]].concat(), s.span)?;
         }
         let n: usize = dims.iter().product();
         let mut elements = Vec::with_capacity(n * value.elements().len());
@@ -676,6 +800,10 @@ impl Context<'_> {
                 [] => Some(Value::array(vec![1, 1], e.to_vec())),
                 [n] => Some(Value::array(vec![*n, 1], e.to_vec())),
                 [_, _] => Some(a.clone()),
+                // Further dimensions have one element each (section 10.3.2).
+                [rows, columns, rest @ ..] if rest.iter().all(|n| *n == 1) => {
+                    Some(Value::array(vec![*rows, *columns], e.to_vec()))
+                }
                 _ => wrong(self),
             },
             _ => wrong(self),

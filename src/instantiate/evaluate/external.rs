@@ -80,7 +80,8 @@ impl Context<'_> {
             self.error("MO0219", span, "`assert` takes a condition and a message");
             return None;
         };
-        let condition = self.evaluate_scalar(condition, scope)?;
+        let value = self.evaluate(condition, scope)?;
+        let condition = self.truth(&value, condition.span)?;
         if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
             return Some(());
         }

@@ -9,7 +9,7 @@ use super::{Context, MAX_DEPTH};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript};
+use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript, Variability};
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
 
@@ -72,12 +72,15 @@ impl Context<'_> {
         named: Vec<(Ident, Value)>,
         span: Span,
     ) -> Option<Value> {
+        self.check_function(class);
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
-        let inputs: Vec<&(Entry, Declaration)> = components
-            .iter()
-            .filter(|(_, d)| d.clause().prefix.causality == Some(Causality::Input))
-            .collect();
+        let mut inputs: Vec<&(Entry, Declaration)> = Vec::new();
+        for c in &components {
+            if self.causality(&c.0, &c.1) == Some(Causality::Input) {
+                inputs.push(c);
+            }
+        }
         let mut given = self.matched(full_name, &inputs, args, named, span)?;
         if let Some(result) = self.vectorised(class, &inputs, &given, span) {
             return result;
@@ -202,6 +205,21 @@ impl Context<'_> {
         declaration.component().dims.len() + clause.type_dims.len() + inner
     }
 
+    /// `input` or `output`, as declared or by the type.
+    pub(crate) fn causality(&mut self, entry: &Entry, d: &Declaration) -> Option<Causality> {
+        let clause = d.clause();
+        let fixed = clause.prefix.variability.is_some();
+        if clause.prefix.causality.is_some() || entry.protected || fixed {
+            return clause.prefix.causality;
+        }
+        let scope = self.declaration_scope(entry);
+        let class = self.find_class(&clause.type_name, scope)?;
+        if self.table_in_progress(class) {
+            return None;
+        }
+        self.table(class).prefix.causality
+    }
+
     fn declaration_scope(&self, entry: &Entry) -> Scope {
         Scope { instance: self.classes[entry.class].holder, class: entry.class }
     }
@@ -217,7 +235,7 @@ impl Context<'_> {
         let mut next = 0;
         for (entry, declaration) in components {
             let name = entry.name.name;
-            let causality = declaration.clause().prefix.causality;
+            let causality = self.causality(entry, declaration);
             let argument = if causality == Some(Causality::Input) {
                 next += 1;
                 given[next - 1].take()
@@ -305,7 +323,7 @@ impl Context<'_> {
     fn local_start(&mut self, entry: &Entry, declaration: &Declaration) -> Option<Value> {
         let scope = self.declaration_scope(entry);
         let component = declaration.component();
-        let input = declaration.clause().prefix.causality == Some(Causality::Input);
+        let input = self.causality(entry, declaration) == Some(Causality::Input);
         if let Some((binding, written_in)) = self.declared_value(entry, declaration) {
             let value = self.evaluate(&binding, written_in)?;
             let mut dims = Vec::new();
@@ -327,6 +345,7 @@ impl Context<'_> {
                 Subscript::Colon(_) => dims.push(0),
             }
         }
+        self.check_count(&dims, component.name.span)?;
         let class = self.class_or_report(&declaration.clause().type_name, scope)?;
         let mut zero = self.zero_of_class(class, component.name.span)?;
         // Fields may be given values one by one: `output Complex result(re=re, im=im)`.
@@ -445,8 +464,13 @@ impl Context<'_> {
     ) -> Option<Value> {
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
-        let fields: Vec<&(Entry, Declaration)> = components.iter().collect();
-        let given = self.matched(full_name, &fields, args, named, span)?;
+        let fields: Vec<&(Entry, Declaration)> =
+            components.iter().filter(|(_, d)| !is_settled(d)).collect();
+        let mut given = self.matched(full_name, &fields, args, named, span)?.into_iter();
+        let given: Vec<Option<Value>> = components
+            .iter()
+            .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
+            .collect();
         let saved = self.enter_frame(true);
         let built = self.fields(&components, given);
         self.leave_frame(saved);
@@ -463,4 +487,18 @@ impl Context<'_> {
         };
         Some(Value::Record(Rc::new(Record { class: Some(class), fields: built })))
     }
+}
+
+/// Constants and final fields that have a value are no inputs of the constructor (section 12.6).
+fn is_settled(declaration: &Declaration) -> bool {
+    is_constant(declaration) || declaration.element.is_final && has_value(declaration)
+}
+
+/// A constant with a value.
+pub(super) fn is_constant(declaration: &Declaration) -> bool {
+    declaration.clause().prefix.variability == Some(Variability::Constant) && has_value(declaration)
+}
+
+fn has_value(declaration: &Declaration) -> bool {
+    declaration.component().modification.as_ref().is_some_and(|m| m.binding.is_some())
 }

@@ -14,6 +14,7 @@ pub mod operator;
 pub mod overload;
 pub mod reference;
 pub mod repeat;
+mod string;
 pub mod text;
 pub mod value;
 
@@ -29,6 +30,8 @@ use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 use value::Value;
 
+/// Elements of the largest array.
+const MAX_ELEMENTS: usize = 10_000_000;
 /// How many calls of functions may be open at once.
 const MAX_DEPTH: usize = 200;
 
@@ -59,6 +62,14 @@ pub struct State {
     pub(crate) broken: Option<ExprId>,
     /// See `broken`.
     pub(crate) returned: Option<ExprId>,
+    /// A value is read: what is conditional may not be.
+    pub(crate) reading: bool,
+    /// The constant whose value is being found.
+    pub(crate) constant: Option<InstanceId>,
+    /// A constant with a unit stands as a number in what is being read.
+    pub(crate) lost_unit: bool,
+    /// Whether constants have units.
+    pub(crate) has_unit: FastMap<InstanceId, bool>,
     /// Only sizes are wanted: what has no value yet counts as zero.
     pub(crate) shaping: bool,
     /// What each numbered flat variable is: for folding what stands in an expression.
@@ -80,8 +91,18 @@ pub struct State {
 }
 
 impl Context<'_> {
-    /// The value of an expression; `None` after an error.
+    /// The value of an expression; of a function with several outputs the first. `None` after an error.
     pub fn evaluate(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
+        match self.evaluate_outputs(e, scope)? {
+            Value::Tuple(all) if !all.is_empty() && !matches!(e.kind, ExprKind::Tuple(_)) => {
+                Some(all[0].clone())
+            }
+            value => Some(value),
+        }
+    }
+
+    /// As [`Context::evaluate`], with all outputs of a function.
+    pub fn evaluate_outputs(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
         match &e.kind {
             ExprKind::Real(x) => Some(Value::Scalar(self.graph.real(*x))),
             ExprKind::Integer(i) => Some(Value::Scalar(self.graph.integer(*i))),
@@ -214,7 +235,7 @@ impl Context<'_> {
         match value.scalar().and_then(|s| self.graph.as_const(s)) {
             Some(Const::Boolean(b)) => Some(b),
             _ => {
-                self.error("MO0212", e.span, "a Boolean is needed here");
+                self.report_no_truth(&value, e.span);
                 None
             }
         }
@@ -229,7 +250,10 @@ impl Context<'_> {
         }
         let value = self.fold(e, scope)?;
         match value.scalar().and_then(|s| self.graph.as_const(s)) {
-            Some(Const::Integer(n)) if n >= 0 => Some(n as usize),
+            Some(Const::Integer(n)) if n >= 0 => {
+                self.check_count(&[n as usize], e.span)?;
+                Some(n as usize)
+            }
             Some(Const::Integer(n)) => {
                 self.error("MO0207", e.span, format!("a size cannot be negative, and this is {n}"));
                 None
@@ -239,6 +263,21 @@ impl Context<'_> {
                 None
             }
         }
+    }
+
+    /// Reports sizes whose elements no memory would hold.
+    pub(crate) fn check_count(&mut self, dims: &[usize], span: Span) -> Option<()> {
+        let count = dims.iter().try_fold(1_usize, |n, d| n.checked_mul(*d));
+        if count.is_some_and(|n| n <= MAX_ELEMENTS) {
+            return Some(());
+        }
+        let shown: Vec<String> = dims.iter().map(usize::to_string).collect();
+        let message = format!("{} elements are too many for one array", shown.join(" times "));
+        self.problems.push(
+            Diagnostic::error("MO0207", span, message)
+                .help(format!("use no more than {MAX_ELEMENTS}, or several arrays")),
+        );
+        None
     }
 
     /// Whole numbers that must be known before the model runs, such as the values of an iterator.
@@ -274,6 +313,9 @@ impl Context<'_> {
         // Met again before it has a value, it depends on itself.
         self.evaluation.folded.insert(id, None);
         let before = std::mem::replace(&mut self.evaluation.folding, true);
+        let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
+        let constant = is_constant.then_some(id);
+        let constant = std::mem::replace(&mut self.evaluation.constant, constant);
         let shaping = std::mem::replace(&mut self.evaluation.shaping, false);
         let saved = self.enter_frame(false);
         let mut value = self.binding_value(id);
@@ -282,6 +324,13 @@ impl Context<'_> {
         }
         self.leave_frame(saved);
         (self.evaluation.folding, self.evaluation.shaping) = (before, shaping);
+        self.evaluation.constant = constant;
+        if let InstanceKind::Variable { ty: Type::Real, .. } = self.instances[id].kind
+            && let Some(found) = &value
+        {
+            let real = found.each_scalar(&mut |e| self.graph.as_real(e));
+            value = Some(real);
+        }
         self.evaluation.folded.insert(id, value.clone());
         self.evaluation.structural.push(id);
         value
@@ -351,6 +400,10 @@ impl Context<'_> {
     /// record as a whole takes the place of what its class says of its fields (section 7.2.4).
     fn outranked(&self, id: InstanceId) -> bool {
         let Some(parent) = self.instances[id].parent else { return false };
+        // A constant that its class gives a value is no field that a constructor could give another.
+        if self.instances[id].declaration.as_ref().is_some_and(function::is_constant) {
+            return false;
+        }
         match self.instances[parent].kind {
             InstanceKind::Object(_) => {}
             // An element is what its array is.

@@ -57,6 +57,14 @@ impl Context<'_> {
                 }
                 self.elementwise(Binary::Div, &a, &b, true, span)
             }
+            BinaryOp::Pow if a.dims().is_empty() && !b.dims().is_empty() => {
+                self.problems.push(
+                    Diagnostic::error("MO0215", span, "the exponent is an array")
+                        .help("write `.^` for the power of each element; after a number with a dot a space is needed: `2. .^x`")
+                        .note("section 10.6.7 of the specification"),
+                );
+                None
+            }
             BinaryOp::Pow if !a.dims().is_empty() => self.matrix_power(&a, &b, span),
             BinaryOp::Pow | BinaryOp::ElementPow => {
                 self.elementwise(Binary::Pow, &a, &b, true, span)
@@ -101,7 +109,33 @@ impl Context<'_> {
     pub(crate) fn report_types(&mut self, span: Span, what: &str, s: Type, t: Type) {
         let name = |t| crate::symbolic::print::type_name(&self.graph, t);
         let message = format!("{} and {} cannot be {what}", name(s), name(t));
-        self.error("MO0212", span, message);
+        let number = |t| matches!(t, Type::Real | Type::Integer);
+        let help = match (s, t) {
+            (Type::Boolean, t) | (t, Type::Boolean) if number(t) => {
+                "write `true` and `false` for truth values, a comparison such as `x > 0` for one made of numbers, and `if b then 1 else 0` for a number made of one"
+            }
+            (Type::Enumeration(_), t) | (t, Type::Enumeration(_)) if number(t) => {
+                "write a literal of the enumeration, as in `Kind.first`, or `Integer(e)` for its number"
+            }
+            (Type::String, _) | (_, Type::String) => "write `String(x)` for the text of a value",
+            _ => "give both sides the same type",
+        };
+        self.problems.push(Diagnostic::error("MO0212", span, message).help(help));
+    }
+
+    /// Something else stands where a condition is needed.
+    pub(crate) fn report_no_truth(&mut self, v: &Value, span: Span) {
+        let given = match v {
+            Value::Scalar(e) => crate::symbolic::print::type_name(&self.graph, self.graph.ty(*e)),
+            Value::Array(a) => format!("an array of size {:?}", a.dims),
+            Value::Record(_) => "a record".to_string(),
+            Value::Tuple(_) => "a list of values".to_string(),
+        };
+        let d = Diagnostic::error("MO0212", span, "a Boolean is needed here").label(given);
+        self.problems.push(match v {
+            Value::Array(_) => d.help("join the elements with `and` or `or`, or take one of them"),
+            _ => d.help("write a comparison, such as `x > 0`"),
+        });
     }
 
     /// The number of a scalar; texts are let through for `+`.
@@ -128,7 +162,7 @@ impl Context<'_> {
         match v.scalar() {
             Some(e) if self.graph.ty(e) == Type::Boolean => Some(e),
             _ => {
-                self.error("MO0212", span, "a Boolean is needed here");
+                self.report_no_truth(v, span);
                 None
             }
         }
@@ -446,9 +480,11 @@ impl Context<'_> {
         };
         let elements = match (a, step, b) {
             (Const::Integer(a), Const::Integer(s), Const::Integer(b)) if s != 0 => {
-                let n = ((b - a) / s + 1).max(0);
-                let n = if (b - a).signum() * s.signum() < 0 { 0 } else { n };
-                (0..n).map(|i| Value::Scalar(self.graph.integer(a + i * s))).collect()
+                let (from, by, to) = (i128::from(a), i128::from(s), i128::from(b));
+                let n =
+                    if (to - from).signum() * by.signum() < 0 { 0 } else { (to - from) / by + 1 };
+                self.check_count(&[usize::try_from(n).unwrap_or(usize::MAX)], span)?;
+                (0..n as i64).map(|i| Value::Scalar(self.graph.integer(a + i * s))).collect()
             }
             (Const::Enumeration(t, a), _, Const::Enumeration(u, b)) if t == u => (a..=b)
                 .map(|k| Value::Scalar(self.graph.constant(Const::Enumeration(t, k))))
@@ -461,7 +497,8 @@ impl Context<'_> {
             _ => match (a.number(), step.number(), b.number()) {
                 (Some(a), Some(s), Some(b)) if s != 0.0 => {
                     let n = ((b - a) / s + 1e-10).floor();
-                    let n = if n < 0.0 { 0 } else { n as usize + 1 };
+                    let n = if n < 0.0 { 0 } else { (n as usize).saturating_add(1) };
+                    self.check_count(&[n], span)?;
                     (0..n).map(|i| Value::Scalar(self.graph.real(a + i as f64 * s))).collect()
                 }
                 _ => {

@@ -60,6 +60,7 @@ impl Context<'_> {
                 return Some(value);
             }
             if r.simple().is_some_and(|n| n == "time") {
+                self.restrict_time(r.span, scope);
                 return Some(Value::Scalar(self.graph.time()));
             }
         }
@@ -113,8 +114,10 @@ impl Context<'_> {
         for (k, part) in r.parts.iter().enumerate().skip(1) {
             let holder = self.classes[class].holder;
             if let Some(c) = self.member_class(class, part.name.name, holder) {
+                self.check_step(class, part.name);
                 class = c;
             } else if let Some(id) = self.package_component(class, part.name.name) {
+                self.check_step(class, part.name);
                 return Some(Start::Instance(id, k + 1));
             } else {
                 return self.literal(class, &part.name).map(Start::Literal);
@@ -224,15 +227,26 @@ impl Context<'_> {
     ) -> Option<Selection> {
         self.complete(id);
         let (part, rest) = parts.split_first()?;
+        if open && self.evaluation.reading {
+            self.check_conditional(id, part.name.span);
+        }
         let subscripts: &[Subscript] = if open { &part.subscripts } else { &[] };
         match self.instances[id].kind.clone() {
-            InstanceKind::Outer(inner) => self.walk(inner, parts, open, scope, span),
+            InstanceKind::Outer(inner) => {
+                if let Some(next) = rest.first() {
+                    self.check_outer_member(id, &next.name);
+                }
+                self.walk(inner, parts, open, scope, span)
+            }
             InstanceKind::Absent => Some(Selection::Absent),
             InstanceKind::Object(_) => {
                 self.no_subscripts(part, subscripts)?;
                 let Some(next) = rest.first() else { return Some(Selection::Whole(id)) };
                 match self.child(id, next.name.name) {
-                    Some(child) => self.walk(child, rest, true, scope, span),
+                    Some(child) => {
+                        self.check_member(id, next.name);
+                        self.walk(child, rest, true, scope, span)
+                    }
                     None => {
                         self.report_unknown_member(id, &next.name);
                         None
@@ -296,8 +310,10 @@ impl Context<'_> {
                 }
             }
         }
-        let selection = self.walk(id, parts, true, scope, span)?;
-        self.selection_value(&selection, span)
+        let before = std::mem::replace(&mut self.evaluation.reading, true);
+        let selection = self.walk(id, parts, true, scope, span);
+        self.evaluation.reading = before;
+        self.selection_value(&selection?, span)
     }
 
     fn selection_value(&mut self, selection: &Selection, span: Span) -> Option<Value> {
@@ -384,8 +400,25 @@ impl Context<'_> {
     fn known_value(&mut self, id: InstanceId, span: Span) -> Option<Option<Value>> {
         let variability = self.instances[id].prefix.variability;
         let folds = match variability {
-            Some(Variability::Constant) => true,
-            Some(Variability::Parameter) => self.evaluation.folding,
+            Some(Variability::Constant) => {
+                self.evaluation.lost_unit |= self.has_unit(id);
+                true
+            }
+            Some(Variability::Parameter) => {
+                if let Some(constant) = self.evaluation.constant
+                    && !self.evaluation.shaping
+                {
+                    self.report_variability(constant, span, "a parameter");
+                    return None;
+                }
+                // Sizes may depend on choices of parameters.
+                let ty = match self.instances[id].kind {
+                    InstanceKind::Variable { ty, .. } => ty,
+                    _ => Type::Real,
+                };
+                self.evaluation.folding
+                    || self.evaluation.shaping && ty != Type::Real && self.bound(id)
+            }
             _ => false,
         };
         if folds {
@@ -427,6 +460,22 @@ impl Context<'_> {
             return None;
         }
         Some(None)
+    }
+
+    /// Whether a Real constant is declared with a unit.
+    fn has_unit(&mut self, id: InstanceId) -> bool {
+        if !matches!(self.instances[id].kind, InstanceKind::Variable { ty: Type::Real, .. }) {
+            return false;
+        }
+        if let Some(known) = self.evaluation.has_unit.get(&id) {
+            return *known;
+        }
+        let unit = self.attribute(id, crate::base::name::name("unit"));
+        let found = unit.is_some_and(|b| {
+            !matches!(&b.value.kind, crate::ir::ast::ExprKind::String(s) if s.is_empty() || &**s == "1")
+        });
+        self.evaluation.has_unit.insert(id, found);
+        found
     }
 
     /// A parameter that depends on itself has no value; what else is missing was reported before.
@@ -530,7 +579,9 @@ impl Context<'_> {
                 Subscript::Colon(_) => Selector::Many((1..=dims[k]).collect()),
                 Subscript::Expr(e) => {
                     self.evaluation.ends.push(dims[k]);
+                    let before = std::mem::replace(&mut self.evaluation.reading, false);
                     let value = self.evaluate(e, scope);
+                    self.evaluation.reading = before;
                     self.evaluation.ends.pop();
                     let value = value?;
                     self.selector(&value, dims[k], e.span)?

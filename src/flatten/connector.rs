@@ -1,0 +1,127 @@
+//! What connector classes and connection sets must fulfil: as many flows as potentials, and one source
+//! of each signal (sections 9.3 and 9.3.1 of the specification).
+
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastSet;
+use crate::instantiate::Context;
+use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, TypePrefix};
+use crate::ir::expr::VarId;
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind};
+
+/// Numbers of scalars of a connector.
+#[derive(Default)]
+struct Count {
+    potentials: usize,
+    flows: usize,
+    /// Part of an over-constrained graph: its sizes say nothing.
+    overdetermined: bool,
+}
+
+/// Checks the classes of all connectors among `components`, each class once.
+pub(super) fn check(cx: &mut Context<'_>, root: InstanceId) {
+    if cx.problems.has_errors() {
+        // What is missing may have been refused for another reason.
+        return;
+    }
+    let mut seen: FastSet<ClassId> = FastSet::default();
+    let mut stack = vec![root];
+    while let Some(id) = stack.pop() {
+        let below: Vec<InstanceId> = match &cx.instances[id].kind {
+            InstanceKind::Object(children) => children.to_vec(),
+            InstanceKind::Array { elements, .. } => elements.iter().take(1).copied().collect(),
+            InstanceKind::Variable { .. } => Vec::new(),
+            _ => continue,
+        };
+        if id != root
+            && let Some(class) = cx.instances[id].class
+            && !matches!(cx.instances[id].kind, InstanceKind::Array { .. })
+            && cx.kind(class) == ClassKind::Connector
+        {
+            let text = cx.text(class).cloned();
+            if seen.insert(class) && text.is_some_and(|t| !t.partial) {
+                let mut count = Count::default();
+                tally(cx, id, &mut count);
+                report(cx, id, class, &count);
+            }
+            continue;
+        }
+        if let Some(class) = cx.instances[id].class
+            && cx.kind(class) == ClassKind::ExpandableConnector
+        {
+            continue;
+        }
+        stack.extend(below.into_iter().rev());
+    }
+}
+
+fn tally(cx: &mut Context<'_>, id: InstanceId, count: &mut Count) {
+    match cx.instances[id].kind.clone() {
+        InstanceKind::Variable { dims, .. } => {
+            let n: usize = dims.iter().product();
+            match cx.instances[id].prefix {
+                TypePrefix { variability: Some(v), .. }
+                    if v < crate::ir::ast::Variability::Discrete => {}
+                TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => {}
+                TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => count.flows += n,
+                TypePrefix { causality: Some(_), .. } => {}
+                _ => count.potentials += n,
+            }
+        }
+        InstanceKind::Object(children) => {
+            let equality = crate::base::name::name("equalityConstraint");
+            count.overdetermined |= cx.table_of(id).index.contains_key(&equality);
+            // A connector inside is counted by itself, but for its prefixes.
+            children.iter().for_each(|c| tally(cx, *c, count));
+        }
+        InstanceKind::Array { elements, .. } => {
+            elements.iter().for_each(|c| tally(cx, *c, count));
+        }
+        _ => {}
+    }
+}
+
+fn report(cx: &mut Context<'_>, id: InstanceId, class: ClassId, count: &Count) {
+    let Count { potentials, flows, overdetermined } = *count;
+    if potentials == flows || overdetermined {
+        return;
+    }
+    let full_name = cx.classes[class].full_name;
+    let name = full_name.rsplit('.').next().unwrap_or_default();
+    let declared = cx.text(class).map_or(crate::base::source::Span::NONE, |t| t.name.span);
+    let message = format!(
+        "connector `{name}` has {} and {}",
+        counted(potentials, "potential"),
+        counted(flows, "flow")
+    );
+    let help = match (potentials, flows) {
+        (_, 0) => {
+            "declare one `flow` variable for each potential, or make them `input` or `output`"
+        }
+        _ => "give each potential one `flow` variable, and each `flow` variable a potential",
+    };
+    cx.problems.push(
+        Diagnostic::error("MO0245", declared, message)
+            .also(cx.declared_at(id), "of this class")
+            .help(help)
+            .note("section 9.3.1 of the specification"),
+    );
+}
+
+fn counted(n: usize, what: &str) -> String {
+    match n {
+        0 => format!("no {what}"),
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    }
+}
+
+/// Whether a variable of a connection set gives the others their value: an output of a component inside,
+/// or a public input of the component itself.
+pub(super) fn is_source(cx: &Context<'_>, v: VarId, outside: bool) -> bool {
+    let (id, _) = cx.evaluation.instance_of[v.0 as usize];
+    match cx.instances[id].prefix.causality {
+        Some(Causality::Output) => !outside,
+        Some(Causality::Input) => outside && !cx.instances[id].protected,
+        None => false,
+    }
+}

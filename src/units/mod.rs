@@ -1,0 +1,418 @@
+//! Do the units of a flat model agree? Dimension analysis with inference (specification, chapter 19).
+//!
+//! In: an [`ir::flat`](crate::ir::flat) model. Out: a warning for each equation or binding whose two sides,
+//! or two terms, have different dimensions. Variables without a unit get the one that the equations ask
+//! for; what stays open is compared with nothing. Two passes over the graph in each turn, as many turns as
+//! the longest chain of deductions, but no more than [`MAX_TURNS`].
+//!
+//! A number in the text counts as dimensionless factor only where it is plainly one, such as 2 or 0.5:
+//! others may be constants of nature, whose units are lost when constants are folded.
+//! *Wand and O'Keefe, Automatic dimensional inference, 1991; Kennedy 1996.*
+
+pub mod dimension;
+
+use crate::base::diag::{Diagnostic, Problems};
+use crate::base::index::{FastMap, IndexVec};
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::flat::{Action, EquationKind, FlatModel};
+use dimension::Dimension;
+
+/// The code of all that is said here.
+pub const MISMATCH: &str = "MO0320";
+
+/// Turns of deduction at most.
+const MAX_TURNS: usize = 40;
+
+/// Two expressions that must be of one dimension.
+struct Pair {
+    left: ExprId,
+    right: ExprId,
+    span: Span,
+}
+
+/// What is known of dimensions.
+struct Inference<'a> {
+    flat: &'a FlatModel,
+    /// Of variables: declared or deduced.
+    variables: IndexVec<VarId, Option<Dimension>>,
+    /// Of expressions, in this turn.
+    expressions: IndexVec<ExprId, Option<Dimension>>,
+    changed: bool,
+}
+
+/// Adds a warning for each mismatch.
+pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
+    let mut pairs = pairs(flat);
+    // Where a constant has lost its unit nothing can be said.
+    pairs.retain(|p| !flat.lost_units.contains(&p.span));
+    let mut known: FastMap<Name, Option<Dimension>> = FastMap::default();
+    let variables = flat
+        .variables
+        .iter()
+        .map(|v| match v.ty {
+            Type::Real if !v.unit.is_empty() => {
+                *known.entry(v.unit).or_insert_with(|| Dimension::of(&v.unit))
+            }
+            _ => None,
+        })
+        .collect();
+    let mut inference = Inference { flat, variables, expressions: IndexVec::new(), changed: true };
+    for _ in 0..MAX_TURNS {
+        if !std::mem::take(&mut inference.changed) {
+            break;
+        }
+        inference.evaluate();
+        for pair in &pairs {
+            inference.deduce(pair);
+        }
+    }
+    inference.evaluate();
+    let mut said: Vec<Diagnostic> = Vec::new();
+    for pair in &pairs {
+        if let Some(d) = inference.mismatch(pair) {
+            // Elements of arrays and copies of a component say the same.
+            let same = |o: &Diagnostic| o.primary.0 == d.primary.0;
+            if !said.iter().rev().take(64).any(same) {
+                said.push(d);
+            }
+        }
+    }
+    said.into_iter().for_each(|d| problems.push(d));
+}
+
+/// Everything that is equated or assigned.
+fn pairs(flat: &mut FlatModel) -> Vec<Pair> {
+    let mut out = Vec::new();
+    for v in flat.variables.ids() {
+        let variable = &flat.variables[v];
+        if variable.ty == Type::Real
+            && let Some(right) = variable.binding
+        {
+            let span = variable.span;
+            out.push(Pair { left: flat.read(v), right, span });
+        }
+    }
+    let mut assigned = Vec::new();
+    for equation in flat.equations.iter().chain(&flat.initial_equations) {
+        let span = equation.origin.span;
+        match &equation.kind {
+            EquationKind::Equal(left, right) => {
+                residuals(&flat.graph, *left, *right, span, &mut out);
+            }
+            EquationKind::When(branches) => {
+                for action in branches.iter().flat_map(|b| &b.actions) {
+                    match action {
+                        Action::Assign(v, e) | Action::Reinit { state: v, value: e, .. } => {
+                            assigned.push((*v, *e, span));
+                        }
+                        Action::Assert(_) | Action::Terminate(_) => {}
+                    }
+                }
+            }
+            EquationKind::Algorithm { outputs, values } => {
+                assigned.extend(outputs.iter().zip(values).map(|(v, e)| (*v, *e, span)));
+            }
+            EquationKind::Assert(a) => {
+                out.push(Pair { left: a.condition, right: a.condition, span });
+            }
+        }
+    }
+    for (v, right, span) in assigned {
+        out.push(Pair { left: flat.read(v), right, span });
+    }
+    out
+}
+
+/// `0 = if c then a - b else d - e` has been two equations, each with units of its own.
+fn residuals(g: &Graph, left: ExprId, right: ExprId, span: Span, out: &mut Vec<Pair>) {
+    let mut open = vec![right];
+    if g.as_number(left) != Some(0.0) {
+        out.push(Pair { left, right, span });
+        return;
+    }
+    while let Some(e) = open.pop() {
+        match g.node(e) {
+            Node::If(_, a, b) => open.extend([b, a]),
+            Node::Binary(Binary::Sub, a, b) => out.push(Pair { left: a, right: b, span }),
+            _ => out.push(Pair { left, right: e, span }),
+        }
+    }
+}
+
+impl Inference<'_> {
+    fn graph(&self) -> &Graph {
+        &self.flat.graph
+    }
+
+    /// The dimensions of all expressions; operands have lower numbers than their users.
+    fn evaluate(&mut self) {
+        self.expressions = IndexVec::new();
+        for e in self.flat.graph.ids() {
+            let d = self.of(e);
+            self.expressions.push(d);
+        }
+    }
+
+    fn of(&self, e: ExprId) -> Option<Dimension> {
+        let known = |e: ExprId| self.expressions[e];
+        match self.graph().node(e) {
+            Node::Time => Some(Dimension::TIME),
+            Node::Var(v) | Node::Pre(v) => self.of_variable(v),
+            Node::Der(v) => self.of_variable(v).map(|d| d.over(Dimension::TIME)),
+            Node::Unary(op, a) => match op {
+                Unary::Neg | Unary::Abs => known(a),
+                Unary::Sqrt => known(a)?.power(0.5),
+                Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Ordinal | Unary::Not => None,
+                _ => Some(Dimension::ONE),
+            },
+            Node::Binary(op, a, b) => match op {
+                Binary::Add | Binary::Sub | Binary::Min | Binary::Max => known(a).or(known(b)),
+                Binary::Mul => Some(self.factor(a)?.times(self.factor(b)?)),
+                Binary::Div => Some(self.factor(a)?.over(self.factor(b)?)),
+                Binary::Pow => match known(a)? {
+                    Dimension::ONE => Some(Dimension::ONE),
+                    base => base.power(self.graph().as_number(b)?),
+                },
+                Binary::Atan2 => Some(Dimension::ONE),
+                _ => None,
+            },
+            Node::If(_, a, b) | Node::Homotopy(a, b) => {
+                // A number beside something with a unit may have any.
+                let literal = |e| self.graph().as_number(e).is_some();
+                if literal(a) || literal(b) { None } else { known(a).or(known(b)) }
+            }
+            Node::NoEvent(a) | Node::Smooth(_, a) => known(a),
+            _ => None,
+        }
+    }
+
+    /// Functions that are called at run time have variables of their own: nothing is known of those.
+    fn of_variable(&self, v: VarId) -> Option<Dimension> {
+        self.variables.get(v).copied().flatten()
+    }
+
+    /// As a factor a plain number has no dimension; as a term it may have any.
+    fn factor(&self, e: ExprId) -> Option<Dimension> {
+        match self.graph().as_number(e) {
+            Some(value) => is_plain(value).then_some(Dimension::ONE),
+            None => self.expressions[e],
+        }
+    }
+
+    /// If one side is known and the other is not, what the other must be.
+    fn deduce(&mut self, pair: &Pair) {
+        match (self.expressions[pair.left], self.expressions[pair.right]) {
+            (Some(d), None) => self.impose(pair.right, d),
+            (None, Some(d)) => self.impose(pair.left, d),
+            (Some(_), Some(_)) => {
+                // Terms that are still open inside.
+                self.impose_inside(pair.left);
+                self.impose_inside(pair.right);
+            }
+            (None, None) => {}
+        }
+    }
+
+    fn impose_inside(&mut self, e: ExprId) {
+        if let Some(d) = self.expressions[e] {
+            self.impose(e, d);
+        }
+    }
+
+    /// `e` has dimension `d`: so have some of its operands.
+    fn impose(&mut self, e: ExprId, d: Dimension) {
+        let mut open = vec![(e, d)];
+        let mut steps = 0;
+        while let Some((e, d)) = open.pop() {
+            steps += 1;
+            if steps > 1000 {
+                return;
+            }
+            match self.graph().node(e) {
+                Node::Var(v) | Node::Pre(v) => self.set(v, d),
+                Node::Der(v) => self.set(v, d.times(Dimension::TIME)),
+                Node::Unary(Unary::Neg | Unary::Abs, a) | Node::NoEvent(a) | Node::Smooth(_, a) => {
+                    open.push((a, d))
+                }
+                Node::Unary(Unary::Sqrt, a) => open.extend(d.power(2.0).map(|d| (a, d))),
+                Node::Binary(Binary::Add | Binary::Sub | Binary::Min | Binary::Max, a, b)
+                | Node::If(_, a, b)
+                | Node::Homotopy(a, b) => open.extend([(a, d), (b, d)]),
+                Node::Binary(Binary::Mul, a, b) => match (self.factor(a), self.factor(b)) {
+                    (Some(x), None) => open.push((b, d.over(x))),
+                    (None, Some(x)) => open.push((a, d.over(x))),
+                    _ => {}
+                },
+                Node::Binary(Binary::Div, a, b) => match (self.factor(a), self.factor(b)) {
+                    (Some(x), None) => open.push((b, x.over(d))),
+                    (None, Some(x)) => open.push((a, d.times(x))),
+                    _ => {}
+                },
+                _ => {}
+            }
+        }
+    }
+
+    fn set(&mut self, v: VarId, d: Dimension) {
+        // A unit that is written but not understood is not replaced by another one.
+        let Some(variable) = self.flat.variables.get(v) else { return };
+        if self.variables[v].is_none() && variable.unit.is_empty() && variable.ty == Type::Real {
+            self.variables[v] = Some(d);
+            self.changed = true;
+        }
+    }
+
+    /// The first mismatch inside of the two sides, or between them.
+    fn mismatch(&self, pair: &Pair) -> Option<Diagnostic> {
+        let g = self.graph();
+        for e in g.postorder([pair.left, pair.right]) {
+            match g.node(e) {
+                Node::Binary(op, a, b) => {
+                    let alike = matches!(
+                        op,
+                        Binary::Add
+                            | Binary::Sub
+                            | Binary::Min
+                            | Binary::Max
+                            | Binary::Atan2
+                            | Binary::Less
+                            | Binary::LessEqual
+                            | Binary::Greater
+                            | Binary::GreaterEqual
+                            | Binary::Mod
+                            | Binary::Rem
+                    );
+                    if alike && self.differ(a, b) {
+                        return Some(self.said(a, b, pair.span));
+                    }
+                    if op == Binary::Pow && self.expressions[b].is_some_and(|d| d != Dimension::ONE)
+                    {
+                        return Some(self.no_number(b, "an exponent", pair.span));
+                    }
+                }
+                Node::If(_, a, b) | Node::Homotopy(a, b) if self.differ(a, b) => {
+                    return Some(self.said(a, b, pair.span));
+                }
+                Node::Unary(op, a)
+                    if is_of_numbers(op)
+                        && self.expressions[a].is_some_and(|d| d != Dimension::ONE) =>
+                {
+                    let what = format!("the argument of `{}`", op.name());
+                    return Some(self.no_number(a, &what, pair.span));
+                }
+                _ => {}
+            }
+        }
+        self.differ(pair.left, pair.right).then(|| self.said(pair.left, pair.right, pair.span))
+    }
+
+    fn differ(&self, a: ExprId, b: ExprId) -> bool {
+        let literal = |e| self.graph().as_number(e).is_some();
+        match (self.expressions[a], self.expressions[b]) {
+            (Some(d), Some(e)) => d != e && !literal(a) && !literal(b),
+            _ => false,
+        }
+    }
+
+    fn said(&self, a: ExprId, b: ExprId, span: Span) -> Diagnostic {
+        let d = Diagnostic::warning(
+            MISMATCH,
+            span,
+            format!(
+                "units do not match: `{}` is in {}, and `{}` in {}",
+                self.text(a),
+                self.unit(a),
+                self.text(b),
+                self.unit(b)
+            ),
+        )
+        .help(
+            "correct the equation or one of the units; a factor with a unit converts between them",
+        );
+        self.with_places(d, [a, b])
+    }
+
+    fn no_number(&self, e: ExprId, what: &str, span: Span) -> Diagnostic {
+        let d = Diagnostic::warning(
+            MISMATCH,
+            span,
+            format!("units do not match: `{}` is {what}, and is in {}", self.text(e), self.unit(e)),
+        )
+        .help("divide it by a reference of the same unit");
+        self.with_places(d, [e, e])
+    }
+
+    /// Shows where the units come from: the first variable with a declared unit in each expression.
+    fn with_places(&self, mut d: Diagnostic, sides: [ExprId; 2]) -> Diagnostic {
+        let mut shown = Vec::new();
+        for side in sides {
+            let declared = self.graph().postorder([side]).into_iter().find_map(|e| {
+                match self.graph().node(e) {
+                    Node::Var(v) | Node::Der(v) | Node::Pre(v)
+                        if self.flat.variables.get(v).is_some_and(|x| !x.unit.is_empty()) =>
+                    {
+                        Some(v)
+                    }
+                    _ => None,
+                }
+            });
+            let Some(v) = declared.filter(|v| !shown.contains(v)) else { continue };
+            shown.push(v);
+            let variable = &self.flat.variables[v];
+            d = d.also(variable.span, format!("`{}` is in `{}`", variable.name, variable.unit));
+        }
+        d
+    }
+
+    fn text(&self, e: ExprId) -> String {
+        let names =
+            |v: VarId| self.flat.variables.get(v).map_or_else(String::new, |x| x.name.clone());
+        let text = crate::symbolic::print::print(self.graph(), e, &names);
+        match text.char_indices().nth(60) {
+            Some((end, _)) => format!("{}...", &text[..end]),
+            None => text,
+        }
+    }
+
+    /// The unit as declared if the expression is one variable, else the dimension.
+    fn unit(&self, e: ExprId) -> String {
+        if let Node::Var(v) = self.graph().node(e) {
+            let unit = self.flat.variables.get(v).map(|x| x.unit);
+            if let Some(unit) = unit.filter(|u| !u.is_empty()) {
+                return format!("`{unit}`");
+            }
+        }
+        self.expressions[e].map_or_else(String::new, |d| format!("`{d}`"))
+    }
+}
+
+/// Functions whose argument has no dimension.
+fn is_of_numbers(op: Unary) -> bool {
+    use Unary as U;
+    matches!(
+        op,
+        U::Sin
+            | U::Cos
+            | U::Tan
+            | U::Asin
+            | U::Acos
+            | U::Atan
+            | U::Sinh
+            | U::Cosh
+            | U::Tanh
+            | U::Exp
+    )
+}
+
+/// Numbers that are factors rather than constants of nature: small whole ones, halves, quarters, tenths,
+/// and multiples of pi.
+fn is_plain(value: f64) -> bool {
+    let whole = |x: f64| (x - x.round()).abs() < 1e-12 * x.abs().max(1.0) && x.abs() <= 1000.0;
+    value != 0.0
+        && (whole(value * 4.0) || whole(value * 10.0) || whole(1.0 / value) || {
+            let turns = value / std::f64::consts::PI;
+            whole(turns * 4.0) || whole(1.0 / turns)
+        })
+}
