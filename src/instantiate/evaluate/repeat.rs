@@ -34,10 +34,7 @@ impl Context<'_> {
             self.unsupported(span, "loops in models whose length only a run knows");
             return None;
         }
-        // What the loop changes is found by running it once.
-        let changed = self.changed(body, scope, &before)?;
-        self.evaluation.locals.truncate(frame);
-        self.evaluation.locals.extend(before.iter().cloned());
+        let changed = changed(body, &before);
 
         let mut symbols = Vec::new();
         let mut initial = Vec::new();
@@ -49,18 +46,21 @@ impl Context<'_> {
                 *first += 1;
                 symbols.push(v);
                 initial.push(e);
-                // A number may become another one in the loop: what is whole stays so.
                 graph.var(v, graph.ty(e))
             });
             self.evaluation.locals[frame + k].1 = symbolic;
         }
         let asserted = self.evaluation.asserts.len();
+        let returned = self.evaluation.returned;
         let condition = self.evaluate(condition, scope)?;
         let condition = self.truth(&condition, span)?;
         let flow = self.under(condition, |cx| cx.run_statements(body, scope))?;
         // An assertion about a turn has no place outside of the loop.
         self.evaluation.asserts.truncate(asserted);
-        if flow != Flow::Next || self.evaluation.broken.is_some() {
+        if flow != Flow::Next
+            || self.evaluation.broken.is_some()
+            || self.evaluation.returned != returned
+        {
             self.unsupported(span, "`break` and `return` in loops whose length only a run knows");
             return None;
         }
@@ -72,7 +72,12 @@ impl Context<'_> {
             self.unsupported(span, "arrays that grow in a loop");
             return None;
         }
-        let types: Vec<Type> = initial.iter().map(|e| self.graph.ty(*e)).collect();
+        // A whole number may become a real one in the loop.
+        let types: Vec<Type> = initial
+            .iter()
+            .zip(&turned)
+            .map(|(before, after)| self.graph.common_type(*before, *after))
+            .collect();
         let name = format!("loop {}", self.evaluation.functions.len() + 1);
         let (function, captured) =
             function(&mut self.graph, name, span, &symbols, condition, &turned);
@@ -96,20 +101,13 @@ impl Context<'_> {
         Some(())
     }
 
-    /// Positions of the locals that a turn changes.
-    fn changed(
-        &mut self,
-        body: &[Statement],
-        scope: Scope,
-        before: &[(Name, Value)],
-    ) -> Option<Vec<usize>> {
-        let frame = self.evaluation.frame;
-        let mut names: FastSet<Name> = FastSet::default();
-        super::deduce::assigned(body, &mut names);
-        let _ = scope;
-        let locals = &self.evaluation.locals[frame..];
-        Some((0..before.len()).filter(|k| names.contains(&locals[*k].0)).collect())
-    }
+}
+
+/// Positions of the locals that a turn may change.
+fn changed(body: &[Statement], locals: &[(Name, Value)]) -> Vec<usize> {
+    let mut names: FastSet<Name> = FastSet::default();
+    super::deduce::assigned(body, &mut names);
+    (0..locals.len()).filter(|k| names.contains(&locals[*k].0)).collect()
 }
 
 /// The function of a loop over symbols, and what it reads besides them.
