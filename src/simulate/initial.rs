@@ -39,6 +39,25 @@ pub type Start = (Clocks, Selection, Settled);
 /// Gives every variable its value at the start: from the guesses of the model, and if they lead
 /// nowhere, from the solution of the simplified system that it may offer.
 pub fn initialise(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start, NoStart> {
+    instance.leaps = false;
+    let begun = from_model(instance, settings);
+    instance.leaps = true;
+    match begun {
+        // At last solutions are looked for that are far from all guesses. If there are none, what is told is
+        // how the first attempt ended.
+        Err(NoStart::Unsettled(_)) => {
+            let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
+            initialise_from(instance, settings, &[]).or_else(|_| {
+                (instance.memory, instance.fault_memory, instance.fault) = told;
+                begun
+            })
+        }
+        begun => begun,
+    }
+}
+
+/// The start from the guesses, else from the simplified system.
+fn from_model(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start, NoStart> {
     let begun = initialise_from(instance, settings, &[]);
     let (Err(NoStart::Unsettled(_)), Some(continuation)) = (&begun, &instance.program.continuation)
     else {

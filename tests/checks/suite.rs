@@ -111,7 +111,7 @@ fn flat_tables() {
 #[test]
 fn flat_delays() {
     let flat = flat("delay");
-    assert_eq!(count(&flat, "delayed("), 3);
+    assert_eq!(count(&flat, "recorded("), 3);
     let run = Case::file("tests/suite/flatten/delay.mo").stop(2.0).tolerance(1e-9).run();
     assert!((run.last("late") - f64::sin(1.7)).abs() < 1e-6);
     // The method of steps: t^2/2 - 2 t + 3/2 from 1 to 2. The jump to 2 comes out at 1.3.

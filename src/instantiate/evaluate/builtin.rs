@@ -437,7 +437,14 @@ impl Context<'_> {
             );
             return None;
         }
+        let fixed = self.evaluation.structural.len();
         let known = self.parameter_expression(time, true).and_then(Const::number);
+        if known != Some(0.0) {
+            // Only that there is no delay would be structure.
+            for id in self.evaluation.structural.split_off(fixed) {
+                self.evaluation.folded.remove(&id);
+            }
+        }
         if known.is_some_and(|t| t < 0.0) {
             self.error("MO0219", span, "a delay can not be negative");
             return None;

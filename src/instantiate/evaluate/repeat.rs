@@ -100,7 +100,6 @@ impl Context<'_> {
         }
         Some(())
     }
-
 }
 
 /// Positions of the locals that a turn may change.
