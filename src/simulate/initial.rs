@@ -43,8 +43,15 @@ pub fn initialise(instance: &mut Instance<'_>, settings: &Settings) -> Result<St
     let begun = from_model(instance, settings);
     instance.leaps = true;
     match begun {
-        // At last solutions are looked for that are far from all guesses.
-        Err(NoStart::Unsettled(_)) => initialise_from(instance, settings, &[]).or(begun),
+        // At last solutions are looked for that are far from all guesses. If there are none, what is told is
+        // how the first attempt ended.
+        Err(NoStart::Unsettled(_)) => {
+            let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
+            initialise_from(instance, settings, &[]).or_else(|_| {
+                (instance.memory, instance.fault_memory, instance.fault) = told;
+                begun
+            })
+        }
         begun => begun,
     }
 }

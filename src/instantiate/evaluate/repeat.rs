@@ -162,8 +162,8 @@ fn function(
     let id = |k: usize| LocalId::from_usize(k);
     let mut turn: Vec<Step> =
         turned.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)).collect();
-    for k in 0..count {
-        let ty = graph.ty(turned[k]);
+    for (k, e) in turned.iter().enumerate().take(count) {
+        let ty = graph.ty(*e);
         let next = graph.var(VarId((inputs + k) as u32), ty);
         turn.push(Step::Assign(id(k), next));
     }
