@@ -5,9 +5,10 @@ use super::error;
 use super::event::{Mode, Rewriting};
 use crate::base::index::{FastMap, IndexVec};
 use crate::ir::dae::{self, Kind};
-use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{Variability, Variable};
 use crate::math::graph::scc;
+use crate::symbolic::rewrite::Rewriter;
 
 crate::define_id! {
     /// A parameter with a value, in order of declaration.
@@ -39,6 +40,7 @@ pub fn ordered(
         }
     };
     let mut list = Vec::with_capacity(values.len());
+    let mut known = Known::default();
     for place in order {
         let (v, value) = values[place.0 as usize];
         let is_initial = |v: &VarId| r.variables[*v].kind == Kind::InitialParameter;
@@ -50,22 +52,56 @@ pub fn ordered(
             let origin = declaration_origin(&flat[v]);
             initial.push(dae::Equation { lhs, rhs: value, residual, origin, derivative_of: None });
         } else {
-            r.variables[v].vanishes = vanishes(value, r);
+            r.variables[v].vanishes = known.vanishes(v, value, r);
             list.push((v, value));
         }
     }
     list
 }
 
-/// True for the literal 0, a parameter that vanishes, and products with one.
-fn vanishes(value: ExprId, r: &Rewriting<'_>) -> bool {
-    match r.graph.node(value) {
-        Node::Const(c) => c.number() == Some(0.0),
-        Node::Var(v) => r.variables[v].vanishes,
-        Node::Unary(Unary::Neg, a) => vanishes(a, r),
-        Node::Binary(Binary::Mul, a, b) => vanishes(a, r) || vanishes(b, r),
-        Node::Binary(Binary::Div, a, _) => vanishes(a, r),
-        _ => false,
+/// Values of parameters as the text gives them.
+#[derive(Default)]
+struct Known {
+    values: FastMap<VarId, ExprId>,
+}
+
+impl Known {
+    /// Notes the value of a parameter whose own parameters are known, and tells whether it is 0.
+    fn vanishes(&mut self, v: VarId, value: ExprId, r: &mut Rewriting<'_>) -> bool {
+        let values = &self.values;
+        let known = Rewriter::new().apply(r.graph, value, &mut |g, n| match g.node(n) {
+            Node::Var(p) => values.get(&p).copied(),
+            _ => None,
+        });
+        let number = r.graph.as_const(known).and_then(Const::number);
+        if number.is_some() {
+            self.values.insert(v, known);
+        }
+        number == Some(0.0) || self.is_zero_by_form(value, r)
+    }
+
+    /// True for the literal 0, a parameter that vanishes, products with one, and for sines and cosines
+    /// at what comes as near to their zeros as a number can.
+    fn is_zero_by_form(&self, value: ExprId, r: &Rewriting<'_>) -> bool {
+        match r.graph.node(value) {
+            Node::Const(c) => c.number() == Some(0.0),
+            Node::Var(v) => r.variables[v].vanishes,
+            Node::Unary(Unary::Neg, a) => self.is_zero_by_form(a, r),
+            Node::Unary(op @ (Unary::Sin | Unary::Cos), a) => {
+                let argument = match r.graph.node(a) {
+                    Node::Var(v) => self.values.get(&v).copied().unwrap_or(a),
+                    _ => a,
+                };
+                let at = r.graph.as_number(argument);
+                let value = |x: f64| if op == Unary::Sin { x.sin() } else { x.cos() };
+                at.is_some_and(|x| value(x).abs() <= f64::EPSILON * x.abs())
+            }
+            Node::Binary(Binary::Mul, a, b) => {
+                self.is_zero_by_form(a, r) || self.is_zero_by_form(b, r)
+            }
+            Node::Binary(Binary::Div, a, _) => self.is_zero_by_form(a, r),
+            _ => false,
+        }
     }
 }
 

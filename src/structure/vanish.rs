@@ -133,7 +133,9 @@ fn values(dae: &mut Dae) -> FastMap<VarId, ExprId> {
             Node::Var(p) => values.get(&p).copied(),
             _ => None,
         });
-        if dae.graph.as_const(value).is_some() {
+        if dae.variables[v].vanishes {
+            values.insert(v, dae.graph.real(0.0));
+        } else if dae.graph.as_const(value).is_some() {
             values.insert(v, value);
         }
     }
