@@ -120,6 +120,9 @@ impl Connections {
     ) -> Option<()> {
         let (left, right) = (cx.select(a, scope), cx.select(b, scope));
         let (left, right) = (left?, right?);
+        for (selection, end) in [(&left, a.span), (&right, b.span)] {
+            connectable(cx, selection, scope, end)?;
+        }
         if !cx.restrict_connect(a, scope) || !cx.restrict_connect(b, scope) {
             return None;
         }
@@ -294,6 +297,18 @@ impl Connections {
         if ty(x.0) != ty(y.0) {
             return mismatch(cx, pair, "do not match: their variables have different types");
         }
+        // Signals are connected to signals.
+        let causal = [x.0, y.0].map(|i| cx.instances[i].prefix.causality.is_some());
+        let bus = [x.0, y.0].into_iter().any(|i| super::expandable::is_within(cx, i));
+        if causal[0] != causal[1] && !bus {
+            let (signal, other) = if causal[0] { (x.0, y.0) } else { (y.0, x.0) };
+            let why = format!(
+                "do not match: `{}` is an input or output, and `{}` is neither",
+                cx.path(signal),
+                cx.path(other)
+            );
+            return mismatch(cx, pair, &why);
+        }
         let fixed = |i: InstanceId| {
             matches!(
                 cx.instances[i].prefix.variability,
@@ -412,6 +427,37 @@ impl Connections {
             flat.equations.push(Equation { kind: EquationKind::Equal(e, zero), origin });
         }
     }
+}
+
+/// What is connected is a connector, or stands in one (section 9.1).
+fn connectable(
+    cx: &mut Context<'_>,
+    selection: &Selection,
+    scope: Scope,
+    span: Span,
+) -> Option<()> {
+    let mut selection = selection;
+    while let Selection::Many(_, all) = selection {
+        selection = all.first()?;
+    }
+    let (Selection::Whole(id) | Selection::Element(id, _)) = selection else { return Some(()) };
+    if !matches!(cx.instances[*id].kind, InstanceKind::Variable { .. }) {
+        return Some(());
+    }
+    let mut at = Some(*id).filter(|id| *id != scope.instance);
+    while let Some(id) = at {
+        if is_connector(cx, id) {
+            return Some(());
+        }
+        at = cx.instances[id].parent;
+    }
+    let path = cx.path(*id);
+    cx.problems.push(
+        Diagnostic::error("MO0230", span, format!("`{path}` is no connector"))
+            .help("write an equation, or declare it with a connector class")
+            .note("section 9.1 of the specification"),
+    );
+    None
 }
 
 /// A set has one source of its signal at most.

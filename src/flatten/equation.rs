@@ -107,6 +107,18 @@ fn expand(
             Some(())
         }
         ast::EquationKind::Connect(a, b) => {
+            if !cx.evaluation.path.is_empty() {
+                cx.problems.push(
+                    Diagnostic::error(
+                        "MO0231",
+                        e.span,
+                        "`connect` under a condition that changes while the model runs",
+                    )
+                    .help("decide it by parameters, or switch by equations")
+                    .note("section 9.1 of the specification"),
+                );
+                return None;
+            }
             target.connections.connect(cx, a, b, e.span, scope, &target.component)
         }
         ast::EquationKind::Call(call) => call_equation(cx, call, scope, target),
@@ -252,6 +264,19 @@ fn if_equation(
         }
         _ => {}
     }
+    // Connections are part of the structure: so is what they depend on.
+    if branches.iter().any(|(_, body)| connects(body)) || connects(otherwise) {
+        match cx.parameter_expression(c, true) {
+            Some(Const::Boolean(true)) => {
+                expand_all(cx, body, scope, target);
+                return Some(());
+            }
+            Some(Const::Boolean(false)) => {
+                return if_equation(cx, rest, otherwise, span, scope, target);
+            }
+            _ => {}
+        }
+    }
     let not_c = cx.graph.not(c);
     let first = collected(target, |t| cx.under(c, |cx| expand_all(cx, body, scope, t)));
     let mut done = None;
@@ -273,6 +298,18 @@ fn if_equation(
         return Some(());
     }
     merge(cx, c, first, second, span, target)
+}
+
+/// Whether there is a `connect` among equations.
+fn connects(list: &[ast::Equation]) -> bool {
+    list.iter().any(|e| match &e.kind {
+        ast::EquationKind::Connect(..) => true,
+        ast::EquationKind::If { branches, otherwise } => {
+            branches.iter().any(|(_, body)| connects(body)) || connects(otherwise)
+        }
+        ast::EquationKind::For { body, .. } => connects(body),
+        _ => false,
+    })
 }
 
 /// The variables, other than parameters, and the derivatives that equations relate, in order.

@@ -201,6 +201,7 @@ impl Context<'_> {
                         self.restrict_base(&text, base, extends.base.span);
                     }
                     self.check_base(&extends.base, scope);
+                    self.restrict_prefixed_base(class, base, extends.base.span);
                     bases.push(base);
                     let base = self.with_redeclarations(base, own.clone());
                     let base = self.base_with_redeclarations(class, base, &extends.modification);

@@ -71,7 +71,8 @@ impl Context<'_> {
         let component = declaration.component();
         if element.outer && !element.inner {
             self.check_outer_unmodified(id, component.name);
-            if let Some(inner) = self.find_inner(id, component.name.name) {
+            let inner = self.find_inner(id, component.name.name);
+            if let Some(inner) = inner.or_else(|| self.add_inner(id, declaration)) {
                 let class = self.class_or_report(&clause.type_name, scope)?;
                 self.instances[id].class = Some(class);
                 self.check_inner_fits(id, inner, class, component.name);
@@ -128,7 +129,7 @@ impl Context<'_> {
     }
 
     /// Dimensions of a component, of its type as written, and of its short classes.
-    fn sizes(
+    pub(super) fn sizes(
         &mut self,
         id: InstanceId,
         declaration: &Declaration,
@@ -156,7 +157,10 @@ impl Context<'_> {
                 Subscript::Colon(span) => {
                     if from_binding.is_none() {
                         let before = std::mem::replace(&mut self.evaluation.shaping, true);
-                        let value = self.binding_value(id);
+                        let value = match self.binding_value(id) {
+                            None if !self.bound(id) => self.start_value(id),
+                            value => value,
+                        };
                         self.evaluation.shaping = before;
                         from_binding = Some(value.map(|v| v.dims().to_vec()).unwrap_or_default());
                     }
@@ -174,6 +178,12 @@ impl Context<'_> {
         }
         self.check_count(&sizes, component.name.span)?;
         Some(sizes)
+    }
+
+    /// The start value of a variable, from which its open sizes are taken where it has no other.
+    fn start_value(&mut self, id: InstanceId) -> Option<super::evaluate::value::Value> {
+        let start = self.attribute(id, crate::base::name::name("start"))?;
+        self.evaluate(&start.value, start.scope)
     }
 
     /// The sizes of the declaration that a redeclared component replaces: they stay (section 7.3).
@@ -275,6 +285,14 @@ impl Context<'_> {
                 replaced = true;
                 scope = at;
                 declared = replacement;
+                let before = &declaration.element;
+                if (before.inner, before.outer) != (declared.element.inner, declared.element.outer)
+                {
+                    // What the redeclaration does not say stays as it was (section 7.3).
+                    let element = Rc::make_mut(&mut declared.element);
+                    element.inner |= before.inner;
+                    element.outer |= before.outer;
+                }
             }
         }
         for (modification, class) in entry.layers.iter() {
@@ -361,24 +379,6 @@ impl Context<'_> {
             }
         }
         found
-    }
-
-    /// The `inner` component of that name in the components around.
-    fn find_inner(&mut self, id: InstanceId, wanted: Name) -> Option<InstanceId> {
-        let mut at = self.instances[id].parent;
-        while let Some(holder) = at {
-            at = self.instances[holder].parent;
-            if !matches!(self.instances[holder].kind, InstanceKind::Object(_)) {
-                continue;
-            }
-            if let Some(found) = self.child(holder, wanted)
-                && found != id
-                && self.instances[found].declaration.as_ref().is_some_and(|d| d.element.inner)
-            {
-                return Some(found);
-            }
-        }
-        None
     }
 
     /// The outermost binding of an instance.

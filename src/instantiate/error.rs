@@ -348,7 +348,7 @@ impl Context<'_> {
         let Some(declaration) = self.instances[id].declaration.clone() else { return };
         let span = declaration.clause().type_name.span;
         let replaceable = declaration.element.replaceable.is_some();
-        if text.partial {
+        if let Some(partial) = self.partial_text(class) {
             let d = Diagnostic::error(
                 "MO0208",
                 span,
@@ -358,7 +358,7 @@ impl Context<'_> {
                     self.path(id)
                 ),
             )
-            .also(text.name.span, "declared `partial` here");
+            .also(partial.name.span, "declared `partial` here");
             self.problems.push(if replaceable {
                 d.help("redeclare the component with a class that is not partial")
             } else {

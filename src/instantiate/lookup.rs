@@ -4,11 +4,12 @@
 use super::{Context, ROOT};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
+use crate::base::source::Span;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind, ImportForm};
 use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, InstanceKind, Scope};
 
 /// What a first identifier stands for when it is no component of the instance itself.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Found {
     /// A class.
     Class(ClassId),
@@ -240,10 +241,12 @@ impl Context<'_> {
         }
     }
 
-    /// Import clauses of the text of `class` (they are not inherited).
+    /// Import clauses of the text of `class` (they are not inherited): those that name what they import
+    /// come before those that import all.
     fn imported(&mut self, class: ClassId, wanted: Name) -> Option<Found> {
         let text = self.text(class)?.clone();
         let ClassBody::Long(composition) = &text.body else { return None };
+        let mut open = Vec::new();
         for element in &composition.elements {
             let ElementKind::Import(import) = &element.kind else { continue };
             let parts: Vec<Name> = import.path.parts.iter().map(|p| p.name).collect();
@@ -253,17 +256,58 @@ impl Context<'_> {
                 ImportForm::List(names) if names.iter().any(|n| n.name == wanted) => {
                     Some([parts, vec![wanted]].concat())
                 }
-                ImportForm::All => Some([parts, vec![wanted]].concat()),
+                ImportForm::All => {
+                    open.push((&import.path, [parts, vec![wanted]].concat()));
+                    None
+                }
                 ImportForm::List(_) => None,
             };
             let Some(full) = full else { continue };
-            let all = matches!(import.form, ImportForm::All);
-            if let Some(found) = self.absolute(&full, all) {
+            if let Some(found) = self.absolute(&full, false) {
                 self.check_import(&import.path, &full);
+                self.check_imported_is_public(&import.path, &full);
                 return Some(found);
             }
         }
-        None
+        let mut first: Option<(&ast::Path, Found)> = None;
+        for (path, full) in open {
+            let Some(found) = self.absolute(&full, true) else { continue };
+            self.check_import(path, &full);
+            match first {
+                None => first = Some((path, found)),
+                Some((before, other)) if other != found => {
+                    let (before, at) = (before.span, path.span);
+                    self.report_ambiguous_import(wanted, before, at);
+                    break;
+                }
+                Some(_) => {}
+            }
+        }
+        first.map(|(_, found)| found)
+    }
+
+    fn report_ambiguous_import(&mut self, wanted: Name, before: Span, at: Span) {
+        let message = format!("`{wanted}` is imported from two packages");
+        self.problems.push(
+            Diagnostic::error("MO0263", at, message)
+                .label("second package that has it")
+                .also(before, "first package that has it")
+                .help(format!("import the one that is meant by its name: `import PACKAGE.{wanted};`"))
+                .note("section 13.2.1.1 of the specification"),
+        );
+    }
+
+    /// What an import names must be public (section 13.2.1).
+    fn check_imported_is_public(&mut self, path: &ast::Path, full: &[Name]) {
+        let Some((last, packages)) = full.split_last() else { return };
+        let mut class = ROOT.class;
+        for part in packages {
+            let Some(next) = self.member_class(class, *part, ROOT.instance) else { return };
+            class = next;
+        }
+        if let Some(declared) = self.protected_in(class, *last) {
+            self.report_protected(ast::Ident { name: *last, span: path.span }, declared);
+        }
     }
 
     /// What is imported must be a package or stand in one (section 13.2.1).

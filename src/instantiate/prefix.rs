@@ -114,13 +114,9 @@ impl Context<'_> {
 
     /// What an element had must stay: final, constant, public or protected (section 7.3.3).
     pub(crate) fn check_redeclared_prefixes(&mut self, before: &Entry, after: &Entry) {
-        let constant = |e: &Entry| match &e.kind {
-            EntryKind::Component(d) => d.clause().prefix.variability == Some(Variability::Constant),
-            EntryKind::Class(_) => false,
-        };
         let why = match () {
             () if before.element.is_final => "is final",
-            () if constant(before) => "is a constant",
+            () if is_constant(before) => "is a constant",
             () if before.protected && !after.protected => "is protected, and would become public",
             () if !before.protected && after.protected => "is public, and would become protected",
             () => return,
@@ -139,5 +135,13 @@ impl Context<'_> {
             .help("leave it as it is, or change what is declared there")
             .note("section 7.3.3 of the specification"),
         );
+    }
+}
+
+/// Whether an element is a component that is declared `constant`.
+pub(super) fn is_constant(entry: &Entry) -> bool {
+    match &entry.kind {
+        EntryKind::Component(d) => d.clause().prefix.variability == Some(Variability::Constant),
+        EntryKind::Class(_) => false,
     }
 }

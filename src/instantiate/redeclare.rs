@@ -71,7 +71,7 @@ impl Context<'_> {
         let own = Scope { instance: id, class: entry.class };
         let Some(wanted) = self.find_class(&path, own) else { return };
         let Some(given) = self.original(id, entry) else { return };
-        if let Some(why) = self.misfit(wanted, given) {
+        if let Some(why) = self.misfit_with(wanted, given, own_rank(entry)) {
             let text = entry.name.name;
             self.problems.push(
                 crate::base::diag::Diagnostic::error(
@@ -106,9 +106,14 @@ impl Context<'_> {
                 }
             }
         }
-        if entry.element.is_final {
+        let closed = match () {
+            () if entry.element.is_final => Some("is final"),
+            () if super::prefix::is_constant(entry) => Some("is a constant"),
+            () => None,
+        };
+        if let Some(why) = closed {
             let name = ast::Ident { name: text, span: outermost.span };
-            self.report_closed(name, entry.name.span, "is final");
+            self.report_closed(name, entry.name.span, why);
             return false;
         }
         // The nearest constraining clause counts: a redeclaration may have narrowed it.
@@ -125,13 +130,17 @@ impl Context<'_> {
             },
             None => (before, entry.name.span),
         };
-        match self.misfit(wanted, after) {
-            Some(why) => {
+        // A constraint that a redeclaration brings must be within the one before it.
+        let narrower = outermost.element.replaceable.as_ref().and_then(|r| r.constraint.clone());
+        let narrower = narrower.and_then(|path| self.find_class(&path, outermost.scope));
+        let given = [Some(after), narrower].into_iter().flatten();
+        for given in given {
+            if let Some(why) = self.misfit(wanted, given) {
                 self.report_misfit(text, outermost.span, (span, why));
-                false
+                return false;
             }
-            None => true,
         }
+        true
     }
 
     /// The class that an element has by its declaration.
@@ -166,6 +175,11 @@ impl Context<'_> {
 
     /// What `given` lacks of `wanted`, in words.
     fn misfit(&mut self, wanted: ClassId, given: ClassId) -> Option<String> {
+        self.misfit_with(wanted, given, 0)
+    }
+
+    /// As `misfit`, not counting the last `added` dimensions of `given`.
+    fn misfit_with(&mut self, wanted: ClassId, given: ClassId, added: usize) -> Option<String> {
         if self.is_same(wanted, given)
             || self.table_in_progress(wanted)
             || self.table_in_progress(given)
@@ -173,12 +187,17 @@ impl Context<'_> {
             return None;
         }
         let mut rank = |c: ClassId| self.table(c).dims.iter().map(|(d, _)| d.len()).sum::<usize>();
-        let (needs, has) = (rank(wanted), rank(given));
+        let (needs, has) = (rank(wanted), rank(given).saturating_sub(added));
         if needs != has {
             let (wanted, given) = (self.classes[wanted].full_name, self.classes[given].full_name);
             return Some(format!("`{given}` has {has} dimensions, and `{wanted}` has {needs}"));
         }
         self.misfit_without_sizes(wanted, given)
+    }
+
+    /// `enumeration(:)`: any enumeration takes its place (section 4.9.5).
+    fn is_open_enumeration(&self, class: ClassId) -> bool {
+        matches!(self.text(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
     }
 
     /// As `misfit`, whatever the dimensions.
@@ -192,8 +211,10 @@ impl Context<'_> {
             return None;
         }
         let (needs, has) = (self.table(wanted), self.table(given));
+        let open = self.is_open_enumeration(wanted)
+            && matches!(has.scalar, Some(crate::ir::expr::Type::Enumeration(_)));
         let (wanted, given) = (self.classes[wanted].full_name, self.classes[given].full_name);
-        if needs.scalar.is_some() && needs.scalar != has.scalar {
+        if needs.scalar.is_some() && needs.scalar != has.scalar && !open {
             return Some(format!("`{given}` is of another type than `{wanted}`"));
         }
         let needed = needs.entries.iter().filter(|e| !e.protected && !is_conditional(e));
@@ -208,6 +229,17 @@ impl Context<'_> {
             }
         }
         None
+    }
+}
+
+/// Dimensions that a short class adds to its base: a constraint is about the base.
+fn own_rank(entry: &Entry) -> usize {
+    match &entry.kind {
+        EntryKind::Class(text) => match &text.body {
+            ast::ClassBody::Short(short) => short.dims.len(),
+            _ => 0,
+        },
+        EntryKind::Component(_) => 0,
     }
 }
 

@@ -22,7 +22,17 @@ impl Context<'_> {
         self.restrict_name(text.name.name, text.name.span);
         match &text.body {
             ClassBody::Enumeration(Some(literals)) => {
-                for literal in literals {
+                for (k, literal) in literals.iter().enumerate() {
+                    if let Some(before) =
+                        literals[..k].iter().find(|l| l.name.name == literal.name.name)
+                    {
+                        let message = format!("literal `{}` stands here twice", literal.name.name);
+                        self.problems.push(
+                            Diagnostic::error("MO0226", literal.name.span, message)
+                                .also(before.name.span, "first")
+                                .help("give one of them another name (section 4.9.5)"),
+                        );
+                    }
                     if ATTRIBUTES.contains(&literal.name.name.as_str()) {
                         let message =
                             format!("`{}` is an attribute of enumerations", literal.name.name);
@@ -69,9 +79,15 @@ impl Context<'_> {
                 where_to,
             );
         }
+        if function {
+            self.restrict_sections(text, composition);
+        }
         for element in &composition.elements {
             for (declared, at) in element.names() {
                 self.restrict_name(declared, at);
+            }
+            if kind == ClassKind::Operator {
+                self.restrict_operator(name, element);
             }
             let ElementKind::Components(clause) = &element.kind else { continue };
             let Some(first) = clause.components.first().map(|c| c.name) else { continue };
@@ -109,6 +125,40 @@ impl Context<'_> {
         }
     }
 
+    /// A function has one algorithm, and not to find its start (section 12.2).
+    fn restrict_sections(&mut self, text: &Class, composition: &Composition) {
+        let name = text.name.name;
+        for (k, section) in composition.algorithms.iter().enumerate() {
+            let (what, help) = match () {
+                () if section.initial => ("an initial algorithm", "write `algorithm`"),
+                () if k > 0 => ("more than one algorithm", "put the statements into one"),
+                () => continue,
+            };
+            self.problems.push(
+                Diagnostic::error("MO0226", section.span, format!("function `{name}` has {what}"))
+                    .also(text.name.span, "declared here")
+                    .help(help)
+                    .note("section 12.2 of the specification"),
+            );
+        }
+    }
+
+    /// An operator holds functions (section 4.7).
+    fn restrict_operator(&mut self, operator: Name, element: &ast::Element) {
+        let wrong = match &element.kind {
+            ElementKind::Class(c) => !matches!(c.kind, ClassKind::Function { .. }),
+            ElementKind::Components(_) => true,
+            ElementKind::Import(_) | ElementKind::Extends(_) => false,
+        };
+        for (declared, at) in element.names().into_iter().filter(|_| wrong) {
+            self.restricted(
+                at,
+                format!("`{declared}` of operator `{operator}` is no function"),
+                "declare it beside the operator, in the record",
+            );
+        }
+    }
+
     fn restricted(&mut self, span: Span, message: String, help: &str) {
         self.problems.push(
             Diagnostic::error("MO0226", span, message)
@@ -143,6 +193,11 @@ impl Context<'_> {
                 matches!(base, K::Record | K::OperatorRecord | K::Block | K::Model)
             }
         };
+        if let Some(of) = self.text(base).cloned()
+            && let ClassBody::Long(composition) = &of.body
+        {
+            self.restrict_operator_base(text, &of, composition, span);
+        }
         if !fits {
             let base = self.classes[base].full_name;
             let message = format!(
@@ -158,6 +213,87 @@ impl Context<'_> {
                     .note("a model extends models, blocks and records, a block no model (section 7.1.3)"),
             );
         }
+    }
+
+    /// Operators belong to one record: it is extended by short classes only, and what is around it not
+    /// at all (section 4.7).
+    fn restrict_operator_base(
+        &mut self,
+        text: &Class,
+        base: &Class,
+        composition: &Composition,
+        span: Span,
+    ) {
+        let inside = composition.elements.iter().find_map(|e| match &e.kind {
+            ElementKind::Class(c)
+                if c.kind == ClassKind::OperatorRecord && matches!(c.body, ClassBody::Long(_)) =>
+            {
+                Some(c.name)
+            }
+            _ => None,
+        });
+        let (why, help, place) = match inside {
+            _ if base.kind == ClassKind::OperatorRecord => (
+                format!("operator record `{}` cannot be extended", base.name.name),
+                format!("write `operator record {} = {}(...)`", text.name.name, base.name.name),
+                base.name.span,
+            ),
+            Some(record) => (
+                format!(
+                    "`{}` cannot be extended: it holds operator record `{}`",
+                    base.name.name, record.name
+                ),
+                "move the operator record to a package of its own".to_string(),
+                record.span,
+            ),
+            None => return,
+        };
+        self.problems.push(
+            Diagnostic::error("MO0227", span, why)
+                .also(place, "declared here")
+                .help(help)
+                .note("what an operator does must not depend on who extends it (section 4.7)"),
+        );
+    }
+
+    /// Whether a class is partial, itself or by what it is a short form of (section 4.6.1).
+    pub(crate) fn partial_text(&mut self, mut class: ClassId) -> Option<std::sync::Arc<Class>> {
+        // A circle of short classes was reported where it is read.
+        for _ in 0..100 {
+            let text = self.text(class)?.clone();
+            if text.partial {
+                return Some(text);
+            }
+            let ClassBody::Short(short) = &text.body else { return None };
+            let scope = self.outside(class);
+            class = self.find_class(&short.base, scope).filter(|base| *base != class)?;
+        }
+        None
+    }
+
+    /// A class with prefixes of its own is not extended beside anything else (section 4.6.2).
+    pub(crate) fn restrict_prefixed_base(&mut self, class: ClassId, base: ClassId, span: Span) {
+        let (Some(text), Some(of)) = (self.text(class).cloned(), self.text(base).cloned()) else {
+            return;
+        };
+        let ClassBody::Long(composition) = &text.body else { return };
+        let ClassBody::Short(short) = &of.body else { return };
+        let others = composition.elements.iter().filter(|e| match &e.kind {
+            ElementKind::Components(_) => true,
+            ElementKind::Extends(extends) => extends.base.span != span,
+            _ => false,
+        });
+        if short.prefix == ast::TypePrefix::default() || others.count() == 0 {
+            return;
+        }
+        let message =
+            format!("`{}` has a prefix, and is extended beside other things", of.name.name);
+        self.problems.push(
+            Diagnostic::error("MO0227", span, message)
+                .also(of.name.span, "declared with a prefix such as `input`")
+                .help("declare a component of the class")
+                .note("section 4.6.2 of the specification"),
+        );
     }
 
     /// `class A = F` does not make a function of A: only `function A = F` does.

@@ -282,8 +282,10 @@ impl Context<'_> {
             self.report_unknown_name(first, target.span, scope);
             return None;
         }
-        let selection = self.select(target, scope)?;
-        let variables = self.selected_variables(&selection, target.span)?;
+        let reading = std::mem::replace(&mut self.evaluation.reading, true);
+        let selection = self.select(target, scope);
+        self.evaluation.reading = reading;
+        let variables = self.selected_variables(&selection?, target.span)?;
         // Records are taken apart in the order of their fields, as the variables are.
         let mut scalars = Vec::with_capacity(variables.len());
         value.for_each_scalar(&mut |e| scalars.push(e));
@@ -292,7 +294,13 @@ impl Context<'_> {
             self.error("MO0215", target.span, message);
             return None;
         }
-        for (v, e) in variables.into_iter().zip(scalars) {
+        for (v, mut e) in variables.into_iter().zip(scalars) {
+            // What comes after `break` leaves a variable as it was.
+            if let Some(broken) = self.evaluation.broken
+                && let Some(&before) = self.evaluation.assigned.get(&v)
+            {
+                e = self.graph.if_then_else(broken, before, e);
+            }
             self.evaluation.assigned.insert(v, e);
         }
         Some(())

@@ -126,7 +126,7 @@ impl Context<'_> {
             span: function.span,
         };
         let Some(class) = self.find_class(&path, scope) else {
-            if let Some(class) = self.function_of_component(&path, scope) {
+            if let Some(class) = self.function_of_component(&path, function, scope) {
                 return self.call_with(class, args, named, span, scope);
             }
             self.report_unknown_function(&path);
@@ -140,6 +140,7 @@ impl Context<'_> {
     fn function_of_component(
         &mut self,
         path: &crate::ir::ast::Path,
+        function: &ComponentRef,
         scope: Scope,
     ) -> Option<ClassId> {
         let (first, rest) = path.parts.split_first()?;
@@ -150,6 +151,17 @@ impl Context<'_> {
         self.complete(holder);
         if let InstanceKind::Outer(inner) = self.instances[holder].kind {
             holder = inner;
+        }
+        self.check_conditional(holder, first.span);
+        if matches!(self.instances[holder].kind, InstanceKind::Array { .. })
+            || !function.parts[0].subscripts.is_empty()
+        {
+            let message = format!("`{}` is an array: its functions cannot be called", first.name);
+            self.problems.push(
+                Diagnostic::error("MO0202", function.span, message)
+                    .help("name the class of the component instead: `Class.function(...)`")
+                    .note("section 5.3.2 of the specification"),
+            );
         }
         let mut class = self.instances[holder].class?;
         for part in rest {
@@ -421,7 +433,7 @@ impl Context<'_> {
         Some(Value::Scalar(self.graph.intern(Node::Homotopy(a, b), Type::Real)))
     }
 
-    /// `delay(e, T)`: what `e` was a time `T` ago; a bound on `T` may follow, which is not needed here.
+    /// `delay(e, T)`: what `e` was a time `T` ago; a bound on `T` may follow.
     fn delay(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let ([e, time] | [e, time, _]) = args else {
             self.wrong_arguments(span, "an expression and a time are");
@@ -449,6 +461,9 @@ impl Context<'_> {
             self.error("MO0219", span, "a delay can not be negative");
             return None;
         }
+        if let Some(longest) = args.get(2) {
+            self.check_longest_delay(longest, known, scope)?;
+        }
         if known == Some(0.0) || self.evaluation.folding || self.evaluation.shaping {
             return Some(value);
         }
@@ -469,6 +484,32 @@ impl Context<'_> {
         })
     }
 
+    /// The bound on a delay is known before the model runs, and is a bound.
+    fn check_longest_delay(
+        &mut self,
+        longest: &Expr,
+        time: Option<f64>,
+        scope: Scope,
+    ) -> Option<()> {
+        let bound = self.evaluate_scalar(longest, scope)?;
+        let wrong = if self.variability(bound) > crate::ir::ast::Variability::Parameter {
+            "the longest delay changes while the model runs".to_string()
+        } else {
+            match (time, self.graph.as_number(bound)) {
+                (Some(t), Some(most)) if t > most => {
+                    format!("a delay of {t} s is longer than the longest, {most} s")
+                }
+                _ => return Some(()),
+            }
+        };
+        self.problems.push(
+            Diagnostic::error("MO0219", longest.span, wrong)
+                .help("give a parameter that no delay exceeds")
+                .note("section 3.7.4.1 of the specification"),
+        );
+        None
+    }
+
     /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.2.3).
     fn cardinality(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let [Expr { kind: ExprKind::Ref(r), .. }] = args else {
@@ -479,6 +520,15 @@ impl Context<'_> {
             Selection::Whole(mut id) => {
                 while let InstanceKind::Outer(inner) = self.instances[id].kind {
                     id = inner;
+                }
+                let kind = self.instances[id].class.map(|c| self.kind(c));
+                if !matches!(kind, Some(ClassKind::Connector | ClassKind::ExpandableConnector)) {
+                    let message = "`cardinality` of something that is no connector";
+                    self.problems.push(
+                        Diagnostic::error("MO0219", r.span, message)
+                            .help("only connectors can be connected (section 3.7.4.3)"),
+                    );
+                    return None;
                 }
                 let Some(counts) = &self.evaluation.cardinality else {
                     self.unsupported(

@@ -75,6 +75,15 @@ impl Context<'_> {
         self.check_function(class);
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
+        if let Some(partial) = self.partial_text(class) {
+            self.problems.push(
+                Diagnostic::error("MO0208", span, format!("function `{full_name}` is partial"))
+                    .also(partial.name.span, "declared `partial` here")
+                    .help("call a function that extends it")
+                    .note("section 12.2 of the specification"),
+            );
+            return None;
+        }
         let mut inputs: Vec<&(Entry, Declaration)> = Vec::new();
         for c in &components {
             if self.causality(&c.0, &c.1) == Some(Causality::Input) {

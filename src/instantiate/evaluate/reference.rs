@@ -5,9 +5,10 @@ use std::rc::Rc;
 use super::Context;
 use super::value::{Record, Value, offset};
 use crate::base::diag::Diagnostic;
+use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::instantiate::lookup::Found;
-use crate::ir::ast::{ComponentRef, Ident, RefPart, Subscript, Variability};
+use crate::ir::ast::{ComponentRef, ExprKind, Ident, RefPart, Subscript, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, Type};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 
@@ -83,7 +84,7 @@ impl Context<'_> {
         }
     }
 
-    fn local(&self, wanted: crate::base::name::Name) -> Option<Value> {
+    fn local(&self, wanted: Name) -> Option<Value> {
         let visible = &self.evaluation.locals[self.evaluation.frame..];
         visible.iter().rev().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
     }
@@ -93,9 +94,9 @@ impl Context<'_> {
         let first = &r.parts[0];
         if !r.global
             && !self.evaluation.in_function
-            && let Some(id) = self.child(scope.instance, first.name.name)
+            && let Some(id) = self.visible(scope, first.name.name)
         {
-            return Some(Start::Instance(id, 1));
+            return Some(Start::Instance(self.seen(id), 1));
         }
         let found = if r.global {
             let root = crate::instantiate::ROOT;
@@ -118,6 +119,7 @@ impl Context<'_> {
                 class = c;
             } else if let Some(id) = self.package_component(class, part.name.name) {
                 self.check_step(class, part.name);
+                self.check_not_partial(class, part.name, scope);
                 return Some(Start::Instance(id, k + 1));
             } else {
                 return self.literal(class, &part.name).map(Start::Literal);
@@ -130,6 +132,52 @@ impl Context<'_> {
             format!("`{full_name}` is a class, and a value is needed here"),
         );
         None
+    }
+
+    /// In what is partial nothing is looked up from outside (section 5.3.2).
+    fn check_not_partial(&mut self, class: ClassId, part: Ident, scope: Scope) {
+        let Some(partial) = self.partial_text(class) else { return };
+        let mut around = Some(scope.class);
+        while let Some(at) = around {
+            if self.text(at).is_some_and(|t| std::sync::Arc::ptr_eq(t, &partial)) {
+                return;
+            }
+            around = self.classes[at].enclosing;
+        }
+        if self.from_outside(part.span) {
+            return;
+        }
+        let message = format!("`{}` stands in `{}`, which is partial", part.name, partial.name.name);
+        self.problems.push(
+            Diagnostic::error("MO0208", part.span, message)
+                .also(partial.name.span, "declared `partial` here")
+                .help("name a package that extends it")
+                .note("section 5.3.2 of the specification"),
+        );
+    }
+
+    /// The component of the instance in hand that a name in the text of `scope.class` means: what a class
+    /// that extends this one adds is not known in it (section 7.1).
+    fn visible(&mut self, scope: Scope, wanted: Name) -> Option<InstanceId> {
+        let id = self.child(scope.instance, wanted)?;
+        let own = self.instances[scope.instance].class;
+        if own.is_none_or(|own| own == scope.class) || self.table_in_progress(scope.class) {
+            return Some(id);
+        }
+        let of_text = self.table(scope.class);
+        if of_text.index.contains_key(&wanted) {
+            return Some(id);
+        }
+        // What connections have added to a bus stands in no class.
+        let of_instance = self.table_of(scope.instance);
+        (!of_instance.index.contains_key(&wanted) || self.is_short(scope.class)).then_some(id)
+    }
+
+    fn is_short(&self, class: ClassId) -> bool {
+        let short = |t: &crate::ir::ast::Class| {
+            matches!(t.body, crate::ir::ast::ClassBody::Short(_))
+        };
+        self.text(class).is_none_or(|t| short(t))
     }
 
     fn literal(&mut self, class: ClassId, part: &Ident) -> Option<ExprId> {
@@ -245,6 +293,7 @@ impl Context<'_> {
                 match self.child(id, next.name.name) {
                     Some(child) => {
                         self.check_member(id, next.name);
+                        let child = self.seen(child);
                         self.walk(child, rest, true, scope, span)
                     }
                     None => {
@@ -257,6 +306,7 @@ impl Context<'_> {
                 if subscripts.is_empty() && rest.is_empty() {
                     return Some(Selection::Whole(id));
                 }
+                self.check_index_types(id, subscripts, scope);
                 let (dims, chosen) = self.chosen(&dims, subscripts, scope, span)?;
                 let mut all = Vec::with_capacity(chosen.len());
                 for k in chosen {
@@ -273,11 +323,47 @@ impl Context<'_> {
                 if subscripts.is_empty() {
                     return Some(Selection::Whole(id));
                 }
+                self.check_index_types(id, subscripts, scope);
                 let (dims, chosen) = self.chosen(&dims, subscripts, scope, span)?;
                 let all = chosen.into_iter().map(|k| Selection::Element(id, k)).collect();
                 Some(many(dims, all))
             }
             InstanceKind::Pending | InstanceKind::InProgress | InstanceKind::Broken => None,
+        }
+    }
+
+    /// A dimension that is declared by an enumeration or by `Boolean` is counted by its values, not by
+    /// numbers (section 10.5.1).
+    fn check_index_types(&mut self, id: InstanceId, subscripts: &[Subscript], scope: Scope) {
+        let Some(declaration) = self.instances[id].declaration.clone() else { return };
+        let declared_in = self.instances[id].scope;
+        let dims = declaration.component().dims.iter().chain(&declaration.clause().type_dims);
+        for (dim, subscript) in dims.zip(subscripts) {
+            let (Subscript::Expr(dim), Subscript::Expr(e)) = (dim, subscript) else { continue };
+            let ExprKind::Ref(name) = &dim.kind else { continue };
+            let Some(wanted) = self.named_type(name, declared_in) else { continue };
+            if wanted == Type::Integer || matches!(e.kind, ExprKind::End) {
+                continue;
+            }
+            let before = std::mem::replace(&mut self.evaluation.reading, false);
+            self.evaluation.ends.push(0);
+            let value = self.evaluate(e, scope);
+            self.evaluation.ends.pop();
+            self.evaluation.reading = before;
+            let given = value.and_then(|v| v.elements().first().and_then(Value::scalar));
+            let Some(given) = given.map(|e| self.graph.ty(e)).filter(|t| *t != wanted) else {
+                continue;
+            };
+            let kind = crate::symbolic::print::type_name(&self.graph, given);
+            let name = self.sources.text(dim.span).unwrap_or_default();
+            let message =
+                format!("`{name}` counts this dimension, and the subscript is of type {kind}");
+            self.problems.push(
+                Diagnostic::error("MO0216", e.span, message)
+                    .also(dim.span, "declared here")
+                    .help("write one of its values")
+                    .note("section 10.5.1 of the specification"),
+            );
         }
     }
 
@@ -303,6 +389,7 @@ impl Context<'_> {
         {
             self.complete(id);
             if let InstanceKind::Variable { dims, .. } = self.instances[id].kind.clone() {
+                self.check_index_types(id, &part.subscripts, scope);
                 let selectors = self.selectors(&dims, &part.subscripts, scope, span)?;
                 if selectors.iter().any(|s| matches!(s, Selector::Dynamic(_))) {
                     let whole = self.instance_value(id, span)?;
@@ -472,7 +559,7 @@ impl Context<'_> {
         }
         let unit = self.attribute(id, crate::base::name::name("unit"));
         let found = unit.is_some_and(|b| {
-            !matches!(&b.value.kind, crate::ir::ast::ExprKind::String(s) if s.is_empty() || &**s == "1")
+            !matches!(&b.value.kind, ExprKind::String(s) if s.is_empty() || &**s == "1")
         });
         self.evaluation.has_unit.insert(id, found);
         found
