@@ -32,6 +32,12 @@ pub(super) fn check(cx: &mut Context<'_>, root: InstanceId) {
             InstanceKind::Variable { .. } => Vec::new(),
             _ => continue,
         };
+        if let Some(class) = cx.instances[id].class
+            && cx.kind(class) == ClassKind::Block
+            && seen.insert(class)
+        {
+            check_block(cx, id);
+        }
         if id != root
             && let Some(class) = cx.instances[id].class
             && !matches!(cx.instances[id].kind, InstanceKind::Array { .. })
@@ -54,6 +60,74 @@ pub(super) fn check(cx: &mut Context<'_>, root: InstanceId) {
     }
 }
 
+/// What a block has to do with its surroundings are inputs and outputs (section 4.7).
+fn check_block(cx: &mut Context<'_>, block: InstanceId) {
+    let InstanceKind::Object(children) = cx.instances[block].kind.clone() else { return };
+    for child in children.iter().copied() {
+        let class = cx.instances[child].class;
+        if cx.instances[child].protected || !class.is_some_and(|c| cx.kind(c) == ClassKind::Connector) {
+            continue;
+        }
+        let mut stack = vec![child];
+        while let Some(id) = stack.pop() {
+            match cx.instances[id].kind.clone() {
+                InstanceKind::Object(parts) | InstanceKind::Array { elements: parts, .. } => {
+                    stack.extend(parts.iter());
+                }
+                InstanceKind::Variable { .. } => {
+                    let prefix = cx.instances[id].prefix;
+                    let fixed = prefix
+                        .variability
+                        .is_some_and(|v| v < crate::ir::ast::Variability::Discrete);
+                    if prefix.causality.is_none() && !fixed {
+                        report_undirected(cx, child, id);
+                        return;
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+fn report_undirected(cx: &mut Context<'_>, connector: InstanceId, variable: InstanceId) {
+    let message = format!(
+        "`{}` of a block is neither input nor output",
+        cx.path(variable)
+    );
+    cx.problems.push(
+        Diagnostic::error("MO0249", cx.declared_at(connector), message)
+            .also(cx.declared_at(variable), "declared here")
+            .help("use connectors of inputs and outputs, or declare the class as a model")
+            .note("section 4.7 of the specification"),
+    );
+}
+
+/// What is conserved must be summed: a flow that is an operator record needs the operators for that
+/// (section 9.2).
+fn check_conserved(cx: &mut Context<'_>, id: InstanceId) {
+    let Some(class) = cx.instances[id].class else { return };
+    if cx.instances[id].prefix.connection != Some(ConnectionPrefix::Flow)
+        || cx.kind(class) != ClassKind::OperatorRecord
+    {
+        return;
+    }
+    let missing = [("'0'", 0), ("'+'", 2), ("'-'", 1)]
+        .into_iter()
+        .find(|(operator, inputs)| !cx.has_operator(class, operator, *inputs));
+    let Some((operator, _)) = missing else { return };
+    let message = format!(
+        "`{}` is a flow, and `{}` has no operator {operator}",
+        cx.path(id),
+        cx.classes[class].full_name
+    );
+    cx.problems.push(
+        Diagnostic::error("MO0250", cx.declared_at(id), message)
+            .help("sums at connections need the operators '0', '+' and '-' of one argument")
+            .note("section 9.2 of the specification"),
+    );
+}
+
 fn tally(cx: &mut Context<'_>, id: InstanceId, count: &mut Count) {
     match cx.instances[id].kind.clone() {
         InstanceKind::Variable { dims, .. } => {
@@ -68,6 +142,7 @@ fn tally(cx: &mut Context<'_>, id: InstanceId, count: &mut Count) {
             }
         }
         InstanceKind::Object(children) => {
+            check_conserved(cx, id);
             let equality = crate::base::name::name("equalityConstraint");
             count.overdetermined |= cx.table_of(id).index.contains_key(&equality);
             // A connector inside is counted by itself, but for its prefixes.

@@ -195,6 +195,15 @@ fn equate(
                 cx.report_types(span, "equal", s, t);
                 return None;
             }
+            let discrete = |t: Type| !matches!(t, Type::Real | Type::String);
+            if discrete(s) && discrete(t) {
+                for e in [*a, *b] {
+                    if cx.changes_between_events(e) {
+                        cx.report_continuous(s, span);
+                        return None;
+                    }
+                }
+            }
             let (a, b) = (real_literal(cx, *a, t), real_literal(cx, *b, s));
             target.push(EquationKind::Equal(a, b), span);
             Some(())

@@ -278,11 +278,36 @@ fn binding(
             return;
         }
     }
+    let own = cx.instances[id].declaration.as_ref().and_then(|d| d.clause().prefix.variability);
+    if ty == Type::Real && own == Some(Variability::Discrete) && !cx.from_outside(span) {
+        report_bound_discrete(cx, id, span);
+        return;
+    }
+    if !matches!(ty, Type::Real | Type::String) && !cx.from_outside(span) {
+        let mut scalars = value.elements().iter().filter_map(Value::scalar);
+        if scalars.any(|e| cx.changes_between_events(e)) {
+            cx.report_continuous(ty, span);
+            return;
+        }
+    }
     for (k, e) in value.elements().iter().enumerate() {
         let v = VarId(first.0 + k as u32);
         let Some(e) = e.scalar() else { continue };
         flat.variables[v].binding = fitted(cx, e, ty, span, "value");
     }
+}
+
+/// A `discrete` Real has its value from when-clauses (section 4.5.2).
+fn report_bound_discrete(cx: &mut Context<'_>, id: InstanceId, span: Span) {
+    let path = cx.path(id);
+    let declared = cx.declared_at(id);
+    cx.problems.push(
+        Diagnostic::error("MO0248", span, format!("`{path}` is `discrete`, and has a value here"))
+            .label("holds at all times")
+            .also(declared, "declared `discrete`")
+            .help("assign it in a when-clause, or leave `discrete` out")
+            .note("section 4.5 of the specification"),
+    );
 }
 
 /// The expression as a value of the type: integer literals become real ones; what does not fit is

@@ -8,7 +8,7 @@ use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Action, Assert, WhenBranch};
-use crate::ir::instance::{InstanceId, Scope};
+use crate::ir::instance::Scope;
 
 /// The branches of a when-equation.
 pub(super) fn branches(
@@ -126,9 +126,7 @@ fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) 
         at = *element;
     }
     let Some(class) = cx.instances[at].class else { return };
-    if matches!(cx.kind(class), ast::ClassKind::Model | ast::ClassKind::Block)
-        && !is_input(cx, at, last)
-    {
+    if matches!(cx.kind(class), ast::ClassKind::Model | ast::ClassKind::Block) {
         let message = format!(
             "`{}` of component `{}` is determined in a when-clause outside of it",
             last.name.name, first.name.name
@@ -140,13 +138,6 @@ fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) 
                 .note("section 8.3.5.1 of the specification"),
         );
     }
-}
-
-/// Inputs of components are determined by what is around them.
-fn is_input(cx: &mut Context<'_>, holder: InstanceId, part: &ast::RefPart) -> bool {
-    let Some(child) = cx.child(holder, part.name.name) else { return true };
-    cx.complete(child);
-    cx.instances[child].prefix.causality == Some(ast::Causality::Input)
 }
 
 /// Assertions met while a clause was read belong to it; those from before stay.

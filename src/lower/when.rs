@@ -136,9 +136,10 @@ fn activation(
     let initial = r.graph.intern(Node::Initial, Type::Boolean);
     let mut edges = r.graph.boolean(false);
     let mut at_start = false;
-    for &condition in conditions {
-        let condition = r.apply(condition, Mode::Events, origin);
-        if condition == initial {
+    for &written in conditions {
+        let condition = r.apply(written, Mode::Events, origin);
+        // What a function makes of `initial()` is a condition like any (section 8.6).
+        if condition == initial && !matches!(r.graph.node(written), Node::NoEvent(_)) {
             at_start = true;
             continue;
         }

@@ -26,7 +26,7 @@ use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{self, Expr, ExprKind, Variability};
-use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
+use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 use value::Value;
 
@@ -614,6 +614,49 @@ impl Context<'_> {
             most = most.max(v);
         }
         most
+    }
+
+    /// Whether a value may change between events: relations and what counts in steps change at events
+    /// only, unless they stand in `noEvent` or in a function (section 3.8.3).
+    pub fn changes_between_events(&self, e: ExprId) -> bool {
+        // (with events, without)
+        let mut facts: FastMap<ExprId, (bool, bool)> = FastMap::default();
+        for n in self.graph.postorder([e]) {
+            let (mut moves, mut raw) = (false, false);
+            self.graph.for_each_operand(n, |a| {
+                moves |= facts[&a].0;
+                raw |= facts[&a].1;
+            });
+            let fact = match self.graph.node(n) {
+                Node::Var(v) => {
+                    let moves = self.variable_variability(v) == Variability::Continuous;
+                    (moves, moves)
+                }
+                Node::Time | Node::Der(_) | Node::Recorded(..) => (true, true),
+                Node::NoEvent(_) => (raw, raw),
+                Node::Unary(Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Sign, _) => {
+                    (false, raw)
+                }
+                Node::Binary(op, ..) if op.is_relation() || op == Binary::Quotient => (false, raw),
+                _ => (moves, raw),
+            };
+            facts.insert(n, fact);
+        }
+        facts[&e].0
+    }
+
+    /// Reports a value that changes between events for a variable that does not.
+    pub(crate) fn report_continuous(&mut self, ty: Type, span: Span) {
+        let name = crate::symbolic::print::type_name(&self.graph, ty);
+        self.problems.push(
+            Diagnostic::error(
+                "MO0247",
+                span,
+                format!("a value of type {name} changes at events only, and this changes between them"),
+            )
+            .help("write the relation outside of functions and of `noEvent`, or compute it in a when-clause")
+            .note("section 3.8.3 of the specification"),
+        );
     }
 
     fn variable_variability(&self, v: VarId) -> Variability {

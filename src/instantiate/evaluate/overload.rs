@@ -117,6 +117,17 @@ impl Context<'_> {
         }
     }
 
+    /// Whether an operator record has an operator with so many inputs without default.
+    pub(crate) fn has_operator(&mut self, class: ClassId, operator: &str, inputs: usize) -> bool {
+        let class = self.written(class);
+        self.operator_functions(class, operator).into_iter().any(|f| {
+            let needed = self.inputs(f).into_iter().filter(|(_, d)| {
+                d.component().modification.as_ref().is_none_or(|m| m.binding.is_none())
+            });
+            needed.count() == inputs
+        })
+    }
+
     /// The functions of an operator.
     fn operator_functions(&mut self, class: ClassId, operator: &str) -> Vec<ClassId> {
         let holder = self.classes[class].holder;
