@@ -18,6 +18,8 @@ use super::tangent::Tangents;
 
 /// Repetitions of a mixed block before it is given up.
 pub const LOOP_LIMIT: u32 = 100;
+/// Combinations of the relations of a mixed block that are tried.
+const MOST_TRIALS: u32 = 2000;
 /// Jumps within one call of a function before it is given up.
 pub const JUMP_LIMIT: u32 = 100_000_000;
 
@@ -90,6 +92,11 @@ pub struct Instance<'p> {
     pub leaps: bool,
     /// Arguments outside of the domain of a function are moved to its border.
     pub inside: bool,
+    /// Mixed blocks are run once and not until they rest, and equations that contradict each other are
+    /// fulfilled as well as can be: on the way to values with which they do not.
+    pub relaxed: bool,
+    /// What was run while relaxed does not rest yet.
+    pub moved: bool,
     code: Code,
     /// While it is here, every tape that runs is followed by its derivatives.
     pub tangents: Option<Box<Tangents>>,
@@ -113,6 +120,8 @@ impl<'p> Instance<'p> {
             fault: None,
             leaps: true,
             inside: false,
+            relaxed: false,
+            moved: false,
             code: Code::Interpreted,
             tangents: None,
             played: Played::default(),
@@ -291,23 +300,130 @@ impl<'p> Instance<'p> {
         outcome.map_err(|fault| self.fail(fault))
     }
 
+    /// Runs a mixed block until what is discrete in it rests. Where it goes round in circles or meets
+    /// equations without solution, the values of its relations are searched.
     fn repeat(&mut self, k: usize) -> Result<(), Fault> {
         let mixed = &self.program.loops[k];
-        let mut changed = None;
-        for _ in 0..LOOP_LIMIT {
+        let begun: Vec<f64> = match mixed.watched.iter().any(is_relation) {
+            true => self.memory.clone(),
+            false => Vec::new(),
+        };
+        let mut outcome = self.rest(k);
+        if let Err(fault) = outcome
+            && !begun.is_empty()
+            && matches!(fault, Fault::Restless { .. } | Fault::Singular { .. })
+        {
+            let told = (self.memory.clone(), self.fault_memory.clone(), self.fault);
+            if self.search(k, &begun) {
+                self.fault = None;
+                outcome = Ok(());
+            } else {
+                (self.memory, self.fault_memory, self.fault) = told;
+            }
+        }
+        match outcome {
+            Err(Fault::Restless { .. }) if self.relaxed => {
+                self.moved = true;
+                Ok(())
+            }
+            outcome => outcome,
+        }
+    }
+
+    /// Repeats a mixed block until nothing changes, or a state comes again.
+    fn rest(&mut self, k: usize) -> Result<(), Fault> {
+        let mixed = &self.program.loops[k];
+        let now = |cx: &Self| -> Vec<u64> {
+            mixed.watched.iter().map(|w| cx.get(watched_slot(*w)).to_bits()).collect()
+        };
+        let mut watched = 0;
+        // A circle is found by comparing with a state that is kept ever longer (R. P. Brent, BIT 20, 1980).
+        let (mut kept, mut next) = (Vec::new(), 1);
+        for turn in 1..=LOOP_LIMIT {
             for (j, w) in mixed.watched.iter().enumerate() {
                 self.resting[k][j] = self.memory[watched_slot(*w) as usize];
             }
             self.run(&mixed.tape)?;
-            changed = mixed.watched.iter().enumerate().position(|(j, w)| {
+            let changed = mixed.watched.iter().enumerate().position(|(j, w)| {
                 self.memory[watched_slot(*w) as usize].to_bits() != self.resting[k][j].to_bits()
             });
-            if changed.is_none() {
-                return Ok(());
+            let Some(changed) = changed else { return Ok(()) };
+            watched = changed;
+            if turn > 2 {
+                let state = now(self);
+                if state == kept {
+                    break;
+                }
+                if turn > next {
+                    (kept, next) = (state, 2 * turn);
+                }
             }
         }
-        let watched = changed.unwrap_or(0);
         Err(self.fail(Fault::Restless { mixed: k, watched }))
+    }
+
+    /// Looks for values of the relations of a mixed block that its equations confirm, those first that
+    /// differ least from the ones before; true if there are some.
+    fn search(&mut self, k: usize, begun: &[f64]) -> bool {
+        let mixed = &self.program.loops[k];
+        let relations: Vec<Slot> =
+            mixed.watched.iter().filter(|w| is_relation(w)).map(|w| watched_slot(*w)).collect();
+        let mut left = MOST_TRIALS;
+        for distance in 0..=relations.len() {
+            let mut flipped: Vec<usize> = (0..distance).collect();
+            loop {
+                left -= 1;
+                if self.is_confirmed(k, begun, &relations, &flipped) {
+                    return true;
+                }
+                if left == 0 || !next_choice(&mut flipped, relations.len()) {
+                    break;
+                }
+            }
+            if left == 0 {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Whether a mixed block rests with some of its relations turned.
+    fn is_confirmed(
+        &mut self,
+        k: usize,
+        begun: &[f64],
+        relations: &[Slot],
+        flipped: &[usize],
+    ) -> bool {
+        let mixed = &self.program.loops[k];
+        self.memory.copy_from_slice(begun);
+        let was_relaxed = self.relaxed;
+        self.relaxed = true;
+        // The discrete variables follow the relations before the equations follow them.
+        for _ in 0..2 {
+            for (i, slot) in relations.iter().enumerate() {
+                let turned = flipped.contains(&i);
+                self.memory[*slot as usize] =
+                    f64::from((begun[*slot as usize] != 0.0) != turned);
+            }
+            if self.run(&mixed.tape).is_err() {
+                self.relaxed = was_relaxed;
+                return false;
+            }
+        }
+        self.relaxed = was_relaxed;
+        for (i, slot) in relations.iter().enumerate() {
+            let turned = flipped.contains(&i);
+            self.memory[*slot as usize] = f64::from((begun[*slot as usize] != 0.0) != turned);
+        }
+        let before: Vec<u64> =
+            mixed.watched.iter().map(|w| self.get(watched_slot(*w)).to_bits()).collect();
+        self.run(&mixed.tape).is_ok()
+            && mixed
+                .watched
+                .iter()
+                .zip(before)
+                .all(|(w, b)| self.get(watched_slot(*w)).to_bits() == b)
     }
 
     fn call(&mut self, k: usize) -> Result<(), Fault> {
@@ -371,6 +487,25 @@ impl<'p> Instance<'p> {
         }
         Ok(())
     }
+}
+
+fn is_relation(w: &Watched) -> bool {
+    matches!(w, Watched::Relation(..))
+}
+
+/// The next choice of as many numbers below `n`, ascending; false after the last.
+pub fn next_choice(chosen: &mut [usize], n: usize) -> bool {
+    let m = chosen.len();
+    for i in (0..m).rev() {
+        if chosen[i] + m - i < n {
+            chosen[i] += 1;
+            for j in i + 1..m {
+                chosen[j] = chosen[j - 1] + 1;
+            }
+            return true;
+        }
+    }
+    false
 }
 
 /// The cell of something watched.

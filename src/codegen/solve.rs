@@ -1,10 +1,12 @@
 //! Torn blocks at run time.
 //!
 //! Linear blocks are solved from zero, so that the result depends on nothing but the inputs;
-//! nonlinear ones start from their last solution and iterate down to rounding errors.
+//! nonlinear ones start from their last solution and iterate down to rounding errors. Where linear
+//! equations depend on each other and do not contradict, what they leave open stays as it was.
 
 use crate::ir::program::{Implicit, Solver};
 use crate::math::numeric::linear::DenseLu;
+use crate::math::numeric::pseudo_inverse::PseudoInverse;
 use crate::math::numeric::newton::{Ending, Equations, Newton, Region, Settings};
 
 use super::interp::{Fault, Instance};
@@ -29,7 +31,16 @@ struct Linear {
     matrix: Vec<f64>,
     factored: Vec<f64>,
     valid: bool,
+    /// Of a matrix that is singular.
+    singular: Option<PseudoInverse>,
+    /// There are factors, if only by rounding.
+    has_factors: bool,
+    last: Vec<f64>,
+    right: Vec<f64>,
 }
+
+/// A pivot that is left over by rounding is this part of its column at most.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl SolverWork {
     /// Memory for this block.
@@ -38,7 +49,16 @@ impl SolverWork {
         let method = if solver.linear {
             let zeros = || vec![0.0; n * n];
             let lu = DenseLu::new(n);
-            Method::Linear(Linear { lu, matrix: zeros(), factored: zeros(), valid: false })
+            Method::Linear(Linear {
+                lu,
+                matrix: zeros(),
+                factored: zeros(),
+                valid: false,
+                singular: None,
+                has_factors: false,
+                last: vec![0.0; n],
+                right: vec![0.0; n],
+            })
         } else {
             Method::Newton(Newton::new(n))
         };
@@ -213,9 +233,30 @@ impl Linear {
     fn solve(&mut self, instance: &mut Instance<'_>, k: usize, z: &mut [f64]) -> Result<(), Fault> {
         let solver = &instance.program.solvers[k];
         let n = solver.unknowns.len();
-        for slot in &solver.slots {
+        for (slot, last) in solver.slots.iter().zip(&mut self.last) {
+            *last = instance.get(*slot);
+            if !last.is_finite() {
+                *last = 0.0;
+            }
             instance.set(*slot, 0.0);
         }
+        let outcome = self.solve_from_zero(instance, k, n, z);
+        if outcome.is_err() {
+            for (slot, last) in solver.slots.iter().zip(&self.last) {
+                instance.set(*slot, *last);
+            }
+        }
+        outcome
+    }
+
+    fn solve_from_zero(
+        &mut self,
+        instance: &mut Instance<'_>,
+        k: usize,
+        n: usize,
+        z: &mut [f64],
+    ) -> Result<(), Fault> {
+        let solver = &instance.program.solvers[k];
         instance.run(&solver.residual_tape)?;
         instance.run(&solver.jacobian_tape)?;
         for (i, slot) in solver.residuals.iter().enumerate() {
@@ -226,11 +267,10 @@ impl Linear {
         }
         if n == 1 {
             let pivot = solver.jacobian.first().map_or(0.0, |e| instance.get(e.slot));
-            if pivot == 0.0 || !pivot.is_finite() {
-                return Err(Fault::Singular { solver: k, unknown: 0 });
+            if pivot != 0.0 && pivot.is_finite() {
+                z[0] /= pivot;
+                return Ok(());
             }
-            z[0] /= pivot;
-            return Ok(());
         }
         self.matrix.fill(0.0);
         for e in &solver.jacobian {
@@ -240,13 +280,55 @@ impl Linear {
             && self.matrix.iter().zip(&self.factored).all(|(a, b)| a.to_bits() == b.to_bits());
         if !same {
             self.valid = false;
+            self.singular = None;
             let factored = self.lu.factor(&self.matrix);
-            factored.map_err(|s| Fault::Singular { solver: k, unknown: s.column })?;
+            if factored.is_err() || self.lu.weakest_pivot(&self.matrix) <= ROUNDING {
+                let inverse = PseudoInverse::new(n, &self.matrix);
+                self.singular = inverse.filter(|i| factored.is_err() || i.rank() < n);
+                if let (Err(s), None) = (&factored, &self.singular) {
+                    return Err(Fault::Singular { solver: k, unknown: s.column });
+                }
+            }
+            self.has_factors = factored.is_ok();
             self.factored.copy_from_slice(&self.matrix);
             self.valid = true;
         }
-        self.lu.solve_in_place(z);
+        let Some(singular) = &self.singular else {
+            self.lu.solve_in_place(z);
+            return Ok(());
+        };
+        // The solution that is nearest to the last one.
+        self.right.copy_from_slice(z);
+        for (j, last) in self.last.iter().enumerate() {
+            for i in 0..n {
+                z[i] -= self.matrix[i + n * j] * last;
+            }
+        }
+        if !singular.solve_in_place(z) {
+            if self.has_factors {
+                z.copy_from_slice(&self.right);
+                self.lu.solve_in_place(z);
+                return Ok(());
+            }
+            // On the way to what relations will be it does as it can.
+            if !instance.relaxed {
+                return Err(Fault::Singular { solver: k, unknown: weakest(&self.matrix, n) });
+            }
+            instance.moved = true;
+        }
+        for (z, last) in z.iter_mut().zip(&self.last) {
+            *z += last;
+        }
         Ok(())
+    }
+}
+
+/// The unknown without a pivot, for the message.
+fn weakest(matrix: &[f64], n: usize) -> usize {
+    let mut lu = DenseLu::new(n);
+    match lu.factor(matrix) {
+        Err(s) => s.column,
+        Ok(()) => n - 1,
     }
 }
 
@@ -322,11 +404,19 @@ impl ImplicitWork {
         for e in &implicit.seeds {
             self.columns[e.row as usize + n * e.column as usize] = -memory[e.slot as usize];
         }
-        self.lu
-            .factor(&self.matrix)
-            .map_err(|s| Fault::Singular { solver: implicit.solver as usize, unknown: s.column })?;
-        for column in self.columns.chunks_exact_mut(n) {
-            self.lu.solve_in_place(column);
+        let factored = self.lu.factor(&self.matrix);
+        if factored.is_ok() && (n == 1 || self.lu.weakest_pivot(&self.matrix) > ROUNDING) {
+            for column in self.columns.chunks_exact_mut(n) {
+                self.lu.solve_in_place(column);
+            }
+        } else {
+            // What the equations leave open does not move.
+            let unknown = factored.map_or_else(|s| s.column, |()| n - 1);
+            let fault = Fault::Singular { solver: implicit.solver as usize, unknown };
+            let inverse = PseudoInverse::new(n, &self.matrix).ok_or(fault)?;
+            for column in self.columns.chunks_exact_mut(n) {
+                inverse.solve_in_place(column);
+            }
         }
         for (slot, value) in implicit.results.iter().zip(&self.columns) {
             memory[*slot as usize] = *value;

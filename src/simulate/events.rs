@@ -1,7 +1,7 @@
 //! Finding where relations switch, and the iteration of the discrete part (appendix B of the
 //! Modelica specification).
 
-use crate::codegen::interp::{Fault, Instance};
+use crate::codegen::interp::{Fault, Instance, next_choice};
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot, Tape, Watch};
@@ -16,6 +16,8 @@ pub const ITERATION_LIMIT: u32 = 100;
 const LOOKS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Failed evaluations within one step before the search gives up.
 const TRIALS: u32 = 100;
+/// Combinations of relations that are tried where an event iteration goes round in circles.
+const MOST_TRIALS: u32 = 2000;
 /// Length of the interval in which a switching is enclosed, in spacings of doubles at its time.
 const ENCLOSURE: f64 = 4.0;
 
@@ -193,18 +195,50 @@ impl Search {
     }
 }
 
-/// Runs a tape of the initial or event sequence until the relations it reads too early rest.
+/// Runs a tape of the initial or event sequence until the relations it reads too early rest. Where
+/// they go round in circles, or lead to equations without solution, others are looked for.
 pub fn sweep<'p>(
     instance: &mut Instance<'p>,
     tape: &'p Tape,
     late: &[u32],
 ) -> Result<(), Unsettled> {
+    let begun = if late.is_empty() { Vec::new() } else { instance.memory.clone() };
+    let mut moved = Vec::new();
+    let outcome = rest(instance, tape, late, &mut moved);
+    let Err(failed) = outcome else { return Ok(()) };
+    if late.is_empty() || instance.tangents.is_some() || !is_restless(&failed) {
+        return Err(failed);
+    }
+    let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
+    if search(instance, tape, late, &begun, &moved) {
+        instance.fault = None;
+        return Ok(());
+    }
+    (instance.memory, instance.fault_memory, instance.fault) = told;
+    Err(failed)
+}
+
+fn rest<'p>(
+    instance: &mut Instance<'p>,
+    tape: &'p Tape,
+    late: &[u32],
+    moved: &mut Vec<u32>,
+) -> Result<(), Unsettled> {
     let first = instance.program.layout.relations;
     let mut held: Vec<f64> = Vec::with_capacity(late.len());
     let mut restless = Vec::new();
-    for _ in 0..ITERATION_LIMIT {
+    // A circle is found by comparing with a state that is kept ever longer (R. P. Brent, BIT 20, 1980).
+    let (mut kept, mut next): (Vec<f64>, u32) = (Vec::new(), 1);
+    for turn in 1..=ITERATION_LIMIT {
         held.clear();
         held.extend(late.iter().map(|k| instance.get(first + k)));
+        if turn > 1 && held == kept {
+            break;
+        }
+        if turn >= next {
+            kept.clone_from(&held);
+            next = 2 * turn;
+        }
         instance.run(tape)?;
         restless.clear();
         let pairs = late.iter().zip(&held);
@@ -212,8 +246,54 @@ pub fn sweep<'p>(
         if restless.is_empty() {
             return Ok(());
         }
+        moved.extend(restless.iter().filter(|k| !moved.contains(k)).copied().collect::<Vec<_>>());
     }
     Err(Unsettled::Restless(Vec::new(), restless))
+}
+
+/// Looks for values of relations that the equations confirm, from `begun` on: those first that differ
+/// least from what they were, and first among the relations that were seen to move.
+fn search<'p>(
+    instance: &mut Instance<'p>,
+    tape: &'p Tape,
+    late: &[u32],
+    begun: &[f64],
+    moved: &[u32],
+) -> bool {
+    let first = instance.program.layout.relations;
+    let mut relations: Vec<u32> = moved.to_vec();
+    relations.extend(late.iter().filter(|k| !moved.contains(k)));
+    let sets = [moved.len(), relations.len()];
+    let mut left = MOST_TRIALS;
+    for (k, &count) in sets.iter().enumerate() {
+        if k > 0 && count == sets[0] {
+            break;
+        }
+        for distance in 0..=count {
+            let mut flipped: Vec<usize> = (0..distance).collect();
+            loop {
+                if left == 0 {
+                    return false;
+                }
+                left -= 1;
+                instance.memory.copy_from_slice(begun);
+                for &i in &flipped {
+                    let slot = first + relations[i];
+                    instance.set(slot, 1.0 - instance.get(slot));
+                }
+                let held: Vec<f64> = late.iter().map(|k| instance.get(first + k)).collect();
+                let confirmed = instance.run(tape).is_ok()
+                    && late.iter().zip(&held).all(|(k, h)| instance.get(first + k) == *h);
+                if confirmed {
+                    return true;
+                }
+                if !next_choice(&mut flipped, count) {
+                    break;
+                }
+            }
+        }
+    }
+    false
 }
 
 /// Makes `pre` of everything its current value.
@@ -224,9 +304,94 @@ pub fn remember(instance: &mut Instance<'_>) {
     }
 }
 
+/// Makes `pre` of what has no fixed past its current value.
+fn remember_free(instance: &mut Instance<'_>) {
+    for k in 0..instance.program.layout.pre.len() {
+        let (v, slot, pre) = instance.program.layout.pre[k];
+        if instance.program.blocks.dae.variables[v].fixed != Some(true) {
+            instance.copy(pre, slot);
+        }
+    }
+}
+
+/// As [`sweep`] over the initial sequence; where that comes to no end, each turn sees what the one
+/// before left as its past (Modelica 3.6, section 8.6: `pre(v) = v` where nothing else is said).
+pub fn begin<'p>(instance: &mut Instance<'p>) -> Result<(), Unsettled> {
+    let program: &'p Program = instance.program;
+    let before = instance.memory.clone();
+    let outcome = sweep(instance, &program.initial, &program.late_initial);
+    let Err(failed) = outcome else { return Ok(()) };
+    if !is_restless(&failed) || instance.tangents.is_some() {
+        return Err(failed);
+    }
+    let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
+    instance.memory.copy_from_slice(&before);
+    begin_in_turns(instance).map_err(|_| {
+        (instance.memory, instance.fault_memory, instance.fault) = told;
+        failed
+    })
+}
+
+fn begin_in_turns<'p>(instance: &mut Instance<'p>) -> Result<(), Unsettled> {
+    let program: &'p Program = instance.program;
+    for _ in 0..ITERATION_LIMIT {
+        turn(instance, &program.initial, &program.late_initial)?;
+        remember_free(instance);
+        if !instance.moved {
+            // At rest it is a solution like any.
+            return sweep(instance, &program.initial, &program.late_initial);
+        }
+    }
+    Err(Unsettled::Restless(Vec::new(), Vec::new()))
+}
+
+/// What may come to rest if each turn sees the one before as its past.
+fn is_restless(failed: &Unsettled) -> bool {
+    matches!(
+        failed,
+        Unsettled::Restless(..) | Unsettled::Fault(Fault::Restless { .. } | Fault::Singular { .. })
+    )
+}
+
+/// Runs a tape once, relaxed; the instance has moved if mixed blocks or relations did.
+fn turn<'p>(instance: &mut Instance<'p>, tape: &'p Tape, late: &[u32]) -> Result<(), Unsettled> {
+    let first = instance.program.layout.relations;
+    let held: Vec<f64> = late.iter().map(|k| instance.get(first + k)).collect();
+    (instance.relaxed, instance.moved) = (true, false);
+    let outcome = instance.run(tape);
+    instance.relaxed = false;
+    outcome?;
+    instance.moved |= late.iter().zip(&held).any(|(k, h)| instance.get(first + k) != *h);
+    Ok(())
+}
+
 /// The event iteration at the time and the states that stand in the memory, whose variables hold
 /// their left limits. Flags of clocks are raised by the caller.
+///
+/// In each turn relations and equations are solved together with the past held. Where there is no such
+/// solution, each turn sees what the one before left as its past: so friction gets from sticking to
+/// sliding across a maximum that it need not reach again (M. Otter, H. Elmqvist and S. E. Mattsson,
+/// "Hybrid modeling in Modelica based on the synchronous data flow principle", CACSD 1999, section 5).
 pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, Unsettled> {
+    let before = instance.memory.clone();
+    let outcome = settle_in(instance, clocks, false);
+    let Err(failed) = outcome else { return outcome };
+    if !is_restless(&failed) || instance.tangents.is_some() {
+        return Err(failed);
+    }
+    let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
+    instance.memory.copy_from_slice(&before);
+    settle_in(instance, clocks, true).map_err(|_| {
+        (instance.memory, instance.fault_memory, instance.fault) = told;
+        failed
+    })
+}
+
+fn settle_in(
+    instance: &mut Instance<'_>,
+    clocks: &Clocks,
+    in_turns: bool,
+) -> Result<Settled, Unsettled> {
     let program = instance.program;
     let first = program.layout.relations;
     let count = program.watches.len() as Slot;
@@ -247,9 +412,15 @@ pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, U
     }
     let mut restless = Vec::new();
     for _ in 0..ITERATION_LIMIT {
-        sweep(instance, &program.event, &program.late_event)?;
+        let mut again = false;
+        if in_turns {
+            turn(instance, &program.event, &program.late_event)?;
+            again = instance.moved;
+        } else {
+            sweep(instance, &program.event, &program.late_event)?;
+        }
         note_actions(instance, &mut settled);
-        let mut again = apply_reinits(instance);
+        again |= apply_reinits(instance);
         restless.clear();
         for &(v, slot, pre) in &program.layout.pre {
             let discrete = program.blocks.dae.variables[v].kind == crate::ir::dae::Kind::Discrete;
@@ -266,6 +437,10 @@ pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, U
             ticking = false;
         }
         remember(instance);
+        if !again && in_turns {
+            // At rest it is a solution like any.
+            sweep(instance, &program.event, &program.late_event)?;
+        }
         if !again || settled.failed.is_some() {
             let now = (0..count).map(|k| instance.get(first + k));
             settled.changed |= now.zip(&before).any(|(a, b)| a != *b);

@@ -6,7 +6,7 @@ use crate::ir::expr::VarId;
 use crate::ir::program::Slot;
 
 use super::clock::Clocks;
-use super::events::{Settled, Unsettled, remember, settle, sweep};
+use super::events::{Settled, Unsettled, begin, remember, settle};
 use super::homotopy;
 use super::precondition;
 use super::selection::Selection;
@@ -113,7 +113,7 @@ pub fn initialise_from(
     for &(slot, value) in guess {
         instance.set(slot, value);
     }
-    sweep(instance, &program.initial, &program.late_initial)?;
+    begin(instance)?;
     let selection = Selection::begin(instance).map_err(Unsettled::Fault)?;
     instance.set(program.layout.initial, 0.0);
     let mut clocks = Clocks::new(instance, settings.start);

@@ -72,6 +72,20 @@ impl DenseLu {
         }
     }
 
+    /// The smallest pivot, relative to the largest entry of its column in the matrix `a` that was
+    /// factored. What is left of a column by cancellation alone is of the size of the rounding unit.
+    pub fn weakest_pivot(&self, a: &[f64]) -> f64 {
+        let n = self.n;
+        let small = self.blocked.is_none() || n <= SMALL;
+        let ratio = |k: usize| {
+            let diagonal = self.lu[k * n + k].abs();
+            let pivot = if small { 1.0 / diagonal } else { diagonal };
+            let size = a[k * n..(k + 1) * n].iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            pivot / size
+        };
+        (0..n).map(ratio).fold(f64::INFINITY, f64::min)
+    }
+
     /// Overwrites the right side `b` by the solution. Only after a successful factorization.
     pub fn solve_in_place(&mut self, b: &mut [f64]) {
         let n = self.n;

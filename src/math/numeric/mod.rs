@@ -16,6 +16,7 @@ pub mod linear;
 pub mod newton;
 pub mod norm;
 pub mod pattern;
+pub mod pseudo_inverse;
 pub mod root;
 pub mod sequence;
 pub mod small_lu;
