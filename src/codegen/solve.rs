@@ -297,27 +297,20 @@ impl Linear {
             self.lu.solve_in_place(z);
             return Ok(());
         };
-        // The solution that is nearest to the last one.
         self.right.copy_from_slice(z);
-        for (j, last) in self.last.iter().enumerate() {
-            for i in 0..n {
-                z[i] -= self.matrix[i + n * j] * last;
-            }
-        }
-        if !singular.solve_in_place(z) {
+        if !singular.solve_near(z, &self.last) {
             if self.has_factors {
                 z.copy_from_slice(&self.right);
                 self.lu.solve_in_place(z);
-                return Ok(());
+                if z.iter().all(|x| x.is_finite()) {
+                    return Ok(());
+                }
             }
             // On the way to what relations will be it does as it can.
             if !instance.relaxed {
                 return Err(Fault::Singular { solver: k, unknown: weakest(&self.matrix, n) });
             }
             instance.moved = true;
-        }
-        for (z, last) in z.iter_mut().zip(&self.last) {
-            *z += last;
         }
         Ok(())
     }

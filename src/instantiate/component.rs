@@ -81,8 +81,15 @@ impl Context<'_> {
             self.report_no_inner(component.name);
             return None;
         }
-        if let Some(condition) = &component.condition {
-            match self.fold_boolean(condition, scope) {
+        let condition = match &component.condition {
+            Some(condition) => Some((condition.clone(), scope)),
+            // What the redeclaration does not say stays as it was (section 7.3).
+            None => self.replaced_declaration(id, declaration).and_then(|(before, own)| {
+                Some((before.component().condition.clone()?, own))
+            }),
+        };
+        if let Some((condition, scope)) = &condition {
+            match self.fold_boolean(condition, *scope) {
                 Some(true) => {}
                 Some(false) => return Some(InstanceKind::Absent),
                 None => return None,
@@ -141,8 +148,7 @@ impl Context<'_> {
         for s in component.dims.iter().chain(&declaration.clause().type_dims) {
             written.push((s.clone(), scope));
         }
-        let element = &declaration.element;
-        if written.is_empty() && (element.redeclare || element.replaceable.is_some()) {
+        if written.is_empty() {
             written = self.dims_before(id, declaration);
         }
         for (list, holder) in &table.dims {
@@ -188,19 +194,29 @@ impl Context<'_> {
 
     /// The sizes of the declaration that a redeclared component replaces: they stay (section 7.3).
     fn dims_before(&mut self, id: InstanceId, now: &Declaration) -> Vec<(Subscript, Scope)> {
-        let Some(parent) = self.instances[id].parent else { return Vec::new() };
-        let wanted = self.instances[id].name;
-        let table = self.table_of(parent);
-        let Some(entry) = table.index.get(&wanted).map(|at| &table.entries[*at]) else {
-            return Vec::new();
-        };
-        let EntryKind::Component(before) = &entry.kind else { return Vec::new() };
-        if Rc::ptr_eq(&before.element, &now.element) {
-            return Vec::new();
-        }
-        let scope = Scope { instance: parent, class: entry.class };
+        let Some((before, scope)) = self.replaced_declaration(id, now) else { return Vec::new() };
         let dims = before.component().dims.iter().chain(&before.clause().type_dims);
         dims.map(|s| (s.clone(), scope)).collect()
+    }
+
+    /// The declaration in the class that `now` replaces, if it does, with its scope.
+    fn replaced_declaration(
+        &mut self,
+        id: InstanceId,
+        now: &Declaration,
+    ) -> Option<(Declaration, Scope)> {
+        if !now.element.redeclare && now.element.replaceable.is_none() {
+            return None;
+        }
+        let parent = self.instances[id].parent?;
+        let wanted = self.instances[id].name;
+        let table = self.table_of(parent);
+        let entry = table.index.get(&wanted).map(|at| &table.entries[*at])?;
+        let EntryKind::Component(before) = &entry.kind else { return None };
+        if Rc::ptr_eq(&before.element, &now.element) {
+            return None;
+        }
+        Some((before.clone(), Scope { instance: parent, class: entry.class }))
     }
 
     /// Whether the component around an instance is an expandable connector.

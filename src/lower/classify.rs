@@ -132,6 +132,13 @@ fn assigned_in_when(flat: &FlatModel) -> FastSet<VarId> {
     assigned
 }
 
+/// A parameter of discrete type with `fixed = false`.
+pub fn is_found_at_start(v: &Variable) -> bool {
+    v.variability == Variability::Parameter
+        && v.fixed == Some(false)
+        && matches!(v.ty, Type::Boolean | Type::Integer | Type::Enumeration(_))
+}
+
 fn classify(
     id: VarId,
     v: &Variable,
@@ -140,6 +147,7 @@ fn classify(
 ) -> dae::Variable {
     let kind = match v.variability {
         Variability::Constant => Kind::Parameter,
+        Variability::Parameter if is_found_at_start(v) => Kind::Discrete,
         Variability::Parameter if v.fixed == Some(false) => Kind::InitialParameter,
         Variability::Parameter => Kind::Parameter,
         _ if v.causality == Some(Causality::Input) && v.binding.is_none() => Kind::Input,

@@ -26,7 +26,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::ir::dae::{self, Dae, DiscreteEquation, Kind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
-use crate::ir::flat::{Delay, FlatModel, Origin, Variability};
+use crate::ir::flat::{Delay, FlatModel, Origin, Variability, Variable};
 use event::{Mode, Rewriting};
 
 /// Lowers a flat model. Whatever is wrong with the model is added to `problems`; without errors
@@ -43,6 +43,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     semilinear::join(&mut equal, &mut rewriting);
     let by_when = when::assigned(&sections.whens, &rewriting);
     let (equations, mut discrete) = split(equal, &by_when, &mut rewriting);
+    found_at_start(&flat.variables, &mut discrete, &mut rewriting);
     let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);
     let mut asserts = actions.asserts;
     for (assert, origin) in &sections.asserts {
@@ -75,6 +76,24 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
         delays,
         experiment: flat.experiment,
     })
+}
+
+/// Truth values and whole numbers that initialisation finds, and that stay from then on.
+fn found_at_start(
+    flat: &IndexVec<VarId, Variable>,
+    discrete: &mut Discrete,
+    r: &mut Rewriting<'_>,
+) {
+    for (id, v) in flat.enumerate() {
+        let Some(own) = r.representative(id).map(|s| s.variable) else { continue };
+        if classify::is_found_at_start(v)
+            && r.variables[own].kind == Kind::Discrete
+            && !discrete.of.contains_key(&own)
+        {
+            let before = r.graph.pre(own, r.variables[own].ty);
+            discrete.push(own, before, classify::declaration_origin(v), r);
+        }
+    }
 }
 
 /// What is delayed, hidden from the user, and by how much.

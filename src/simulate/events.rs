@@ -27,7 +27,16 @@ pub struct Search {
     point: Vec<f64>,
     /// Not searched for the time being.
     ignored: Option<u32>,
+    /// How far each relation must be beyond its border to count as switched.
+    margins: Vec<f64>,
 }
+
+/// The first margin of a relation that chatters, in units of its operands.
+const FIRST_MARGIN: f64 = 1e-13;
+/// How much it grows while the relation goes on to chatter, and the largest.
+const MARGIN_GROWTH: f64 = 100.0;
+/// See [`MARGIN_GROWTH`].
+const LARGEST_MARGIN: f64 = 1e-7;
 
 /// How an event iteration ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -63,7 +72,23 @@ impl Search {
         let relations = (0..program.watches.len() as u32)
             .filter(|k| program.watches[*k as usize] == Watch::State)
             .collect();
-        Search { relations, point: vec![0.0; program.order().max(1)], ignored: None }
+        let margins = vec![0.0; program.watches.len()];
+        Search { relations, point: vec![0.0; program.order().max(1)], ignored: None, margins }
+    }
+
+    /// Gives relations that chatter a margin, as others have a hysteresis: what is smaller is rounding of
+    /// operands that rest at the border. False if they have a large one already.
+    pub fn widen(&mut self, relations: impl Iterator<Item = u32>) -> bool {
+        let mut widened = false;
+        for k in relations {
+            let margin = &mut self.margins[k as usize];
+            let wider = (*margin * MARGIN_GROWTH).max(FIRST_MARGIN);
+            if wider <= LARGEST_MARGIN {
+                *margin = wider;
+                widened = true;
+            }
+        }
+        widened
     }
 
     /// Leaves a relation out of the search, or none.
@@ -176,6 +201,10 @@ impl Search {
             .copied()
             .filter(|k| self.ignored != Some(*k))
             .filter(|k| instance.get(layout.fresh + k) != instance.get(layout.relations + k))
+            .filter(|k| {
+                let margin = self.margins[*k as usize];
+                margin == 0.0 || instance.get(layout.gaps + k).abs() > margin
+            })
     }
 
     /// How far the switched candidates are beyond; positive.

@@ -29,6 +29,8 @@ pub struct Recent {
     times: [f64; CHATTER_EVENTS],
     at: usize,
     span: f64,
+    /// The relations that switched at them.
+    flipped: Vec<u32>,
     /// The last relation that switched alone, how often in a row, and since when.
     alone: Option<(u32, u32, f64)>,
 }
@@ -37,7 +39,7 @@ impl Recent {
     /// No event yet, in a run of this length.
     pub fn new(length: f64) -> Self {
         let times = [f64::NEG_INFINITY; CHATTER_EVENTS];
-        Recent { times, at: 0, span: CHATTER_SPAN * length, alone: None }
+        Recent { times, at: 0, span: CHATTER_SPAN * length, flipped: Vec::new(), alone: None }
     }
 }
 
@@ -146,7 +148,20 @@ impl Simulation<'_, '_> {
         let oldest = recent.times[recent.at];
         recent.times[recent.at] = t;
         recent.at = (recent.at + 1) % CHATTER_EVENTS;
+        recent.flipped.extend(flipped.iter().map(|f| f.0));
         if t - oldest > recent.span {
+            // Twice as many as may matter, so that the list is cut seldom.
+            let kept = 2 * CHATTER_EVENTS;
+            let excess = recent.flipped.len().saturating_sub(kept);
+            recent.flipped.drain(..if excess > kept { excess } else { 0 });
+            return Ok(());
+        }
+        let mut relations = std::mem::take(&mut recent.flipped);
+        relations.sort_unstable();
+        relations.dedup();
+        relations.retain(|k| self.program.watches[*k as usize] == Watch::State);
+        if self.search.widen(relations.into_iter()) {
+            self.recent.times = [f64::NEG_INFINITY; CHATTER_EVENTS];
             return Ok(());
         }
         let duration = t - oldest;

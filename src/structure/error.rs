@@ -115,7 +115,7 @@ pub fn not_a_state(v: &Variable) -> Diagnostic {
 
 /// MO0406: `stateSelect = never` can not be met.
 pub fn needed_as_state(v: &Variable) -> Diagnostic {
-    Diagnostic::error(
+    Diagnostic::warning(
         "MO0406",
         v.span,
         format!("`{}` must be a state: nothing else determines it", v.name),

@@ -113,33 +113,49 @@ impl Context<'_> {
             _ => {}
         }
         let before = self.snapshot();
+        let left = (self.evaluation.broken, self.evaluation.returned);
         let first = self.under(c, |cx| cx.run_statements(body, scope))?;
         let after_first = self.snapshot();
         self.restore(&before);
+        let left_first = (self.evaluation.broken, self.evaluation.returned);
+        (self.evaluation.broken, self.evaluation.returned) = left;
         let not_c = self.graph.not(c);
         let second = self.under(not_c, |cx| cx.run_if(rest, otherwise, scope, span))?;
         self.merge(c, &after_first, span)?;
-        if first == second {
+        if first == second && first != Flow::Next {
             return Some(first);
         }
-        // One branch leaves: what follows counts only where it was not taken.
-        for (flow, taken) in [(first, c), (second, not_c)] {
-            let left = match flow {
-                Flow::Next => continue,
-                Flow::Break => &mut self.evaluation.broken,
-                Flow::Return => &mut self.evaluation.returned,
-            };
-            let before = *left;
-            let now = match before {
-                Some(before) => self.graph.or(before, taken),
-                None => taken,
-            };
-            match flow {
-                Flow::Break => self.evaluation.broken = Some(now),
-                _ => self.evaluation.returned = Some(now),
-            }
-        }
+        // A branch may leave: what follows counts only where that was not taken.
+        let left_second = (self.evaluation.broken, self.evaluation.returned);
+        let all = self.graph.boolean(true);
+        let leaves = |flow: Flow, kind: Flow, part: Option<ExprId>| {
+            if flow == kind { Some(all) } else { part }
+        };
+        self.evaluation.broken = self.either(
+            c,
+            leaves(first, Flow::Break, left_first.0),
+            leaves(second, Flow::Break, left_second.0),
+        );
+        self.evaluation.returned = self.either(
+            c,
+            leaves(first, Flow::Return, left_first.1),
+            leaves(second, Flow::Return, left_second.1),
+        );
         Some(Flow::Next)
+    }
+
+    /// `if c then a else b` of conditions that are false where there is none.
+    fn either(&mut self, c: ExprId, a: Option<ExprId>, b: Option<ExprId>) -> Option<ExprId> {
+        if a == b {
+            return a;
+        }
+        let not_c = self.graph.not(c);
+        let a = a.map(|a| self.graph.and(c, a));
+        let b = b.map(|b| self.graph.and(not_c, b));
+        match (a, b) {
+            (Some(a), Some(b)) => Some(self.graph.or(a, b)),
+            (a, b) => a.or(b),
+        }
     }
 
     fn snapshot(&self) -> (Vec<(Name, Value)>, FastMap<VarId, ExprId>) {

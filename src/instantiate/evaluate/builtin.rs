@@ -46,7 +46,8 @@ const BINARY: [(&str, Binary); 4] = [
 ];
 
 /// Everything else that is called by a simple name, for "did you mean".
-const OTHERS: [&str; 40] = [
+const OTHERS: [&str; 41] = [
+    "getInstanceName",
     "der",
     "pre",
     "edge",
@@ -245,6 +246,7 @@ impl Context<'_> {
             "semiLinear" => self.semi_linear(args, span, scope),
             "delay" => self.delay(args, span, scope),
             "cardinality" => self.cardinality(args, span, scope),
+            "getInstanceName" => self.instance_name(scope),
             "String" => self.string_call(args, named, span, scope),
             "min" | "max" => self.min_max(name.as_str(), args, span, scope),
             "sum" | "product" => {
@@ -546,6 +548,23 @@ impl Context<'_> {
             }
         };
         Some(Value::Scalar(self.graph.integer(n as i64)))
+    }
+
+    /// `getInstanceName()`: the simple name of the model, and the component in hand (section 3.7.4.4).
+    fn instance_name(&mut self, scope: Scope) -> Option<Value> {
+        let mut top = scope.instance;
+        while let Some(around) = self.instances[top].parent {
+            top = around;
+        }
+        let model = self.instances[top].class.map(|c| self.classes[c].full_name);
+        let model = model.map(|n| n.rsplit('.').next().unwrap_or_default().to_string());
+        let mut text = model.unwrap_or_default();
+        let path = self.path(scope.instance);
+        if !path.is_empty() && top != scope.instance {
+            text.push('.');
+            text.push_str(&path);
+        }
+        Some(Value::Scalar(self.graph.string(&text)))
     }
 
     /// `semiLinear(x, p, n) = if x >= 0 then p*x else n*x` (section 3.7.4).

@@ -7,7 +7,7 @@
 
 /// Singular values below this part of the largest count as zero, times the order.
 const NOTHING: f64 = 1e-13;
-/// Residuals up to this part of the terms that they are sums of count as zero.
+/// Residuals up to this part of the largest term count as zero.
 const CONSISTENT: f64 = 1e-9;
 /// Sweeps of rotations; a handful is enough for convergence, which is quadratic.
 const SWEEPS: usize = 60;
@@ -30,14 +30,14 @@ impl PseudoInverse {
         if !a.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let largest = |values: &mut dyn Iterator<Item = f64>| {
-            let m = values.fold(0.0, |m: f64, x| m.max(x.abs()));
+        let unit = |values: &mut dyn Iterator<Item = f64>| {
+            let m = values.fold(0.0, |m, x| largest(m, &x));
             if m > 0.0 { 1.0 / m } else { 1.0 }
         };
-        let rows: Vec<f64> = (0..n).map(|i| largest(&mut (0..n).map(|j| a[i + n * j]))).collect();
+        let rows: Vec<f64> = (0..n).map(|i| unit(&mut (0..n).map(|j| a[i + n * j]))).collect();
         let mut scaled: Vec<f64> = (0..n * n).map(|k| a[k] * rows[k % n]).collect();
         let columns: Vec<f64> =
-            (0..n).map(|j| largest(&mut scaled[n * j..n * (j + 1)].iter().copied())).collect();
+            (0..n).map(|j| unit(&mut scaled[n * j..n * (j + 1)].iter().copied())).collect();
         for (k, x) in scaled.iter_mut().enumerate() {
             *x *= columns[k / n];
         }
@@ -75,29 +75,43 @@ impl PseudoInverse {
         self.rank
     }
 
-    /// Overwrites `b` by the solution nearest to zero; false if no vector satisfies all equations, and
-    /// `b` is then the one that does best.
-    pub fn solve_in_place(&self, b: &mut [f64]) -> bool {
+    /// Overwrites the right side `b` by the solution nearest to `last`; false if no vector satisfies all
+    /// equations, and `b` is then one that does as well as can be.
+    pub fn solve_near(&self, b: &mut [f64], last: &[f64]) -> bool {
         let n = self.n;
-        let right: Vec<f64> = b.iter().zip(&self.rows).map(|(b, r)| b * r).collect();
+        let before: Vec<f64> = last.iter().zip(&self.columns).map(|(x, c)| x / c).collect();
+        let mut right: Vec<f64> = b.iter().zip(&self.rows).map(|(b, r)| b * r).collect();
+        let mut size = [&before, &right].iter().flat_map(|v| v.iter()).fold(0.0, largest);
+        for j in 0..n {
+            for i in 0..n {
+                right[i] -= self.scaled[i + n * j] * before[j];
+            }
+        }
         let mut x = vec![0.0; n];
         for j in 0..n {
             for i in 0..n {
                 x[i] += self.inverse[i + n * j] * right[j];
             }
         }
-        let mut solved = true;
-        for i in 0..n {
-            let terms = (0..n).map(|j| self.scaled[i + n * j] * x[j]);
-            let (sum, size) = terms.fold((0.0, 0.0), |(s, m), t: f64| (s + t, m + t.abs()));
-            let size = size.max(right[i].abs());
-            solved &= (sum - right[i]).abs() <= CONSISTENT * size;
-        }
-        for ((b, x), c) in b.iter_mut().zip(&x).zip(&self.columns) {
-            *b = x * c;
+        size = x.iter().fold(size, largest);
+        let solved = (0..n).all(|i| {
+            let sum: f64 = (0..n).map(|j| self.scaled[i + n * j] * x[j]).sum();
+            (sum - right[i]).abs() <= CONSISTENT * size
+        });
+        for (j, b) in b.iter_mut().enumerate() {
+            *b = (before[j] + x[j]) * self.columns[j];
         }
         solved
     }
+
+    /// Overwrites the right side `b` by the solution nearest to zero, as [`PseudoInverse::solve_near`].
+    pub fn solve_in_place(&self, b: &mut [f64]) -> bool {
+        self.solve_near(b, &vec![0.0; self.n])
+    }
+}
+
+fn largest(m: f64, x: &f64) -> f64 {
+    m.max(x.abs())
 }
 
 /// Makes all pairs of columns of `us` orthogonal; false if they were.
@@ -158,6 +172,10 @@ mod tests {
     fn contradictions_are_seen() {
         let inverse = PseudoInverse::new(2, &[1.0, 1.0, 1.0, 1.0]).unwrap();
         assert!(!inverse.solve_in_place(&mut [2.0, 3.0]));
+        // What is left open stays: of x + y = 2 that is x - y = 4.
+        let mut b = [2.0, 2.0];
+        assert!(inverse.solve_near(&mut b, &[5.0, 1.0]));
+        assert!((b[0] - 3.0).abs() < 1e-14 && (b[1] + 1.0).abs() < 1e-14);
         let nothing = PseudoInverse::new(1, &[0.0]).unwrap();
         assert!(!nothing.solve_in_place(&mut [1.0]));
         assert!(nothing.solve_in_place(&mut [0.0]));
