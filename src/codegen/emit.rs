@@ -6,7 +6,8 @@
 //! level and remembered, so that equal expressions are computed once for all layers above.
 
 use crate::base::diag::Problems;
-use crate::base::index::{FastMap, Id};
+use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::{Binary, Const, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
@@ -64,6 +65,10 @@ pub struct Emitter {
     pub implicits: Vec<Implicit>,
     /// Mixed blocks so far.
     pub loops: Vec<Loop>,
+    /// Texts, each numbered from 1 by its place.
+    pub texts: Vec<Name>,
+    /// Texts that are for messages only: they are more than one of several literals.
+    pub open_texts: FastSet<VarId>,
     /// Calls so far.
     pub calls: Vec<CallSite>,
     /// Functions.
@@ -113,6 +118,8 @@ impl Emitter {
             solvers: Vec::new(),
             implicits: Vec::new(),
             loops: Vec::new(),
+            texts: Vec::new(),
+            open_texts: FastSet::default(),
             calls: Vec::new(),
             functions: Vec::new(),
             partials: Vec::new(),
@@ -335,15 +342,41 @@ impl Emitter {
     }
 
     fn constant(&mut self, c: Const) -> Slot {
-        let value = c.register().unwrap_or_else(|| {
-            let what = "a text that is needed while the simulation runs";
-            self.problems.push(error::not_supported(self.span, what));
-            0.0
-        });
+        let value = match c {
+            // Texts that a run chooses between are known before it: each stands for its number.
+            Const::String(text) => {
+                let known = self.texts.iter().position(|t| *t == text);
+                let at = known.unwrap_or_else(|| {
+                    self.texts.push(text);
+                    self.texts.len() - 1
+                });
+                at as f64 + 1.0
+            }
+            other => other.register().unwrap_or(0.0),
+        };
         self.literal(value)
     }
 
+    /// Whether a run can tell the value of an expression of type String: it is one of several literals.
+    pub fn is_chosen_text(&self, e: ExprId) -> bool {
+        match self.dae.graph.node(e) {
+            Node::Const(_) => true,
+            Node::Var(v) | Node::Pre(v) => !self.open_texts.contains(&v),
+            Node::If(_, a, b) => self.is_chosen_text(a) && self.is_chosen_text(b),
+            Node::NoEvent(a) => self.is_chosen_text(a),
+            _ => false,
+        }
+    }
+
+    fn refuse_text(&mut self, e: ExprId) {
+        self.unsupported(e, "a text that is put together while the simulation runs");
+    }
+
     fn variable(&mut self, v: VarId) -> (Slot, Level) {
+        if self.open_texts.contains(&v) {
+            let what = "a text that is put together while the simulation runs";
+            self.problems.push(error::not_supported(self.span, what));
+        }
         let level = self.levels[v.idx()].unwrap_or_else(|| {
             let name = self.dae.variables.get(v).map_or("", |x| x.name.as_str());
             self.problems.push(error::undetermined(name, self.span));
@@ -366,6 +399,12 @@ impl Emitter {
                     Unary::Neg => self.make(e, Op::Neg, level, a, a),
                     _ => self.make(e, Op::Unary(op), level, a, a),
                 }
+            }
+            Node::Binary(op, a, _)
+                if self.dae.graph.ty(a) == Type::String
+                    && !matches!(op, Binary::Equal | Binary::NotEqual) =>
+            {
+                self.refuse_text(e);
             }
             Node::Binary(op, a, b) => {
                 let ((a, la), (b, lb)) = (self.operand(a), self.operand(b));
@@ -459,7 +498,7 @@ impl Emitter {
         let graph = &self.dae.graph;
         let mut level = PARAMETER;
         let mut pending = roots.to_vec();
-        let mut seen = crate::base::index::FastSet::default();
+        let mut seen = FastSet::default();
         while let Some(e) = pending.pop() {
             if !seen.insert(e) {
                 continue;
@@ -485,7 +524,7 @@ impl Emitter {
         let graph = &self.dae.graph;
         let mut found = Vec::new();
         let mut pending = roots.to_vec();
-        let mut seen = crate::base::index::FastSet::default();
+        let mut seen = FastSet::default();
         while let Some(e) = pending.pop() {
             if !seen.insert(e) {
                 continue;

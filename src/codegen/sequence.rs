@@ -47,8 +47,14 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         let (v, value) = e.dae.parameters[k];
         e.span = e.dae.variables[v].span;
         e.levels[v.idx()] = Some(PARAMETER);
-        // Texts are for messages only; nothing reads them while running.
-        if e.dae.variables[v].ty != Type::String {
+        if e.dae.variables[v].ty == Type::String {
+            if e.is_chosen_text(value) {
+                let slot = e.slot(v);
+                e.emit_to(slot, value);
+            } else {
+                e.open_texts.insert(v);
+            }
+        } else {
             let (default, _) = parameter_value(e, value);
             let dst = e.slot(v);
             e.push(PARAMETER, Op::Input, dst, default, inputs[&v]);

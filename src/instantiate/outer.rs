@@ -32,7 +32,8 @@ impl Context<'_> {
     /// The component around an instance; around a package in a component that component.
     fn around(&self, id: InstanceId) -> Option<InstanceId> {
         let instance = &self.instances[id];
-        let holder = instance.class.map(|c| self.classes[c].holder);
+        let package = instance.class.filter(|c| self.package_instances.get(c) == Some(&id));
+        let holder = package.map(|c| self.classes[c].holder);
         instance.parent.or(holder).filter(|around| *around != ROOT.instance && *around != id)
     }
 

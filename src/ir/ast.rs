@@ -35,7 +35,7 @@ pub struct Comment {
 }
 
 /// An identifier at its place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Ident {
     /// The text.
     pub name: Name,

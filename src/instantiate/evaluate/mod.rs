@@ -169,7 +169,7 @@ impl Context<'_> {
                 }
             },
             ExprKind::PartialFunction { .. } => {
-                self.unsupported(e.span, "functions as arguments");
+                self.error("MO0212", e.span, "a function stands in calls of functions only");
                 None
             }
             ExprKind::Break => {
@@ -192,6 +192,7 @@ impl Context<'_> {
             other => {
                 let what = match other {
                     Value::Record(_) => "a record".to_string(),
+                    Value::Function(_) => "a function".to_string(),
                     other => format!("an array of size {:?}", other.dims()),
                 };
                 let message = format!("a scalar is needed here, and this is {what}");

@@ -9,7 +9,7 @@ use super::value::{Record, Value};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::{self, BinaryOp, ComponentRef, Expr, UnaryOp};
-use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
+use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary};
 use crate::ir::instance::Scope;
 
 impl Context<'_> {
@@ -103,7 +103,23 @@ impl Context<'_> {
             self.report_types(span, "compared", self.graph.ty(x), self.graph.ty(y));
             return None;
         }
+        if s == Type::String {
+            return Some(Value::Scalar(self.relation_of_texts(op, x, y)));
+        }
         Some(Value::Scalar(self.graph.binary(op, x, y)))
+    }
+
+    /// A relation between texts that a run chooses is chosen with them.
+    fn relation_of_texts(&mut self, op: Binary, x: ExprId, y: ExprId) -> ExprId {
+        if let Node::If(c, a, b) = self.graph.node(x) {
+            let (a, b) = (self.relation_of_texts(op, a, y), self.relation_of_texts(op, b, y));
+            return self.graph.if_then_else(c, a, b);
+        }
+        if let Node::If(c, a, b) = self.graph.node(y) {
+            let (a, b) = (self.relation_of_texts(op, x, a), self.relation_of_texts(op, x, b));
+            return self.graph.if_then_else(c, a, b);
+        }
+        self.graph.binary(op, x, y)
     }
 
     pub(crate) fn report_types(&mut self, span: Span, what: &str, s: Type, t: Type) {
@@ -130,6 +146,7 @@ impl Context<'_> {
             Value::Array(a) => format!("an array of size {:?}", a.dims),
             Value::Record(_) => "a record".to_string(),
             Value::Tuple(_) => "a list of values".to_string(),
+            Value::Function(_) => "a function".to_string(),
         };
         let d = Diagnostic::error("MO0212", span, "a Boolean is needed here").label(given);
         self.problems.push(match v {

@@ -84,7 +84,7 @@ impl Context<'_> {
         }
     }
 
-    fn local(&self, wanted: Name) -> Option<Value> {
+    pub(super) fn local(&self, wanted: Name) -> Option<Value> {
         let visible = &self.evaluation.locals[self.evaluation.frame..];
         visible.iter().rev().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
     }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use crate::base::name::Name;
+use crate::ir::ast::Ident;
 use crate::ir::expr::ExprId;
 use crate::ir::instance::ClassId;
 
@@ -17,6 +18,17 @@ pub enum Value {
     Record(Rc<Record>),
     /// The outputs of a function with several, as far as they are asked for.
     Tuple(Rc<[Value]>),
+    /// A function, as an argument of another one.
+    Function(Rc<Partial>),
+}
+
+/// A function of which some arguments may be given already (section 12.4.2.1).
+#[derive(Clone, PartialEq, Debug)]
+pub struct Partial {
+    /// The function.
+    pub class: ClassId,
+    /// The arguments that are given.
+    pub bound: Vec<(Ident, Value)>,
 }
 
 /// An array, row-major.
@@ -130,6 +142,10 @@ impl Value {
                 fields: r.fields.iter().map(|(n, v)| (*n, v.each_scalar(f))).collect(),
             })),
             Value::Tuple(t) => Value::Tuple(t.iter().map(|v| v.each_scalar(f)).collect()),
+            Value::Function(p) => Value::Function(Rc::new(Partial {
+                class: p.class,
+                bound: p.bound.iter().map(|(n, v)| (*n, v.each_scalar(f))).collect(),
+            })),
         }
     }
 
@@ -140,6 +156,7 @@ impl Value {
             Value::Array(a) => a.elements.iter().for_each(|v| v.for_each_scalar(f)),
             Value::Record(r) => r.fields.iter().for_each(|(_, v)| v.for_each_scalar(f)),
             Value::Tuple(t) => t.iter().for_each(|v| v.for_each_scalar(f)),
+            Value::Function(p) => p.bound.iter().for_each(|(_, v)| v.for_each_scalar(f)),
         }
     }
 }
