@@ -4,8 +4,11 @@ use crate::calibrate::data::{Data, Split};
 use crate::report::json::Json;
 
 use super::balance::Balance;
+use super::case::Case;
 use super::effect::Effect;
-use super::search::{COMPLETE, Case, Chosen, Found, Level};
+use super::level::{Chosen, Level};
+use super::preference::COMPLETE;
+use super::search::Found;
 use super::text::{Attached, Setting, model};
 
 /// Share of the excess of the reduced sum of squares over one that effects must explain to be a

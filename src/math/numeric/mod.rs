@@ -19,5 +19,6 @@ pub mod pattern;
 pub mod root;
 pub mod sequence;
 pub mod small_lu;
+pub mod smoothing;
 pub mod submatrix;
 pub mod table;
