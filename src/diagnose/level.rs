@@ -69,6 +69,12 @@ impl Level {
         self.bic() + self.validation.total()
     }
 
+    /// The fitted value of a parameter of the model, by its full name, and its standard error.
+    pub fn estimate(&self, full: &str) -> Option<(f64, f64)> {
+        let k = self.plan.free.iter().position(|f| f.targets.iter().any(|t| t == full))?;
+        Some((self.values[k], self.errors[k]))
+    }
+
     /// Bayesian information criterion: sum of squares and a price for each parameter.
     pub fn bic(&self) -> f64 {
         self.train.total() + self.values.len() as f64 * (self.train.count() as f64).ln()
@@ -174,10 +180,18 @@ pub fn attach(
             let side = starts.iter().all(|s| matches!(s, Start::Value(v) if v.abs() == 1.0));
             if several && !side {
                 let full = format!("{component}.{parameter}");
-                let mut free = amplitude(&full, *value, None, place, &component);
-                free.acts_on = None;
-                plan.free.push(free);
                 fitted.push(parameter.clone());
+                // What is one phenomenon at several places has one shape.
+                let first = chosen.get(level.chosen.len()).map(|c| &c.name);
+                let shared = first.map(|first| format!("{first}.{parameter}"));
+                match plan.free.iter_mut().find(|f| Some(&f.name) == shared.as_ref()) {
+                    Some(free) => free.targets.push(full),
+                    None => {
+                        let mut free = amplitude(&full, *value, None, place, &component);
+                        free.acts_on = None;
+                        plan.free.push(free);
+                    }
+                }
             }
         }
         if let Some(k) = place.signal {
