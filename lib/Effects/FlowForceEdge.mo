@@ -1,19 +1,22 @@
 within Effects;
-model FlowForceEdge "Force of the air flowing through the gap of a seal: momentum of the jet"
-  // f = k |m_flow| w: what flows through the gap leaves it as a jet with the speed w (Pneumatics.jetSpeed), and the
-  // spool takes up the axial part of its momentum, k = cos(angle of the jet), whichever way the air flows. At a
-  // metering edge it pulls the spool towards closing. Merritt (1967), "Hydraulic Control Systems", section 5.6; for
-  // air with the isentropic speed.
+model FlowForceEdge "Force of the air flowing through the gap of a seal while its edge meters: momentum of the jet"
+  // f = k |m_flow| v exp(-((s - s_ce)/w)^2): what flows through the gap leaves it as a jet with the speed v
+  // (Pneumatics.jetSpeed), and the spool takes up the axial part of its momentum, whichever way the air flows. That
+  // part is large only near the control edge s_ce: where the seal is far past it the jet leaves at a right angle to the
+  // spool, and what comes in carries as much momentum as what goes out. Merritt (1967), "Hydraulic Control Systems",
+  // section 5.6; for air with the isentropic speed. The bell is that of the push-in force of the spool valve paper.
   extends PartialSealForce;
-  parameter Units.Fraction k = 0 "Axial part of the momentum, positive towards +s";
+  parameter Units.Fraction k = 0      "Axial part of the momentum at the edge, positive towards +s";
+  parameter Units.Length   w = 0.2e-3 "Width: distance from the edge at which 37 % of it act";
 
   input Units.MassFlowRate m_flow "Mass flow through the gap";
-  Units.Velocity           w      "Speed of the jet";
+  input Units.Position     s_ce   "Stroke at which the seal meets its control edge";
+  Units.Velocity           v      "Speed of the jet";
 equation
-  w = Pneumatics.jetSpeed(p_a, p_b);
-  f = k*noEvent(abs(m_flow))*w;
+  v = Pneumatics.jetSpeed(p_a, p_b);
+  f = k*noEvent(abs(m_flow))*v*exp(-((spool.s - s_ce)/w)^2);
 
   annotation(__mocc(
-    effect   = "amplitude=k; host=spool,port_a,port_b; bind m_flow=gap.m_flow|m_flow",
-    explains = "The air that flows past %at pushes the spool: momentum of the jet."));
+    effect   = "amplitude=k; host=spool,port_a,port_b; bind m_flow=gap.m_flow|m_flow; bind s_ce=s_ce; w=0.1e-3,0.2e-3,0.4e-3",
+    explains = "The air that flows past %at pushes the spool where the edge meters: momentum of the jet."));
 end FlowForceEdge;

@@ -9,7 +9,8 @@ use crate::report::table::{ReadError, TextTable, read_text};
 
 use super::plan::Plan;
 use super::unit::Unit;
-use crate::math::numeric::course::{Course, Interpolation, smoothed};
+use crate::math::numeric::course::{Course, Interpolation};
+use crate::math::numeric::smoothing::smoothed;
 
 /// Repairs touch at most this part of a recording.
 const REPAIRABLE: f64 = 0.05;
@@ -297,7 +298,7 @@ struct Measured {
 /// What says where runs begin.
 struct Begin {
     course: Course,
-    order: usize,
+    order: u8,
 }
 
 impl Begin {
@@ -444,7 +445,7 @@ fn measured(
         };
         begins.push(Begin {
             course: Course::new(times.into(), values, Interpolation::Linear),
-            order,
+            order: order as u8,
         });
     }
     Some(Measured { time: time.into(), signals, courses, begins })

@@ -55,7 +55,7 @@ impl Played {
                 p.interval = p.course.interval(t, p.interval);
             }
             for (order, slot) in p.cells.iter().enumerate() {
-                memory[*slot as usize] = p.course.at(t, p.interval, order);
+                memory[*slot as usize] = p.course.at(t, p.interval, order as u8);
             }
         }
     }

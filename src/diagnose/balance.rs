@@ -18,9 +18,10 @@ use crate::calibrate::problem::Problem;
 use crate::math::numeric::least_squares::Normal;
 use crate::math::numeric::linear::DenseLu;
 
+use super::case::{Case, compile};
 use super::effect::Effect;
+use super::level::{Level, amplitude, attached};
 use super::place::{Place, places};
-use super::search::{Case, Level, amplitude, attached, compile};
 use super::text::Attached;
 
 /// Dampings that are tried, strongest first, as parts of the mean square of the columns.

@@ -1,8 +1,11 @@
 //! Finding what a model lacks.
 pub mod balance;
+pub mod case;
 pub mod effect;
+pub mod level;
 pub mod page;
 pub mod place;
+pub mod preference;
 pub mod rank;
 pub mod residual;
 pub mod result;

@@ -10,9 +10,12 @@ use crate::report::page::frame::Page;
 use crate::report::scale::pretty;
 
 use super::balance::{Balance, Course};
+use super::case::Case;
+use super::level::Level;
+use super::rank::Scored;
 use super::residual::residuals;
 use super::result::{estimates, rmse_of, sentences, verdict};
-use super::search::{Case, Found, Level, Scored};
+use super::search::Found;
 
 /// Rows of the ranking that are shown.
 const SHOWN: usize = 15;

@@ -9,11 +9,34 @@ use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 
+use super::case::{Case, compile};
 use super::effect::Effect;
+use super::level::{Level, amplitude, attached};
 use super::place::{Place, places};
 use super::score::score;
-use super::search::{Case, Level, Scored, amplitude, attached, compile};
 use super::text::Attached;
+
+/// An effect at a place with a shape, as the score test sees it.
+#[derive(Clone, Debug)]
+pub struct Scored {
+    /// Position in the catalogue.
+    pub effect: usize,
+    /// Where.
+    pub place: Place,
+    /// Its shape.
+    pub shape: Vec<(String, f64)>,
+    /// The amplitudes that the score promises.
+    pub amplitudes: Vec<f64>,
+    /// Decrease of the sum of squares that it promises.
+    pub gain: f64,
+}
+
+impl Scored {
+    /// The decrease less the price of the amplitudes.
+    pub fn worth(&self, level: &Level) -> f64 {
+        self.gain - (level.train.count() as f64).ln() * self.amplitudes.len() as f64
+    }
+}
 
 /// Candidates in one model of a score test.
 const BATCH: usize = 48;

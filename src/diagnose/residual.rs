@@ -7,7 +7,9 @@ use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 use crate::ir::trajectory::{Column, Trajectory};
 
-use super::search::{Case, Found, Level, attached, compile};
+use super::case::{Case, compile};
+use super::level::{Level, attached};
+use super::search::Found;
 
 /// The residuals of a recording.
 pub struct Residual {

@@ -4,8 +4,11 @@ use crate::calibrate::data::{Data, Split};
 use crate::report::json::Json;
 
 use super::balance::Balance;
+use super::case::Case;
 use super::effect::Effect;
-use super::search::{COMPLETE, Case, Chosen, Found, Level};
+use super::level::{Chosen, Level};
+use super::preference::COMPLETE;
+use super::search::Found;
 use super::text::{Attached, Setting, model};
 
 /// Share of the excess of the reduced sum of squares over one that effects must explain to be a
@@ -62,14 +65,10 @@ pub fn amended(case: &Case<'_>, found: &Found, original: &str) -> Option<(String
         name.push_str(if group[0].name == last.name { "_with_" } else { "_and_" });
         name.push_str(&short(&case.effects[group[0].effect].class));
     }
-    let error = |free: &str| {
-        let k = level.plan.free.iter().position(|f| f.name == free)?;
-        Some((level.values[k], level.errors[k]))
-    };
     let mut settings = Vec::new();
     for free in &case.plan.free {
-        let Some((value, error)) = error(&free.name) else { continue };
         for target in &free.targets {
+            let Some((value, error)) = level.estimate(target) else { continue };
             let comment = format!("+- {error:.2e}");
             settings.push(Setting { name: target.clone(), value, comment });
         }
@@ -81,7 +80,8 @@ pub fn amended(case: &Case<'_>, found: &Found, original: &str) -> Option<(String
         let mut said = Vec::new();
         let effect = &case.effects[c.effect];
         for parameter in &c.fitted {
-            let Some((value, error)) = error(&format!("{}.{parameter}", c.name)) else { continue };
+            let full = format!("{}.{parameter}", c.name);
+            let Some((value, error)) = level.estimate(&full) else { continue };
             values.push((parameter.clone(), value));
             let base = parameter.split('[').next().unwrap_or(parameter).to_owned();
             said.push((base, format!("+- {error:.2e} {}", unit(effect, parameter))));
@@ -131,8 +131,8 @@ pub fn estimates(effects: &[Effect], level: &Level) -> Vec<(String, f64, f64, St
         c.fitted.iter().map(move |p| (format!("{}.{p}", c.name), unit(effect, p)))
     });
     let one = |(name, unit): (String, String)| {
-        let k = level.plan.free.iter().position(|f| f.name == name)?;
-        Some((name, level.values[k], level.errors[k], unit))
+        let (value, error) = level.estimate(&name)?;
+        Some((name, value, error, unit))
     };
     names.filter_map(one).collect()
 }
@@ -200,10 +200,10 @@ fn effect_json(
     for chosen in group {
         for name in &chosen.fitted {
             let full = format!("{}.{name}", chosen.name);
-            let Some(k) = level.plan.free.iter().position(|f| f.name == full) else { continue };
+            let Some((value, error)) = level.estimate(&full) else { continue };
             let members = [
-                ("value", Json::number(level.values[k])),
-                ("stderr", Json::number(level.errors[k])),
+                ("value", Json::number(value)),
+                ("stderr", Json::number(error)),
                 ("unit", Json::text(unit(effect, name))),
             ];
             let several = group.len() > 1;

@@ -1,22 +1,15 @@
 //! The search for what a model lacks: calibrate, score every effect at every place, fit the best few,
 //! keep what the data ask for, and look once more.
 
-use crate::base::diag::Problems;
-use crate::calibrate::data::{Data, Split};
 use crate::calibrate::fit::{Fit, Heed, STOPPING, quick_fit, refine, search};
-use crate::calibrate::plan::{Free, Plan};
-use crate::calibrate::problem::{Problem, Sums, record_also};
-use crate::calibrate::statistics::standard_errors;
-use crate::driver::compile::{Request, Session, Wrong};
-use crate::flatten::inventory::Inventory;
-use crate::ir::flat::Experiment;
-use crate::ir::program::Program;
+use crate::calibrate::plan::Plan;
+use crate::calibrate::problem::Problem;
 use crate::math::numeric::least_squares::{self, Stopping};
 
-use super::effect::{Effect, Start};
-use super::place::Place;
-use super::rank::{ENOUGH, rank};
-use super::text::{Attached, model};
+use super::case::{Case, Nothing};
+use super::level::{Chosen, Level, attach, level};
+use super::preference::{COMPLETE, CURVE, EVIDENCE, in_order, is_curve};
+use super::rank::{ENOUGH, Scored, rank};
 
 /// Places that are fitted after a score test.
 const FITTED: usize = 5;
@@ -32,137 +25,12 @@ const USUAL: usize = 2;
 const MUCH: f64 = 2.0;
 /// Share of what is left that each of these further ones must promise, and explain.
 const NOTABLE: f64 = 0.1;
-/// An effect with so many amplitudes is a free curve.
-const CURVE: usize = 4;
 /// An amplitude that is not so many standard errors from zero may not be needed.
 const WEAK: f64 = 10.0;
-/// Decrease of the Bayesian information criterion that counts, well above what the best of hundreds of
-/// places reaches by chance.
-const EVIDENCE: f64 = 30.0;
-/// Reduced sum of squares up to which nothing is left to explain.
-pub const COMPLETE: f64 = 1.03;
 /// Shares of what the score promises from which a look may begin.
 const WAY: [f64; 5] = [1.0, 0.5, 0.2, 0.07, 0.02];
-/// A law that explains this share of what a free curve does is taken for it.
-const NEARLY: f64 = 0.95;
-/// But not, if it leaves so many times what the curve leaves.
-const FAR: f64 = 5.0;
-/// If the curve leaves nothing to explain, the law must leave less than this too.
-const NEARLY_COMPLETE: f64 = 0.1;
 /// A first look at an effect.
 const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 };
-
-/// What is examined.
-pub struct Case<'a> {
-    /// The plan.
-    pub plan: &'a Plan,
-    /// How its model is compiled.
-    pub request: Request,
-    /// The recordings.
-    pub data: &'a Data,
-    /// Full name of the model.
-    pub base: String,
-    /// What its annotation asks for.
-    pub experiment: Experiment,
-    /// The catalogue.
-    pub effects: &'a [Effect],
-    /// What the model is made of.
-    pub inventory: &'a Inventory,
-    /// Names of its variables.
-    pub variables: &'a [String],
-    /// Told what is being done.
-    pub say: &'a dyn Fn(&str),
-}
-
-impl Case<'_> {
-    /// An effect at a place, in words.
-    fn named(&self, effect: usize, place: &Place) -> String {
-        format!("{} at {}", self.effects[effect].class, place.at.join(", "))
-    }
-}
-
-/// An effect that belongs to a level.
-#[derive(Clone, Debug)]
-pub struct Chosen {
-    /// Position in the catalogue.
-    pub effect: usize,
-    /// Where it is attached.
-    pub place: Place,
-    /// How its component is called.
-    pub name: String,
-    /// Parameters that are not fitted, with their values.
-    pub fixed: Vec<(String, f64)>,
-    /// Parameters that are fitted.
-    pub fitted: Vec<String>,
-    /// The same for those that are one phenomenon at several places.
-    pub group: usize,
-}
-
-/// A model with effects, fitted.
-#[derive(Clone, Debug)]
-pub struct Level {
-    /// The effects.
-    pub chosen: Vec<Chosen>,
-    /// The plan with the parameters of the effects; all starts are where the fit ended.
-    pub plan: Plan,
-    /// Fitted values, in the order of the plan's free parameters.
-    pub values: Vec<f64>,
-    /// Their standard errors.
-    pub errors: Vec<f64>,
-    /// The fit.
-    pub fit: Fit,
-    /// Sums of squares of the training recordings.
-    pub train: Sums,
-    /// Sums of squares of the recordings that were never fitted.
-    pub validation: Sums,
-}
-
-impl Level {
-    /// Reduced sum of squares of the training recordings.
-    pub fn chi2_train(&self) -> f64 {
-        self.train.total() / self.train.count().saturating_sub(self.values.len()).max(1) as f64
-    }
-
-    /// The same of the recordings that were never fitted; of the training if there are none.
-    pub fn chi2_validation(&self) -> f64 {
-        match self.validation.count() {
-            0 => self.chi2_train(),
-            n => self.validation.total() / n as f64,
-        }
-    }
-
-    /// The criterion with the recordings that were never fitted beside it.
-    pub fn evidence(&self) -> f64 {
-        self.bic() + self.validation.total()
-    }
-
-    /// Bayesian information criterion: sum of squares and a price for each parameter.
-    pub fn bic(&self) -> f64 {
-        self.train.total() + self.values.len() as f64 * (self.train.count() as f64).ln()
-    }
-}
-
-/// An effect at a place with a shape, as the score test sees it.
-#[derive(Clone, Debug)]
-pub struct Scored {
-    /// Position in the catalogue.
-    pub effect: usize,
-    /// Where.
-    pub place: Place,
-    /// Its shape.
-    pub shape: Vec<(String, f64)>,
-    /// The amplitudes that the score promises.
-    pub amplitudes: Vec<f64>,
-    /// Decrease of the sum of squares that it promises.
-    pub gain: f64,
-}
-
-impl Scored {
-    /// The decrease less the price of the amplitudes.
-    pub fn worth(&self, level: &Level) -> f64 {
-        self.gain - (level.train.count() as f64).ln() * self.amplitudes.len() as f64
-    }
-}
 
 /// What was found.
 pub struct Found {
@@ -174,15 +42,6 @@ pub struct Found {
     pub rankings: Vec<Vec<Scored>>,
     /// What was fitted besides, best first.
     pub rejected: Vec<Level>,
-}
-
-/// Why there is no diagnosis.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Nothing {
-    /// The model can not be compiled.
-    Model(Wrong),
-    /// It can not be run under the conditions of the recordings.
-    Run,
 }
 
 /// Looks for what the model lacks. `heed` is told about each step and ends the search by `false`.
@@ -370,39 +229,6 @@ fn shortened(problem: &mut Problem<'_>, amplitudes: &[String]) -> Vec<f64> {
     best.map_or(whole, |k| points[k].clone())
 }
 
-/// Best first. Of what is not known before a free curve explains as much as the law that it contains, and
-/// what noise and drift leave besides: it comes first only where no law explains nearly as much.
-fn in_order(case: &Case<'_>, from: &Level, levels: &mut [Level], by: impl Fn(&Level) -> f64) {
-    levels.sort_by(|a, b| by(a).total_cmp(&by(b)));
-    // A sensor is blamed only if nothing that it measures explains as much: what is in proportion to a
-    // pressure is the scale of the sensor as well.
-    let of_sensor = |l: &Level| l.chosen.last().is_some_and(|c| c.place.signal.is_some());
-    if let Some(sensor) = levels.first().filter(|l| of_sensor(l)) {
-        let as_good = by(sensor) + EVIDENCE;
-        if let Some(k) = levels.iter().position(|l| !of_sensor(l) && by(l) < as_good) {
-            levels[..=k].rotate_right(1);
-        }
-    }
-    let Some(curve) = levels.first().filter(|l| is_curve(case, l)) else { return };
-    let explained = |l: &Level| from.train.total() - l.train.total();
-    let wanted = NEARLY * explained(curve);
-    let complete = curve.chi2_train() < COMPLETE;
-    let far = FAR * curve.train.total();
-    let nearly = |l: &Level| {
-        let as_good = explained(l) > wanted && l.train.total() < far;
-        as_good && (!complete || l.chi2_train() < 1.0 + NEARLY_COMPLETE)
-    };
-    let is_law = |l: &Level| !is_curve(case, l) && !of_sensor(l);
-    if let Some(k) = levels.iter().position(|l| is_law(l) && nearly(l)) {
-        levels[..=k].rotate_right(1);
-    }
-}
-
-/// True if what was found last is a free curve.
-fn is_curve(case: &Case<'_>, level: &Level) -> bool {
-    level.chosen.last().is_some_and(|c| case.effects[c.effect].amplitudes.len() >= CURVE)
-}
-
 /// One simple effect in place of what a level has: where that has led, the parameters of the model are
 /// near the true ones, and the scores tell more than at the first attempt.
 fn single(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
@@ -484,137 +310,4 @@ fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
         }
     }
     level
-}
-
-/// Compiles the model with effects and fits it by `how`.
-fn level(
-    case: &Case<'_>,
-    chosen: Vec<Chosen>,
-    mut plan: Plan,
-    how: &mut dyn FnMut(&mut Problem<'_>) -> Option<Fit>,
-) -> Result<Level, Nothing> {
-    let attached = attached(case, &chosen);
-    let (session, program) = compile(case, &plan, &attached, &[])?;
-    let mut problems = Problems::new();
-    let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
-    let mut problem = problem.ok_or(Nothing::Run)?;
-    let fit = how(&mut problem).ok_or(Nothing::Run)?;
-    let values = problem.values(&fit.x);
-    let errors = standard_errors(&fit.normal, &problem.parameters, &fit.x);
-    let train = problem.sums(Split::Train, &fit.x).map_err(|_| Nothing::Run)?;
-    // A recording that can not be run with what was fitted to the others speaks against it.
-    let validation = problem.sums(Split::Validation, &fit.x).unwrap_or_else(|_| Sums {
-        squares: vec![vec![f64::INFINITY; plan.signals.len()]],
-        counts: vec![vec![1; plan.signals.len()]],
-    });
-    for (free, value) in plan.free.iter_mut().zip(&values) {
-        free.start = Some(*value);
-    }
-    Ok(Level { chosen, plan, values, errors, fit, train, validation })
-}
-
-/// The effects of a level as they are attached.
-pub fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
-    let one = |c: &'a Chosen| Attached {
-        effect: &case.effects[c.effect],
-        place: &c.place,
-        name: c.name.clone(),
-        values: c.fixed.clone(),
-    };
-    chosen.iter().map(one).collect()
-}
-
-/// Compiles the model with what is attached, recording the signals and `others`.
-pub fn compile(
-    case: &Case<'_>,
-    plan: &Plan,
-    attached: &[Attached<'_>],
-    others: &[String],
-) -> Result<(Session, Program), Nothing> {
-    let mut session = Session::default();
-    let mut request = case.request.clone();
-    if !attached.is_empty() {
-        let name = "Trial";
-        request.appended = Some(model(name, &case.base, "", None, &[], attached, &[]));
-        request.model = Some(name.to_owned());
-    }
-    let mut program = session.compile(&request).map_err(Nothing::Model)?;
-    if !attached.is_empty() {
-        // What the annotation of the model says is not inherited.
-        program.blocks.dae.experiment = case.experiment;
-    }
-    record_also(&mut program, plan, others);
-    Ok((session, program))
-}
-
-/// An amplitude as a free parameter.
-pub fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, component: &str) -> Free {
-    Free {
-        name: full.to_owned(),
-        targets: vec![full.to_owned()],
-        start: Some(start),
-        min,
-        max: None,
-        acts_on: place.signal.map(|k| (k, format!("{component}.y"))),
-        span: crate::base::source::Span::NONE,
-    }
-}
-
-/// The effects and the plan of a level with one more effect.
-fn attach(case: &Case<'_>, level: &Level, scored: &Scored, depth: usize) -> (Vec<Chosen>, Plan) {
-    let effect = &case.effects[scored.effect];
-    let short = effect.class.rsplit('.').next().unwrap_or(&effect.class);
-    let mut name: String = short
-        .char_indices()
-        .flat_map(|(i, c)| {
-            let underscore = (i > 0 && c.is_uppercase()).then_some('_');
-            underscore.into_iter().chain(c.to_lowercase())
-        })
-        .collect();
-    if depth > 0 {
-        name.push_str(&format!("_{}", depth + 1));
-    }
-    let mut plan = level.plan.clone();
-    let mut chosen = level.chosen.clone();
-    let members = scored.place.members();
-    for (j, place) in members.iter().enumerate() {
-        let component = match j {
-            _ if effect.built_in => place.at[0].clone(),
-            0 => name.clone(),
-            _ => format!("{name}_at_{}", place.at[0]),
-        };
-        let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
-        let mut fitted = Vec::new();
-        for (a, start) in effect.amplitudes.iter().zip(starts) {
-            let full = format!("{component}.{}", a.name);
-            let (start, min) = match a.positive {
-                true if *start > 0.0 => (*start, Some(0.0)),
-                true => (0.0, Some(0.0)),
-                false => (*start, None),
-            };
-            let mut free = amplitude(&full, start, min, place, &component);
-            // What the sensor says is the signal now.
-            free.acts_on = None;
-            fitted.push(a.name.clone());
-            plan.free.push(free);
-        }
-        for ((parameter, value), (_, starts)) in scored.shape.iter().zip(&effect.shapes) {
-            let several = starts.len() > 1 || starts.iter().any(|s| matches!(s, Start::Spread(..)));
-            let side = starts.iter().all(|s| matches!(s, Start::Value(v) if v.abs() == 1.0));
-            if several && !side {
-                let full = format!("{component}.{parameter}");
-                let mut free = amplitude(&full, *value, None, place, &component);
-                free.acts_on = None;
-                plan.free.push(free);
-                fitted.push(parameter.clone());
-            }
-        }
-        if let Some(k) = place.signal {
-            plan.signals[k].variable = format!("{component}.y");
-        }
-        let group = level.chosen.last().map_or(0, |c| c.group + 1);
-        let (place, fixed) = (place.clone(), scored.shape.clone());
-        chosen.push(Chosen { effect: scored.effect, place, name: component, fixed, fitted, group });
-    }
-    (chosen, plan)
 }

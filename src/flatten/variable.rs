@@ -18,7 +18,6 @@ type Slot<T> = fn(&mut Variable) -> &mut T;
 
 /// Numbers all scalar variables, depth first.
 pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
-    let nothing = name("");
     let mut stack: Vec<(InstanceId, Rc<str>)> = vec![(root, Rc::from(""))];
     while let Some((id, path)) = stack.pop() {
         let own = own_path(cx, id, &path);
@@ -36,7 +35,7 @@ pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
                     } else {
                         format!("{own}{}", subscript_text(&subscripts))
                     };
-                    flat.variables.push(bare(cx, id, ty, text, root, nothing));
+                    flat.variables.push(declared(cx, id, ty, text, root));
                     cx.evaluation.instance_of.push((id, k));
                     advance(&mut subscripts, &dims);
                 }
@@ -63,59 +62,31 @@ fn own_path(cx: &Context<'_>, id: InstanceId, around: &str) -> String {
 
 /// The variable that holds a delayed expression.
 pub fn delayed(flat: &mut FlatModel, number: usize, span: Span) -> VarId {
-    let nothing = Name::from("");
-    flat.variables.push(Variable {
-        name: format!("$delay{number}"),
-        ty: Type::Real,
-        variability: Variability::Continuous,
-        causality: None,
-        binding: None,
-        start: None,
-        fixed: None,
-        min: None,
-        max: None,
-        nominal: None,
-        unit: nothing,
-        display_unit: nothing,
-        state_select: StateSelect::Default,
-        description: None,
-        protected: true,
-        structural: false,
-        span,
-    })
+    let variable =
+        Variable::bare(format!("$delay{number}"), Type::Real, Variability::Continuous, span);
+    flat.variables.push(Variable { protected: true, ..variable })
 }
 
-/// A variable without attributes; `nothing` is the empty name.
-fn bare(
+/// A variable as its declaration says, without attributes.
+fn declared(
     cx: &Context<'_>,
     id: InstanceId,
     ty: Type,
     text: String,
     root: InstanceId,
-    nothing: Name,
 ) -> Variable {
     let instance = &cx.instances[id];
     let component = instance.declaration.as_ref().map(|d| d.component());
     let slowest = if ty == Type::Real { Variability::Continuous } else { Variability::Discrete };
     let at_top = instance.parent == Some(root);
+    let variability = instance.prefix.variability.unwrap_or(slowest).min(slowest);
+    let span = component.map_or(Span::NONE, |c| c.name.span);
     Variable {
-        name: text,
-        ty,
-        variability: instance.prefix.variability.unwrap_or(slowest).min(slowest),
         causality: if at_top { instance.prefix.causality } else { None },
-        binding: None,
-        start: None,
-        fixed: None,
-        min: None,
-        max: None,
-        nominal: None,
-        unit: nothing,
-        display_unit: nothing,
-        state_select: StateSelect::Default,
         description: component.and_then(|c| c.description.clone()),
         protected: instance.protected,
         structural: instance.declaration.as_ref().is_some_and(|d| d.element.is_final),
-        span: component.map_or(Span::NONE, |c| c.name.span),
+        ..Variable::bare(text, ty, variability, span)
     }
 }
 

@@ -405,13 +405,25 @@ impl Context<'_> {
     /// The outermost binding of an attribute of an instance of predefined type: from modifications of
     /// the component, then from its type.
     pub fn attribute(&mut self, id: InstanceId, attribute: Name) -> Option<Binding> {
+        let of_component = self.attribute_layers(id, attribute);
+        if let Some(binding) = of_component.iter().find_map(Layer::binding) {
+            return Some(binding);
+        }
+        self.attribute_layers_of_type(id, attribute).iter().find_map(Layer::binding)
+    }
+
+    /// What modifications of the component say about an attribute, from the outermost inwards.
+    fn attribute_layers(&self, id: InstanceId, attribute: Name) -> Vec<Layer> {
         let mut found = Vec::new();
         for layer in self.instances[id].layers.iter() {
             layer.child(attribute, &mut found);
         }
-        if let Some(binding) = found.iter().find_map(Layer::binding) {
-            return Some(binding);
-        }
+        found
+    }
+
+    /// What the type of an instance says about an attribute, from the outermost inwards.
+    fn attribute_layers_of_type(&mut self, id: InstanceId, attribute: Name) -> Vec<Layer> {
+        let mut found = Vec::new();
         let table = self.table_of(id);
         for (modification, class) in &table.layers {
             let layer = Layer {
@@ -421,24 +433,13 @@ impl Context<'_> {
             };
             layer.child(attribute, &mut found);
         }
-        found.iter().find_map(Layer::binding)
+        found
     }
 
     /// An attribute that is `final` in the type or in the declaration is not given again further outside.
     fn check_final_attribute(&mut self, id: InstanceId, attribute: Name) {
-        let mut found = Vec::new();
-        for layer in self.instances[id].layers.iter() {
-            layer.child(attribute, &mut found);
-        }
-        let table = self.table_of(id);
-        for (modification, class) in &table.layers {
-            let layer = Layer {
-                source: LayerSource::Whole(modification.clone()),
-                scope: self.outside(*class),
-                subscripts: Rc::from([]),
-            };
-            layer.child(attribute, &mut found);
-        }
+        let mut found = self.attribute_layers(id, attribute);
+        found.extend(self.attribute_layers_of_type(id, attribute));
         let bindings: Vec<Binding> = found.iter().filter_map(Layer::binding).collect();
         let Some((outer, inner)) = bindings.split_first() else { return };
         if let Some(closed) = inner.iter().find(|b| b.is_final) {

@@ -110,6 +110,32 @@ pub struct Variable {
     pub span: Span,
 }
 
+impl Variable {
+    /// A visible variable without attributes, binding or description.
+    pub fn bare(name: String, ty: Type, variability: Variability, span: Span) -> Self {
+        let nothing = Name::from("");
+        Variable {
+            name,
+            ty,
+            variability,
+            causality: None,
+            binding: None,
+            start: None,
+            fixed: None,
+            min: None,
+            max: None,
+            nominal: None,
+            unit: nothing,
+            display_unit: nothing,
+            state_select: StateSelect::Default,
+            description: None,
+            protected: false,
+            structural: false,
+            span,
+        }
+    }
+}
+
 /// Where an equation comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {

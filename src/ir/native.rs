@@ -7,9 +7,9 @@
 
 use std::sync::RwLock;
 
-use crate::math::numeric::table::course::Course;
 use crate::math::numeric::table::curve::Curve;
 use crate::math::numeric::table::surface::Surface;
+use crate::math::numeric::table::time_table::TimeTable;
 
 /// A function that is made of data, by its number. Equal functions have equal numbers.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -20,10 +20,10 @@ pub struct Native(u32);
 pub enum Function {
     /// The derivative of this order of a curve: one argument.
     Curve(u8, Curve),
-    /// The derivative of this order of a course: time and the time of the next event.
-    Course(u8, Course),
-    /// The next event of a course after an instant: one argument.
-    NextStop(Course),
+    /// The derivative of this order of a table: time and the time of the next event.
+    TimeTable(u8, TimeTable),
+    /// The next event of a table after an instant: one argument.
+    NextStop(TimeTable),
     /// The partial derivative of these orders of a surface: two arguments.
     Surface((u8, u8), Surface),
 }
@@ -61,15 +61,15 @@ impl Native {
     pub fn unary(self, a: f64) -> f64 {
         match self.function() {
             Function::Curve(order, curve) => curve.at(a, *order),
-            Function::NextStop(course) => course.next_stop(a),
-            Function::Course(..) | Function::Surface(..) => f64::NAN,
+            Function::NextStop(table) => table.next_stop(a),
+            Function::TimeTable(..) | Function::Surface(..) => f64::NAN,
         }
     }
 
     /// The value of a function of two numbers.
     pub fn binary(self, a: f64, b: f64) -> f64 {
         match self.function() {
-            Function::Course(order, course) => course.at(a, b, *order),
+            Function::TimeTable(order, table) => table.at(a, b, *order),
             Function::Surface(orders, surface) => surface.at(a, b, *orders),
             Function::Curve(..) | Function::NextStop(_) => f64::NAN,
         }
@@ -80,8 +80,8 @@ impl Native {
         let derived = match (self.function(), argument) {
             // The polynomials are cubic.
             (Function::Curve(order @ 0..3, curve), 0) => Function::Curve(order + 1, curve.clone()),
-            (Function::Course(order @ 0..3, course), 0) => {
-                Function::Course(order + 1, course.clone())
+            (Function::TimeTable(order @ 0..3, table), 0) => {
+                Function::TimeTable(order + 1, table.clone())
             }
             (Function::Surface((k @ 0..3, l), surface), 0) => {
                 Function::Surface((k + 1, *l), surface.clone())
@@ -105,7 +105,7 @@ impl Native {
     /// The slopes of a function of two numbers, by the first and by the second.
     pub fn slopes(self, a: f64, b: f64) -> (f64, f64) {
         match self.function() {
-            Function::Course(order, course) => (course.at(a, b, order + 1), 0.0),
+            Function::TimeTable(order, table) => (table.at(a, b, order + 1), 0.0),
             Function::Surface((k, l), s) => (s.at(a, b, (k + 1, *l)), s.at(a, b, (*k, l + 1))),
             _ => (0.0, 0.0),
         }
@@ -119,11 +119,11 @@ impl Native {
     /// What it is called in texts.
     pub fn name(self) -> &'static str {
         match self.function() {
-            Function::Curve(0, _) | Function::Course(0, _) | Function::Surface((0, 0), _) => {
+            Function::Curve(0, _) | Function::TimeTable(0, _) | Function::Surface((0, 0), _) => {
                 "table"
             }
             Function::NextStop(_) => "nextTimeEvent",
-            Function::Curve(..) | Function::Course(..) | Function::Surface(..) => {
+            Function::Curve(..) | Function::TimeTable(..) | Function::Surface(..) => {
                 "derivativeOfTable"
             }
         }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::base::name::name;
 use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
-use crate::ir::flat::{Action, EquationKind, FlatModel, StateSelect, Variability, Variable};
+use crate::ir::flat::{Action, EquationKind, FlatModel, Variability, Variable};
 use crate::symbolic::rewrite::Rewriter;
 
 /// The name of the parameter, which no name of a user can be.
@@ -74,23 +74,12 @@ fn without(graph: &mut Graph, rewriter: &mut Rewriter, root: ExprId) -> ExprId {
 }
 
 fn parameter(value: ExprId, model: &FlatModel) -> Variable {
+    let full = LAMBDA.to_owned();
     Variable {
-        name: LAMBDA.to_owned(),
-        ty: Type::Real,
-        variability: Variability::Parameter,
-        causality: None,
         binding: Some(value),
-        start: None,
-        fixed: None,
-        min: None,
-        max: None,
-        nominal: None,
         unit: name("1"),
-        display_unit: name(""),
-        state_select: StateSelect::Default,
         description: Some(Arc::from("From the simplified to the actual system")),
         protected: true,
-        structural: false,
-        span: model.span,
+        ..Variable::bare(full, Type::Real, Variability::Parameter, model.span)
     }
 }

@@ -10,7 +10,6 @@
 //! end when;
 //! ```
 
-use crate::base::name::Name;
 use crate::base::source::{SourceMap, Span};
 use crate::ir::expr::{Binary, ExprId, FunctionId, Node, Type, Unary, VarId};
 use crate::ir::flat::*;
@@ -129,25 +128,8 @@ impl Reader {
             variability = variability.min(Variability::Discrete);
         }
         let name = self.next();
-        self.flat.variables.push(Variable {
-            name,
-            ty,
-            variability,
-            causality,
-            binding: None,
-            start: None,
-            fixed: None,
-            min: None,
-            max: None,
-            nominal: None,
-            unit: Name::from(""),
-            display_unit: Name::from(""),
-            state_select: StateSelect::Default,
-            description: None,
-            protected: false,
-            structural: false,
-            span,
-        });
+        let variable = Variable::bare(name, ty, variability, span);
+        self.flat.variables.push(Variable { causality, ..variable });
     }
 
     /// What follows the name of the variable declared at `span`.

@@ -314,11 +314,7 @@ impl<'p, 's> Simulation<'p, 's> {
                     if self.model.instance.delayed.moves() {
                         self.note_delayed(t, false)?;
                     }
-                    self.search.heed(&self.model.instance);
-                    self.check_assertions_of_step()?;
-                    self.vary()?;
-                    self.record_grid(t, true)?;
-                    self.t = t;
+                    self.complete_step(t)?;
                     if self.select()? {
                         self.restart()?;
                     }
@@ -358,6 +354,16 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
+    /// Checks and records the step that ends at `t` without an event, and stands there.
+    fn complete_step(&mut self, t: f64) -> Result<(), Failure> {
+        self.search.heed(&self.model.instance);
+        self.check_assertions_of_step()?;
+        self.vary()?;
+        self.record_grid(t, true)?;
+        self.t = t;
+        Ok(())
+    }
+
     /// Goes on past a corner of what recordings say about inputs. Only what jumps there is an event.
     fn corner(&mut self, t: f64) -> Result<(), Failure> {
         let instance = &self.model.instance;
@@ -365,11 +371,7 @@ impl<'p, 's> Simulation<'p, 's> {
             return self.event(t, Cause::Time);
         }
         self.note_delayed(t, false)?;
-        self.search.heed(&self.model.instance);
-        self.check_assertions_of_step()?;
-        self.vary()?;
-        self.record_grid(t, true)?;
-        self.t = t;
+        self.complete_step(t)?;
         if !self.model.instance.played.pass(t) {
             return Ok(());
         }

@@ -292,7 +292,7 @@ fn the_stand_is_diagnosed() {
     let cases = [
         ("valve52", "healthy", "complete", ""),
         ("valve32", "healthy32", "complete", ""),
-        ("valve52", "case-a", "effect_found", "FlowForce"),
+        ("valve52", "case-a", "effect_found", "FlowForceEdge"),
         ("valve52", "case-b", "effect_found", "Leak"),
         ("valve52", "case-c", "effect_found", "Detent"),
     ];

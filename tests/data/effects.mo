@@ -290,11 +290,26 @@ package EffectTests
     end PositionFriction;
 
     model FlowForceEdge
+      extends OnSpool(v_0 = 2, compared = s > 1);
+      // Choked; the work of the whole bell is k m_flow v w sqrt(pi).
+      Pneumatics.Source high(p = 7e5);
+      Pneumatics.Source low(p = 1e5);
+      Effects.FlowForceEdge effect(k = 0.3, w = 0.05, m_flow = -1e-3, s_ce = 0.5);
+      constant Real jet = sqrt(2*1.4/2.4*287.1*293.15);
+    equation
+      connect(effect.spool, spool.seals);
+      connect(effect.port_a, high.port);  connect(effect.port_b, low.port);
+      found = {v};
+      exact = {sqrt(2^2 + 2/m*0.3*1e-3*jet*0.05*sqrt(3.14159265358979323846))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FlowForceEdge;
+
+    model FlowForceJet
       extends OnSpool(v_0 = 0);
       // Choked: the speed of the jet is that of sound at the throat.
       Pneumatics.Source high(p = 7e5);
       Pneumatics.Source low(p = 1e5);
-      Effects.FlowForceEdge effect(k = 0.3, m_flow = -1e-3);
+      Effects.FlowForceJet effect(k = 0.3, m_flow = -1e-3);
       constant Real w = sqrt(2*1.4/2.4*287.1*293.15);
     equation
       connect(effect.spool, spool.seals);
@@ -302,7 +317,7 @@ package EffectTests
       found = {s};
       exact = {0.3*1e-3*w*time^2/(2*m)};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
-    end FlowForceEdge;
+    end FlowForceJet;
 
     model FlowForcePressure
       extends OnSpool(v_0 = 0);
@@ -758,10 +773,17 @@ package EffectTests
 
     model FlowForceEdge
       extends Base;
-      Effects.FlowForceEdge effect(m_flow = seal.gap.m_flow);
+      Effects.FlowForceEdge effect(m_flow = seal.gap.m_flow, s_ce = seal.s_ce);
     equation
       connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
     end FlowForceEdge;
+
+    model FlowForceJet
+      extends Base;
+      Effects.FlowForceJet effect(m_flow = seal.gap.m_flow);
+    equation
+      connect(effect.spool, seal.spool);  connect(effect.port_a, seal.port_a);  connect(effect.port_b, seal.port_b);
+    end FlowForceJet;
 
     model FlowForcePressure
       extends Base;

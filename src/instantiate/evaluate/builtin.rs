@@ -727,7 +727,7 @@ impl Context<'_> {
                 if matches!(given.get("format"), Some(Const::String(_))) =>
             {
                 let Some(Const::String(format)) = given.get("format") else { return None };
-                let Some(text) = super::string::formatted(c.number()?, format) else {
+                let Some(text) = super::printf::formatted(c.number()?, format) else {
                     let message = format!("`{format}` is no format of a number");
                     self.problems.push(
                         Diagnostic::error("MO0219", span, message)
@@ -737,8 +737,8 @@ impl Context<'_> {
                 };
                 text
             }
-            Some(c) if real => super::string::general(c.number()?, number("significantDigits", 6)),
-            Some(Const::Real(bits)) => super::string::general(f64::from_bits(bits), 6),
+            Some(c) if real => super::printf::general(c.number()?, number("significantDigits", 6)),
+            Some(Const::Real(bits)) => super::printf::general(f64::from_bits(bits), 6),
             Some(Const::Integer(i)) => i.to_string(),
             Some(Const::Boolean(b)) => b.to_string(),
             Some(Const::String(s)) => s.to_string(),
@@ -747,7 +747,7 @@ impl Context<'_> {
             }
             None => self.sources.text(first.span).unwrap_or("?").to_string(),
         };
-        let text = super::string::padded(text, number("minimumLength", 0), left);
+        let text = super::printf::padded(text, number("minimumLength", 0), left);
         Some(Value::Scalar(self.graph.string(&text)))
     }
 

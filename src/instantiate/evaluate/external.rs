@@ -13,9 +13,9 @@ use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::native::{Function, Native};
-use crate::math::numeric::table::course::{Course, Placing, Stops};
 use crate::math::numeric::table::curve::Curve;
 use crate::math::numeric::table::surface::Surface;
+use crate::math::numeric::table::time_table::{Placing, Stops, TimeTable};
 use crate::math::numeric::table::{Extrapolation, Smoothness};
 
 /// What stands before the number of an object.
@@ -27,7 +27,7 @@ pub(crate) enum Object {
     /// Columns over the first one.
     Curves(Vec<Curve>),
     /// Columns over time.
-    Courses(Vec<Course>),
+    TimeTables(Vec<TimeTable>),
     /// A grid.
     Surface(Surface),
 }
@@ -220,7 +220,7 @@ impl Context<'_> {
         let (kind, what) = table.split_once('_').ok_or(Refusal::Unknown)?;
         if what == "init3" {
             let object = match kind {
-                "CombiTimeTable" => self.courses(args)?,
+                "CombiTimeTable" => self.time_tables(args)?,
                 "CombiTable1D" => self.curves(args)?,
                 "CombiTable2D" => self.surface(args)?,
                 _ => return Err(Refusal::Unknown),
@@ -256,20 +256,20 @@ impl Context<'_> {
     ) -> Result<Vec<Value>, Refusal> {
         let one = |e| Ok(vec![Value::Scalar(e)]);
         match (object, what, args) {
-            (Object::Courses(all), "minimumTime", []) => {
+            (Object::TimeTables(all), "minimumTime", []) => {
                 one(self.graph.real(all.first().map_or(0.0, |c| c.range().0)))
             }
-            (Object::Courses(all), "maximumTime", []) => {
+            (Object::TimeTables(all), "maximumTime", []) => {
                 one(self.graph.real(all.first().map_or(0.0, |c| c.range().1)))
             }
-            (Object::Courses(all), "nextTimeEvent", [t]) => {
-                let course = all.first().ok_or(Refusal::Unknown)?.clone();
-                let f = Native::of(Function::NextStop(course));
+            (Object::TimeTables(all), "nextTimeEvent", [t]) => {
+                let table = all.first().ok_or(Refusal::Unknown)?.clone();
+                let f = Native::of(Function::NextStop(table));
                 one(self.graph.unary(Unary::Native(f), *t))
             }
-            (Object::Courses(all), _, [column, t, next, _, rates @ ..]) => {
-                let course = self.column(all, *column)?;
-                let f = Native::of(Function::Course(0, course));
+            (Object::TimeTables(all), _, [column, t, next, _, rates @ ..]) => {
+                let table = self.column(all, *column)?;
+                let f = Native::of(Function::TimeTable(0, table));
                 let value = self.graph.binary(Binary::Native(f), *t, *next);
                 let by = |order: usize| -> Option<Native> {
                     (0..order).try_fold(f, |f, _| f.derivative(0))
@@ -402,7 +402,7 @@ impl Context<'_> {
 
     /// `fileName, tableName, table, rows, columns, start, columns to use, their number, smoothness,
     /// extrapolation, shift, events, ...`
-    fn courses(&mut self, args: &[Value]) -> Result<Object, Refusal> {
+    fn time_tables(&mut self, args: &[Value]) -> Result<Object, Refusal> {
         let [file, _, table, _, _, start, columns, _, smoothness, extrapolation, shift, stops, ..] =
             args
         else {
@@ -424,12 +424,12 @@ impl Context<'_> {
         let mut all = Vec::new();
         for k in self.numbers(columns)? {
             let y = table.column(k as usize)?;
-            let course = Course::new(&t, &y, smoothness, extrapolation, placing);
-            all.push(course.ok_or_else(|| {
+            let table = TimeTable::new(&t, &y, smoothness, extrapolation, placing);
+            all.push(table.ok_or_else(|| {
                 Refusal::Wrong("the first column of the table must not fall from row to row".into())
             })?);
         }
-        Ok(Object::Courses(all))
+        Ok(Object::TimeTables(all))
     }
 
     /// `fileName, tableName, table, rows, columns, smoothness, extrapolation, ...`

@@ -12,9 +12,9 @@ pub mod external;
 pub mod function;
 pub mod operator;
 pub mod overload;
+mod printf;
 pub mod reference;
 pub mod repeat;
-mod string;
 pub mod text;
 pub mod value;
 

@@ -20,5 +20,6 @@ pub mod pseudo_inverse;
 pub mod root;
 pub mod sequence;
 pub mod small_lu;
+pub mod smoothing;
 pub mod submatrix;
 pub mod table;

@@ -115,12 +115,15 @@ pub fn wrapped(u: f64, first: f64, last: f64) -> f64 {
 }
 
 /// The cubic polynomial in the distance from the first of two points, from values and slopes.
+#[inline]
 pub fn hermite(h: f64, y0: f64, y1: f64, s0: f64, s1: f64) -> [f64; 4] {
     let secant = (y1 - y0) / h;
     [y0, s0, (3.0 * secant - 2.0 * s0 - s1) / h, (s0 + s1 - 2.0 * secant) / (h * h)]
 }
 
-fn polynomial(c: &[f64; 4], h: f64, order: u8) -> f64 {
+/// The derivative of this order of a cubic polynomial at distance `h`; the value for order 0.
+#[inline]
+pub fn polynomial(c: &[f64; 4], h: f64, order: u8) -> f64 {
     match order {
         0 => c[0] + h * (c[1] + h * (c[2] + h * c[3])),
         1 => c[1] + h * (2.0 * c[2] + h * 3.0 * c[3]),

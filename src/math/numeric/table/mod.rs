@@ -1,8 +1,8 @@
-//! Functions given by points: of one number ([`curve`]), of time with jumps ([`course`]), of two
+//! Functions given by points: of one number ([`curve`]), of time with jumps ([`time_table`]), of two
 //! numbers ([`surface`]).
 //!
 //! A table is made once and evaluated many times, with its derivatives.
-pub mod course;
+pub mod time_table;
 pub mod curve;
 pub mod slopes;
 pub mod surface;

@@ -4,7 +4,9 @@
 //! J. ACM 17 (1970) 589-602. F. N. Fritsch and J. Butland, "A method for constructing local monotone
 //! piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5 (1984) 300-304. M. Steffen, "A simple
 //! method for monotonic interpolation in one dimension", Astron. Astrophys. 239 (1990) 443-450.
-//! The modified weights are those of C. Moler, "Makima piecewise cubic interpolation", 2019.
+//! The modified weights are those of C. Moler, "Makima piecewise cubic interpolation", 2019. The spline
+//! with two continuous derivatives: C. de Boor, *A Practical Guide to Splines*, 2001, ch. IV, with
+//! natural ends.
 
 use super::Smoothness;
 
@@ -41,6 +43,33 @@ pub fn slopes(smoothness: Smoothness, x: &[f64], y: &[f64], periodic: bool) -> V
             all
         }
     }
+}
+
+/// The slopes that make the curvature continuous, with none at the ends: a tridiagonal system.
+pub fn spline_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    if n < 3 {
+        return slopes(Smoothness::FritschButland, x, y, false);
+    }
+    let h: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+    let chords: Vec<f64> = y.windows(2).zip(&h).map(|(w, h)| (w[1] - w[0]) / h).collect();
+    let (mut upper, mut right) = (vec![0.0; n], vec![0.0; n]);
+    (upper[0], right[0]) = (0.5, 1.5 * chords[0]);
+    for k in 1..n {
+        let (below, diagonal, above, r) = if k + 1 < n {
+            let r = 3.0 * (h[k] * chords[k - 1] + h[k - 1] * chords[k]);
+            (h[k], 2.0 * (h[k - 1] + h[k]), h[k - 1], r)
+        } else {
+            (1.0, 2.0, 0.0, 3.0 * chords[n - 2])
+        };
+        let pivot = diagonal - below * upper[k - 1];
+        upper[k] = above / pivot;
+        right[k] = (r - below * right[k - 1]) / pivot;
+    }
+    for k in (0..n - 1).rev() {
+        right[k] -= upper[k] * right[k + 1];
+    }
+    right
 }
 
 /// Secants with two more on each side: by Akima's parabola, or from the other end.

@@ -19,7 +19,7 @@ pub enum Stops {
 
 /// A function of time.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Course {
+pub struct TimeTable {
     /// From jump to jump.
     parts: Vec<Curve>,
     /// Instants of events, rising, before they are shifted.
@@ -32,7 +32,7 @@ pub struct Course {
     shift: f64,
 }
 
-/// How a course lies in time.
+/// How a table lies in time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Placing {
     /// It is 0 before this time, s.
@@ -43,7 +43,7 @@ pub struct Placing {
     pub stops: Stops,
 }
 
-impl Course {
+impl TimeTable {
     /// Through points whose times do not fall. `None` where [`Curve::new`] gives none, or where a
     /// time stands three times.
     pub fn new(
@@ -52,7 +52,7 @@ impl Course {
         smoothness: Smoothness,
         extrapolation: Extrapolation,
         placing: Placing,
-    ) -> Option<Course> {
+    ) -> Option<TimeTable> {
         let n = t.len();
         if n == 0 || y.len() != n || t.windows(2).any(|p| p[0] > p[1]) {
             return None;
@@ -82,7 +82,7 @@ impl Course {
             Stops::Never => Vec::new(),
         };
         let Placing { start, shift, .. } = placing;
-        Some(Course { parts, stops, range: (t[0], t[n - 1]), extrapolation, start, shift })
+        Some(TimeTable { parts, stops, range: (t[0], t[n - 1]), extrapolation, start, shift })
     }
 
     /// The first and the last time of the table, s, not shifted.
@@ -165,9 +165,9 @@ mod tests {
 
     const NOW: Placing = Placing { start: 0.0, shift: 0.0, stops: Stops::AtJumps };
 
-    fn step(extrapolation: Extrapolation, placing: Placing) -> Course {
+    fn step(extrapolation: Extrapolation, placing: Placing) -> TimeTable {
         let (t, y) = ([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 5.0]);
-        Course::new(&t, &y, Smoothness::Linear, extrapolation, placing).unwrap()
+        TimeTable::new(&t, &y, Smoothness::Linear, extrapolation, placing).unwrap()
     }
 
     #[test]
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn level_pieces_change_at_their_points() {
-        let c = Course::new(
+        let c = TimeTable::new(
             &[0.0, 1.0, 2.0],
             &[3.0, 4.0, 5.0],
             Smoothness::Constant,
