@@ -16,6 +16,8 @@ use crate::resolve::library::Library;
 
 /// No `inner` component around: a component alone has none.
 const NO_INNER: &str = "MO0206";
+/// What is wrong with a function whatever its arguments: names and types.
+const HOLDS_ANYWHERE: [&str; 4] = ["MO0201", "MO0202", "MO0212", "MO0266"];
 /// A parameter without a value.
 const NO_VALUE: &str = "MO0303";
 
@@ -68,6 +70,8 @@ impl Session {
                 let base = base.map(|base| cx.classes[base].full_name);
                 one(cx, class);
                 settled.extend(base.filter(|_| !problems.has_errors()));
+            } else if is_function(&cx, class) {
+                read(cx, class);
             }
             // Its errors may all follow from the component that is missing around it.
             if !problems.iter().any(|d| d.code == NO_INNER) {
@@ -75,6 +79,28 @@ impl Session {
             }
         }
         if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) }
+    }
+}
+
+/// A function with a body that could be called.
+fn is_function(cx: &Context<'_>, class: ClassId) -> bool {
+    let Some(text) = cx.text(class) else { return false };
+    let ClassBody::Long(composition) = &text.body else { return false };
+    matches!(text.kind, ClassKind::Function { .. })
+        && !text.partial
+        && composition.external.is_none()
+        && !composition.algorithms.is_empty()
+}
+
+/// Names and types in a function, whatever it is called with. What else is said may be so for the sizes
+/// only with which it is read here.
+fn read(mut cx: Context<'_>, class: ClassId) {
+    let before: Vec<Diagnostic> = cx.problems.iter().cloned().collect();
+    cx.read_function(class);
+    let said: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
+    *cx.problems = Problems::new();
+    for d in before.into_iter().chain(said.into_iter().filter(|d| HOLDS_ANYWHERE.contains(&d.code))) {
+        cx.problems.push(d);
     }
 }
 

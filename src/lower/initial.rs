@@ -144,7 +144,13 @@ fn equal(
     let lhs = r.apply(a, Mode::Literal, origin);
     let rhs = r.apply(b, Mode::Literal, origin);
     for (side, value) in [(lhs, rhs), (rhs, lhs)] {
+        let found = |e| match r.graph.node(e) {
+            Node::Var(w) => r.variables[w].kind == Kind::InitialParameter,
+            _ => false,
+        };
         match r.graph.node(side) {
+            // A variable that begins as it is told gives its value to a parameter that is to be found.
+            Node::Var(v) if r.variables[v].fixed == Some(true) && found(value) => {}
             Node::Var(v) if r.variables[v].kind == Kind::Discrete => {
                 return first_value(v, value, origin, discrete, r);
             }

@@ -6,12 +6,13 @@
 //! it has at these values, and the parameters that decide it fix the structure from then on.
 
 use super::incidence::System;
-use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::base::index::{FastMap, FastSet, Id, IndexVec};
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, EqId, Kind};
-use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
+use crate::ir::expr::{Const, ExprId, Graph, Node, Type, VarId};
 use crate::math::graph::bipartite::Edge;
 use crate::math::graph::matching::Matching;
+use crate::symbolic::eval;
 use crate::symbolic::rewrite::Rewriter;
 
 /// So long may a chain of equations be of which each makes the next one come down.
@@ -35,6 +36,8 @@ struct Form {
 
 /// What is literally known: parameters, and variables that are 0 because parameters are.
 struct Known {
+    /// Expressions of parameters alone that are 0.
+    zeros: FastSet<ExprId>,
     values: FastMap<VarId, ExprId>,
     /// The parameters that make a variable 0.
     because: FastMap<VarId, Vec<VarId>>,
@@ -44,7 +47,9 @@ impl Vanishing {
     /// Looks at all continuous equations. An equation that comes down to `v = 0` makes others come
     /// down in turn.
     pub fn find(dae: &mut Dae) -> Vanishing {
-        let mut known = Known { values: values(dae), because: FastMap::default() };
+        let values = values(dae);
+        let zeros = zeros(&dae.graph, &values);
+        let mut known = Known { zeros, values, because: FastMap::default() };
         let mut forms = FastMap::default();
         for _ in 0..ROUNDS {
             let before = known.because.len();
@@ -142,6 +147,36 @@ fn values(dae: &mut Dae) -> FastMap<VarId, ExprId> {
     values
 }
 
+/// The sums, products and the like of parameters that are 0 at their values.
+fn zeros(graph: &Graph, values: &FastMap<VarId, ExprId>) -> FastSet<ExprId> {
+    let mut known: Vec<Option<f64>> = Vec::with_capacity(graph.len());
+    let mut zeros = FastSet::default();
+    // Operands have lower numbers.
+    for e in graph.ids() {
+        let of = |a: ExprId| known.get(a.idx()).copied().flatten();
+        let value = match graph.node(e) {
+            Node::Const(c) => c.register(),
+            Node::Var(v) => {
+                values.get(&v).and_then(|value| graph.as_const(*value)).and_then(Const::register)
+            }
+            Node::Unary(op, a) => of(a).map(|a| eval::unary(op, a)),
+            Node::Binary(op, a, b) => match (of(a), of(b)) {
+                (Some(a), Some(b)) => Some(eval::binary(op, a, b)),
+                _ => None,
+            },
+            Node::If(c, a, b) => of(c).and_then(|c| of(if c != 0.0 { a } else { b })),
+            Node::NoEvent(a) => of(a),
+            _ => None,
+        };
+        let composite = matches!(graph.node(e), Node::Unary(..) | Node::Binary(..));
+        if composite && graph.ty(e) == Type::Real && value == Some(0.0) {
+            zeros.insert(e);
+        }
+        known.push(value);
+    }
+    zeros
+}
+
 /// The form of an equation with what is known now.
 fn look(dae: &mut Dae, id: EqId, known: &mut Known, forms: &mut FastMap<EqId, Form>) {
     let e = dae.equations[id].clone();
@@ -198,7 +233,7 @@ fn is_suspicious(dae: &Dae, e: ExprId, known: &Known) -> bool {
     dae.graph.postorder([e]).into_iter().any(|n| match dae.graph.node(n) {
         Node::Var(v) => known.is_zero(&dae.graph, v),
         Node::If(..) => true,
-        _ => false,
+        _ => known.zeros.contains(&n),
     })
 }
 
@@ -213,6 +248,10 @@ fn decided(g: &mut Graph, n: ExprId, known: &Known, decisive: &mut Vec<VarId>) -
         Node::Var(v) if known.is_zero(g, v) => {
             decisive.extend(known.because.get(&v).map_or(&[v][..], Vec::as_slice));
             known.values.get(&v).copied()
+        }
+        _ if known.zeros.contains(&n) => {
+            decisive.extend(g.variables(n));
+            Some(g.real(0.0))
         }
         _ if g.ty(n) == Type::Boolean => {
             let nodes = g.postorder([n]);

@@ -13,6 +13,9 @@ use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript,
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
 
+/// The size of an array whose size nobody says, where a function is only read.
+const OPEN_SIZE: usize = 3;
+
 impl Context<'_> {
     /// Calls a class: a function, a record constructor, or an enumeration by number.
     pub(crate) fn call_class(
@@ -231,6 +234,39 @@ impl Context<'_> {
 
     fn declaration_scope(&self, entry: &Entry) -> Scope {
         Scope { instance: self.classes[entry.class].holder, class: entry.class }
+    }
+
+    /// Reads the body of a function that nobody may call, with unknown arguments. Open sizes are taken
+    /// to be [`OPEN_SIZE`], so that what is said of sizes need not hold for others.
+    pub fn read_function(&mut self, class: ClassId) {
+        let components = self.components(class);
+        let mut arguments = Vec::new();
+        for (entry, declaration) in &components {
+            if self.causality(entry, declaration) != Some(Causality::Input) {
+                continue;
+            }
+            let scope = self.declaration_scope(entry);
+            let Some(of) = self.class_or_report(&declaration.clause().type_name, scope) else {
+                return;
+            };
+            if matches!(self.kind(of), ClassKind::Function { .. }) || self.is_external_object(of) {
+                return;
+            }
+            let count = declaration.component().dims.len() + declaration.clause().type_dims.len();
+            let Some(zero) = self.zero_of_class(of, entry.name.span) else { return };
+            let zeros = vec![zero; OPEN_SIZE.pow(count as u32)];
+            let zero = Value::array(vec![OPEN_SIZE; count], zeros);
+            let graph = &mut self.graph;
+            let symbols = &mut self.evaluation.symbols;
+            let unknown = zero.each_scalar(&mut |e| {
+                *symbols += 1;
+                let ty = graph.ty(e);
+                graph.var(super::repeat::symbol(*symbols), ty)
+            });
+            arguments.push(unknown);
+        }
+        let span = self.text(class).map_or(Span::NONE, |t| t.name.span);
+        self.call_function(class, arguments, Vec::new(), span);
     }
 
     fn run(

@@ -19,6 +19,11 @@ use crate::symbolic::rewrite::Rewriter;
 /// Numbers of symbols begin here: no model has so many variables.
 const FIRST_SYMBOL: u32 = 1 << 30;
 
+/// The k-th symbol.
+pub(super) fn symbol(k: u32) -> VarId {
+    VarId(FIRST_SYMBOL + k)
+}
+
 impl Context<'_> {
     /// Makes a function of `while condition loop body` and assigns its outputs.
     pub(super) fn repeat(

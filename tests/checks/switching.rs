@@ -1,0 +1,95 @@
+//! Equations and relations that must be solved together, equations that depend on each other, and
+//! coefficients that vanish.
+
+use super::door::{Case, Reading, assert_close};
+
+/// Two bodies with dry friction between them. The force that holds them together is known only where
+/// they are held: from sliding no repetition leads there.
+#[test]
+fn bodies_stick_where_the_friction_is_strong_enough() {
+    let text = "model Contact
+           parameter Real F = 3;
+           parameter Real c = 4;
+           Real v1(start = -1, fixed = true);
+           Real v2(start = 0, fixed = true);
+           Real w = v1 - v2;
+           Real a_rel = der(v1) - der(v2);
+           Real s;
+           Real f;
+           Boolean up(start = false, fixed = true);
+           Boolean down(start = false, fixed = true);
+           Boolean stuck;
+           Integer mode(start = -1, fixed = true);
+         equation
+           up = pre(mode) == 0 and s > c;
+           down = pre(mode) == 0 and s < -c;
+           stuck = not (pre(mode) == 1 or up or pre(mode) == -1 or down);
+           a_rel = if stuck then 0 elseif up or pre(mode) == 1 then s - c else s + c;
+           f = if stuck then s elseif up or pre(mode) == 1 then c else -c;
+           mode = if (pre(mode) == 1 or up) and w > 0 then 1
+             elseif (pre(mode) == -1 or down) and w < 0 then -1 else 0;
+           der(v1) = F - f;
+           10*der(v2) = f;
+           annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+         end Contact;";
+    // They slide until -1 + (F + c) t = -c/10 t, and then go together, by F/11.
+    let run = Case::text(text).run();
+    let met = 1.0 / 7.4;
+    let together = -0.4 * met + 3.0 / 11.0 * (1.0 - met);
+    assert_close(run.last("v1"), together, 1e-8);
+    assert_close(run.last("v2"), together, 1e-8);
+    assert_eq!(run.last("mode"), 0.0);
+    // A stronger pull tears them apart: F - c forwards on the one, c/10 on the other.
+    let run = Case::text(text).set("F=8").run();
+    let met = 1.0 / 12.4;
+    assert_close(run.last("v2"), -0.4 * met + 0.4 * (1.0 - met), 1e-8);
+    assert_close(run.last("v1"), -0.4 * met + 4.0 * (1.0 - met), 1e-8);
+    assert_eq!(run.last("mode"), 1.0);
+}
+
+/// A ring of differences says two things in three equations: the level stays open, the rest is right.
+#[test]
+fn equations_that_follow_from_others_are_no_contradiction() {
+    let run = Case::text(
+        "model Ring
+           Real a;
+           Real b;
+           Real c;
+           Real x(start = 0, fixed = true);
+         equation
+           a - b = sin(time);
+           b - c = cos(time);
+           c - a = -sin(time) - cos(time);
+           der(x) = a - c;
+           annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+         end Ring;",
+    )
+    .run();
+    let (sin, cos) = 1.0_f64.sin_cos();
+    assert_close(run.last("a") - run.last("b"), sin, 1e-12);
+    assert_close(run.last("b") - run.last("c"), cos, 1e-12);
+    assert_close(run.last("x"), 1.0 - cos + sin, 1e-8);
+}
+
+/// A winding at an angle: of its two components one vanishes, at 0 exactly, at pi/2 by rounding.
+#[test]
+fn nothing_is_divided_by_the_sine_of_zero() {
+    for angle in [0.0, 1.0, std::f64::consts::FRAC_PI_2, std::f64::consts::PI] {
+        let run = Case::text(
+            "model Winding
+               parameter Real angle = 0;
+               parameter Real n[2] = 5*{cos(angle), sin(angle)};
+               Real phi[2];
+               Real i(start = 0, fixed = true);
+               Real u = exp(-time);
+             equation
+               phi = n*i/25;
+               u = n*der(phi);
+               annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+             end Winding;",
+        )
+        .set(format!("angle={angle}"))
+        .run();
+        assert_close(run.last("i"), 1.0 - f64::exp(-1.0), 1e-8);
+    }
+}

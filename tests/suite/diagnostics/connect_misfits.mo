@@ -1,0 +1,30 @@
+package P
+  connector Signal = input Real;
+  connector Pin
+    Real v;
+    flow Real i;
+  end Pin;
+  connector Half
+    input Real v;
+    flow Real i;
+  end Half;
+  model Part
+    Pin p;
+    Half h;
+  equation
+    p.v = 2*p.i;
+    h.v = h.i;
+  end Part;
+  model Top
+    Part one;
+    Part two;
+    Real x = 1;
+    Real y;
+  equation
+    connect(one.p, two.h);
+    connect(x, y);
+    if time > 0.5 then
+      connect(one.p, two.p);
+    end if;
+  end Top;
+end P;

@@ -1,0 +1,14 @@
+model Discrete
+  function above
+    input Real x;
+    output Boolean y;
+  algorithm
+    y := x > 0.5;
+  end above;
+  Boolean event = time > 0.5;
+  Boolean through = above(time);
+  Boolean quiet;
+  discrete Real held = 1;
+equation
+  quiet = noEvent(time > 0.5);
+end Discrete;
