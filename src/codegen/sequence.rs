@@ -49,8 +49,8 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         e.levels[v.idx()] = Some(PARAMETER);
         if e.dae.variables[v].ty == Type::String {
             if e.is_chosen_text(value) {
-                let slot = e.slot(v);
-                e.emit_to(slot, value);
+                let (dst, (from, _)) = (e.slot(v), e.emit(value));
+                e.push(PARAMETER, Op::Copy, dst, from, from);
             } else {
                 e.open_texts.insert(v);
             }

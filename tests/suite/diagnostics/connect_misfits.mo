@@ -6,14 +6,14 @@ package P
   end Pin;
   connector Half
     input Real v;
-    flow Real i;
+    output Real i;
   end Half;
   model Part
     Pin p;
     Half h;
   equation
     p.v = 2*p.i;
-    h.v = h.i;
+    h.i = h.v;
   end Part;
   model Top
     Part one;
