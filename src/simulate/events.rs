@@ -16,6 +16,8 @@ pub const ITERATION_LIMIT: u32 = 100;
 const LOOKS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Failed evaluations within one step before the search gives up.
 const TRIALS: u32 = 100;
+/// Relations that are turned one by one before all combinations are tried.
+const MOST_TURNS: usize = 300;
 /// Combinations of relations that are tried where an event iteration goes round in circles.
 const MOST_TRIALS: u32 = 2000;
 /// Length of the interval in which a switching is enclosed, in spacings of doubles at its time.
@@ -239,7 +241,9 @@ pub fn sweep<'p>(
         return Err(failed);
     }
     let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
-    if search(instance, tape, late, &begun, &moved) {
+    if turn_one_by_one(instance, tape, late, &begun)
+        || search(instance, tape, late, &begun, &moved)
+    {
         instance.fault = None;
         return Ok(());
     }
@@ -278,6 +282,34 @@ fn rest<'p>(
         moved.extend(restless.iter().filter(|k| !moved.contains(k)).copied().collect::<Vec<_>>());
     }
     Err(Unsettled::Restless(Vec::new(), restless))
+}
+
+/// Turns of the relations that the equations contradict only the first, until there is none: where the
+/// relations are those of a linear complementarity problem with a P-matrix, as of networks of ideal
+/// diodes and resistances, that ends (K. G. Murty, "Note on a Bard-type scheme for solving the
+/// complementarity problem", Opsearch 11, 1974).
+fn turn_one_by_one<'p>(
+    instance: &mut Instance<'p>,
+    tape: &'p Tape,
+    late: &[u32],
+    begun: &[f64],
+) -> bool {
+    let first = instance.program.layout.relations;
+    instance.memory.copy_from_slice(begun);
+    let mut held: Vec<f64> = late.iter().map(|k| instance.get(first + k)).collect();
+    for _ in 0..MOST_TURNS {
+        if instance.run(tape).is_err() {
+            return false;
+        }
+        let wrong = late.iter().zip(&held).position(|(k, h)| instance.get(first + k) != *h);
+        let Some(wrong) = wrong else { return true };
+        instance.memory.copy_from_slice(begun);
+        held[wrong] = 1.0 - held[wrong];
+        for (k, h) in late.iter().zip(&held) {
+            instance.set(first + k, *h);
+        }
+    }
+    false
 }
 
 /// Looks for values of relations that the equations confirm, from `begun` on: those first that differ

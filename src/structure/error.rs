@@ -113,6 +113,13 @@ pub fn not_a_state(v: &Variable) -> Diagnostic {
     .help("use `StateSelect.prefer`, or drop the wish for another variable of the constraint")
 }
 
+/// MO0405: `stateSelect = always` of what is no state at all.
+pub fn jumping_state(v: &Variable) -> Diagnostic {
+    Diagnostic::error("MO0405", v.span, format!("`{}` can not be a state: it jumps", v.name))
+        .label("declared with `stateSelect = StateSelect.always`")
+        .help("leave `stateSelect` out: a state is continuous between events (section 4.9.7.1)")
+}
+
 /// MO0406: `stateSelect = never` can not be met.
 pub fn needed_as_state(v: &Variable) -> Diagnostic {
     Diagnostic::warning(

@@ -178,6 +178,9 @@ fn check_wishes(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Prob
         if is_differentiated && v.state_select == StateSelect::Always && !is_state[id] {
             problems.push(error::not_a_state(v));
         }
+        if v.kind == Kind::Algebraic && v.state_select == StateSelect::Always && jumps(dae, id) {
+            problems.push(error::jumping_state(v));
+        }
         if v.state_select == StateSelect::Never && is_state[id] {
             problems.push(error::needed_as_state(v));
         }
@@ -187,4 +190,21 @@ fn check_wishes(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Prob
             problems.push(error::reinit_of_dependent(&dae.variables[reinit.state], &reinit.origin));
         }
     }
+}
+
+/// Whether a variable is a choice that relations make between values: no state can jump.
+fn jumps(dae: &Dae, v: VarId) -> bool {
+    let chosen = |e: ExprId| match dae.graph.node(e) {
+        Node::If(c, ..) => {
+            let nodes = dae.graph.postorder([c]);
+            nodes.into_iter().any(|n| matches!(dae.graph.node(n), Node::Relation(_)))
+        }
+        _ => false,
+    };
+    let mut equations = dae.equations.iter();
+    equations.any(|e| {
+        [(e.lhs, e.rhs), (e.rhs, e.lhs)]
+            .into_iter()
+            .any(|(side, value)| dae.graph.node(side) == Node::Var(v) && chosen(value))
+    })
 }

@@ -1,24 +1,30 @@
-//! Square systems whose matrix is singular: the solution nearest to zero, where there is one.
+//! Square systems whose matrix is singular: the solution nearest to what was, where there is one.
 //!
-//! Singular value decomposition by one-sided Jacobi rotations: M. R. Hestenes, "Inversion of matrices
-//! by biorthogonalization and related results", J. SIAM 6, 1958; Golub & Van Loan, *Matrix
-//! Computations*, 4th ed. 2013, sections 5.5.2 (pseudo-inverse) and 8.6.3. Rows and columns are scaled
-//! first, so that units do not decide what counts as nothing: nearest means nearest in these scales.
+//! Complete orthogonal decomposition: Householder reflections from the left with exchange of columns show
+//! the rank, reflections from the right take what is left of the dependent columns away. Golub & Van
+//! Loan, *Matrix Computations*, 4th ed. 2013, algorithm 5.4.1 and section 5.4.7. Rows and columns are
+//! scaled first, so that units do not decide what counts as nothing: nearest means nearest in these
+//! scales.
 
-/// Singular values below this part of the largest count as zero, times the order.
+/// Pivots below this part of the largest count as zero, times the order.
 const NOTHING: f64 = 1e-13;
 /// Residuals up to this part of the largest term count as zero.
 const CONSISTENT: f64 = 1e-9;
-/// Sweeps of rotations; a handful is enough for convergence, which is quadratic.
-const SWEEPS: usize = 60;
 
-/// The pseudo-inverse of a square matrix.
+/// The decomposition of a square matrix.
 #[derive(Clone, Debug)]
 pub struct PseudoInverse {
     n: usize,
     /// The scaled matrix, column-major, for the test of consistency.
     scaled: Vec<f64>,
-    inverse: Vec<f64>,
+    /// The triangle, and below it the vectors of the reflections from the left.
+    factors: Vec<f64>,
+    left: Vec<f64>,
+    /// Vectors of the reflections from the right, each of the length `n - rank`.
+    tails: Vec<f64>,
+    right: Vec<f64>,
+    /// The column of the matrix that stands at each place.
+    order: Vec<usize>,
     rows: Vec<f64>,
     columns: Vec<f64>,
     rank: usize,
@@ -41,38 +47,130 @@ impl PseudoInverse {
         for (k, x) in scaled.iter_mut().enumerate() {
             *x *= columns[k / n];
         }
-        // U S = scaled V
-        let (mut us, mut v) = (scaled.clone(), vec![0.0; n * n]);
-        (0..n).for_each(|i| v[i + n * i] = 1.0);
-        for _ in 0..SWEEPS {
-            if !rotate_all(n, &mut us, &mut v) {
-                break;
-            }
-        }
-        let squares: Vec<f64> =
-            us.chunks_exact(n).map(|c| c.iter().map(|x| x * x).sum::<f64>()).collect();
-        let most = squares.iter().fold(0.0, |m: f64, s| m.max(*s)).sqrt();
-        let mut inverse = vec![0.0; n * n];
-        let mut rank = 0;
-        for (k, square) in squares.iter().enumerate() {
-            if square.sqrt() <= NOTHING * n as f64 * most {
-                continue;
-            }
-            rank += 1;
-            // v_k u_k^T / s_k, where column k of `us` is u_k s_k.
-            for j in 0..n {
-                let part = us[j + n * k] / square;
+        let mut inverse = PseudoInverse {
+            n,
+            factors: scaled.clone(),
+            scaled,
+            left: vec![0.0; n],
+            tails: Vec::new(),
+            right: Vec::new(),
+            order: (0..n).collect(),
+            rows,
+            columns,
+            rank: 0,
+        };
+        inverse.reflect_from_left();
+        inverse.reflect_from_right();
+        Some(inverse)
+    }
+
+    fn reflect_from_left(&mut self) {
+        let n = self.n;
+        let a = &mut self.factors;
+        for k in 0..n {
+            let size = |a: &[f64], j: usize| norm(&a[k + n * j..n * (j + 1)]);
+            let pivot = (k..n).fold(k, |p, j| if size(a, j) > size(a, p) { j } else { p });
+            if pivot != k {
                 for i in 0..n {
-                    inverse[i + n * j] += v[i + n * k] * part;
+                    a.swap(i + n * k, i + n * pivot);
+                }
+                self.order.swap(k, pivot);
+            }
+            let length = size(a, k);
+            if length <= NOTHING * n as f64 * a[0].abs() && k > 0 || length == 0.0 {
+                return;
+            }
+            self.rank = k + 1;
+            // v = x - beta e, scaled to v_k = 1; H = I - tau v v^T.
+            let alpha = a[k + n * k];
+            let beta = -alpha.signum() * length;
+            self.left[k] = (beta - alpha) / beta;
+            for i in k + 1..n {
+                a[i + n * k] /= alpha - beta;
+            }
+            a[k + n * k] = beta;
+            for j in k + 1..n {
+                let along: f64 = (k + 1..n).map(|i| a[i + n * k] * a[i + n * j]).sum();
+                let t = self.left[k] * (a[k + n * j] + along);
+                a[k + n * j] -= t;
+                for i in k + 1..n {
+                    a[i + n * j] -= t * a[i + n * k];
                 }
             }
         }
-        Some(PseudoInverse { n, scaled, inverse, rows, columns, rank })
+    }
+
+    fn reflect_from_right(&mut self) {
+        let (n, r) = (self.n, self.rank);
+        let m = n - r;
+        self.tails = vec![0.0; r * m];
+        self.right = vec![0.0; r];
+        if m == 0 {
+            return;
+        }
+        let a = &mut self.factors;
+        for i in (0..r).rev() {
+            let tail: Vec<f64> = (r..n).map(|j| a[i + n * j]).collect();
+            let rest = norm(&tail);
+            if rest == 0.0 {
+                continue;
+            }
+            let alpha = a[i + n * i];
+            let beta = -alpha.signum() * alpha.hypot(rest);
+            self.right[i] = (beta - alpha) / beta;
+            let v = &mut self.tails[m * i..m * (i + 1)];
+            for (v, x) in v.iter_mut().zip(&tail) {
+                *v = x / (alpha - beta);
+            }
+            a[i + n * i] = beta;
+            for row in 0..i {
+                let along: f64 = (0..m).map(|j| a[row + n * (r + j)] * v[j]).sum();
+                let t = self.right[i] * (a[row + n * i] + along);
+                a[row + n * i] -= t;
+                for j in 0..m {
+                    a[row + n * (r + j)] -= t * v[j];
+                }
+            }
+        }
     }
 
     /// How many equations are independent.
     pub fn rank(&self) -> usize {
         self.rank
+    }
+
+    /// The shortest vector for which the scaled equations hold as well as can be.
+    fn shortest(&self, right: &[f64]) -> Vec<f64> {
+        let (n, r, a) = (self.n, self.rank, &self.factors);
+        let mut w = right.to_vec();
+        for k in 0..r {
+            let along: f64 = (k + 1..n).map(|i| a[i + n * k] * w[i]).sum();
+            let t = self.left[k] * (w[k] + along);
+            w[k] -= t;
+            for i in k + 1..n {
+                w[i] -= t * a[i + n * k];
+            }
+        }
+        for k in (0..r).rev() {
+            let known: f64 = (k + 1..r).map(|j| a[k + n * j] * w[j]).sum();
+            w[k] = (w[k] - known) / a[k + n * k];
+        }
+        w[r..].fill(0.0);
+        let m = n - r;
+        for i in 0..r {
+            let v = &self.tails[m * i..m * (i + 1)];
+            let along: f64 = v.iter().zip(&w[r..]).map(|(v, w)| v * w).sum();
+            let t = self.right[i] * (w[i] + along);
+            w[i] -= t;
+            for (w, v) in w[r..].iter_mut().zip(v) {
+                *w -= t * v;
+            }
+        }
+        let mut x = vec![0.0; n];
+        for (w, at) in w.iter().zip(&self.order) {
+            x[*at] = *w;
+        }
+        x
     }
 
     /// Overwrites the right side `b` by the solution nearest to `last`; false if no vector satisfies all
@@ -87,12 +185,7 @@ impl PseudoInverse {
                 right[i] -= self.scaled[i + n * j] * before[j];
             }
         }
-        let mut x = vec![0.0; n];
-        for j in 0..n {
-            for i in 0..n {
-                x[i] += self.inverse[i + n * j] * right[j];
-            }
-        }
+        let x = self.shortest(&right);
         size = x.iter().fold(size, largest);
         let solved = (0..n).all(|i| {
             let sum: f64 = (0..n).map(|j| self.scaled[i + n * j] * x[j]).sum();
@@ -114,34 +207,8 @@ fn largest(m: f64, x: &f64) -> f64 {
     m.max(x.abs())
 }
 
-/// Makes all pairs of columns of `us` orthogonal; false if they were.
-fn rotate_all(n: usize, us: &mut [f64], v: &mut [f64]) -> bool {
-    let mut turned = false;
-    for p in 0..n {
-        for q in p + 1..n {
-            let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-            for i in 0..n {
-                let (x, y) = (us[i + n * p], us[i + n * q]);
-                (aa, bb, ab) = (aa + x * x, bb + y * y, ab + x * y);
-            }
-            if !(ab.abs() > f64::EPSILON * (aa * bb).sqrt()) || ab.abs() < f64::MIN_POSITIVE {
-                continue;
-            }
-            turned = true;
-            let zeta = (bb - aa) / (2.0 * ab);
-            let t = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
-            let c = 1.0 / t.hypot(1.0);
-            let s = c * t;
-            for m in [&mut *us, &mut *v] {
-                for i in 0..n {
-                    let (x, y) = (m[i + n * p], m[i + n * q]);
-                    m[i + n * p] = c * x - s * y;
-                    m[i + n * q] = s * x + c * y;
-                }
-            }
-        }
-    }
-    turned
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
