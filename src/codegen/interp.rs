@@ -403,8 +403,7 @@ impl<'p> Instance<'p> {
         for _ in 0..2 {
             for (i, slot) in relations.iter().enumerate() {
                 let turned = flipped.contains(&i);
-                self.memory[*slot as usize] =
-                    f64::from((begun[*slot as usize] != 0.0) != turned);
+                self.memory[*slot as usize] = f64::from((begun[*slot as usize] != 0.0) != turned);
             }
             if self.run(&mixed.tape).is_err() {
                 self.relaxed = was_relaxed;

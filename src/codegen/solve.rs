@@ -6,8 +6,8 @@
 
 use crate::ir::program::{Implicit, Solver};
 use crate::math::numeric::linear::DenseLu;
-use crate::math::numeric::pseudo_inverse::PseudoInverse;
 use crate::math::numeric::newton::{Ending, Equations, Newton, Region, Settings};
+use crate::math::numeric::pseudo_inverse::PseudoInverse;
 
 use super::interp::{Fault, Instance};
 
@@ -35,6 +35,8 @@ struct Linear {
     singular: Option<PseudoInverse>,
     /// There are factors, if only by rounding.
     has_factors: bool,
+    /// The matrix was singular before: a pivot that rounding leaves over is none.
+    deficient: bool,
     last: Vec<f64>,
     right: Vec<f64>,
 }
@@ -56,6 +58,7 @@ impl SolverWork {
                 valid: false,
                 singular: None,
                 has_factors: false,
+                deficient: false,
                 last: vec![0.0; n],
                 right: vec![0.0; n],
             })
@@ -282,7 +285,10 @@ impl Linear {
             self.valid = false;
             self.singular = None;
             let factored = self.lu.factor(&self.matrix);
-            if factored.is_err() || self.lu.weakest_pivot(&self.matrix) <= ROUNDING {
+            self.deficient |= factored.is_err();
+            if self.deficient
+                && (factored.is_err() || self.lu.weakest_pivot(&self.matrix) <= ROUNDING)
+            {
                 let inverse = PseudoInverse::new(n, &self.matrix);
                 self.singular = inverse.filter(|i| factored.is_err() || i.rank() < n);
                 if let (Err(s), None) = (&factored, &self.singular) {
@@ -371,6 +377,8 @@ impl Equations for BlockEquations<'_, '_> {
 /// The memory of the derivative of a torn block.
 pub struct ImplicitWork {
     lu: DenseLu,
+    /// The matrix was singular before: a pivot that rounding leaves over is none.
+    deficient: bool,
     matrix: Vec<f64>,
     columns: Vec<f64>,
 }
@@ -381,6 +389,7 @@ impl ImplicitWork {
         let n = implicit.order;
         ImplicitWork {
             lu: DenseLu::new(n),
+            deficient: false,
             matrix: vec![0.0; n * n],
             columns: vec![0.0; implicit.results.len()],
         }
@@ -398,7 +407,10 @@ impl ImplicitWork {
             self.columns[e.row as usize + n * e.column as usize] = -memory[e.slot as usize];
         }
         let factored = self.lu.factor(&self.matrix);
-        if factored.is_ok() && (n == 1 || self.lu.weakest_pivot(&self.matrix) > ROUNDING) {
+        self.deficient |= factored.is_err();
+        let regular =
+            factored.is_ok() && (!self.deficient || self.lu.weakest_pivot(&self.matrix) > ROUNDING);
+        if regular {
             for column in self.columns.chunks_exact_mut(n) {
                 self.lu.solve_in_place(column);
             }

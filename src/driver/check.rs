@@ -99,7 +99,8 @@ fn read(mut cx: Context<'_>, class: ClassId) {
     cx.read_function(class);
     let said: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
     *cx.problems = Problems::new();
-    for d in before.into_iter().chain(said.into_iter().filter(|d| HOLDS_ANYWHERE.contains(&d.code))) {
+    for d in before.into_iter().chain(said.into_iter().filter(|d| HOLDS_ANYWHERE.contains(&d.code)))
+    {
         cx.problems.push(d);
     }
 }

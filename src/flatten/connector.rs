@@ -65,7 +65,9 @@ fn check_block(cx: &mut Context<'_>, block: InstanceId) {
     let InstanceKind::Object(children) = cx.instances[block].kind.clone() else { return };
     for child in children.iter().copied() {
         let class = cx.instances[child].class;
-        if cx.instances[child].protected || !class.is_some_and(|c| cx.kind(c) == ClassKind::Connector) {
+        if cx.instances[child].protected
+            || !class.is_some_and(|c| cx.kind(c) == ClassKind::Connector)
+        {
             continue;
         }
         let mut stack = vec![child];
@@ -91,10 +93,7 @@ fn check_block(cx: &mut Context<'_>, block: InstanceId) {
 }
 
 fn report_undirected(cx: &mut Context<'_>, connector: InstanceId, variable: InstanceId) {
-    let message = format!(
-        "`{}` of a block is neither input nor output",
-        cx.path(variable)
-    );
+    let message = format!("`{}` of a block is neither input nor output", cx.path(variable));
     cx.problems.push(
         Diagnostic::error("MO0249", cx.declared_at(connector), message)
             .also(cx.declared_at(variable), "declared here")

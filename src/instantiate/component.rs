@@ -84,9 +84,9 @@ impl Context<'_> {
         let condition = match &component.condition {
             Some(condition) => Some((condition.clone(), scope)),
             // What the redeclaration does not say stays as it was (section 7.3).
-            None => self.replaced_declaration(id, declaration).and_then(|(before, own)| {
-                Some((before.component().condition.clone()?, own))
-            }),
+            None => self
+                .replaced_declaration(id, declaration)
+                .and_then(|(before, own)| Some((before.component().condition.clone()?, own))),
         };
         if let Some((condition, scope)) = &condition {
             match self.fold_boolean(condition, *scope) {

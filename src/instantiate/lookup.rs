@@ -292,7 +292,9 @@ impl Context<'_> {
             Diagnostic::error("MO0263", at, message)
                 .label("second package that has it")
                 .also(before, "first package that has it")
-                .help(format!("import the one that is meant by its name: `import PACKAGE.{wanted};`"))
+                .help(format!(
+                    "import the one that is meant by its name: `import PACKAGE.{wanted};`"
+                ))
                 .note("section 13.2.1.1 of the specification"),
         );
     }

@@ -53,11 +53,7 @@ impl Context<'_> {
 
     /// The `inner` component that is missing, at the top of the model and as its class makes it: what an
     /// `outer` model stands for is wanted once (section 5.4).
-    pub(super) fn add_inner(
-        &mut self,
-        id: InstanceId,
-        outer: &Declaration,
-    ) -> Option<InstanceId> {
+    pub(super) fn add_inner(&mut self, id: InstanceId, outer: &Declaration) -> Option<InstanceId> {
         let scope = self.instances[id].scope;
         let class = self.find_class(&outer.clause().type_name, scope)?;
         if !matches!(self.kind(class), ClassKind::Model | ClassKind::Block | ClassKind::Class)
@@ -92,11 +88,7 @@ impl Context<'_> {
                 format!("there is no `inner` component `{}`: one is added to the model", name.name),
             )
             .label("of this class, with its defaults")
-            .help(format!(
-                "declare it: `inner {} {};`",
-                outer.clause().type_name,
-                name.name
-            ))
+            .help(format!("declare it: `inner {} {};`", outer.clause().type_name, name.name))
             .note("section 5.4 of the specification"),
         );
         self.complete_all(added);

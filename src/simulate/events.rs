@@ -241,8 +241,7 @@ pub fn sweep<'p>(
         return Err(failed);
     }
     let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
-    if turn_one_by_one(instance, tape, late, &begun)
-        || search(instance, tape, late, &begun, &moved)
+    if turn_one_by_one(instance, tape, late, &begun) || search(instance, tape, late, &begun, &moved)
     {
         instance.fault = None;
         return Ok(());

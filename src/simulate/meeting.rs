@@ -18,6 +18,8 @@ const CHATTER_EVENTS: usize = 64;
 /// The short time, as a part of the whole run.
 const CHATTER_SPAN: f64 = 1e-7;
 
+/// The part of the short time that is no time at all.
+const AT_ONCE: f64 = 1e-13;
 /// So many events of one relation alone in the short time, and its two sides are asked whether they
 /// meet.
 const MEETING_EVENTS: u32 = 4;
@@ -160,7 +162,9 @@ impl Simulation<'_, '_> {
         relations.sort_unstable();
         relations.dedup();
         relations.retain(|k| self.program.watches[*k as usize] == Watch::State);
-        if self.search.widen(relations.into_iter()) {
+        // What switches in no time at all switches by rounding of operands that rest at the border.
+        let at_once = t - oldest <= AT_ONCE * self.recent.span;
+        if at_once && self.search.widen(relations.into_iter()) {
             self.recent.times = [f64::NEG_INFINITY; CHATTER_EVENTS];
             return Ok(());
         }

@@ -56,7 +56,10 @@ fn an_inner_outer_component_is_two() {
          end P;",
     )
     .run();
-    assert_eq!((run.last("level.leaf.y"), run.last("level.seen"), run.last("leaf.y")), (15.0, 5.0, 5.0));
+    assert_eq!(
+        (run.last("level.leaf.y"), run.last("level.seen"), run.last("leaf.y")),
+        (15.0, 5.0, 5.0)
+    );
 }
 
 #[test]

@@ -105,11 +105,37 @@ impl Context<'_> {
         self.evaluation.depth += 1;
         let saved = self.enter_frame(true);
         let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
+        let arguments = given.clone();
         let result = self.run(class, &components, &mut given, span);
+        if let Some(result) = &result {
+            self.note_steady(result, &arguments);
+        }
         (self.evaluation.broken, self.evaluation.returned) = left;
         self.leave_frame(saved);
         self.evaluation.depth -= 1;
         result
+    }
+
+    /// What a function makes of arguments that change at events only changes at events only.
+    fn note_steady(&mut self, result: &Value, arguments: &[Option<Value>]) {
+        let mut discrete = Vec::new();
+        result.for_each_scalar(&mut |e| {
+            if !matches!(self.graph.ty(e), Type::Real | Type::String)
+                && self.graph.as_const(e).is_none()
+            {
+                discrete.push(e);
+            }
+        });
+        if discrete.is_empty() {
+            return;
+        }
+        let mut moves = false;
+        for value in arguments.iter().flatten() {
+            value.for_each_scalar(&mut |e| moves = moves || self.changes_between_events(e));
+        }
+        if !moves {
+            self.evaluation.steady.extend(discrete);
+        }
     }
 
     /// Arguments in the order of the inputs; `None` for those left to their defaults.

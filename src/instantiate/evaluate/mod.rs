@@ -22,7 +22,7 @@ use std::rc::Rc;
 
 use super::Context;
 use crate::base::diag::{Diagnostic, did_you_mean};
-use crate::base::index::FastMap;
+use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{self, Expr, ExprKind, Variability};
@@ -86,6 +86,8 @@ pub struct State {
     pub(crate) symbols: u32,
     /// Assertions of functions that only a run can decide.
     pub(crate) asserts: Vec<external::Asserted>,
+    /// Results of functions that change at events only, since their arguments do.
+    pub(crate) steady: FastSet<ExprId>,
     /// In how many connections each connector is; known where equations are read.
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }
@@ -634,6 +636,7 @@ impl Context<'_> {
                     (moves, moves)
                 }
                 Node::Time | Node::Der(_) | Node::Recorded(..) => (true, true),
+                _ if self.evaluation.steady.contains(&n) => (false, false),
                 Node::NoEvent(_) => (raw, raw),
                 Node::Unary(Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Sign, _) => {
                     (false, raw)

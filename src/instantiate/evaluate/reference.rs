@@ -147,7 +147,8 @@ impl Context<'_> {
         if self.from_outside(part.span) {
             return;
         }
-        let message = format!("`{}` stands in `{}`, which is partial", part.name, partial.name.name);
+        let message =
+            format!("`{}` stands in `{}`, which is partial", part.name, partial.name.name);
         self.problems.push(
             Diagnostic::error("MO0208", part.span, message)
                 .also(partial.name.span, "declared `partial` here")
@@ -174,9 +175,8 @@ impl Context<'_> {
     }
 
     fn is_short(&self, class: ClassId) -> bool {
-        let short = |t: &crate::ir::ast::Class| {
-            matches!(t.body, crate::ir::ast::ClassBody::Short(_))
-        };
+        let short =
+            |t: &crate::ir::ast::Class| matches!(t.body, crate::ir::ast::ClassBody::Short(_));
         self.text(class).is_none_or(|t| short(t))
     }
 
@@ -558,9 +558,9 @@ impl Context<'_> {
             return *known;
         }
         let unit = self.attribute(id, crate::base::name::name("unit"));
-        let found = unit.is_some_and(|b| {
-            !matches!(&b.value.kind, ExprKind::String(s) if s.is_empty() || &**s == "1")
-        });
+        let found = unit.is_some_and(
+            |b| !matches!(&b.value.kind, ExprKind::String(s) if s.is_empty() || &**s == "1"),
+        );
         self.evaluation.has_unit.insert(id, found);
         found
     }

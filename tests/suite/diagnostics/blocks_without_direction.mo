@@ -1,3 +1,6 @@
+// status: 1
+// error[MO0250] 23:15
+// error[MO0249] 26:9
 package P
   connector Pin
     Real v;

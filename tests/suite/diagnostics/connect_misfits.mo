@@ -1,3 +1,7 @@
+// status: 1
+// error[MO0230] 28:5
+// error[MO0230] 29:13
+// error[MO0231] 31:7
 package P
   connector Signal = input Real;
   connector Pin

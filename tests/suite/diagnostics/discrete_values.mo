@@ -1,3 +1,7 @@
+// status: 1
+// error[MO0247] 13:21
+// error[MO0248] 15:24
+// error[MO0247] 17:3
 model Discrete
   function above
     input Real x;

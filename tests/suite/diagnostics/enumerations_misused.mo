@@ -1,3 +1,7 @@
+// status: 1
+// error[MO0226] 6:42
+// error[MO0216] 11:18
+// error[MO0216] 13:18
 model Enumerations
   type Size = enumeration(small, medium, small);
   type Gear = enumeration(low, high);

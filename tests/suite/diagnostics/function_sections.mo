@@ -1,3 +1,8 @@
+// status: 1
+// error[MO0226] 10:3
+// error[MO0226] 18:3
+// error[MO0208] 31:14
+// error[MO0208] 32:14
 package P
   function begun
     input Real x;

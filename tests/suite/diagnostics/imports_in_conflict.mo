@@ -1,3 +1,6 @@
+// status: 1
+// error[MO0263] 15:12
+// error[MO0260] 16:12
 package P
   package A
     constant Real k = 1;

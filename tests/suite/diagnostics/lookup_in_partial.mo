@@ -1,3 +1,9 @@
+// status: 1
+// error[MO0202] 20:14
+// error[MO0208] 34:5
+// error[MO0208] 35:19
+// error[MO0202] 36:14
+// error[MO0217] 37:14
 package P
   partial package Open
     constant Real k = 2;

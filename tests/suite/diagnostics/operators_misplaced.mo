@@ -1,3 +1,7 @@
+// status: 1
+// error[MO0226] 9:21
+// error[MO0227] 20:13
+// error[MO0227] 28:13
 package P
   operator record Pair
     Real a;

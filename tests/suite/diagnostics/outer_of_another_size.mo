@@ -1,3 +1,5 @@
+// status: 1
+// error[MO0267] 5:16
 package P
   model Reader
     outer Real p[3];

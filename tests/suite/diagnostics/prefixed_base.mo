@@ -1,3 +1,5 @@
+// status: 1
+// error[MO0227] 9:13
 package P
   record Data
     Real x;

@@ -1,3 +1,7 @@
+// status: 1
+// error[MO0225] 18:38
+// error[MO0224] 21:29
+// error[MO0225] 26:22
 package P
   model Small
     Real x = 1;
