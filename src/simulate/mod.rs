@@ -21,6 +21,7 @@ pub mod meeting;
 pub mod method;
 pub mod precondition;
 pub mod record;
+pub mod relations;
 pub mod run;
 pub mod selection;
 pub mod sensitivity;

@@ -108,7 +108,7 @@ impl Context<'_> {
         let arguments = given.clone();
         let result = self.run(class, &components, &mut given, span);
         if let Some(result) = &result {
-            self.note_steady(result, &arguments);
+            self.note_moving(result, &arguments);
         }
         (self.evaluation.broken, self.evaluation.returned) = left;
         self.leave_frame(saved);
@@ -116,8 +116,8 @@ impl Context<'_> {
         result
     }
 
-    /// What a function makes of arguments that change at events only changes at events only.
-    fn note_steady(&mut self, result: &Value, arguments: &[Option<Value>]) {
+    /// What a function makes of arguments that change between events changes between them too.
+    fn note_moving(&mut self, result: &Value, arguments: &[Option<Value>]) {
         let mut discrete = Vec::new();
         result.for_each_scalar(&mut |e| {
             if !matches!(self.graph.ty(e), Type::Real | Type::String)
@@ -133,8 +133,8 @@ impl Context<'_> {
         for value in arguments.iter().flatten() {
             value.for_each_scalar(&mut |e| moves = moves || self.changes_between_events(e));
         }
-        if !moves {
-            self.evaluation.steady.extend(discrete);
+        if moves {
+            self.evaluation.moving.extend(discrete);
         }
     }
 

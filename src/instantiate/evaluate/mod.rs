@@ -12,6 +12,7 @@ pub mod external;
 pub mod function;
 pub mod operator;
 pub mod overload;
+mod partial;
 mod printf;
 pub mod reference;
 pub mod repeat;
@@ -86,8 +87,8 @@ pub struct State {
     pub(crate) symbols: u32,
     /// Assertions of functions that only a run can decide.
     pub(crate) asserts: Vec<external::Asserted>,
-    /// Results of functions that change at events only, since their arguments do.
-    pub(crate) steady: FastSet<ExprId>,
+    /// Results of functions of discrete type that change between events, since their arguments do.
+    pub(crate) moving: FastSet<ExprId>,
     /// In how many connections each connector is; known where equations are read.
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }
@@ -620,33 +621,25 @@ impl Context<'_> {
     }
 
     /// Whether a value may change between events: relations and what counts in steps change at events
-    /// only, unless they stand in `noEvent` or in a function (section 3.8.3).
+    /// only, unless they stand in a function (section 3.8.3). Who writes `noEvent` knows what that does.
     pub fn changes_between_events(&self, e: ExprId) -> bool {
-        // (with events, without)
-        let mut facts: FastMap<ExprId, (bool, bool)> = FastMap::default();
+        let mut moving: FastMap<ExprId, bool> = FastMap::default();
         for n in self.graph.postorder([e]) {
-            let (mut moves, mut raw) = (false, false);
-            self.graph.for_each_operand(n, |a| {
-                moves |= facts[&a].0;
-                raw |= facts[&a].1;
-            });
-            let fact = match self.graph.node(n) {
-                Node::Var(v) => {
-                    let moves = self.variable_variability(v) == Variability::Continuous;
-                    (moves, moves)
-                }
-                Node::Time | Node::Der(_) | Node::Recorded(..) => (true, true),
-                _ if self.evaluation.steady.contains(&n) => (false, false),
-                Node::NoEvent(_) => (raw, raw),
+            let mut moves = false;
+            self.graph.for_each_operand(n, |a| moves |= moving[&a]);
+            let moves = match self.graph.node(n) {
+                _ if self.evaluation.moving.contains(&n) => true,
+                Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
+                Node::Time | Node::Der(_) | Node::Recorded(..) => true,
                 Node::Unary(Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Sign, _) => {
-                    (false, raw)
+                    false
                 }
-                Node::Binary(op, ..) if op.is_relation() || op == Binary::Quotient => (false, raw),
-                _ => (moves, raw),
+                Node::Binary(op, ..) if op.is_relation() || op == Binary::Quotient => false,
+                _ => moves,
             };
-            facts.insert(n, fact);
+            moving.insert(n, moves);
         }
-        facts[&e].0
+        moving[&e]
     }
 
     /// Reports a value that changes between events for a variable that does not.
@@ -656,9 +649,11 @@ impl Context<'_> {
             Diagnostic::error(
                 "MO0247",
                 span,
-                format!("a value of type {name} changes at events only, and this changes between them"),
+                format!(
+                    "a value of type {name} changes at events only, and this changes between them"
+                ),
             )
-            .help("write the relation outside of functions and of `noEvent`, or compute it in a when-clause")
+            .help("write the relation where the function is called, or compute it in a when-clause")
             .note("section 3.8.3 of the specification"),
         );
     }

@@ -1,7 +1,6 @@
 // status: 1
-// error[MO0247] 13:21
-// error[MO0248] 15:24
-// error[MO0247] 17:3
+// error[MO0247] 12:21
+// error[MO0248] 14:24
 model Discrete
   function above
     input Real x;
