@@ -10,6 +10,8 @@
 const NOTHING: f64 = 1e-13;
 /// Residuals up to this part of the largest term count as zero.
 const CONSISTENT: f64 = 1e-9;
+/// Terms smaller than this are rounding of others that are not seen here.
+const SMALLEST_TERM: f64 = 1e-3;
 
 /// The decomposition of a square matrix.
 #[derive(Clone, Debug)]
@@ -179,7 +181,7 @@ impl PseudoInverse {
         let n = self.n;
         let before: Vec<f64> = last.iter().zip(&self.columns).map(|(x, c)| x / c).collect();
         let mut right: Vec<f64> = b.iter().zip(&self.rows).map(|(b, r)| b * r).collect();
-        let mut size = [&before, &right].iter().flat_map(|v| v.iter()).fold(0.0, largest);
+        let mut size = [&before, &right].iter().flat_map(|v| v.iter()).fold(SMALLEST_TERM, largest);
         for j in 0..n {
             for i in 0..n {
                 right[i] -= self.scaled[i + n * j] * before[j];
