@@ -229,7 +229,7 @@ impl Recorder {
             self.rows = rows_of_block(own.len());
             // With an odd number of lines between columns they do not displace each other in the cache.
             self.stride = self.rows.next_multiple_of(2 * LINE) + LINE;
-            self.block.resize(self.stride * own.len(), 0.0);
+            self.block.resize(self.stride * own.len().max(1), 0.0);
             self.cells = own;
             self.narrowed = true;
         }
