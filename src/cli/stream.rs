@@ -1,6 +1,7 @@
 //! Rows of a run on their way to the file, and the few curves that a picture may need.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::interrupt;
 use super::progress::Progress;
@@ -124,7 +125,8 @@ impl Sink for Stream {
         let width = values.len() / times.len().max(1);
         self.trajectory.time.extend_from_slice(times);
         for (column, &k) in self.trajectory.data.iter_mut().zip(&self.kept) {
-            column.extend((0..times.len()).map(|row| values[row * width + k]));
+            let values = (0..times.len()).map(|row| values[row * width + k]);
+            Arc::make_mut(column).extend(values);
         }
     }
 

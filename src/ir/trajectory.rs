@@ -7,6 +7,8 @@
 //! *Made by:* `simulate`, and `report::table` from a file of measurements.
 //! *Read by:* `report` and `identify`.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 /// What the values of a column are; all are stored as `f64`.
@@ -93,8 +95,8 @@ pub struct Trajectory {
     pub columns: Vec<Column>,
     /// Time of each row, s.
     pub time: Vec<f64>,
-    /// One vector per column, each as long as `time`.
-    pub data: Vec<Vec<f64>>,
+    /// One vector per column, each as long as `time`; columns that are equal share one.
+    pub data: Vec<Arc<Vec<f64>>>,
     /// The events in order of time.
     pub events: Vec<Event>,
     /// While rows come: what is known of the columns that wait for their values.
@@ -153,7 +155,7 @@ pub enum Fault {
 impl Trajectory {
     /// A run of these variables without rows yet.
     pub fn new(columns: Vec<Column>) -> Self {
-        let data = vec![Vec::new(); columns.len()];
+        let data = columns.iter().map(|_| Arc::default()).collect();
         Trajectory { columns, data, ..Trajectory::default() }
     }
     /// Forgets everything for a run of these variables; memory is used again where it can be.
@@ -162,32 +164,42 @@ impl Trajectory {
         self.time.clear();
         self.events.clear();
         self.courses.clear();
-        self.data.iter_mut().for_each(Vec::clear);
-        self.data.resize_with(self.columns.len(), Vec::new);
+        // Backwards: what shares a vector with a column before it leaves the memory to that one.
+        for column in self.data.iter_mut().rev() {
+            match Arc::get_mut(column) {
+                Some(values) => values.clear(),
+                None => *column = Arc::default(),
+            }
+        }
+        self.data.resize_with(self.columns.len(), Arc::default);
     }
-    /// Makes room for so many rows more.
+    /// Makes room for so many rows more, but where a column will share the vector of another.
     pub fn reserve(&mut self, rows: usize) {
         self.time.reserve(rows);
-        self.data.iter_mut().for_each(|column| column.reserve(rows));
+        for (k, column) in self.data.iter_mut().enumerate() {
+            if !matches!(self.courses.get(k), Some(Course::Alias { negated: false, .. })) {
+                Arc::make_mut(column).reserve(rows);
+            }
+        }
     }
     /// Appends a row; `values` in the order of `columns`. [`Trajectory::verify`] finds a wrong length.
     pub fn push(&mut self, time: f64, values: &[f64]) {
         self.time.push(time);
-        self.data.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
+        let cells = self.data.iter_mut().zip(values);
+        cells.for_each(|(column, &value)| Arc::make_mut(column).push(value));
     }
     /// From the second row on only columns that go their own way will come, by
-    /// [`Trajectory::push_own_rows`]; until [`Trajectory::complete`] the others are shorter.
+    /// [`Trajectory::push_own_columns`]; until [`Trajectory::complete`] the others are shorter.
     pub fn expect_courses(&mut self, courses: Vec<Course>) {
         self.courses = courses;
     }
-    /// Appends rows that stand one after the other, without the columns whose course is known: column
-    /// by column, so that each is written in one go.
-    pub fn push_own_rows(&mut self, times: &[f64], values: &[f64]) {
+    /// Appends rows without the columns whose course is known; the values of each column begin `stride`
+    /// after those of the one before.
+    pub fn push_own_columns(&mut self, times: &[f64], values: &[f64], stride: usize) {
         self.time.extend_from_slice(times);
-        let width = values.len() / times.len().max(1);
         let own = self.data.iter_mut().zip(&self.courses).filter(|(_, c)| **c == Course::Own);
-        for (k, (column, _)) in own.enumerate() {
-            column.extend((0..times.len()).map(|row| values[row * width + k]));
+        for (values, (column, _)) in values.chunks(stride.max(1)).zip(own) {
+            Arc::make_mut(column).extend_from_slice(&values[..times.len()]);
         }
     }
     /// Fills the columns whose course is known.
@@ -200,14 +212,13 @@ impl Trajectory {
                 Course::Own => {}
                 Course::Constant => {
                     let value = column.first().copied().unwrap_or_default();
-                    column.resize(rows, value);
+                    Arc::make_mut(column).resize(rows, value);
                 }
-                Course::Alias { of, negated } => {
+                Course::Alias { of, negated: false } => *column = before[of].clone(),
+                Course::Alias { of, negated: true } => {
+                    let column = Arc::make_mut(column);
                     column.clear();
-                    match negated {
-                        true => column.extend(before[of].iter().map(|x| -x)),
-                        false => column.extend_from_slice(&before[of]),
-                    }
+                    column.extend(before[of].iter().map(|x| -x));
                 }
             }
         }
@@ -222,7 +233,7 @@ impl Trajectory {
     }
     /// The values of the column of this name; spaces do not count.
     pub fn values(&self, name: &str) -> Option<&[f64]> {
-        self.data.get(self.position(name)?).map(Vec::as_slice)
+        self.data.get(self.position(name)?).map(|values| values.as_slice())
     }
     /// Checks the contract at the head of this file.
     pub fn verify(&self) -> Result<(), Fault> {
@@ -297,8 +308,8 @@ mod tests {
             Course::Own,
         ]);
         run.push(0.0, &[1.0, 1.0, -1.0, 7.0, 5.0]);
-        run.push_own_rows(&[0.1, 0.2], &[2.0, 6.0, 3.0, 8.0]);
-        run.push_own_rows(&[0.3], &[4.0, 9.0]);
+        run.push_own_columns(&[0.1, 0.2], &[2.0, 3.0, f64::NAN, 6.0, 8.0, f64::NAN], 3);
+        run.push_own_columns(&[0.3], &[4.0, 9.0], 1);
         run.complete();
         run.verify().unwrap();
         assert_eq!(run.values("twin"), Some(&[1.0, 2.0, 3.0, 4.0][..]));
@@ -336,7 +347,7 @@ mod tests {
             run.verify().map_err(|fault| fault.to_string())
         };
         assert_eq!(
-            broken(|r| r.data[1][2] = f64::NAN),
+            broken(|r| Arc::make_mut(&mut r.data[1])[2] = f64::NAN),
             Err("`b.v` is NaN at time 0.5 s".to_owned())
         );
         assert_eq!(

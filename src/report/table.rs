@@ -546,7 +546,7 @@ mod tests {
         };
         let run = read(b"\xef\xbb\xbft_s,\"q, m\"\r\n0, 1\r\n1e-3 ,-2.5\r\n").unwrap();
         assert_eq!(run.columns[0].name, "q, m");
-        assert_eq!((run.time, run.data), (vec![0.0, 1e-3], vec![vec![1.0, -2.5]]));
+        assert_eq!((run.time, run.data), (vec![0.0, 1e-3], vec![vec![1.0, -2.5].into()]));
         let wrong = |content: &str| read(content.as_bytes()).unwrap_err();
         assert_eq!(
             wrong("t,x\n0,1\n\n1,one\n"),

@@ -25,13 +25,14 @@ pub trait Sink {
     /// One value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
     /// What is known of the columns, once before the rows. A sink that answers with true gets only the
-    /// first row whole; of all others what goes its own way, by [`Sink::own_rows`], and then
+    /// first row whole; of all others what goes its own way, by [`Sink::own_columns`], and then
     /// [`Sink::end`].
     fn courses(&mut self, _: Vec<Course>) -> bool {
         false
     }
-    /// As [`Sink::rows`], without the columns whose course is known.
-    fn own_rows(&mut self, _times: &[f64], _values: &[f64]) {}
+    /// As [`Sink::rows`], without the columns whose course is known, and column by column: the values of
+    /// each begin `stride` after those of the one before.
+    fn own_columns(&mut self, _times: &[f64], _values: &[f64], _stride: usize) {}
     /// Called once after the last row, of a run that failed too.
     fn end(&mut self) {}
     /// Several rows, one after the other, for what is faster with many at once. Rows of a run may come
@@ -69,8 +70,8 @@ impl Sink for Trajectory {
         self.expect_courses(courses);
         true
     }
-    fn own_rows(&mut self, times: &[f64], values: &[f64]) {
-        self.push_own_rows(times, values);
+    fn own_columns(&mut self, times: &[f64], values: &[f64], stride: usize) {
+        self.push_own_columns(times, values, stride);
     }
     fn end(&mut self) {
         self.complete();
@@ -84,9 +85,9 @@ impl Sink for Trajectory {
 const EXPECTED_EVENTS: usize = 64;
 
 /// Rows that are handed over together: as many values as a cache near the processor holds.
-const BLOCK_VALUES: usize = 1 << 13;
+const BLOCK_VALUES: usize = 1 << 14;
 /// And no more rows than this.
-const BLOCK_ROWS: usize = 32;
+const BLOCK_ROWS: usize = 64;
 
 /// What is recorded, and the next instant of the output grid.
 pub struct Recorder {
@@ -96,16 +97,26 @@ pub struct Recorder {
     narrowed: bool,
     /// Times of the rows that were not handed over yet.
     times: Vec<f64>,
-    /// Their values, row by row, and room for one more.
+    /// Their values, and room for those of others: row by row, narrowed column by column.
     block: Vec<f64>,
     /// Rows that there is room for.
     rows: usize,
+    /// How far the values of one row are apart in the block.
+    stride: usize,
     next: u64,
     count: u64,
     start: f64,
     stop: f64,
     interval: f64,
     instants: Option<Arc<[f64]>>,
+}
+
+/// Values in a line of the cache.
+const LINE: usize = 8;
+
+/// Rows that are handed over together, of so many columns.
+fn rows_of_block(columns: usize) -> usize {
+    (BLOCK_VALUES / columns.max(1)).clamp(1, BLOCK_ROWS)
 }
 
 impl Recorder {
@@ -118,7 +129,7 @@ impl Recorder {
         // A last interval that is only rounding is none.
         let intervals = (stop - start) / interval;
         let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
-        let rows = (BLOCK_VALUES / cells.len().max(1)).clamp(1, BLOCK_ROWS);
+        let rows = rows_of_block(cells.len());
         let (times, block) = (Vec::with_capacity(rows), vec![0.0; rows * cells.len()]);
         // The start has its row already.
         let passed = |list: &Arc<[f64]>| list.partition_point(|t| *t <= start) as u64;
@@ -130,6 +141,7 @@ impl Recorder {
             times,
             block,
             rows,
+            stride: 1,
             next,
             count,
             start,
@@ -167,19 +179,20 @@ impl Recorder {
 
     /// Takes the values of a row; the variable that is not finite if there is one.
     pub fn take(&mut self, instance: &Instance<'_>) -> Result<(), VarId> {
-        let columns = self.cells.len();
-        let row = &mut self.block[self.times.len() * columns..][..columns];
+        let row = self.times.len();
+        let first = if self.narrowed { row } else { row * self.cells.len() };
+        let places = self.block[first..].iter_mut().step_by(self.stride);
         let memory = &instance.memory[..];
         let mut fine = true;
-        for (value, (_, slot)) in row.iter_mut().zip(&self.cells) {
-            *value = memory[*slot as usize];
-            fine &= value.is_finite();
+        for (place, (_, slot)) in places.zip(&self.cells) {
+            *place = memory[*slot as usize];
+            fine &= place.is_finite();
         }
         if fine {
             return Ok(());
         }
-        let broken = row.iter().position(|value| !value.is_finite());
-        broken.map_or(Ok(()), |k| Err(self.cells[k].0))
+        let broken = self.cells.iter().find(|(_, slot)| !memory[*slot as usize].is_finite());
+        broken.map_or(Ok(()), |(v, _)| Err(*v))
     }
 
     /// Hands over the row that was taken last, or keeps it for later with those before it.
@@ -192,11 +205,11 @@ impl Recorder {
 
     /// Hands over what is left.
     pub fn flush(&mut self, sink: &mut dyn Sink) {
-        let values = &self.block[..self.times.len() * self.cells.len()];
-        match (self.times.is_empty(), self.narrowed) {
+        let Recorder { times, block, stride, .. } = self;
+        match (times.is_empty(), self.narrowed) {
             (true, _) => {}
-            (false, false) => sink.rows(&self.times, values),
-            (false, true) => sink.own_rows(&self.times, values),
+            (false, false) => sink.rows(times, &block[..times.len() * self.cells.len()]),
+            (false, true) => sink.own_columns(times, block, *stride),
         }
         self.times.clear();
     }
@@ -213,6 +226,10 @@ impl Recorder {
     pub fn flush_first(&mut self, sink: &mut dyn Sink) {
         self.flush(sink);
         if let Some(own) = self.own.take() {
+            self.rows = rows_of_block(own.len());
+            // With an odd number of lines between columns they do not displace each other in the cache.
+            self.stride = self.rows.next_multiple_of(2 * LINE) + LINE;
+            self.block.resize(self.stride * own.len().max(1), 0.0);
             self.cells = own;
             self.narrowed = true;
         }

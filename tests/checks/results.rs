@@ -128,7 +128,7 @@ fn a_mat_file_says_what_the_table_says() {
         let found = mat.values(&column.name);
         match place(&column.name).0 {
             1 => assert!(values.iter().all(|v| *v == found[0]), "{}", column.name),
-            _ => assert_eq!(&found, values, "{}", column.name),
+            _ => assert_eq!(&found, &**values, "{}", column.name),
         }
     }
 }

@@ -142,7 +142,7 @@ fn found_spool(
         }
     }
     let range = |k: usize| {
-        let all = doc.runs.iter().flat_map(|r| &r.trajectory.data[k]);
+        let all = doc.runs.iter().flat_map(|r| r.trajectory.data[k].iter());
         all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)))
     };
     let known = Known { variables, numbers: &numbers, literals: &literals, range: &range };
@@ -325,7 +325,7 @@ fn data(doc: &Document<'_>) -> Json {
         .iter()
         .enumerate()
         .map(|(k, c)| {
-            let all = doc.runs.iter().flat_map(|r| &r.trajectory.data[k]);
+            let all = doc.runs.iter().flat_map(|r| r.trajectory.data[k].iter());
             let largest = all.fold(0.0_f64, |a, x| a.max(x.abs()));
             let scale = scale::choose(&c.unit, &c.display_unit, largest);
             Json::object([
