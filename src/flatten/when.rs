@@ -134,7 +134,7 @@ fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) 
         cx.problems.push(
             Diagnostic::error("MO0231", target.span, message)
                 .label("belongs to another component")
-                .help("make it an input of the component, or write the when-clause there")
+                .help("write the when-clause there, or determine a variable of this class and bind or connect the other one to it")
                 .note("section 8.3.5.1 of the specification"),
         );
     }

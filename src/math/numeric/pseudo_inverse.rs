@@ -182,9 +182,9 @@ impl PseudoInverse {
         let before: Vec<f64> = last.iter().zip(&self.columns).map(|(x, c)| x / c).collect();
         let mut right: Vec<f64> = b.iter().zip(&self.rows).map(|(b, r)| b * r).collect();
         let mut size = [&before, &right].iter().flat_map(|v| v.iter()).fold(SMALLEST_TERM, largest);
-        for j in 0..n {
-            for i in 0..n {
-                right[i] -= self.scaled[i + n * j] * before[j];
+        for (column, before) in self.scaled.chunks_exact(n.max(1)).zip(&before) {
+            for (right, a) in right.iter_mut().zip(column) {
+                *right -= a * before;
             }
         }
         let x = self.shortest(&right);

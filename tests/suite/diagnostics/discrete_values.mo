@@ -13,5 +13,5 @@ model Discrete
   Boolean quiet;
   discrete Real held = 1;
 equation
-  quiet = noEvent(time > 0.5);
+  quiet = noEvent(time > 0.7);
 end Discrete;

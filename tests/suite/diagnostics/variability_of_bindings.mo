@@ -1,8 +1,9 @@
 // status: 1
-// error[MO0268] 8:23
-// error[MO0268] 10:22
-// error[MO0212] 14:16
-// error[MO0212] 16:15
+// error[MO0268] 9:23
+// error[MO0268] 11:22
+// error[MO0248] 14:21
+// error[MO0212] 15:16
+// error[MO0212] 17:15
 model Bindings
   parameter Real p = 1;
   constant Real c = 2*p;

@@ -1,5 +1,6 @@
 // status: 1
-// error[MO0231] 14:5
+// error[MO0231] 15:5
+// error[MO0231] 16:5
 model Foreign
   model Counter
     discrete Real count(start = 0);
