@@ -69,6 +69,15 @@ impl Level {
         self.bic() + self.validation.total()
     }
 
+    /// True for the same effects at the same places.
+    pub fn is_like(&self, other: &Level) -> bool {
+        let what = |l: &Level| -> Vec<(usize, String)> {
+            l.chosen.iter().map(|c| (c.effect, c.name.clone())).collect()
+        };
+        let places = self.chosen.iter().zip(&other.chosen).all(|(a, b)| a.place == b.place);
+        what(self) == what(other) && places
+    }
+
     /// The fitted value of a parameter of the model, by its full name, and its standard error.
     pub fn estimate(&self, full: &str) -> Option<(f64, f64)> {
         let k = self.plan.free.iter().position(|f| f.targets.iter().any(|t| t == full))?;

@@ -29,6 +29,8 @@ pub struct Scored {
     pub amplitudes: Vec<f64>,
     /// Decrease of the sum of squares that it promises.
     pub gain: f64,
+    /// The same with other shapes, best first.
+    pub others: Vec<Scored>,
 }
 
 impl Scored {
@@ -69,7 +71,7 @@ pub fn unscored(case: &Case<'_>, level: &Level) -> Vec<Scored> {
     trials.into_iter().map(|t| t.scored).collect()
 }
 
-/// Scores every effect at every place with every shape; of the shapes the best is kept.
+/// Scores every effect at every place with every shape; the best shape stands for the others.
 pub fn rank(case: &Case<'_>, level: &Level) -> Vec<Scored> {
     let (candidates, mut trials) = trials(case, level);
     let all: Vec<usize> = (0..candidates.len()).collect();
@@ -82,13 +84,20 @@ pub fn rank(case: &Case<'_>, level: &Level) -> Vec<Scored> {
         score_some(case, level, &candidates, &all, ENOUGH, &mut trials);
     }
     let mut best: Vec<Scored> = Vec::new();
-    for Trial { scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
+    for Trial { mut scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
         let same = |s: &&mut Scored| s.effect == scored.effect && s.place == scored.place;
-        match best.iter_mut().find(same) {
-            Some(known) if known.gain >= scored.gain => {}
-            Some(known) => *known = scored,
-            None => best.push(scored),
+        let Some(known) = best.iter_mut().find(same) else {
+            best.push(scored);
+            continue;
+        };
+        if known.gain < scored.gain {
+            scored.others = std::mem::take(&mut known.others);
+            std::mem::swap(known, &mut scored);
         }
+        known.others.push(scored);
+    }
+    for scored in &mut best {
+        scored.others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     }
     best.sort_by(|a, b| b.worth(level).total_cmp(&a.worth(level)));
     best
@@ -163,7 +172,8 @@ fn trials(case: &Case<'_>, level: &Level) -> (Vec<Candidate>, Vec<Trial>) {
                 }));
             }
             let (effect, place) = (*effect, place.clone());
-            let scored = Scored { effect, place, shape, amplitudes: Vec::new(), gain: 0.0 };
+            let (amplitudes, others) = (Vec::new(), Vec::new());
+            let scored = Scored { effect, place, shape, amplitudes, gain: 0.0, others };
             trials.push(Trial { scored, members });
         }
     }

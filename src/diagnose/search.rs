@@ -29,6 +29,12 @@ const NOTABLE: f64 = 0.1;
 const WEAK: f64 = 10.0;
 /// Shares of what the score promises from which a look may begin.
 const WAY: [f64; 5] = [1.0, 0.5, 0.2, 0.07, 0.02];
+/// A fit may be caught if it explains all but this share of what was left,
+const MOST: f64 = 0.5;
+/// and leaves more than this over one of recordings that were never fitted.
+const CAUGHT: f64 = 0.1;
+/// Other shapes that it is begun with then.
+const SHAPES: usize = 2;
 /// A first look at an effect.
 const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 };
 
@@ -144,6 +150,73 @@ fn tried(
     depth: usize,
     heed: &mut Heed<'_>,
 ) -> Vec<Level> {
+    let mut levels = looked_at(case, from, promising, depth, heed);
+    if depth == 0 && !levels.iter().any(|l| explains_most(from, l)) {
+        // The calibration has gone where nothing leads on: from where the plan begins something may.
+        let begun = Level { plan: case.plan.clone(), ..from.clone() };
+        for other in looked_at(case, &begun, promising, depth, heed) {
+            let same = |l: &&mut Level| l.is_like(&other);
+            match levels.iter_mut().find(same) {
+                Some(known) if known.bic() <= other.bic() => {}
+                Some(known) => *known = other,
+                None => levels.push(other),
+            }
+        }
+    }
+    in_order(case, from, &mut levels, Level::bic);
+    // A free curve soon leaves little, but says little: laws are measured by the best of the laws. A curve
+    // that a law surpasses at the first look is not worth a long search.
+    let least = |curve: bool| {
+        let of_kind = levels.iter().filter(|l| curve || !is_curve(case, l));
+        of_kind.map(|l| l.chi2_train() - 1.0).fold(f64::INFINITY, f64::min)
+    };
+    let reach = |least: f64| 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
+    let (law, any) = (least(false), reach(least(true)));
+    let reach_of_laws = reach(law);
+    let hopeful = |l: &&mut Level| match is_curve(case, l) {
+        true => l.chi2_train() < any.min(1.0 + law),
+        false => l.chi2_train() < reach_of_laws,
+    };
+    // Where a curve leaves nothing, laws are looked for from there: these need not be searched for here.
+    let mut solved = false;
+    for fitted in levels.iter_mut().take(SEARCHED).filter(hopeful) {
+        if solved && !explains_most(from, fitted) {
+            continue;
+        }
+        let longer = &mut |p: &mut Problem<'_>| {
+            let start = p.start();
+            let found = search(p, &start, &STOPPING, heed)?;
+            Some(refine(p, found, heed))
+        };
+        if let Ok(better) = level(case, fitted.chosen.clone(), fitted.plan.clone(), longer) {
+            let name = better.chosen.last().map(|c| case.named(c.effect, &c.place));
+            let (train, validation) = (better.chi2_train(), better.chi2_validation());
+            let name = name.unwrap_or_default();
+            (case.say)(&format!("fitted {name}: {train:.4}, validation {validation:.4}"));
+            solved |= is_curve(case, &better) && better.chi2_train() < COMPLETE;
+            *fitted = better;
+        }
+    }
+    // Beside an effect that is there, what was never fitted counts as much as what was.
+    let by = if from.chosen.is_empty() { Level::bic } else { Level::evidence };
+    in_order(case, from, &mut levels, by);
+    if let Some(best) = levels.first().filter(|l| is_caught(from, l))
+        && let Some(better) = elsewhere(case, from, best, promising, depth, heed)
+    {
+        levels[0] = better;
+        in_order(case, from, &mut levels, by);
+    }
+    levels
+}
+
+/// A first look at each of them beside what the level has.
+fn looked_at(
+    case: &Case<'_>,
+    from: &Level,
+    promising: &[Scored],
+    depth: usize,
+    heed: &mut Heed<'_>,
+) -> Vec<Level> {
     let mut levels: Vec<Level> = Vec::new();
     for scored in promising {
         if !heed(0, from.train.total()) {
@@ -164,40 +237,69 @@ fn tried(
             levels.push(fitted);
         }
     }
-    in_order(case, from, &mut levels, Level::bic);
-    // A free curve soon leaves little, but says little: laws are measured by the best of the laws. A curve
-    // that a law surpasses at the first look is not worth a long search.
-    let least = |curve: bool| {
-        let of_kind = levels.iter().filter(|l| curve || !is_curve(case, l));
-        of_kind.map(|l| l.chi2_train() - 1.0).fold(f64::INFINITY, f64::min)
+    levels
+}
+
+/// True for a fit that explains most of what was left, but not all: it may be caught beside a better one.
+fn is_caught(from: &Level, level: &Level) -> bool {
+    let left = level.chi2_train() > COMPLETE || level.chi2_validation() > 1.0 + CAUGHT;
+    left && explains_most(from, level)
+}
+
+/// True for a fit that explains most of what was left.
+fn explains_most(from: &Level, level: &Level) -> bool {
+    level.chi2_train() - 1.0 < MOST * (from.chi2_train() - 1.0)
+}
+
+/// The effect that was found last, fitted from elsewhere: from where the plan begins, which the calibration
+/// without the effect has left in order to make up for it, and from other shapes. `None` if nothing better
+/// is found.
+fn elsewhere(
+    case: &Case<'_>,
+    from: &Level,
+    best: &Level,
+    promising: &[Scored],
+    depth: usize,
+    heed: &mut Heed<'_>,
+) -> Option<Level> {
+    let new = &best.chosen[from.chosen.len()..];
+    let last = new.first()?;
+    let same = |s: &&Scored| {
+        let members = s.place.members();
+        let at_first = members.first().is_some_and(|place| *place == last.place);
+        s.effect == last.effect && at_first && members.len() == new.len()
     };
-    let reach = |least: f64| 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
-    let (law, any) = (least(false), reach(least(true)));
-    let reach_of_laws = reach(law);
-    let hopeful = |l: &&mut Level| match is_curve(case, l) {
-        true => l.chi2_train() < any.min(1.0 + law),
-        false => l.chi2_train() < reach_of_laws,
-    };
-    for fitted in levels.iter_mut().take(SEARCHED).filter(hopeful) {
-        let longer = &mut |p: &mut Problem<'_>| {
-            let start = p.start();
+    let mut begun = best.plan.clone();
+    for free in &mut begun.free {
+        let as_planned = case.plan.free.iter().find(|f| f.name == free.name);
+        free.start = as_planned.map_or(free.start, |f| f.start);
+    }
+    let mut starts = vec![(best.chosen.clone(), begun)];
+    let other_shapes = promising.iter().find(same).into_iter().flat_map(|s| &s.others);
+    starts.extend(other_shapes.take(SHAPES).map(|scored| attach(case, from, scored, depth)));
+    let mut better: Option<Level> = None;
+    for (chosen, plan) in starts {
+        if !heed(0, best.train.total()) {
+            break;
+        }
+        let new = amplitudes(case, &chosen[from.chosen.len()..]);
+        let thorough = &mut |p: &mut Problem<'_>| {
+            let start = shortened(p, &new);
             let found = search(p, &start, &STOPPING, heed)?;
             Some(refine(p, found, heed))
         };
-        if let Ok(better) = level(case, fitted.chosen.clone(), fitted.plan.clone(), longer) {
-            let name = better.chosen.last().map(|c| case.named(c.effect, &c.place));
-            let (train, validation) = (better.chi2_train(), better.chi2_validation());
-            let name = name.unwrap_or_default();
-            (case.say)(&format!("fitted {name}: {train:.4}, validation {validation:.4}"));
-            *fitted = better;
+        let Ok(fitted) = level(case, chosen, plan, thorough) else { continue };
+        let (train, validation) = (fitted.chi2_train(), fitted.chi2_validation());
+        (case.say)(&format!("from elsewhere: {train:.4}, validation {validation:.4}"));
+        let least = better.as_ref().unwrap_or(best);
+        if fitted.train.total() < least.train.total() {
+            better = Some(fitted);
+        }
+        if better.as_ref().is_some_and(|b| !is_caught(from, b)) {
+            break;
         }
     }
-    // Beside an effect that is there, what was never fitted counts as much as what was.
-    match from.chosen.is_empty() {
-        true => in_order(case, from, &mut levels, Level::bic),
-        false => in_order(case, from, &mut levels, Level::evidence),
-    }
-    levels
+    better
 }
 
 /// Full names of the amplitudes of effects.
