@@ -311,6 +311,15 @@ impl Begin {
 /// Instants, values, and if these were smoothed, rates.
 type Trace = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
 
+/// Where the values of a signal or an input come from.
+#[derive(Clone, Copy)]
+enum Source {
+    /// The column at this position.
+    Column(usize),
+    /// No column: this value stands for it.
+    Absent(f64),
+}
+
 /// A column in SI units, through the rows where it has a value, perhaps smoothed.
 fn column_course(time: &[f64], values: &[f64], unit: Unit, smooth: f64) -> Option<Trace> {
     let there = time.iter().zip(values).filter(|(_, v)| !v.is_nan());
@@ -340,13 +349,16 @@ fn measured(
         }
     };
     let at = column(&table, path, &plan.time, Span::NONE, problems);
-    let signals = plan.signals.iter().map(|s| (&s.column, s.span));
-    let inputs = plan.inputs.iter().map(|i| (&i.column, i.span));
-    let starts = plan.starts.iter().map(|b| (&b.column, b.span));
+    let signals = plan.signals.iter().map(|s| (&s.column, s.span, None));
+    let inputs = plan.inputs.iter().map(|i| (&i.column, i.span, i.absent));
+    let starts = plan.starts.iter().map(|b| (&b.column, b.span, None));
     let named = signals.chain(inputs).chain(starts);
-    let columns: Vec<_> =
-        named.map(|(name, span)| column(&table, path, name, span, problems)).collect();
-    let columns: Vec<usize> = columns.into_iter().collect::<Option<_>>()?;
+    let mut source = |(name, span, absent): (&String, Span, Option<f64>)| match absent {
+        Some(value) if table.column(name).is_none() => Some(Source::Absent(value)),
+        _ => column(&table, path, name, span, problems).map(Source::Column),
+    };
+    let columns: Vec<_> = named.map(&mut source).collect();
+    let columns: Vec<Source> = columns.into_iter().collect::<Option<_>>()?;
     let at = at?;
     let mut time: Vec<f64> = Vec::with_capacity(table.rows.len());
     let mut signals = vec![Vec::with_capacity(table.rows.len()); columns.len()];
@@ -367,8 +379,11 @@ fn measured(
             continue;
         };
         time.push(t);
-        for (signal, k) in signals.iter_mut().zip(&columns) {
-            let value = number(*k);
+        for (signal, source) in signals.iter_mut().zip(&columns) {
+            let value = match source {
+                Source::Column(k) => number(*k),
+                Source::Absent(value) => Some(*value),
+            };
             if value.is_none() {
                 missing += 1;
                 first_missing = first_missing.or(Some(*line));
@@ -431,6 +446,12 @@ fn measured(
             problems.push(empty(path, &input.column, input.span));
             continue;
         };
+        let last = times.len() - 1;
+        let counts = |k: usize| k.is_multiple_of(input.every) || k == last;
+        let pick = |all: &[f64]| -> Vec<f64> {
+            all.iter().enumerate().filter(|(k, _)| counts(*k)).map(|(_, x)| *x).collect()
+        };
+        let (times, values) = (pick(&times), pick(&values));
         courses.push(Arc::new(Course::new(times.into(), values, input.interpolation)));
     }
     for begin in &plan.starts {

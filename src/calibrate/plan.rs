@@ -122,6 +122,10 @@ pub struct Driven {
     pub interpolation: Interpolation,
     /// The column is smoothed over this time to both sides, s; 0 for not.
     pub smooth: f64,
+    /// Of so many rows one counts.
+    pub every: usize,
+    /// What the input is, in the unit of the column, where a recording has no such column.
+    pub absent: Option<f64>,
     /// Where the plan says so.
     pub span: Span,
 }
@@ -332,7 +336,7 @@ impl Reader<'_> {
         let mut out = Vec::new();
         for (column, value) in self.entries(root, "inputs") {
             let Some((table, span)) = self.as_table(&column, value) else { continue };
-            self.known(table, &["input", "unit", "interpolation", "smooth"]);
+            self.known(table, &["input", "unit", "interpolation", "smooth", "every", "absent"]);
             let input = self.required(table, "input", &span);
             let wanted = self.required(table, "interpolation", &span);
             let found = Interpolation::ALL.iter().find(|(name, _)| *name == wanted);
@@ -346,9 +350,20 @@ impl Reader<'_> {
                 self.problems.push(d.help(format!("known are {names}")));
             }
             let smooth = self.positive(table, "smooth").unwrap_or(0.0);
+            let every = self.count(table, "every").unwrap_or(1).max(1);
+            let absent = self.number(table, "absent").map(|(value, _)| value);
             if let (Some((unit, _)), Some((_, interpolation))) = (self.unit(table, &span), found) {
                 let (interpolation, span) = (*interpolation, self.at(&span));
-                out.push(Driven { column, input, unit, interpolation, smooth, span });
+                out.push(Driven {
+                    column,
+                    input,
+                    unit,
+                    interpolation,
+                    smooth,
+                    every,
+                    absent,
+                    span,
+                });
             }
         }
         out

@@ -366,50 +366,66 @@ fn bare_plan(case: &Case<'_>, from: &Level) -> Plan {
     plan
 }
 
-/// Without those effects that the data do not ask for beside the others.
+/// Without those effects that the data do not ask for beside the others, and without those places of an
+/// effect at several.
 fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
     let last = level.chosen.last().map_or(0, |c| c.group);
     for group in 0..=last {
-        let of_group = |c: &&Chosen| c.group == group;
-        let others = level.chosen.iter().any(|c| c.group != group);
-        let own: Vec<String> = level
+        let weak: Vec<String> = level
             .chosen
             .iter()
-            .filter(of_group)
-            .flat_map(|c| c.fitted.iter().map(|p| format!("{}.{p}", c.name)))
+            .filter(|c| c.group == group && is_weak(case, &level, c))
+            .map(|c| c.name.clone())
             .collect();
-        let amplitudes = level.chosen.iter().filter(of_group).flat_map(|c| {
-            let all = &case.effects[c.effect].amplitudes;
-            all.iter().map(|a| format!("{}.{}", c.name, a.name))
-        });
-        let mut amplitudes = amplitudes.peekable();
-        let weak = |name: String| {
-            let at = level.plan.free.iter().position(|f| f.name == name);
-            at.is_none_or(|k| {
-                let significant = level.values[k].abs() > WEAK * level.errors[k];
-                !significant
-            })
-        };
-        if !others || amplitudes.peek().is_none() || !amplitudes.all(weak) {
+        if weak.is_empty() || weak.len() == level.chosen.len() {
             continue;
         }
-        let mut plan = level.plan.clone();
-        plan.free.retain(|f| !own.contains(&f.name));
-        for c in level.chosen.iter().filter(of_group) {
-            if let (Some(k), Some((_, variable))) = (c.place.signal, c.place.binds.first()) {
-                plan.signals[k].variable.clone_from(variable);
-            }
-        }
-        let chosen = level.chosen.iter().filter(|c| c.group != group).cloned().collect();
-        let again = &mut |p: &mut Problem<'_>| {
-            let start = p.start();
-            search(p, &start, &STOPPING, heed)
-        };
-        if let Ok(without) = self::level(case, chosen, plan, again)
+        if let Some(without) = without(case, &level, &weak, heed)
             && without.bic() < level.bic() + EVIDENCE
         {
             level = without;
         }
     }
     level
+}
+
+/// True if none of its amplitudes is far from zero.
+fn is_weak(case: &Case<'_>, level: &Level, chosen: &Chosen) -> bool {
+    let all = &case.effects[chosen.effect].amplitudes;
+    let weak = |name: &String| {
+        let estimate = level.estimate(&format!("{}.{name}", chosen.name));
+        let significant = estimate.is_some_and(|(value, error)| value.abs() > WEAK * error);
+        !significant
+    };
+    !all.is_empty() && all.iter().all(|a| weak(&a.name))
+}
+
+/// The level without the components of these names, fitted from where it stands.
+fn without(case: &Case<'_>, level: &Level, names: &[String], heed: &mut Heed<'_>) -> Option<Level> {
+    let (gone, chosen): (Vec<Chosen>, Vec<Chosen>) =
+        level.chosen.iter().cloned().partition(|c| names.contains(&c.name));
+    let mut plan = level.plan.clone();
+    let is_gone = |target: &String| {
+        gone.iter().any(|c| c.fitted.iter().any(|p| *target == format!("{}.{p}", c.name)))
+    };
+    plan.free.retain_mut(|free| {
+        free.targets.retain(|target| !is_gone(target));
+        // A shape that several places share keeps the name of the first that is left.
+        if is_gone(&free.name)
+            && let Some(first) = free.targets.first()
+        {
+            free.name.clone_from(first);
+        }
+        !free.targets.is_empty()
+    });
+    for c in &gone {
+        if let (Some(k), Some((_, variable))) = (c.place.signal, c.place.binds.first()) {
+            plan.signals[k].variable.clone_from(variable);
+        }
+    }
+    let again = &mut |p: &mut Problem<'_>| {
+        let start = p.start();
+        search(p, &start, &STOPPING, heed)
+    };
+    self::level(case, chosen, plan, again).ok()
 }

@@ -97,6 +97,28 @@ fn a_held_recording_jumps_without_events() {
     assert!((k - 2.0).abs() < 1e-5 && rmse < 1e-6, "{k}, {rmse}");
 }
 
+/// Of the rows of an input one of ten is as good for a parabola; an input that was not recorded is what
+/// the plan says, here 0.5 V: `x` relaxes to it.
+#[test]
+fn an_input_counts_some_rows_or_has_none() {
+    let exact = |t: f64| {
+        // k = 2, u = t^2: x = t^2 - t + 1/2 (1 - exp(-2 t))
+        t * t - t + 0.5 * (1.0 - (-2.0 * t).exp())
+    };
+    let text = table(301, 0.01, |t| t * t, exact);
+    let thinned = plan("spline", "").replace("\"spline\"", "\"linear\", every = 100");
+    let (_, coarse) = calibrated(&thinned, &text);
+    assert!(coarse > 1e-3, "lines over a second are no parabola: {coarse}");
+    let thinned = plan("spline", "").replace("\"spline\"", "\"monotone\", every = 10");
+    let (k, rmse) = calibrated(&thinned, &text);
+    assert!((k - 2.0).abs() < 1e-2 && rmse < 2e-3, "{k}, {rmse}");
+
+    let absent = plan("hold", "").replace("u_V = {", "v_V = { absent = 0.5,");
+    let text = table(101, 0.03, |t| t, |t| 0.5 * (1.0 - (-2.0 * t).exp()));
+    let (k, rmse) = calibrated(&absent, &text);
+    assert!((k - 2.0).abs() < 1e-5 && rmse < 1e-6, "{k}, {rmse}");
+}
+
 /// Windows begin where the recording says: their runs need not know what was before.
 #[test]
 fn windows_begin_where_they_were_recorded() {

@@ -44,6 +44,10 @@ impl Course {
     /// Through `values` at `times`, which rise; at least one of each, all finite.
     pub fn new(times: Arc<[f64]>, values: Vec<f64>, interpolation: Interpolation) -> Self {
         debug_assert!(times.len() == values.len() && !values.is_empty());
+        let (times, values) = match interpolation {
+            Interpolation::Hold => jumps(&times, &values),
+            _ => (times, values),
+        };
         let slopes = match interpolation {
             Interpolation::Hold | Interpolation::Linear => Vec::new(),
             Interpolation::Monotone => slopes(Smoothness::FritschButland, &times, &values, false),
@@ -109,6 +113,14 @@ impl Course {
     pub fn value(&self, t: f64, order: u8) -> f64 {
         self.at(t, self.interval(t, 0), order)
     }
+}
+
+/// The instants at which a value that is held changes, the first, and the last.
+fn jumps(times: &Arc<[f64]>, values: &[f64]) -> (Arc<[f64]>, Vec<f64>) {
+    let last = values.len() - 1;
+    let jump = |k: &usize| *k == 0 || *k == last || values[*k] != values[*k - 1];
+    let kept: Vec<usize> = (0..values.len()).filter(jump).collect();
+    (kept.iter().map(|k| times[*k]).collect(), kept.iter().map(|k| values[*k]).collect())
 }
 
 #[cfg(test)]
