@@ -35,6 +35,31 @@ pub fn sweep<'p>(
     Err(failed)
 }
 
+/// Finds out that relations go round in a circle, by comparing them with those of a turn that is kept ever
+/// longer (R. P. Brent, BIT 20, 1980).
+#[derive(Default)]
+struct Circle {
+    kept: Vec<f64>,
+    turn: u32,
+    next: u32,
+}
+
+impl Circle {
+    /// True if the relations of the next turn are those of a turn before.
+    fn is_closed_by(&mut self, held: &[f64]) -> bool {
+        self.turn += 1;
+        if self.turn > 1 && self.kept == held {
+            return true;
+        }
+        if self.turn > self.next {
+            self.kept.clear();
+            self.kept.extend_from_slice(held);
+            self.next = 2 * self.turn;
+        }
+        false
+    }
+}
+
 fn rest<'p>(
     instance: &mut Instance<'p>,
     tape: &'p Tape,
@@ -44,17 +69,12 @@ fn rest<'p>(
     let first = instance.program.layout.relations;
     let mut held: Vec<f64> = Vec::with_capacity(late.len());
     let mut restless = Vec::new();
-    // A circle is found by comparing with a state that is kept ever longer (R. P. Brent, BIT 20, 1980).
-    let (mut kept, mut next): (Vec<f64>, u32) = (Vec::new(), 1);
-    for turn in 1..=ITERATION_LIMIT {
+    let mut circle = Circle::default();
+    for _ in 0..ITERATION_LIMIT {
         held.clear();
         held.extend(late.iter().map(|k| instance.get(first + k)));
-        if turn > 1 && held == kept {
+        if circle.is_closed_by(&held) {
             break;
-        }
-        if turn >= next {
-            kept.clone_from(&held);
-            next = 2 * turn;
         }
         instance.run(tape)?;
         restless.clear();
@@ -81,8 +101,10 @@ fn turn_one_by_one<'p>(
     let first = instance.program.layout.relations;
     instance.memory.copy_from_slice(begun);
     let mut held: Vec<f64> = late.iter().map(|k| instance.get(first + k)).collect();
+    // Elsewhere it may go round in circles.
+    let mut circle = Circle::default();
     for _ in 0..MOST_TURNS {
-        if instance.run(tape).is_err() {
+        if circle.is_closed_by(&held) || instance.run(tape).is_err() {
             return false;
         }
         let wrong = late.iter().zip(&held).position(|(k, h)| instance.get(first + k) != *h);
