@@ -173,14 +173,25 @@ fn tried(
     let reach = |least: f64| 1.0 + (CLOSE * least).max(CLOSE * (COMPLETE - 1.0));
     let (law, any) = (least(false), reach(least(true)));
     let reach_of_laws = reach(law);
-    let hopeful = |l: &&mut Level| match is_curve(case, l) {
+    let hopeful = |l: &Level| match is_curve(case, l) {
         true => l.chi2_train() < any.min(1.0 + law),
         false => l.chi2_train() < reach_of_laws,
     };
-    // Where a curve leaves nothing, laws are looked for from there: these need not be searched for here.
-    let mut solved = false;
-    for fitted in levels.iter_mut().take(SEARCHED).filter(hopeful) {
-        if solved && !explains_most(from, fitted) {
+    // Laws that lead on, then curves, then the rest. A curve says nothing beside a law that leaves nothing;
+    // where a curve leaves nothing, laws are looked for from there.
+    let turn = |l: &Level| match (is_curve(case, l), explains_most(from, l)) {
+        (false, true) => 0,
+        (true, _) => 1,
+        (false, false) => 2,
+    };
+    let mut order: Vec<usize> =
+        (0..levels.len().min(SEARCHED)).filter(|k| hopeful(&levels[*k])).collect();
+    order.sort_by_key(|k| turn(&levels[*k]));
+    let (mut law_solved, mut curve_solved) = (false, false);
+    for k in order {
+        let fitted = &mut levels[k];
+        let own_turn = turn(fitted);
+        if law_solved && own_turn == 1 || curve_solved && own_turn == 2 {
             continue;
         }
         let longer = &mut |p: &mut Problem<'_>| {
@@ -193,7 +204,12 @@ fn tried(
             let (train, validation) = (better.chi2_train(), better.chi2_validation());
             let name = name.unwrap_or_default();
             (case.say)(&format!("fitted {name}: {train:.4}, validation {validation:.4}"));
-            solved |= is_curve(case, &better) && better.chi2_train() < COMPLETE;
+            if better.chi2_train() < COMPLETE {
+                match is_curve(case, &better) {
+                    true => curve_solved = true,
+                    false => law_solved = true,
+                }
+            }
             *fitted = better;
         }
     }
