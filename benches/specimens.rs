@@ -6,6 +6,8 @@
 //! cargo bench --bench specimens -- starts 20          # calibrations from random starts
 //! cargo bench --bench specimens -- healthy 20         # diagnoses where nothing is missing
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
+//! cargo bench --bench specimens -- foreign [NAME]     # the same, but diagnosed by a catalogue without it
+//! cargo bench --bench specimens -- pairs 20           # two effects at once
 //! cargo bench --bench specimens -- valve32 effects    # in the other valve
 //! ```
 
@@ -33,6 +35,8 @@ use mocc::math::numeric::linear::DenseLu;
 
 /// Excess of the reduced sum of squares that an inserted effect is to make: the residual doubles.
 const EXCESS: f64 = 3.0;
+/// The same of each of two effects at once.
+const EXCESS_OF_EACH: f64 = 10.0;
 /// Parameters of a specimen differ from the sheet by at most this part.
 const SPREAD: f64 = 0.2;
 
@@ -47,8 +51,18 @@ fn main() {
     match arguments.first().map(String::as_str) {
         Some("starts") => stand.starts(number(1)),
         Some("healthy") => stand.healthy(number(1)),
-        Some("effects") => stand.effects(arguments.get(1).map_or("", String::as_str)),
-        _ => println!("choose one of: starts N, healthy N, effects [NAME]"),
+        Some(way @ ("effects" | "foreign")) => {
+            let wanted = arguments.get(1).map_or("", String::as_str);
+            for k in 0..stand.effects.len() {
+                if stand.effects[k].class.contains(wanted) {
+                    stand.effect(k, way == "foreign");
+                }
+            }
+        }
+        Some("pairs") => stand.pairs(number(1)),
+        _ => {
+            println!("choose one of: starts N, healthy N, effects [NAME], foreign [NAME], pairs N")
+        }
     }
 }
 
@@ -171,15 +185,83 @@ impl Stand {
             let mut random = Random(100 + k);
             let plan = self.other(SPREAD, &mut random);
             let data = self.recorded(&plan, &[], &mut random).expect("recordings");
-            let (found, seconds) = self.diagnosis(&data);
+            let (found, seconds) = self.diagnosis(&data, None);
             alarms += u64::from(verdict(&found).name() != "complete");
-            println!("{k:3}  {}  {seconds:6.1} s", self.words(&found));
+            println!("{k:3}  {}  {seconds:6.1} s", self.words(&found, None));
         }
         println!("{alarms} false alarms in {count} healthy specimens");
     }
 
-    fn effects(&self, wanted: &str) {
-        let level = Level {
+    /// One effect inserted; if `foreign`, the catalogue with which it is looked for does not have it.
+    fn effect(&self, k: usize, foreign: bool) {
+        let mut random = Random(1000 + k as u64);
+        let plan = self.other(SPREAD, &mut random);
+        let Some(inserted) = self.inserted(k, &plan, EXCESS) else {
+            let class = &self.effects[k].class;
+            println!("{class}: no trace in the signals beyond what the parameters absorb");
+            return;
+        };
+        let hidden = foreign.then_some(k);
+        self.report(&plan, &[inserted], hidden, &mut random);
+    }
+
+    /// Two effects of the catalogue at once.
+    fn pairs(&self, count: u64) {
+        for k in 1..=count {
+            let mut random = Random(5000 + k);
+            let plan = self.other(SPREAD, &mut random);
+            let mut both = Vec::new();
+            while both.len() < 2 {
+                let effect = (random.uniform() * self.effects.len() as f64) as usize;
+                both.extend(self.inserted(effect, &plan, EXCESS_OF_EACH));
+            }
+            self.report(&plan, &both, None, &mut random);
+        }
+    }
+
+    /// An effect at one place and with one shape of those that there are, not always the first. Where it
+    /// moves nothing it leaves no trace: the next place then.
+    fn inserted(&self, k: usize, plan: &Plan, excess: f64) -> Option<Inserted> {
+        let all = unscored(&self.case(&self.data), &self.bare());
+        let own: Vec<&Scored> =
+            all.iter().filter(|s| s.effect == k && s.place.others.is_empty()).collect();
+        (0..own.len()).find_map(|i| {
+            let scored = own[(5 * k + 3 + i) % own.len()];
+            let values = self.amplitude(plan, scored, excess)?;
+            Some(Inserted { scored: scored.clone(), values })
+        })
+    }
+
+    /// Makes recordings with these effects, and says what a diagnosis finds in them.
+    fn report(
+        &self,
+        plan: &Plan,
+        inserted: &[Inserted],
+        hidden: Option<usize>,
+        random: &mut Random,
+    ) {
+        let attached: Vec<Attached<'_>> = inserted
+            .iter()
+            .enumerate()
+            .map(|(i, one)| {
+                let effect = &self.effects[one.scored.effect];
+                attachment(effect, &one.scored, one.values.clone(), &format!("inserted_{i}"))
+            })
+            .collect();
+        for (one, a) in inserted.iter().zip(&attached) {
+            println!("{} at {} {:?}", a.effect.class, one.scored.place.at.join(", "), one.values);
+        }
+        let Some(data) = self.recorded(plan, &attached, random) else {
+            println!("    can not be run");
+            return;
+        };
+        let (found, seconds) = self.diagnosis(&data, hidden);
+        println!("    -> {}  {seconds:6.1} s", self.words(&found, hidden));
+    }
+
+    /// The model without effects, not fitted.
+    fn bare(&self) -> Level {
+        Level {
             chosen: Vec::new(),
             plan: self.plan.clone(),
             values: Vec::new(),
@@ -193,48 +275,19 @@ impl Stand {
             },
             train: Sums::default(),
             validation: Sums::default(),
-        };
-        let all = unscored(&self.case(&self.data), &level);
-        for (k, effect) in self.effects.iter().enumerate() {
-            if !effect.class.contains(wanted) {
-                continue;
-            }
-            // One place and one shape of those that there are, not always the first.
-            let own: Vec<&Scored> =
-                all.iter().filter(|s| s.effect == k && s.place.others.is_empty()).collect();
-            let mut random = Random(1000 + k as u64);
-            if own.is_empty() {
-                println!("{:28}  fits nowhere", effect.class);
-                continue;
-            }
-            let plan = self.other(SPREAD, &mut random);
-            // Where it moves nothing it leaves no trace: the next place then.
-            let seen = (0..own.len()).find_map(|i| {
-                let inserted = own[(5 * k + 3 + i) % own.len()];
-                Some((inserted, self.amplitude(&plan, inserted)?))
-            });
-            let Some((inserted, values)) = seen else {
-                println!(
-                    "{}: no trace in the signals beyond what the parameters absorb",
-                    effect.class
-                );
-                continue;
-            };
-            let at = format!("{} at {}", effect.class, inserted.place.at.join(", "));
-            let attached = [attachment(effect, inserted, values.clone())];
-            let Some(data) = self.recorded(&plan, &attached, &mut random) else {
-                println!("{at} {values:?}: can not be run");
-                continue;
-            };
-            let (found, seconds) = self.diagnosis(&data);
-            println!("{at} {values:?}\n    -> {}  {seconds:6.1} s", self.words(&found));
         }
     }
 
-    /// Shape and amplitude that double the residual, as far as this is linear.
-    fn amplitude(&self, plan: &Plan, inserted: &Scored) -> Option<Vec<(String, f64)>> {
+    /// The catalogue, perhaps without one effect.
+    fn catalogue(&self, hidden: Option<usize>) -> Vec<Effect> {
+        let known = |k: &usize| Some(*k) != hidden;
+        (0..self.effects.len()).filter(known).map(|k| self.effects[k].clone()).collect()
+    }
+
+    /// Shape and amplitude that make this excess, as far as this is linear.
+    fn amplitude(&self, plan: &Plan, inserted: &Scored, excess: f64) -> Option<Vec<(String, f64)>> {
         let effect = &self.effects[inserted.effect];
-        let attached = [attachment(effect, inserted, inserted.shape.clone())];
+        let attached = [attachment(effect, inserted, inserted.shape.clone(), "inserted")];
         let name = &attached[0].name;
         let first = &effect.amplitudes[0].name;
         let mut more = plan.clone();
@@ -244,24 +297,27 @@ impl Stand {
         let mut problems = Problems::new();
         let problem = Problem::new(&program, &session.sources, &more, &self.data, &mut problems)?;
         let normal = problem.normal(&problem.start()).ok()?;
-        let size = EXCESS * problem.count(Split::Train) as f64 / left_over(&normal)?;
+        let size = excess * problem.count(Split::Train) as f64 / left_over(&normal)?;
         let mut values = inserted.shape.clone();
         values.push((first.clone(), size.sqrt()));
         Some(values)
     }
 
-    fn diagnosis(&self, data: &Data) -> (Found, f64) {
+    fn diagnosis(&self, data: &Data, hidden: Option<usize>) -> (Found, f64) {
         let begun = Instant::now();
-        let found = diagnose(&self.case(data), &mut |_, _| true).expect("a diagnosis");
+        let effects = self.catalogue(hidden);
+        let case = Case { effects: &effects, ..self.case(data) };
+        let found = diagnose(&case, &mut |_, _| true).expect("a diagnosis");
         (found, begun.elapsed().as_secs_f64())
     }
 
-    fn words(&self, found: &Found) -> String {
+    fn words(&self, found: &Found, hidden: Option<usize>) -> String {
+        let known = self.catalogue(hidden);
         let effects: Vec<String> = found
             .after
             .chosen
             .iter()
-            .map(|c| format!("{} at {}", self.effects[c.effect].class, c.place.at.join(", ")))
+            .map(|c| format!("{} at {}", known[c.effect].class, c.place.at.join(", ")))
             .collect();
         format!(
             "{}  {}  train {:.3} -> {:.3}  validation {:.3} -> {:.3}",
@@ -275,13 +331,21 @@ impl Stand {
     }
 }
 
+/// An effect with its place and its parameters.
+struct Inserted {
+    scored: Scored,
+    values: Vec<(String, f64)>,
+}
+
 fn attachment<'a>(
     effect: &'a Effect,
     inserted: &'a Scored,
     values: Vec<(String, f64)>,
+    name: &str,
 ) -> Attached<'a> {
-    let name = if effect.built_in { inserted.place.at[0].clone() } else { "inserted".to_owned() };
-    Attached { effect, place: &inserted.place, name, values }
+    let place = &inserted.place;
+    let name = if effect.built_in { place.at[0].clone() } else { name.to_owned() };
+    Attached { effect, place, name, values }
 }
 
 fn quality(problem: &Problem<'_>, found: &Fit) -> (f64, f64) {

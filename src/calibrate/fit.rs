@@ -101,7 +101,17 @@ pub fn fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
 /// something, of which the best fit is bad in any case.
 pub fn quick_fit(problem: &mut Problem<'_>, heed: &mut Heed<'_>) -> Option<Fit> {
     let start = problem.start();
-    let found = search(problem, &start, &QUICK, heed)?;
+    refined(problem, &start, &QUICK, heed)
+}
+
+/// Searches from one place, and goes on where the search was caught.
+pub fn refined(
+    problem: &mut Problem<'_>,
+    start: &[f64],
+    stopping: &Stopping,
+    heed: &mut Heed<'_>,
+) -> Option<Fit> {
+    let found = search(problem, start, stopping, heed)?;
     Some(refine(problem, found, heed))
 }
 

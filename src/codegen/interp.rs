@@ -6,20 +6,17 @@ use std::sync::Arc;
 
 use crate::base::index::Id;
 use crate::ir::expr::VarId;
-use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape, Watched};
+use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape};
 use crate::math::numeric::course::Course;
 use crate::symbolic::eval;
 
 use super::delayed::Delayed;
 use super::jit::rent::{Code, Execution};
+use super::mixed::MixedWork;
 use super::played::Played;
 use super::solve::{ImplicitWork, SolverWork};
 use super::tangent::Tangents;
 
-/// Repetitions of a mixed block before it is given up.
-pub const LOOP_LIMIT: u32 = 100;
-/// Combinations of the relations of a mixed block that are tried.
-const MOST_TRIALS: u32 = 2000;
 /// Jumps within one call of a function before it is given up.
 pub const JUMP_LIMIT: u32 = 100_000_000;
 
@@ -100,19 +97,32 @@ pub struct Instance<'p> {
     code: Code,
     /// While it is here, every tape that runs is followed by its derivatives.
     pub tangents: Option<Box<Tangents>>,
+    /// A linear block, and the position of an unknown in it, that was solved though it does not determine
+    /// that unknown. Cleared by whoever takes note of it.
+    pub undetermined: Option<(usize, usize)>,
     /// What recordings say about inputs.
     pub played: Played,
     /// What expressions were some time ago.
     pub delayed: Delayed,
+    /// Values of the relations that the event sequence reads too early, as they were found by a search,
+    /// the last ones first.
+    pub confirmed: Vec<Vec<f64>>,
     solvers: Vec<Option<Box<SolverWork>>>,
     implicits: Vec<Option<Box<ImplicitWork>>>,
-    resting: Vec<Vec<f64>>,
+    mixed: Vec<Option<Box<MixedWork>>>,
+    spare: Vec<Vec<f64>>,
+}
+
+/// What a failed attempt left.
+pub struct Told {
+    memory: Vec<f64>,
+    fault_memory: Vec<f64>,
+    fault: Option<Fault>,
 }
 
 impl<'p> Instance<'p> {
     /// A run that has not begun, and will be interpreted.
     pub fn new(program: &'p Program) -> Self {
-        let largest = |n: usize| vec![0.0; n];
         Instance {
             program,
             memory: program.image.clone(),
@@ -122,6 +132,7 @@ impl<'p> Instance<'p> {
             inside: false,
             relaxed: false,
             moved: false,
+            undetermined: None,
             code: Code::Interpreted,
             tangents: None,
             played: Played::default(),
@@ -132,7 +143,11 @@ impl<'p> Instance<'p> {
                 .iter()
                 .map(|s| Some(Box::new(ImplicitWork::new(s))))
                 .collect(),
-            resting: program.loops.iter().map(|l| largest(l.watched.len())).collect(),
+            mixed: (0..program.loops.len())
+                .map(|k| Some(Box::new(MixedWork::new(program, k))))
+                .collect(),
+            confirmed: Vec::new(),
+            spare: Vec::new(),
         }
     }
 
@@ -300,129 +315,38 @@ impl<'p> Instance<'p> {
         outcome.map_err(|fault| self.fail(fault))
     }
 
-    /// Runs a mixed block until what is discrete in it rests. Where it goes round in circles or meets
-    /// equations without solution, the values of its relations are searched.
     fn repeat(&mut self, k: usize) -> Result<(), Fault> {
-        let mixed = &self.program.loops[k];
-        let begun: Vec<f64> = match mixed.watched.iter().any(is_relation) {
-            true => self.memory.clone(),
-            false => Vec::new(),
-        };
-        let mut outcome = self.rest(k);
-        if let Err(fault) = outcome
-            && !begun.is_empty()
-            && matches!(fault, Fault::Restless { .. } | Fault::Singular { .. })
-        {
-            let told = (self.memory.clone(), self.fault_memory.clone(), self.fault);
-            if self.search(k, &begun) {
-                self.fault = None;
-                outcome = Ok(());
-            } else {
-                (self.memory, self.fault_memory, self.fault) = told;
-            }
-        }
-        match outcome {
-            Err(Fault::Restless { .. }) if self.relaxed => {
-                self.moved = true;
-                Ok(())
-            }
-            outcome => outcome,
+        let Some(mut work) = self.mixed[k].take() else { return Ok(()) };
+        let outcome = work.repeat(self, k);
+        self.mixed[k] = Some(work);
+        outcome
+    }
+
+    /// What a failed attempt left, for when a further one fails too.
+    pub fn told(&self) -> Told {
+        Told {
+            memory: self.memory.clone(),
+            fault_memory: self.fault_memory.clone(),
+            fault: self.fault,
         }
     }
 
-    /// Repeats a mixed block until nothing changes, or a state comes again.
-    fn rest(&mut self, k: usize) -> Result<(), Fault> {
-        let mixed = &self.program.loops[k];
-        let now = |cx: &Self| -> Vec<u64> {
-            mixed.watched.iter().map(|w| cx.get(watched_slot(*w)).to_bits()).collect()
-        };
-        let mut watched = 0;
-        // A circle is found by comparing with a state that is kept ever longer (R. P. Brent, BIT 20, 1980).
-        let (mut kept, mut next) = (Vec::new(), 1);
-        for turn in 1..=LOOP_LIMIT {
-            for (j, w) in mixed.watched.iter().enumerate() {
-                self.resting[k][j] = self.memory[watched_slot(*w) as usize];
-            }
-            self.run(&mixed.tape)?;
-            let changed = mixed.watched.iter().enumerate().position(|(j, w)| {
-                self.memory[watched_slot(*w) as usize].to_bits() != self.resting[k][j].to_bits()
-            });
-            let Some(changed) = changed else { return Ok(()) };
-            watched = changed;
-            if turn > 2 {
-                let state = now(self);
-                if state == kept {
-                    break;
-                }
-                if turn > next {
-                    (kept, next) = (state, 2 * turn);
-                }
-            }
-        }
-        Err(self.fail(Fault::Restless { mixed: k, watched }))
+    /// Takes back what an attempt left.
+    pub fn tell(&mut self, told: Told) {
+        (self.memory, self.fault_memory, self.fault) = (told.memory, told.fault_memory, told.fault);
     }
 
-    /// Looks for values of the relations of a mixed block that its equations confirm, those first that
-    /// differ least from the ones before; true if there are some.
-    fn search(&mut self, k: usize, begun: &[f64]) -> bool {
-        let mixed = &self.program.loops[k];
-        let relations: Vec<Slot> =
-            mixed.watched.iter().filter(|w| is_relation(w)).map(|w| watched_slot(*w)).collect();
-        let mut left = MOST_TRIALS;
-        for distance in 0..=relations.len() {
-            let mut flipped: Vec<usize> = (0..distance).collect();
-            loop {
-                left -= 1;
-                if self.is_confirmed(k, begun, &relations, &flipped) {
-                    return true;
-                }
-                if left == 0 || !next_choice(&mut flipped, relations.len()) {
-                    break;
-                }
-            }
-            if left == 0 {
-                return false;
-            }
-        }
-        false
+    /// The values of all cells as they are, to be given back by [`Instance::release`].
+    pub fn keep(&mut self) -> Vec<f64> {
+        let mut kept = self.spare.pop().unwrap_or_default();
+        kept.clear();
+        kept.extend_from_slice(&self.memory);
+        kept
     }
 
-    /// Whether a mixed block rests with some of its relations turned.
-    fn is_confirmed(
-        &mut self,
-        k: usize,
-        begun: &[f64],
-        relations: &[Slot],
-        flipped: &[usize],
-    ) -> bool {
-        let mixed = &self.program.loops[k];
-        self.memory.copy_from_slice(begun);
-        let was_relaxed = self.relaxed;
-        self.relaxed = true;
-        // The discrete variables follow the relations before the equations follow them.
-        for _ in 0..2 {
-            for (i, slot) in relations.iter().enumerate() {
-                let turned = flipped.contains(&i);
-                self.memory[*slot as usize] = f64::from((begun[*slot as usize] != 0.0) != turned);
-            }
-            if self.run(&mixed.tape).is_err() {
-                self.relaxed = was_relaxed;
-                return false;
-            }
-        }
-        self.relaxed = was_relaxed;
-        for (i, slot) in relations.iter().enumerate() {
-            let turned = flipped.contains(&i);
-            self.memory[*slot as usize] = f64::from((begun[*slot as usize] != 0.0) != turned);
-        }
-        let before: Vec<u64> =
-            mixed.watched.iter().map(|w| self.get(watched_slot(*w)).to_bits()).collect();
-        self.run(&mixed.tape).is_ok()
-            && mixed
-                .watched
-                .iter()
-                .zip(before)
-                .all(|(w, b)| self.get(watched_slot(*w)).to_bits() == b)
+    /// Gives back what was kept, whose room is used again.
+    pub fn release(&mut self, kept: Vec<f64>) {
+        self.spare.push(kept);
     }
 
     fn call(&mut self, k: usize) -> Result<(), Fault> {
@@ -485,32 +409,6 @@ impl<'p> Instance<'p> {
             }
         }
         Ok(())
-    }
-}
-
-fn is_relation(w: &Watched) -> bool {
-    matches!(w, Watched::Relation(..))
-}
-
-/// The next choice of as many numbers below `n`, ascending; false after the last.
-pub fn next_choice(chosen: &mut [usize], n: usize) -> bool {
-    let m = chosen.len();
-    for i in (0..m).rev() {
-        if chosen[i] + m - i < n {
-            chosen[i] += 1;
-            for j in i + 1..m {
-                chosen[j] = chosen[j - 1] + 1;
-            }
-            return true;
-        }
-    }
-    false
-}
-
-/// The cell of something watched.
-pub fn watched_slot(w: Watched) -> Slot {
-    match w {
-        Watched::Variable(_, slot) | Watched::Relation(_, slot) => slot,
     }
 }
 

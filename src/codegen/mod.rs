@@ -15,6 +15,7 @@ pub mod interp;
 pub mod jacobian;
 pub mod jit;
 pub mod layout;
+pub mod mixed;
 pub mod delayed;
 pub mod played;
 pub mod print;

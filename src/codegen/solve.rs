@@ -304,7 +304,11 @@ impl Linear {
             return Ok(());
         };
         self.right.copy_from_slice(z);
-        if !singular.solve_near(z, &self.last) {
+        if singular.solve_near(z, &self.last) {
+            // Looked for once until that is told: where the matrix stays as it is, so does the unknown.
+            let unknown = || (k, weakest(&self.matrix, n));
+            instance.undetermined.get_or_insert_with(unknown);
+        } else {
             if self.has_factors {
                 z.copy_from_slice(&self.right);
                 self.lu.solve_in_place(z);

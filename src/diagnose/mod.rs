@@ -1,4 +1,5 @@
 //! Finding what a model lacks.
+pub mod attempt;
 pub mod balance;
 pub mod case;
 pub mod effect;

@@ -7,8 +7,6 @@
 
 use super::compile::{Request, Session, Wrong, find, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
-use crate::base::index::FastSet;
-use crate::base::name::Name;
 use crate::instantiate::Context;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
@@ -51,25 +49,16 @@ impl Session {
         };
         let within = file.within.as_ref().map(|w| w.to_string()).filter(|w| !w.is_empty());
         let runs = models(file);
-        let mut settled: FastSet<Name> = FastSet::default();
-        // What extends stands after what it extends, as a rule.
-        for name in classes(file).into_iter().rev() {
+        for name in classes(file) {
             let mut problems = Problems::new();
             let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
             let full = within.as_ref().map(|package| format!("{package}.{name}"));
             let class = full.and_then(|full| find(&mut cx, &full)).or_else(|| find(&mut cx, &name));
             let Some(class) = class else { continue };
-            if settled.contains(&cx.classes[class].full_name) {
-                settled.extend(plain_base(&mut cx, class).map(|base| cx.classes[base].full_name));
-                continue;
-            }
             // Of every class: what it extends, and what its kind may not have.
             cx.table(class);
             if runs.contains(&name) {
-                let base = plain_base(&mut cx, class);
-                let base = base.map(|base| cx.classes[base].full_name);
                 one(cx, class);
-                settled.extend(base.filter(|_| !problems.has_errors()));
             } else if is_function(&cx, class) {
                 read(cx, class);
             }
@@ -123,42 +112,6 @@ fn classes(file: &ast::File) -> Vec<String> {
         out.push(name);
     }
     out
-}
-
-/// The only base of a class that adds to it nothing but scalars with values of their own. Where that class
-/// has no errors its base has none: no equation of the base can read what is added, so the equations
-/// that determine the rest are those of the base.
-fn plain_base(cx: &mut Context<'_>, class: ClassId) -> Option<ClassId> {
-    let text = cx.text(class)?.clone();
-    let ClassBody::Long(composition) = &text.body else { return None };
-    let sections = !composition.equations.is_empty() || !composition.algorithms.is_empty();
-    if sections || composition.class_extends.is_some() || composition.external.is_some() {
-        return None;
-    }
-    let mut base = None;
-    for element in &composition.elements {
-        match &element.kind {
-            ElementKind::Extends(extends) if base.is_none() && extends.modification.is_none() => {
-                base = Some(&extends.base);
-            }
-            ElementKind::Components(clause) => {
-                let simple = clause.type_name.to_string();
-                let known = ["Real", "Integer", "Boolean", "String"].contains(&simple.as_str());
-                let bound = clause
-                    .components
-                    .iter()
-                    .all(|c| c.modification.as_ref().is_some_and(|m| m.binding.is_some()));
-                if !known || !bound || element.redeclare || clause.prefix.causality.is_some() {
-                    return None;
-                }
-            }
-            _ => return None,
-        }
-    }
-    let scope = Scope { instance: cx.classes[class].holder, class };
-    let base = cx.find_class(base?, scope)?;
-    let of_base = cx.text(base)?;
-    (of_base.kind == text.kind && !of_base.partial).then_some(base)
 }
 
 /// A component or a system.

@@ -263,7 +263,9 @@ fn if_equation(
     };
     let c = cx.evaluate(condition, scope)?;
     let c = cx.truth(&c, condition.span)?;
-    match cx.structural_value(c) {
+    // Connections are part of the structure: so is what they depend on.
+    let structural = branches.iter().any(|(_, body)| connects(body)) || connects(otherwise);
+    match cx.parameter_expression(c, structural) {
         Some(Const::Boolean(true)) => {
             expand_all(cx, body, scope, target);
             return Some(());
@@ -272,19 +274,6 @@ fn if_equation(
             return if_equation(cx, rest, otherwise, span, scope, target);
         }
         _ => {}
-    }
-    // Connections are part of the structure: so is what they depend on.
-    if branches.iter().any(|(_, body)| connects(body)) || connects(otherwise) {
-        match cx.parameter_expression(c, true) {
-            Some(Const::Boolean(true)) => {
-                expand_all(cx, body, scope, target);
-                return Some(());
-            }
-            Some(Const::Boolean(false)) => {
-                return if_equation(cx, rest, otherwise, span, scope, target);
-            }
-            _ => {}
-        }
     }
     let not_c = cx.graph.not(c);
     let first = collected(target, |t| cx.under(c, |cx| expand_all(cx, body, scope, t)));

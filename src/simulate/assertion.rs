@@ -1,11 +1,12 @@
-//! What the model itself says about its run: assertions and terminations.
+//! What is said about a run besides its results: assertions and terminations of the model, and unknowns
+//! that it leaves open.
 
 use crate::base::diag::{Diagnostic, Severity};
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::{Const, ExprId};
 use crate::ir::program::Program;
 
-use super::error::{Failure, FailureKind, of_fault};
+use super::error::{Failure, FailureKind, UNDETERMINED, of_fault, undetermined};
 use super::events::Settled;
 use super::explain::Reader;
 use super::run::Simulation;
@@ -44,6 +45,16 @@ impl Simulation<'_, '_> {
 
     fn assertion(&self, k: usize, t: f64) -> Failure {
         violated(self.program, &self.model.instance.memory, k, t)
+    }
+
+    /// Warns once of an unknown that its equations leave open, in the last step or at its end.
+    pub(super) fn warn_of_undetermined(&mut self, t: f64) {
+        let Some((solver, unknown)) = self.model.instance.undetermined.take() else { return };
+        let said = self.statistics.warnings.iter().any(|w| w.code == UNDETERMINED);
+        if !said {
+            let warning = undetermined(&self.model.instance, solver, unknown, t);
+            self.statistics.warnings.push(warning);
+        }
     }
 
     /// Failed assertions and terminations of an event iteration.

@@ -1,6 +1,6 @@
 //! Every way a run can fail, in the user's names.
 
-use crate::base::diag::Diagnostic;
+use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::outcome::Failure as Integration;
@@ -240,6 +240,25 @@ pub fn no_start(instance: &Instance<'_>, why: NoStart, t: f64) -> Failure {
         NoStart::Assertion(k) => violated(program, &instance.memory, k, t),
         NoStart::Unsettled(u) => unsettled(instance, u, t),
     }
+}
+
+/// The warning of an unknown that was solved for though its equations leave it open.
+pub const UNDETERMINED: &str = "MO0918";
+
+/// An unknown of a linear block whose equations agree but do not determine it.
+pub fn undetermined(
+    instance: &Instance<'_>,
+    solver: usize,
+    unknown: usize,
+    time: f64,
+) -> Diagnostic {
+    let program = instance.program;
+    let reader = Reader::new(program, &instance.memory);
+    let text = |v: &str| format!("at time {time} s nothing determines `{v}`");
+    let diagnostic = torn_failure(&reader, program, solver, unknown, UNDETERMINED, &text)
+        .note("its equations do not contradict each other: the solution nearest to the last one was taken")
+        .help("check what ties it down: a ground, a fixed place or a reference may be missing");
+    Diagnostic { severity: Severity::Warning, ..diagnostic }
 }
 
 /// Whether the residuals of a torn block vanish: then it is no solution that is missing, but what

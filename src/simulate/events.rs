@@ -241,22 +241,58 @@ fn remember_free(instance: &mut Instance<'_>) {
     }
 }
 
-/// As [`sweep`] over the initial sequence; where that comes to no end, each turn sees what the one
-/// before left as its past (Modelica 3.6, section 8.6: `pre(v) = v` where nothing else is said).
+/// How values are looked for with which nothing changes any more, in the order in which these are tried.
+///
+/// At first relations and equations are solved together with the past held. Where that comes to no end,
+/// each turn sees what the one before left as its past: so friction gets from sticking to sliding across
+/// a maximum that it need not reach again (M. Otter, H. Elmqvist and S. E. Mattsson, "Hybrid modeling in
+/// Modelica based on the synchronous data flow principle", CACSD 1999, section 5). At last all
+/// combinations of relations are tried, the past held.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Straight,
+    InTurns,
+    Searching,
+}
+
+/// What the first way gives that leads to an end. If none does, the first tells why.
+fn by_any_way<'p, T>(
+    instance: &mut Instance<'p>,
+    thoroughly: bool,
+    attempt: impl Fn(&mut Instance<'p>, Way) -> Result<T, Unsettled>,
+) -> Result<T, Unsettled> {
+    let others = if thoroughly { &[Way::InTurns, Way::Searching][..] } else { &[Way::InTurns] };
+    let before = instance.keep();
+    let mut outcome = attempt(instance, Way::Straight);
+    if outcome.as_ref().is_err_and(is_restless) && instance.tangents.is_none() {
+        let told = instance.told();
+        for &way in others {
+            instance.memory.copy_from_slice(&before);
+            let found = attempt(instance, way);
+            if found.is_ok() {
+                outcome = found;
+                break;
+            }
+        }
+        if outcome.is_err() {
+            instance.tell(told);
+        }
+    }
+    instance.release(before);
+    outcome
+}
+
+/// As [`sweep`] over the initial sequence; in turns, `pre(v) = v` where nothing else is said (Modelica
+/// 3.6, section 8.6).
 pub fn begin<'p>(instance: &mut Instance<'p>) -> Result<(), Unsettled> {
     let program: &'p Program = instance.program;
-    let before = instance.memory.clone();
-    let outcome = sweep(instance, &program.initial, &program.late_initial);
-    let Err(failed) = outcome else { return Ok(()) };
-    if !is_restless(&failed) || instance.tangents.is_some() {
-        return Err(failed);
-    }
-    let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
-    instance.memory.copy_from_slice(&before);
-    begin_in_turns(instance).map_err(|_| {
-        (instance.memory, instance.fault_memory, instance.fault) = told;
-        failed
-    })
+    let outcome = by_any_way(instance, true, |instance, way| match way {
+        Way::InTurns => begin_in_turns(instance),
+        _ => sweep(instance, &program.initial, &program.late_initial, way == Way::Searching),
+    });
+    // Events are about other relations.
+    instance.confirmed.clear();
+    outcome
 }
 
 fn begin_in_turns<'p>(instance: &mut Instance<'p>) -> Result<(), Unsettled> {
@@ -266,7 +302,7 @@ fn begin_in_turns<'p>(instance: &mut Instance<'p>) -> Result<(), Unsettled> {
         remember_free(instance);
         if !instance.moved {
             // At rest it is a solution like any.
-            return sweep(instance, &program.initial, &program.late_initial);
+            return sweep(instance, &program.initial, &program.late_initial, false);
         }
     }
     Err(Unsettled::Restless(Vec::new(), Vec::new()))
@@ -285,32 +321,17 @@ fn turn<'p>(instance: &mut Instance<'p>, tape: &'p Tape, late: &[u32]) -> Result
 }
 
 /// The event iteration at the time and the states that stand in the memory, whose variables hold
-/// their left limits. Flags of clocks are raised by the caller.
-///
-/// In each turn relations and equations are solved together with the past held. Where there is no such
-/// solution, each turn sees what the one before left as its past: so friction gets from sticking to
-/// sliding across a maximum that it need not reach again (M. Otter, H. Elmqvist and S. E. Mattsson,
-/// "Hybrid modeling in Modelica based on the synchronous data flow principle", CACSD 1999, section 5).
-pub fn settle(instance: &mut Instance<'_>, clocks: &Clocks) -> Result<Settled, Unsettled> {
-    let before = instance.memory.clone();
-    let outcome = settle_in(instance, clocks, false);
-    let Err(failed) = outcome else { return outcome };
-    if !is_restless(&failed) || instance.tangents.is_some() {
-        return Err(failed);
-    }
-    let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
-    instance.memory.copy_from_slice(&before);
-    settle_in(instance, clocks, true).map_err(|_| {
-        (instance.memory, instance.fault_memory, instance.fault) = told;
-        failed
-    })
-}
-
-fn settle_in(
+/// their left limits. Flags of clocks are raised by the caller. Unless `thoroughly`, not all combinations
+/// of relations are tried: a little later it may go without.
+pub fn settle(
     instance: &mut Instance<'_>,
     clocks: &Clocks,
-    in_turns: bool,
+    thoroughly: bool,
 ) -> Result<Settled, Unsettled> {
+    by_any_way(instance, thoroughly, |instance, way| settle_in(instance, clocks, way))
+}
+
+fn settle_in(instance: &mut Instance<'_>, clocks: &Clocks, way: Way) -> Result<Settled, Unsettled> {
     let program = instance.program;
     let first = program.layout.relations;
     let count = program.watches.len() as Slot;
@@ -332,11 +353,11 @@ fn settle_in(
     let mut restless = Vec::new();
     for _ in 0..ITERATION_LIMIT {
         let mut again = false;
-        if in_turns {
+        if way == Way::InTurns {
             turn(instance, &program.event, &program.late_event)?;
             again = instance.moved;
         } else {
-            sweep(instance, &program.event, &program.late_event)?;
+            sweep(instance, &program.event, &program.late_event, way == Way::Searching)?;
         }
         note_actions(instance, &mut settled);
         again |= apply_reinits(instance);
@@ -356,9 +377,9 @@ fn settle_in(
             ticking = false;
         }
         remember(instance);
-        if !again && in_turns {
+        if !again && way == Way::InTurns {
             // At rest it is a solution like any.
-            sweep(instance, &program.event, &program.late_event)?;
+            sweep(instance, &program.event, &program.late_event, false)?;
         }
         if !again || settled.failed.is_some() {
             let now = (0..count).map(|k| instance.get(first + k));

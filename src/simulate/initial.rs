@@ -118,6 +118,6 @@ pub fn initialise_from(
     instance.set(program.layout.initial, 0.0);
     let mut clocks = Clocks::new(instance, settings.start);
     clocks.raise(instance, settings.start);
-    let settled = settle(instance, &clocks)?;
+    let settled = settle(instance, &clocks, true)?;
     Ok((clocks, selection, settled))
 }

@@ -19,6 +19,7 @@ pub mod homotopy;
 pub mod initial;
 pub mod meeting;
 pub mod method;
+mod options;
 pub mod precondition;
 pub mod record;
 pub mod relations;

@@ -1,65 +1,50 @@
 //! Relations and equations that must be solved together: by repetition, and where that goes round in
 //! circles, by a search for values of the relations that the equations confirm.
 
-use crate::codegen::interp::{Fault, Instance, next_choice};
+use crate::codegen::interp::{Fault, Instance};
 use crate::ir::program::Tape;
+use crate::math::numeric::choices::Choices;
+use crate::math::numeric::circle::Circle;
 
 use super::events::{ITERATION_LIMIT, Unsettled};
 
 /// Relations that are turned one by one before all combinations are tried.
 const MOST_TURNS: usize = 300;
-/// Combinations of relations that are tried where an event iteration goes round in circles.
-const MOST_TRIALS: u32 = 2000;
+/// Values of relations that were found by a search and are tried first at the next one.
+const REMEMBERED: usize = 16;
 
 /// Runs a tape of the initial or event sequence until the relations it reads too early rest. Where
-/// they go round in circles, or lead to equations without solution, others are looked for.
+/// they go round in circles, or lead to equations without solution, others are looked for: near by, or
+/// `thoroughly` among all combinations.
 pub fn sweep<'p>(
     instance: &mut Instance<'p>,
     tape: &'p Tape,
     late: &[u32],
+    thoroughly: bool,
 ) -> Result<(), Unsettled> {
-    let begun = if late.is_empty() { Vec::new() } else { instance.memory.clone() };
     let mut moved = Vec::new();
-    let outcome = rest(instance, tape, late, &mut moved);
-    let Err(failed) = outcome else { return Ok(()) };
-    if late.is_empty() || instance.tangents.is_some() || !is_restless(&failed) {
-        return Err(failed);
+    if late.is_empty() || instance.tangents.is_some() {
+        return rest(instance, tape, late, &mut moved);
     }
-    let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
-    if turn_one_by_one(instance, tape, late, &begun) || search(instance, tape, late, &begun, &moved)
-    {
-        instance.fault = None;
-        return Ok(());
-    }
-    (instance.memory, instance.fault_memory, instance.fault) = told;
-    Err(failed)
-}
-
-/// Finds out that relations go round in a circle, by comparing them with those of a turn that is kept ever
-/// longer (R. P. Brent, BIT 20, 1980).
-#[derive(Default)]
-struct Circle {
-    kept: Vec<f64>,
-    turn: u32,
-    next: u32,
-}
-
-impl Circle {
-    /// True if the relations of the next turn are those of a turn before.
-    fn is_closed_by(&mut self, held: &[f64]) -> bool {
-        self.turn += 1;
-        if self.turn > 1 && self.kept == held {
-            return true;
+    let begun = instance.keep();
+    let mut outcome = rest(instance, tape, late, &mut moved);
+    if outcome.as_ref().is_err_and(is_restless) {
+        let told = instance.told();
+        let mut trials = Trials { instance, tape, late, begun: &begun };
+        let found =
+            trials.recall() || trials.turn_one_by_one() || thoroughly && trials.search(&moved);
+        if found {
+            instance.fault = None;
+            outcome = Ok(());
+        } else {
+            instance.tell(told);
         }
-        if self.turn > self.next {
-            self.kept.clear();
-            self.kept.extend_from_slice(held);
-            self.next = 2 * self.turn;
-        }
-        false
     }
+    instance.release(begun);
+    outcome
 }
 
+/// Repeats the tape until the relations rest, or come again as they were. `moved` is told which moved.
 fn rest<'p>(
     instance: &mut Instance<'p>,
     tape: &'p Tape,
@@ -83,84 +68,114 @@ fn rest<'p>(
         if restless.is_empty() {
             return Ok(());
         }
-        moved.extend(restless.iter().filter(|k| !moved.contains(k)).copied().collect::<Vec<_>>());
+        for k in &restless {
+            if !moved.contains(k) {
+                moved.push(*k);
+            }
+        }
     }
     Err(Unsettled::Restless(Vec::new(), restless))
 }
 
-/// Turns of the relations that the equations contradict only the first, until there is none: where the
-/// relations are those of a linear complementarity problem with a P-matrix, as of networks of ideal
-/// diodes and resistances, that ends (K. G. Murty, "Note on a Bard-type scheme for solving the
-/// complementarity problem", Opsearch 11, 1974).
-fn turn_one_by_one<'p>(
-    instance: &mut Instance<'p>,
+/// Attempts to find values of relations that the equations confirm.
+struct Trials<'a, 'p> {
+    instance: &'a mut Instance<'p>,
     tape: &'p Tape,
-    late: &[u32],
-    begun: &[f64],
-) -> bool {
-    let first = instance.program.layout.relations;
-    instance.memory.copy_from_slice(begun);
-    let mut held: Vec<f64> = late.iter().map(|k| instance.get(first + k)).collect();
-    // Elsewhere it may go round in circles.
-    let mut circle = Circle::default();
-    for _ in 0..MOST_TURNS {
-        if circle.is_closed_by(&held) || instance.run(tape).is_err() {
-            return false;
-        }
-        let wrong = late.iter().zip(&held).position(|(k, h)| instance.get(first + k) != *h);
-        let Some(wrong) = wrong else { return true };
-        instance.memory.copy_from_slice(begun);
-        held[wrong] = 1.0 - held[wrong];
-        for (k, h) in late.iter().zip(&held) {
-            instance.set(first + k, *h);
-        }
-    }
-    false
+    late: &'a [u32],
+    /// The memory from which each attempt begins.
+    begun: &'a [f64],
 }
 
-/// Looks for values of relations that the equations confirm, from `begun` on: those first that differ
-/// least from what they were, and first among the relations that were seen to move.
-fn search<'p>(
-    instance: &mut Instance<'p>,
-    tape: &'p Tape,
-    late: &[u32],
-    begun: &[f64],
-    moved: &[u32],
-) -> bool {
-    let first = instance.program.layout.relations;
-    let mut relations: Vec<u32> = moved.to_vec();
-    relations.extend(late.iter().filter(|k| !moved.contains(k)));
-    let sets = [moved.len(), relations.len()];
-    let mut left = MOST_TRIALS;
-    for (k, &count) in sets.iter().enumerate() {
-        if k > 0 && count == sets[0] {
-            break;
+impl Trials<'_, '_> {
+    /// Values of the relations at the beginning.
+    fn first(&self) -> Vec<f64> {
+        let first = self.instance.program.layout.relations;
+        self.late.iter().map(|k| self.begun[(first + k) as usize]).collect()
+    }
+
+    /// Runs the tape with these values of the relations; the first of them that the equations contradict.
+    fn contradicted(&mut self, held: &[f64]) -> Result<Option<usize>, Fault> {
+        let first = self.instance.program.layout.relations;
+        self.instance.memory.copy_from_slice(self.begun);
+        for (k, h) in self.late.iter().zip(held) {
+            self.instance.set(first + k, *h);
         }
-        for distance in 0..=count {
-            let mut flipped: Vec<usize> = (0..distance).collect();
-            loop {
-                if left == 0 {
-                    return false;
-                }
-                left -= 1;
-                instance.memory.copy_from_slice(begun);
-                for &i in &flipped {
-                    let slot = first + relations[i];
-                    instance.set(slot, 1.0 - instance.get(slot));
-                }
-                let held: Vec<f64> = late.iter().map(|k| instance.get(first + k)).collect();
-                let confirmed = instance.run(tape).is_ok()
-                    && late.iter().zip(&held).all(|(k, h)| instance.get(first + k) == *h);
-                if confirmed {
+        self.instance.run(self.tape)?;
+        let mut pairs = self.late.iter().zip(held);
+        Ok(pairs.position(|(k, h)| self.instance.get(first + k) != *h))
+    }
+
+    fn is_confirmed(&mut self, held: &[f64]) -> bool {
+        self.contradicted(held) == Ok(None)
+    }
+
+    /// Tries what was found before: what switches periodically comes to the same again and again.
+    fn recall(&mut self) -> bool {
+        let mut known = std::mem::take(&mut self.instance.confirmed);
+        let found = known.iter().position(|held| self.is_confirmed(held));
+        if let Some(k) = found {
+            known[..=k].rotate_right(1);
+        }
+        self.instance.confirmed = known;
+        found.is_some()
+    }
+
+    fn remember(&mut self, held: Vec<f64>) {
+        let known = &mut self.instance.confirmed;
+        known.truncate(REMEMBERED - 1);
+        known.insert(0, held);
+    }
+
+    /// Turns of the relations that the equations contradict only the first, until there is none: where
+    /// the relations are those of a linear complementarity problem with a P-matrix, as of networks of
+    /// ideal diodes and resistances, that ends (K. G. Murty, "Note on a Bard-type scheme for solving the
+    /// complementarity problem", Opsearch 11, 1974).
+    fn turn_one_by_one(&mut self) -> bool {
+        let mut held = self.first();
+        // Elsewhere it may go round in circles.
+        let mut circle = Circle::default();
+        for _ in 0..MOST_TURNS {
+            if circle.is_closed_by(&held) {
+                return false;
+            }
+            match self.contradicted(&held) {
+                Ok(Some(wrong)) => held[wrong] = 1.0 - held[wrong],
+                Ok(None) => {
+                    self.remember(held);
                     return true;
                 }
-                if !next_choice(&mut flipped, count) {
-                    break;
+                Err(_) => return false,
+            }
+        }
+        false
+    }
+
+    /// Looks for values that differ least from those at the beginning, first among the relations that were
+    /// seen to move.
+    fn search(&mut self, moved: &[u32]) -> bool {
+        let position = |k: &u32| self.late.iter().position(|l| l == k);
+        let mut order: Vec<usize> = moved.iter().filter_map(position).collect();
+        let others = (0..self.late.len()).filter(|i| !order.contains(i)).collect::<Vec<_>>();
+        let counts = [order.len(), self.late.len()];
+        order.extend(&others);
+        let begun = self.first();
+        let mut held = begun.clone();
+        let sets = if others.is_empty() { &counts[..1] } else { &counts[..] };
+        for count in sets {
+            let mut choices = Choices::new(*count);
+            while let Some(turned) = choices.next() {
+                held.copy_from_slice(&begun);
+                for i in turned {
+                    held[order[*i]] = 1.0 - held[order[*i]];
+                }
+                if self.is_confirmed(&held) {
+                    self.remember(held);
+                    return true;
                 }
             }
         }
+        false
     }
-    false
 }
 
 /// What may come to rest if each turn sees the one before as its past.

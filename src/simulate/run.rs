@@ -3,13 +3,10 @@
 use std::time::{Duration, Instant};
 
 use crate::base::diag::Diagnostic;
-use crate::base::index::Id;
 use crate::base::source::{SourceMap, Span};
-use crate::integrate::options::Options;
 use crate::integrate::outcome::Step;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::ir::expr::{Node, Unary};
 use crate::ir::program::{Program, Sequence, Slot, Watch};
 use crate::ir::trajectory::{Event, Trajectory};
 
@@ -23,25 +20,20 @@ use super::extremes::Extremes;
 use super::initial::initialise;
 use super::meeting::Recent;
 use super::method::{Choice, Integrator};
+use super::options::options;
 use super::record::{Recorder, Sink};
-use super::selection::{LIMIT, Selection};
+use super::selection::Selection;
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
 use super::system::{Model, of_domain};
 use crate::codegen::interp::Fault;
 use crate::integrate::system::System;
 
-/// Tolerances are not sharpened beyond this.
-const SHARPEST: f64 = 1e-12;
-
 /// First shift of an event that its evaluation does not confirm, in spacings of doubles.
 const NUDGE: f64 = 8.0;
 
-/// Longest step in intervals between two values of a recording that drives the model.
-const UNSEEN: f64 = 4.0;
-
-/// Fewest steps of a run in which a source oscillates and relations are searched.
-const LEAST_STEPS: f64 = 50.0;
+/// How often an event is looked at a little later before all combinations of its relations are tried.
+const PATIENCE: u32 = 4;
 
 /// How far beyond the end of a branch another one is looked for first, as a part of the run.
 const FIRST_LEAP: f64 = 1e-12;
@@ -270,7 +262,9 @@ impl<'p, 's> Simulation<'p, 's> {
             extremes: Extremes::new(program, &settings.extremes, t, spacing),
             sensitivity,
         };
+        simulation.model.instance.undetermined = None;
         simulation.record(t)?;
+        simulation.warn_of_undetermined(t);
         simulation.recorder.flush_first(simulation.sink);
         simulation.check_assertions(t)?;
         simulation.act_on(settled, t)?;
@@ -357,6 +351,7 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Checks and records the step that ends at `t` without an event, and stands there.
     fn complete_step(&mut self, t: f64) -> Result<(), Failure> {
         self.search.heed(&self.model.instance);
+        self.warn_of_undetermined(t);
         self.check_assertions_of_step()?;
         self.vary()?;
         self.record_grid(t, true)?;
@@ -390,7 +385,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let t = self.t;
         let terminal = self.program.layout.terminal;
         self.model.instance.set(terminal, 1.0);
-        let outcome = settle(&mut self.model.instance, &self.clocks);
+        let outcome = settle(&mut self.model.instance, &self.clocks, true);
         let settled = outcome.map_err(|u| unsettled(&self.model.instance, u, t))?;
         if settled.changed {
             let n = self.program.order();
@@ -415,6 +410,7 @@ impl<'p, 's> Simulation<'p, 's> {
     fn step(&mut self, t_stop: f64) -> Result<bool, Failure> {
         self.model.beyond = false;
         self.model.instance.leaps = false;
+        self.model.instance.undetermined = None;
         let mut outcome = self.stepper.step(&mut self.model, t_stop);
         if outcome.is_err() && self.lost_a_branch() {
             outcome = self.leap(t_stop).unwrap_or(outcome);
@@ -483,7 +479,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let held = self.held_relations();
         let mut nudge =
             NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
-        let (mut t, mut ticked) = (t, false);
+        let (mut t, mut ticked, mut nudges) = (t, false, 0);
         let mut triggers: Vec<u32> = Vec::new();
         let (settled, before) = loop {
             self.go_to(t)?;
@@ -496,20 +492,22 @@ impl<'p, 's> Simulation<'p, 's> {
             if instance.delayed.pass(t, &instance.memory) {
                 instance.delayed.place(t, &mut instance.memory);
             }
-            let before = self.model.instance.memory.clone();
-            let settled = self.settle();
+            let before = self.model.instance.keep();
+            let may_wait = cause == Cause::State && t < self.stepper.t();
+            let settled = self.settle(!may_wait || nudges >= PATIENCE);
             if let Some(s) = &mut self.sensitivity {
                 s.detach(&mut self.model.instance);
             }
             let settled = match settled {
                 // Where relations meet, rounding may turn one by the other: a little later it will not.
-                Err(Unsettled::Restless(..)) if cause == Cause::State && t < self.stepper.t() => {
+                Err(Unsettled::Restless(..)) if may_wait => {
                     self.model.instance.memory.copy_from_slice(&before);
+                    self.model.instance.release(before);
                     if let Some(s) = &mut self.sensitivity {
                         s.restore(derivatives.as_ref());
                     }
                     t = (t + nudge).min(self.stepper.t());
-                    nudge *= 4.0;
+                    (nudge, nudges) = (4.0 * nudge, nudges + 1);
                     continue;
                 }
                 outcome => outcome.map_err(|u| unsettled(&self.model.instance, u, t))?,
@@ -518,6 +516,7 @@ impl<'p, 's> Simulation<'p, 's> {
             if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
                 break (settled, before);
             }
+            self.model.instance.release(before);
             t = (t + nudge).min(self.stepper.t());
             nudge *= 4.0;
         };
@@ -526,6 +525,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.y[..n].copy_from_slice(self.model.instance.states());
         let flipped = self.flipped(&held, &triggers);
         let echoes = !ticked && self.echoes(t, &flipped, settled, &before)?;
+        self.model.instance.release(before);
         if settled.changed && !echoes {
             self.put_row(t);
             self.depart(t)?;
@@ -592,13 +592,13 @@ impl<'p, 's> Simulation<'p, 's> {
 
     /// The event iteration, beyond the domain of functions where it can not be helped: new
     /// relations and old branches meet in it.
-    fn settle(&mut self) -> Result<Settled, Unsettled> {
-        let mut outcome = settle(&mut self.model.instance, &self.clocks);
+    fn settle(&mut self, thoroughly: bool) -> Result<Settled, Unsettled> {
+        let mut outcome = settle(&mut self.model.instance, &self.clocks, thoroughly);
         if let Err(Unsettled::Fault(fault)) = outcome
             && of_domain(fault)
         {
             self.model.instance.inside = true;
-            outcome = settle(&mut self.model.instance, &self.clocks);
+            outcome = settle(&mut self.model.instance, &self.clocks, thoroughly);
             self.model.instance.inside = false;
         }
         outcome
@@ -758,48 +758,4 @@ fn first_values(model: &mut Model<'_>, t: f64) -> bool {
     }
     let instance = &mut model.instance;
     instance.delayed.begin(t, &instance.memory)
-}
-
-/// True if a sine or cosine of time stands in the model.
-fn oscillates(program: &Program) -> bool {
-    let graph = &program.blocks.dae.graph;
-    let mut of_time: Vec<bool> = Vec::with_capacity(graph.len());
-    for e in graph.ids() {
-        let node = graph.node(e);
-        let mut moves = node == Node::Time;
-        // Operands have lower numbers.
-        graph.for_each_operand(e, |a| moves |= of_time[a.idx()]);
-        if moves && matches!(node, Node::Unary(Unary::Sin | Unary::Cos, _)) {
-            return true;
-        }
-        of_time.push(moves);
-    }
-    false
-}
-
-fn options(model: &Model<'_>, settings: &Settings) -> Options {
-    let program = model.instance.program;
-    let nominals = program.layout.nominals.iter().map(|slot| {
-        let size = model.instance.get(*slot).abs();
-        if size > 0.0 && size.is_finite() { size } else { 1.0 }
-    });
-    let mut nominals: Vec<f64> = nominals.collect();
-    nominals.resize(program.order().max(1), 1.0);
-    // What is not selected meets the tolerance too, though it and its rate react stronger.
-    let reaction = if program.state_sets.is_empty() { 1.0 } else { LIMIT * LIMIT };
-    let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
-    let mut options = Options::with_nominals(tolerance, &nominals);
-    // What is shorter than a step may not be seen.
-    let instance = &model.instance;
-    options.max_step = UNSEEN * instance.played.spacing();
-    options.max_step = options.max_step.min(instance.delayed.shortest(&instance.memory));
-    if program.watches.contains(&Watch::State) && oscillates(program) {
-        // Where states rest nothing but this limits the step, and a source may come and go within it.
-        options.max_step = options.max_step.min((settings.stop - settings.start) / LEAST_STEPS);
-    }
-    if program.order() == 0 && settings.stop > settings.start {
-        // Nothing limits the error of a resting state, but events must not be stepped over.
-        options.max_step = options.max_step.min(settings.spacing.unwrap_or(settings.interval));
-    }
-    options
 }

@@ -10,19 +10,33 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-#[test]
-fn all_problems_of_a_file_come_at_once_and_in_order() {
-    let ended = mocc(root(), &["check", SEVERAL]);
+/// What `mocc check` says of a text of the suite, under a snapshot.
+fn checked(name: &str) -> String {
+    let file = format!("tests/suite/check/{name}.mo");
+    let ended = mocc(root(), &["check", &file]);
     assert_eq!(ended.status, 1);
-    let text = std::fs::read_to_string(root().join(SEVERAL)).expect("a file");
+    let text = std::fs::read_to_string(root().join(file)).expect("a file");
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path("../suite/check");
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.bind(|| insta::assert_snapshot!("several", format!("{text}----\n{}", ended.err)));
+    settings.bind(|| insta::assert_snapshot!(name, format!("{text}----\n{}", ended.err)));
+    ended.err
+}
+
+#[test]
+fn all_problems_of_a_file_come_at_once_and_in_order() {
+    let said = checked("several");
     for right in ["Resistor", "Open", "OnlyInside"] {
-        assert!(!ended.err.contains(right), "{right}: {}", ended.err);
+        assert!(!said.contains(right), "{right}: {said}");
     }
+}
+
+#[test]
+fn functions_that_nothing_calls_are_read() {
+    let said = checked("uncalled");
+    assert!(said.contains("`gian` is not declared") && said.contains("y := x + \"one\""), "{said}");
+    assert!(!said.contains("v[3]"), "{said}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use mocc::base::diag::Diagnostic;
 use mocc::base::render::{Style, render, render_all};
 use mocc::codegen::jit::rent::Execution;
 use mocc::driver::compile::{Request, Session};
@@ -182,10 +183,14 @@ impl Compiled {
     }
     /// The trajectory; panics with the failure.
     pub fn run(&self) -> Trajectory {
+        self.run_with_warnings().0
+    }
+    /// The trajectory, and what was warned of on the way.
+    pub fn run_with_warnings(&self) -> (Trajectory, Vec<Diagnostic>) {
         match simulate(&self.program, &self.settings, &self.session.sources) {
             Ok(run) => {
                 run.trajectory.verify().expect("a trajectory in order");
-                run.trajectory
+                (run.trajectory, run.statistics.warnings)
             }
             Err(failure) => {
                 panic!("{}", render(&failure.diagnostic, &self.session.sources, Style::Plain))

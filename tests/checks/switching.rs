@@ -50,7 +50,7 @@ fn bodies_stick_where_the_friction_is_strong_enough() {
 /// A ring of differences says two things in three equations: the level stays open, the rest is right.
 #[test]
 fn equations_that_follow_from_others_are_no_contradiction() {
-    let run = Case::text(
+    let (run, warnings) = Case::text(
         "model Ring
            Real a;
            Real b;
@@ -64,11 +64,14 @@ fn equations_that_follow_from_others_are_no_contradiction() {
            annotation(experiment(StopTime = 1, Tolerance = 1e-9));
          end Ring;",
     )
-    .run();
+    .compile()
+    .run_with_warnings();
     let (sin, cos) = 1.0_f64.sin_cos();
     assert_close(run.last("a") - run.last("b"), sin, 1e-12);
     assert_close(run.last("b") - run.last("c"), cos, 1e-12);
     assert_close(run.last("x"), 1.0 - cos + sin, 1e-8);
+    let said: Vec<_> = warnings.iter().map(|w| (w.code, w.message.as_str())).collect();
+    assert_eq!(said, [("MO0918", "at time 0 s nothing determines `a`")]);
 }
 
 /// A winding at an angle: of its two components one vanishes, at 0 exactly, at pi/2 by rounding.

@@ -13,7 +13,8 @@ use crate::symbolic::partial;
 pub mod forcing;
 pub mod outputs;
 
-use super::interp::{Fault, Instance, JUMP_LIMIT, LOOP_LIMIT, step, watched_slot};
+use super::interp::{Fault, Instance, JUMP_LIMIT, step};
+use super::mixed::{LOOP_LIMIT, watched_slot};
 
 /// Directions are handled in groups of so many.
 const LANES: usize = 4;

@@ -7,6 +7,8 @@
     reason = "`!(a < b)` is how a NaN is made to count as a failed test"
 )]
 
+pub mod choices;
+pub mod circle;
 pub mod coloring;
 pub mod course;
 pub mod eigen;
