@@ -104,7 +104,7 @@ impl MixedWork {
     /// the ones before; true if there are some.
     fn search(&mut self, instance: &mut Instance<'_>, k: usize) -> bool {
         let mut choices = Choices::new(self.relations.len());
-        while let Some(turned) = choices.next() {
+        while let Some(turned) = choices.another() {
             if self.is_confirmed(instance, k, turned) {
                 return true;
             }

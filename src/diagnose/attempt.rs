@@ -84,13 +84,13 @@ impl Attempt<'_> {
                 break;
             }
             let (chosen, plan) = attach(self.case, self.from, scored, self.depth);
-            let short = &mut |p: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>| {
+            let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
                 p.left_out = p.surplus(ENOUGH);
                 let found = search(p, start, &LOOK, heed);
                 p.left_out = Vec::new();
                 found
             };
-            if let Some(fitted) = self.fitted(chosen, plan, short, heed) {
+            if let Some(fitted) = self.fitted(chosen, plan, short) {
                 let name = self.case.named(scored.effect, &scored.place);
                 (self.case.say)(&format!("looked at {name}: {:.4}", fitted.chi2_train()));
                 levels.push(fitted);
@@ -162,10 +162,8 @@ impl Attempt<'_> {
             if !heed(0, best.train.total()) {
                 break;
             }
-            let long = &mut |p: &mut Problem<'_>, start: &[f64], heed: &mut Heed<'_>| {
-                refined(p, start, &STOPPING, heed)
-            };
-            let Some(fitted) = self.fitted(chosen, plan, long, heed) else { continue };
+            let long = &mut |p: &mut Problem<'_>, start: &[f64]| refined(p, start, &STOPPING, heed);
+            let Some(fitted) = self.fitted(chosen, plan, long) else { continue };
             self.say("from elsewhere", &fitted);
             let least = better.as_ref().unwrap_or(best);
             if fitted.train.total() < least.train.total() {
@@ -204,13 +202,12 @@ impl Attempt<'_> {
         &self,
         chosen: Vec<Chosen>,
         plan: Plan,
-        how: &mut dyn FnMut(&mut Problem<'_>, &[f64], &mut Heed<'_>) -> Option<Fit>,
-        heed: &mut Heed<'_>,
+        how: &mut dyn FnMut(&mut Problem<'_>, &[f64]) -> Option<Fit>,
     ) -> Option<Level> {
         let new = amplitudes(self.case, &chosen[self.from.chosen.len()..]);
         let whole = &mut |p: &mut Problem<'_>| {
             let start = shortened(p, &new);
-            how(p, &start, heed)
+            how(p, &start)
         };
         level(self.case, chosen, plan, whole).ok()
     }

@@ -163,7 +163,7 @@ impl Trials<'_, '_> {
         let sets = if others.is_empty() { &counts[..1] } else { &counts[..] };
         for count in sets {
             let mut choices = Choices::new(*count);
-            while let Some(turned) = choices.next() {
+            while let Some(turned) = choices.another() {
                 held.copy_from_slice(&begun);
                 for i in turned {
                     held[order[*i]] = 1.0 - held[order[*i]];

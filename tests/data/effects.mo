@@ -541,6 +541,15 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end SensorGain;
 
+    model SensorMagnitude
+      extends Check;
+      Effects.SensorMagnitude effect(m = 1, u = 1 - 2*time);
+    equation
+      found = {effect.y};
+      exact = {if time < 0.5 then 1 - 2*time else 2*time - 1};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SensorMagnitude;
+
     model SensorLag
       extends Check(n = 2);
       // A ramp is read T late; with T = tau it is the first-order lag.
@@ -864,6 +873,11 @@ package EffectTests
       extends Base;
       Effects.SensorGain effect(u = s);
     end SensorGain;
+
+    model SensorMagnitude
+      extends Base;
+      Effects.SensorMagnitude effect(u = s);
+    end SensorMagnitude;
 
     model SensorLag
       extends Base;

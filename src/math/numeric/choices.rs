@@ -19,7 +19,7 @@ impl Choices {
     }
 
     /// The next choice.
-    pub fn next(&mut self) -> Option<&[usize]> {
+    pub fn another(&mut self) -> Option<&[usize]> {
         if self.left == 0 || self.begun && !self.advance() {
             return None;
         }
@@ -52,7 +52,7 @@ mod tests {
 
     fn all(n: usize) -> Vec<Vec<usize>> {
         let mut choices = Choices::new(n);
-        std::iter::from_fn(|| choices.next().map(<[usize]>::to_vec)).collect()
+        std::iter::from_fn(|| choices.another().map(<[usize]>::to_vec)).collect()
     }
 
     #[test]
