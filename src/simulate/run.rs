@@ -7,17 +7,18 @@ use crate::base::source::{SourceMap, Span};
 use crate::integrate::outcome::Step;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::ir::program::{Program, Sequence, Slot, Watch};
-use crate::ir::trajectory::{Event, Trajectory};
+use crate::ir::program::{Program, Sequence};
+use crate::ir::trajectory::Trajectory;
 
 use super::clock::Clocks;
 use super::columns::{columns, constants};
-use super::echo::{Echo, nothing_moved};
-use super::error::{Failure, no_start, of_fault, of_integration, unsettled};
-use super::events::{Search, Settled, Unsettled, settle};
+use super::echo::Echo;
+use super::error::{Failure, no_start, of_fault, of_integration};
+use super::events::Search;
 use super::explain::{Reader, relation_text};
 use super::extremes::Extremes;
 use super::initial::initialise;
+use super::instant::Cause;
 use super::meeting::Recent;
 use super::method::{Choice, Integrator};
 use super::options::options;
@@ -28,12 +29,6 @@ use super::settings::Settings;
 use super::system::{Model, of_domain};
 use crate::codegen::interp::Fault;
 use crate::integrate::system::System;
-
-/// First shift of an event that its evaluation does not confirm, in spacings of doubles.
-const NUDGE: f64 = 8.0;
-
-/// How often an event is looked at a little later before all combinations of its relations are tried.
-const PATIENCE: u32 = 4;
 
 /// How far beyond the end of a branch another one is looked for first, as a part of the run.
 const FIRST_LEAP: f64 = 1e-12;
@@ -186,15 +181,6 @@ pub struct Simulation<'p, 's> {
     pub(super) sensitivity: Option<Box<Sensitivity>>,
 }
 
-/// What leads to an event.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Cause {
-    /// A relation on the trajectory switches.
-    State,
-    /// An instant known in advance.
-    Time,
-}
-
 impl<'p, 's> Simulation<'p, 's> {
     fn begin(
         program: &'p Program,
@@ -322,7 +308,7 @@ impl<'p, 's> Simulation<'p, 's> {
 
     /// Adds to the histories of delayed expressions: what they are now, or the course of the last step
     /// up to `end`.
-    fn note_delayed(&mut self, end: f64, now: bool) -> Result<(), Failure> {
+    pub(super) fn note_delayed(&mut self, end: f64, now: bool) -> Result<(), Failure> {
         if self.model.instance.delayed.is_empty() {
             return Ok(());
         }
@@ -378,21 +364,6 @@ impl<'p, 's> Simulation<'p, 's> {
             s.restart(t);
         }
         self.restart()
-    }
-
-    /// The event at the end of the run, for what happens `when terminal()`.
-    fn finish(&mut self) -> Result<(), Failure> {
-        let t = self.t;
-        let terminal = self.program.layout.terminal;
-        self.model.instance.set(terminal, 1.0);
-        let outcome = settle(&mut self.model.instance, &self.clocks, true);
-        let settled = outcome.map_err(|u| unsettled(&self.model.instance, u, t))?;
-        if settled.changed {
-            let n = self.program.order();
-            self.y[..n].copy_from_slice(self.model.instance.states());
-            self.record(t)?;
-        }
-        self.act_on(settled, t)
     }
 
     fn first_switch(&mut self) -> Result<Option<f64>, Failure> {
@@ -466,99 +437,6 @@ impl<'p, 's> Simulation<'p, 's> {
         begun.map_err(|e| of_integration(&self.model.instance, e, self.t))
     }
 
-    /// Everything that happens at one instant of the last step.
-    fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
-        self.vary()?;
-        self.note_delayed(t, false)?;
-        self.record_grid(t, false)?;
-        // Whatever happens, both sides are looked at anew.
-        if let Some(mut sliding) = self.model.sliding.take() {
-            self.arrive_from_surface(&mut sliding, t);
-        }
-        self.search.ignore(None);
-        let held = self.held_relations();
-        let mut nudge =
-            NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
-        let (mut t, mut ticked, mut nudges) = (t, false, 0);
-        let mut triggers: Vec<u32> = Vec::new();
-        let (settled, before) = loop {
-            self.go_to(t)?;
-            self.take_row(t)?;
-            self.look(t)?;
-            triggers.extend(self.search.switched(&self.model.instance));
-            let derivatives = self.arrive(t, cause);
-            ticked |= self.clocks.raise(&mut self.model.instance, t);
-            let instance = &mut self.model.instance;
-            if instance.delayed.pass(t, &instance.memory) {
-                instance.delayed.place(t, &mut instance.memory);
-            }
-            let before = self.model.instance.keep();
-            let may_wait = cause == Cause::State && t < self.stepper.t();
-            let settled = self.settle(!may_wait || nudges >= PATIENCE);
-            if let Some(s) = &mut self.sensitivity {
-                s.detach(&mut self.model.instance);
-            }
-            let settled = match settled {
-                // Where relations meet, rounding may turn one by the other: a little later it will not.
-                Err(Unsettled::Restless(..)) if may_wait => {
-                    self.model.instance.memory.copy_from_slice(&before);
-                    self.model.instance.release(before);
-                    if let Some(s) = &mut self.sensitivity {
-                        s.restore(derivatives.as_ref());
-                    }
-                    t = (t + nudge).min(self.stepper.t());
-                    (nudge, nudges) = (4.0 * nudge, nudges + 1);
-                    continue;
-                }
-                outcome => outcome.map_err(|u| unsettled(&self.model.instance, u, t))?,
-            };
-            // The event sequence may round an operand to the other side: a little later it will not.
-            if settled.changed || cause == Cause::Time || t >= self.stepper.t() {
-                break (settled, before);
-            }
-            self.model.instance.release(before);
-            t = (t + nudge).min(self.stepper.t());
-            nudge *= 4.0;
-        };
-        self.t = t;
-        let n = self.program.order();
-        self.y[..n].copy_from_slice(self.model.instance.states());
-        let flipped = self.flipped(&held, &triggers);
-        let echoes = !ticked && self.echoes(t, &flipped, settled, &before)?;
-        self.model.instance.release(before);
-        if settled.changed && !echoes {
-            self.put_row(t);
-            self.depart(t)?;
-            self.record(t)?;
-            while self.recorder.due(t, true).is_some() {
-                self.recorder.advance();
-            }
-        } else {
-            self.record_grid(t, true)?;
-            self.go_to(t)?;
-            self.depart(t)?;
-        }
-        self.note_delayed(t, true)?;
-        if !echoes {
-            self.echo.remember(t, &flipped);
-            self.announce(t, cause, ticked, &flipped, settled);
-        }
-        if !ticked && !self.slides(t, &flipped, settled)? {
-            self.guard_against_chattering(t, &flipped)?;
-        }
-        self.check_assertions(t)?;
-        self.act_on(settled, t)?;
-        if !self.ended && t < self.stop {
-            if !self.selection.is_empty() {
-                let evaluated = self.model.evaluate_all(t, &self.y);
-                evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-                self.renew(t)?;
-            }
-            self.restart()?;
-        }
-        Ok(())
-    }
-
     /// Selects states anew at the end of a step if necessary; true if they changed.
     fn select(&mut self) -> Result<bool, Failure> {
         if self.selection.is_empty() {
@@ -570,7 +448,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     /// Selects states anew, if necessary, where the variables are in the memory.
-    fn renew(&mut self, t: f64) -> Result<bool, Failure> {
+    pub(super) fn renew(&mut self, t: f64) -> Result<bool, Failure> {
         self.look(t)?;
         if let Some(s) = &mut self.sensitivity {
             s.attach(&mut self.model.instance);
@@ -588,20 +466,6 @@ impl<'p, 's> Simulation<'p, 's> {
             }
         }
         Ok(changed)
-    }
-
-    /// The event iteration, beyond the domain of functions where it can not be helped: new
-    /// relations and old branches meet in it.
-    fn settle(&mut self, thoroughly: bool) -> Result<Settled, Unsettled> {
-        let mut outcome = settle(&mut self.model.instance, &self.clocks, thoroughly);
-        if let Err(Unsettled::Fault(fault)) = outcome
-            && of_domain(fault)
-        {
-            self.model.instance.inside = true;
-            outcome = settle(&mut self.model.instance, &self.clocks, thoroughly);
-            self.model.instance.inside = false;
-        }
-        outcome
     }
 
     /// Evaluates everything at an instant of the last step, relations held.
@@ -631,7 +495,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     /// Records the row at `t` with the states in `self.y`.
-    fn record(&mut self, t: f64) -> Result<(), Failure> {
+    pub(super) fn record(&mut self, t: f64) -> Result<(), Failure> {
         let evaluated = self.model.evaluate_all(t, &self.y);
         evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
         self.take_row(t)?;
@@ -641,7 +505,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     /// Takes the values in the memory as the next row.
-    fn take_row(&mut self, t: f64) -> Result<(), Failure> {
+    pub(super) fn take_row(&mut self, t: f64) -> Result<(), Failure> {
         let mut taken = self.recorder.take(&self.model.instance);
         if taken.is_err() && self.model.beyond {
             let evaluated = self.model.evaluate_all_beyond(t, &self.y);
@@ -657,80 +521,12 @@ impl<'p, 's> Simulation<'p, 's> {
         })
     }
 
-    fn put_row(&mut self, t: f64) {
+    pub(super) fn put_row(&mut self, t: f64) {
         self.statistics.rows += 1;
         self.recorder.put(t, self.sink);
         if let Some(s) = &self.sensitivity {
             self.recorder.flush(self.sink);
             self.sink.slopes(s.slopes());
-        }
-    }
-
-    fn held_relations(&self) -> Vec<f64> {
-        let first = self.program.layout.relations;
-        (0..self.program.watches.len() as Slot)
-            .map(|k| self.model.instance.get(first + k))
-            .collect()
-    }
-
-    /// Relations that led to the event, and those that differ from what was held; with the value
-    /// that they took.
-    fn flipped(&self, held: &[f64], triggers: &[u32]) -> Vec<(u32, bool)> {
-        let now = self.held_relations();
-        let pairs = held.iter().zip(&now).enumerate();
-        let changed = pairs.filter(|(k, (a, b))| a != b || triggers.contains(&(*k as u32)));
-        changed.map(|(k, (before, _))| (k as u32, *before == 0.0)).collect()
-    }
-
-    /// Whether this event only turns back what the one before turned, and nothing moves by it.
-    fn echoes(
-        &mut self,
-        t: f64,
-        flipped: &[(u32, bool)],
-        settled: Settled,
-        before: &[f64],
-    ) -> Result<bool, Failure> {
-        let speaks = settled.failed.is_some() || settled.terminate.is_some();
-        if !settled.changed || speaks || !self.echo.may_be(t, flipped) {
-            return Ok(false);
-        }
-        let evaluated = self.model.evaluate_all(t, &self.y);
-        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        Ok(nothing_moved(self.program, before, &self.model.instance.memory))
-    }
-
-    /// Counts the event and tells the sink.
-    fn announce(
-        &mut self,
-        t: f64,
-        cause: Cause,
-        ticked: bool,
-        flipped: &[(u32, bool)],
-        settled: Settled,
-    ) {
-        // A switching that the event iteration does not confirm is rounding, not an event.
-        if !settled.changed {
-            return;
-        }
-        self.recorder.flush(self.sink);
-        match cause {
-            Cause::State => self.statistics.state_events += 1,
-            Cause::Time => self.statistics.time_events += 1,
-        }
-        for &(k, truth) in flipped {
-            if self.program.watches[k as usize] == Watch::Discrete {
-                continue;
-            }
-            let what = format!("{} became {truth}", self.relation_text(k));
-            let place = self.place(self.relation_span(k));
-            self.sink.event(Event { time: t, what, place });
-        }
-        if ticked {
-            let event = Event { time: t, what: "sample".to_owned(), place: String::new() };
-            self.sink.event(event);
-        } else if flipped.is_empty() {
-            let event = Event { time: t, what: "time event".to_owned(), place: String::new() };
-            self.sink.event(event);
         }
     }
 

@@ -29,7 +29,8 @@ use crate::ir::program::{Instr, Program, Slot, Watch};
 
 use super::clock::Clocks;
 use super::error::{Failure, of_fault};
-use super::run::{Cause, Simulation};
+use super::instant::Cause;
+use super::run::Simulation;
 use super::settings::Settings;
 use super::sliding::Sliding;
 use super::surface::{AlongSurface, Surface};

@@ -876,7 +876,7 @@ package EffectTests
 
     model SensorMagnitude
       extends Base;
-      Effects.SensorMagnitude effect(u = s);
+      Effects.SensorMagnitude effect(u = v);
     end SensorMagnitude;
 
     model SensorLag
