@@ -42,6 +42,12 @@ impl Normal {
         }
     }
 
+    /// True if all sums are numbers.
+    pub fn is_finite(&self) -> bool {
+        let all = self.gram.iter().chain(&self.gradient);
+        self.cost.is_finite() && all.copied().all(f64::is_finite)
+    }
+
     /// Adds the sums of other data.
     pub fn merge(&mut self, other: &Normal) {
         self.cost += other.cost;
@@ -92,6 +98,8 @@ pub struct Minimum {
     pub beyond: Option<Vec<f64>>,
 }
 
+/// Damping with which no step is left.
+const MOST_DAMPING: f64 = 1e12;
 /// A rise of the cost by more than this multiple of the promised fall, however short the step, is a jump.
 const JUMP: f64 = 1.0;
 /// Steps this short between jumps are creeping.
@@ -109,7 +117,7 @@ pub fn minimise(
 ) -> Option<Minimum> {
     let n = x.len();
     let mut x: Vec<f64> = x.iter().zip(bounds).map(|(x, b)| x.max(b.0).min(b.1)).collect();
-    let mut normal = residuals.normal(&x)?;
+    let mut normal = residuals.normal(&x).filter(Normal::is_finite)?;
     let mut damping = 1e-3;
     let mut growth = 2.0;
     let mut iterations = 0;
@@ -124,6 +132,9 @@ pub fn minimise(
         while accepted.is_none() {
             let Some(mut moved) = step(&normal, &free, damping, &x, bounds) else {
                 damping = damping.max(1e-12) * 10.0;
+                if damping > MOST_DAMPING {
+                    break;
+                }
                 continue;
             };
             let longest = moved.iter().fold(0.0f64, |m, s| m.max(s.abs()));
@@ -151,7 +162,7 @@ pub fn minimise(
                 }
                 damping *= growth;
                 growth *= 2.0;
-                if damping > 1e12 {
+                if damping > MOST_DAMPING {
                     converged = true;
                     break;
                 }
@@ -161,12 +172,11 @@ pub fn minimise(
         if falls == 0 {
             beyond = None;
         }
-        if let Some(trial) = accepted {
-            let Some(next) = residuals.normal(&trial) else { break };
-            (x, normal) = (trial, next);
-            if !residuals.goes_on(iterations, &x, normal.cost) || crept >= PATIENCE {
-                break;
-            }
+        let Some(trial) = accepted else { break };
+        let Some(next) = residuals.normal(&trial).filter(Normal::is_finite) else { break };
+        (x, normal) = (trial, next);
+        if !residuals.goes_on(iterations, &x, normal.cost) || crept >= PATIENCE {
+            break;
         }
     }
     Some(Minimum { x, normal, iterations, converged, beyond })
@@ -307,6 +317,28 @@ mod tests {
         assert!(found.x[0] <= 1.0 && found.x[0] > 0.5, "{found:?}");
         assert!(found.beyond.unwrap()[0] > 1.0);
         assert!(minimise(&mut Terraces, &[2.0], &free, &STOPPING).unwrap().beyond.is_none());
+    }
+
+    /// What falls towards a place where its slope is no number.
+    struct Cliff;
+
+    impl Residuals for Cliff {
+        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+            let mut normal = Normal::new(2);
+            normal.add(x[0], &[if x[0] < 0.5 { f64::NAN } else { 1.0 }, 0.0]);
+            Some(normal)
+        }
+        fn cost(&mut self, x: &[f64]) -> Option<f64> {
+            Some(x[0] * x[0])
+        }
+    }
+
+    #[test]
+    fn slopes_that_are_no_numbers_end_the_search() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        assert!(minimise(&mut Cliff, &[0.0, 0.0], &free, &STOPPING).is_none());
+        let found = minimise(&mut Cliff, &[1.0, 0.0], &free, &STOPPING).unwrap();
+        assert!(!found.converged && found.normal.is_finite(), "{found:?}");
     }
 
     /// A decay `a exp(-k t)` from exact data, where a far trial can not be computed.
