@@ -26,6 +26,11 @@ use super::parallel;
 use super::plan::{Free, Plan};
 use super::unit::Unit;
 
+/// A run is given up after so many steps,
+const FEWEST_STEPS: u64 = 100_000;
+/// and so many for each value of the recording.
+const STEPS_OF_A_ROW: u64 = 100;
+
 /// A positive parameter without bounds is sought within this factor around its start.
 const WIDE: f64 = 50.0;
 /// Displacement of a parameter, in the units of the search, for differences: the third root of the
@@ -333,6 +338,8 @@ impl<'a> Problem<'a> {
         settings.start = recording.start.unwrap_or(settings.start.min(first));
         settings.stop = recording.time.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(recording.time.clone());
+        // A search leads to values with which a run would take hours: there is nothing to be found there.
+        settings.most_steps = FEWEST_STEPS + STEPS_OF_A_ROW * recording.time.len() as u64;
         settings
     }
 

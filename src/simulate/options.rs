@@ -29,6 +29,7 @@ pub fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let reaction = if program.state_sets.is_empty() { 1.0 } else { LIMIT * LIMIT };
     let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
     let mut options = Options::with_nominals(tolerance, &nominals);
+    options.max_steps = settings.most_steps;
     // What is shorter than a step may not be seen.
     let instance = &model.instance;
     options.max_step = UNSEEN * instance.played.spacing();

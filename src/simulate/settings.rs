@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::codegen::jit::rent::Execution;
+use crate::integrate::options::DEFAULT_MAX_STEPS;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
 use crate::math::numeric::course::Course;
@@ -58,6 +59,8 @@ pub struct Settings {
     pub extremes: Vec<Extreme>,
     /// Variables do not turn twice within this time, s; without it, within `interval`.
     pub spacing: Option<f64>,
+    /// Steps of the integrator, rejected ones too, after which the run is given up.
+    pub most_steps: u64,
 }
 
 impl Settings {
@@ -78,6 +81,7 @@ impl Settings {
             instants: None,
             extremes: Vec::new(),
             spacing: None,
+            most_steps: DEFAULT_MAX_STEPS,
         }
     }
 

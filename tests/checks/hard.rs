@@ -126,6 +126,25 @@ fn a_slow_sine_drives_a_mass_against_both_stops() {
     assert!(run.of("body.s").iter().all(|s| s.abs() <= 0.5 + 1e-12));
 }
 
+/// Published at the end of 0.03 s: F. Mazzia, C. Magherini, *Test Set for Initial Value Problem Solvers*
+/// (2008), Andrews' squeezing mechanism; of index 3 as it is written.
+#[test]
+fn a_mechanism_of_seven_bodies_in_three_loops() {
+    let run = Case::file("tests/data/SqueezingMechanism.mo").run();
+    let published = [
+        0.158_107_711_962_990_4e2,
+        -0.157_563_710_598_429_8e2,
+        0.408_222_401_307_310_1e-1,
+        -0.534_730_116_322_694_8,
+        0.524_409_965_880_530_4,
+        0.534_730_116_322_694_8,
+        0.104_808_074_104_226_3e1,
+    ];
+    for (k, exact) in published.into_iter().enumerate() {
+        assert_close(run.last(&format!("q[{}]", k + 1)), exact, 1e-8);
+    }
+}
+
 /// Published at the end of 5 s: F. Mazzia, C. Magherini, *Test Set for Initial Value Problem Solvers*
 /// (2008), beam; the problem is (1.10) in sec. IV.1 of Hairer & Wanner II, with 40 elements.
 #[test]
