@@ -30,6 +30,11 @@ impl Folder for Shipped {
         Some(file.contents_utf8().map(str::to_string).ok_or_else(|| "not UTF-8".to_string()))
     }
 
+    fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
+        let inside = path.strip_prefix("lib").unwrap_or(path);
+        SHIPPED.get_file(inside).map(|f| Ok(f.contents().to_vec()))
+    }
+
     fn display(&self, path: &Path) -> PathBuf {
         Path::new("lib").join(path)
     }
@@ -58,6 +63,12 @@ impl Folder for OnDisk {
             return None;
         }
         Some(read(&full))
+    }
+
+    fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
+        let places = [path.to_path_buf(), self.0.join(path)];
+        let place = places.iter().find(|p| p.is_file())?;
+        Some(std::fs::read(place).map_err(|e| e.to_string()))
     }
 
     fn display(&self, path: &Path) -> PathBuf {

@@ -529,7 +529,7 @@ fn mismatch(cx: &mut Context<'_>, pair: &Pair, why: &str) -> Option<()> {
 fn first_instance(s: &Selection) -> Option<InstanceId> {
     match s {
         Selection::Whole(id) | Selection::Element(id, _) => Some(*id),
-        Selection::Many(_, all) => all.first().and_then(first_instance),
+        Selection::Many(_, all) | Selection::Chosen(_, all) => all.first().and_then(first_instance),
         Selection::Absent => None,
     }
 }

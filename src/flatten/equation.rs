@@ -562,18 +562,32 @@ fn start_values(
                 start_values(cx, otherwise, scope, target, outputs)?;
             }
             StatementKind::For { iterators, body } => {
-                let mut done = Some(());
                 let iterators = cx.with_ranges(iterators, Body::Statements(body), scope)?;
-                for_each(cx, &iterators, scope, &mut |cx| {
-                    if done.is_some() {
-                        done = start_values(cx, body, scope, target, outputs);
-                    }
-                })?;
-                done?;
+                start_values_of_loop(cx, &iterators, body, scope, target, outputs)?;
             }
             StatementKind::While { body, .. } => start_values(cx, body, scope, target, outputs)?,
             _ => {}
         }
+    }
+    Some(())
+}
+
+fn start_values_of_loop(
+    cx: &mut Context<'_>,
+    iterators: &[ast::Iterator],
+    body: &[ast::Statement],
+    scope: Scope,
+    target: &Target<'_>,
+    outputs: &mut Vec<VarId>,
+) -> Option<()> {
+    let Some((first, rest)) = iterators.split_first() else {
+        return start_values(cx, body, scope, target, outputs);
+    };
+    for value in cx.values_of(first, scope)? {
+        cx.evaluation.locals.push((first.name.name, value));
+        let done = start_values_of_loop(cx, rest, body, scope, target, outputs);
+        cx.evaluation.locals.pop();
+        done?;
     }
     Some(())
 }
@@ -585,7 +599,7 @@ fn start_value(
     target: &Target<'_>,
     outputs: &mut Vec<VarId>,
 ) -> Option<()> {
-    let selection = cx.select(to, scope)?;
+    let selection = cx.select_target(to, scope)?;
     for v in cx.selected_variables(&selection, to.span)? {
         if cx.evaluation.assigned.contains_key(&v) {
             continue;

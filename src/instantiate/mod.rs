@@ -59,6 +59,8 @@ pub struct Context<'a> {
     pub(crate) checked_functions: FastSet<ClassId>,
     /// Places of elements whose constraining clauses have been checked.
     pub(crate) checked_constraints: FastSet<Span>,
+    /// `inner` components that no text declares.
+    pub(crate) added_inner: FastSet<InstanceId>,
     /// What was wrong with the last name that was looked up, until somebody needs it.
     pub(crate) trespass: Option<access::Trespass>,
     pub(crate) evaluation: evaluate::State,
@@ -86,6 +88,7 @@ impl<'a> Context<'a> {
             checked: FastSet::default(),
             checked_functions: FastSet::default(),
             checked_constraints: FastSet::default(),
+            added_inner: FastSet::default(),
             trespass: None,
             evaluation: evaluate::State::default(),
         };

@@ -56,8 +56,7 @@ impl Context<'_> {
     pub(super) fn add_inner(&mut self, id: InstanceId, outer: &Declaration) -> Option<InstanceId> {
         let scope = self.instances[id].scope;
         let class = self.find_class(&outer.clause().type_name, scope)?;
-        if !matches!(self.kind(class), ClassKind::Model | ClassKind::Block | ClassKind::Class)
-            || self.table(class).scalar.is_some()
+        if matches!(self.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
             || self.partial_text(class).is_some()
             || !outer.component().dims.is_empty()
         {
@@ -91,6 +90,7 @@ impl Context<'_> {
             .help(format!("declare it: `inner {} {};`", outer.clause().type_name, name.name))
             .note("section 5.4 of the specification"),
         );
+        self.added_inner.insert(added);
         self.complete_all(added);
         Some(added)
     }
@@ -142,6 +142,7 @@ impl Context<'_> {
             Some(format!("it has {a} dimensions, and the `inner` one has {b}"))
         };
         let why = why.or_else(|| self.size_misfit(id, inner, &declared, wanted));
+        let why = why.or_else(|| self.added_for_another(inner, wanted, given));
         let Some(why) = why else { return };
         self.problems.push(
             Diagnostic::error(
@@ -153,6 +154,25 @@ impl Context<'_> {
             .help("give both the same class, or the `inner` one a class that extends that of the `outer` one")
             .note("section 5.4 of the specification"),
         );
+    }
+
+    /// One that was added stands for `outer` components of one class only.
+    fn added_for_another(
+        &mut self,
+        inner: InstanceId,
+        wanted: ClassId,
+        given: ClassId,
+    ) -> Option<String> {
+        let same = match (self.text(wanted), self.text(given)) {
+            (Some(a), Some(b)) => std::sync::Arc::ptr_eq(a, b),
+            _ => wanted == given,
+        };
+        (!same && self.added_inner.contains(&inner)).then(|| {
+            let full_name = self.classes[given].full_name;
+            format!(
+                "none is declared, and another `outer` component of that name is a `{full_name}`"
+            )
+        })
     }
 
     /// Sizes of an `outer` component that differ from those of the `inner` one, in words.

@@ -12,14 +12,16 @@ use crate::ir::ast::{
 use crate::ir::instance::{ClassId, ClassTable, Scope};
 
 /// Names of predefined types: they can not be given to anything else.
-const PREDEFINED: [&str; 4] = ["Real", "Integer", "Boolean", "String"];
+const PREDEFINED: [&str; 5] = ["Real", "Integer", "Boolean", "String", "ExternalObject"];
+/// The name of a predefined enumeration, which no component can have.
+const STATE_SELECT: &str = "StateSelect";
 /// Attributes that would be hidden by literals of an enumeration.
 const ATTRIBUTES: [&str; 5] = ["quantity", "min", "max", "start", "fixed"];
 
 impl Context<'_> {
     /// Checks the text of a class.
     pub(crate) fn restrict(&mut self, text: &Class) {
-        self.restrict_name(text.name.name, text.name.span);
+        self.restrict_name(text.name.name, text.name.span, false);
         match &text.body {
             ClassBody::Enumeration(Some(literals)) => {
                 for (k, literal) in literals.iter().enumerate() {
@@ -48,8 +50,8 @@ impl Context<'_> {
         }
     }
 
-    fn restrict_name(&mut self, text: Name, span: Span) {
-        if PREDEFINED.contains(&text.as_str()) {
+    fn restrict_name(&mut self, text: Name, span: Span, component: bool) {
+        if PREDEFINED.contains(&text.as_str()) || component && text == STATE_SELECT {
             let message = format!("`{text}` is the name of a predefined type");
             self.problems.push(
                 Diagnostic::error("MO0226", span, message)
@@ -83,8 +85,9 @@ impl Context<'_> {
             self.restrict_sections(text, composition);
         }
         for element in &composition.elements {
+            let component = matches!(element.kind, ElementKind::Components(_));
             for (declared, at) in element.names() {
-                self.restrict_name(declared, at);
+                self.restrict_name(declared, at, component);
             }
             if kind == ClassKind::Operator {
                 self.restrict_operator(name, element);
@@ -155,6 +158,32 @@ impl Context<'_> {
                 at,
                 format!("`{declared}` of operator `{operator}` is no function"),
                 "declare it beside the operator, in the record",
+            );
+        }
+        if operator == "'constructor'"
+            && let ElementKind::Class(function) = &element.kind
+        {
+            self.restrict_constructor(function);
+        }
+    }
+
+    /// A constructor of an operator record gives that record, and nothing else (section 14.3).
+    fn restrict_constructor(&mut self, function: &Class) {
+        let ClassBody::Long(composition) = &function.body else { return };
+        let outputs = composition.elements.iter().filter_map(|e| match &e.kind {
+            ElementKind::Components(c) if c.prefix.causality == Some(Causality::Output) => {
+                Some(c.components.iter().map(|c| c.name))
+            }
+            _ => None,
+        });
+        if let Some(second) = outputs.flatten().nth(1) {
+            self.restricted(
+                second.span,
+                format!(
+                    "constructor `{}` has a second output, `{}`",
+                    function.name.name, second.name
+                ),
+                "leave the record as its only output",
             );
         }
     }

@@ -333,6 +333,8 @@ impl Graph {
     pub fn postorder(&self, roots: impl IntoIterator<Item = ExprId>) -> Vec<ExprId> {
         let mut seen = crate::base::index::FastSet::default();
         let mut order = Vec::new();
+        // Calls for several outputs share their arguments, which may be many.
+        let mut lists = crate::base::index::FastSet::default();
         let mut stack: Vec<(ExprId, bool)> = Vec::new();
         for root in roots {
             stack.push((root, false));
@@ -340,6 +342,12 @@ impl Graph {
                 if done {
                     order.push(e);
                 } else if seen.insert(e) {
+                    if let Node::Call { args, .. } = self.nodes[e]
+                        && !lists.insert(args)
+                    {
+                        order.push(e);
+                        continue;
+                    }
                     stack.push((e, true));
                     let first = stack.len();
                     self.for_each_operand(e, |a| stack.push((a, false)));

@@ -1,4 +1,4 @@
-//! Functions of numbers that are made of data: tables.
+//! Functions of numbers that are made of data: tables, and operations on words of bits.
 //!
 //! *Holds:* each such function once, with its number. A [`Native`] is that number, so that operators
 //! which are functions can be copied and compared like all others.
@@ -10,6 +10,7 @@ use std::sync::RwLock;
 use crate::math::numeric::table::curve::Curve;
 use crate::math::numeric::table::surface::Surface;
 use crate::math::numeric::table::time_table::TimeTable;
+use crate::math::numeric::words::Operation;
 
 /// A function that is made of data, by its number. Equal functions have equal numbers.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -26,6 +27,8 @@ pub enum Function {
     NextStop(TimeTable),
     /// The partial derivative of these orders of a surface: two arguments.
     Surface((u8, u8), Surface),
+    /// An operation on words of bits: two arguments.
+    Word(Operation),
 }
 
 /// All functions so far. They are few, and stay for as long as the process does.
@@ -62,7 +65,7 @@ impl Native {
         match self.function() {
             Function::Curve(order, curve) => curve.at(a, *order),
             Function::NextStop(table) => table.next_stop(a),
-            Function::TimeTable(..) | Function::Surface(..) => f64::NAN,
+            Function::TimeTable(..) | Function::Surface(..) | Function::Word(_) => f64::NAN,
         }
     }
 
@@ -71,6 +74,7 @@ impl Native {
         match self.function() {
             Function::TimeTable(order, table) => table.at(a, b, *order),
             Function::Surface(orders, surface) => surface.at(a, b, *orders),
+            Function::Word(operation) => operation.at(a, b),
             Function::Curve(..) | Function::NextStop(_) => f64::NAN,
         }
     }
@@ -113,7 +117,12 @@ impl Native {
 
     /// False for what steps from one value to the next.
     pub fn has_slope(self) -> bool {
-        !matches!(self.function(), Function::NextStop(_))
+        !matches!(self.function(), Function::NextStop(_) | Function::Word(_))
+    }
+
+    /// True if the values are whole numbers.
+    pub fn is_whole(self) -> bool {
+        matches!(self.function(), Function::Word(operation) if operation.is_whole())
     }
 
     /// What it is called in texts.
@@ -123,6 +132,7 @@ impl Native {
                 "table"
             }
             Function::NextStop(_) => "nextTimeEvent",
+            Function::Word(_) => "word",
             Function::Curve(..) | Function::TimeTable(..) | Function::Surface(..) => {
                 "derivativeOfTable"
             }

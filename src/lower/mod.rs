@@ -14,6 +14,7 @@ pub mod jump;
 pub mod parameter;
 pub mod representative;
 pub mod semilinear;
+pub mod settled;
 pub mod variability;
 pub mod when;
 
@@ -33,6 +34,7 @@ use event::{Mode, Rewriting};
 /// there is a result.
 pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let errors_before = problems.error_count();
+    settled::parameters(&mut flat);
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
     let (classes, mut equal) = alias::search(&mut flat.graph, &variables, sections.equal);

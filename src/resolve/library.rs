@@ -18,6 +18,8 @@ pub trait Folder {
     fn entries(&self, path: &Path) -> Vec<String>;
     /// The text of a file, or `None` if there is no such file.
     fn read(&self, path: &Path) -> Option<Result<String, String>>;
+    /// A file of data, as it is named or in this folder; `None` if there is no such file.
+    fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>>;
     /// How a file is named in messages.
     fn display(&self, path: &Path) -> PathBuf;
 }
@@ -156,6 +158,24 @@ impl Library {
             Some((k, path)) => clean(self.folders[*k].entries(path)).collect(),
             None => Vec::new(),
         }
+    }
+
+    /// Where `modelica://Package/path` leads (section 13.5 of the specification); other names of files
+    /// stay as they are. `None` if there is no such package.
+    pub fn resource(&self, uri: &str) -> Option<PathBuf> {
+        let Some(rest) = uri.strip_prefix("modelica://") else {
+            let plain = uri.strip_prefix("file://").unwrap_or(uri);
+            return Some(PathBuf::from(plain));
+        };
+        let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
+        let (folder, root) = self.packages.get(&name(package))?;
+        Some(self.folders[*folder].display(&root.join(path)))
+    }
+
+    /// What is in a file of data.
+    pub fn data(&self, path: &Path) -> Result<Vec<u8>, String> {
+        let found = self.folders.iter().find_map(|f| f.data(path));
+        found.unwrap_or_else(|| Err("there is no such file".to_string()))
     }
 
     #[allow(clippy::too_many_arguments)]

@@ -10,9 +10,8 @@ use super::{explain, is_continuous, reduce, sort};
 use crate::base::diag::Problems;
 use crate::base::index::{Id, IndexVec};
 use crate::ir::blocks::{Block, Source};
-use crate::ir::dae::{Dae, GuardedAssert, Kind};
-use crate::ir::expr::{Binary, Node, Type, Unary, VarId};
-use crate::ir::flat::{Assert, Origin};
+use crate::ir::dae::{Dae, Kind};
+use crate::ir::expr::VarId;
 use crate::math::graph::augment::Search;
 use crate::math::graph::bipartite::{Bipartite, Col, Row};
 use crate::math::graph::matching::{self, Matching};
@@ -25,7 +24,7 @@ pub fn sequence(
     problems: &mut Problems,
 ) -> Option<(Vec<Block>, Vec<VarId>)> {
     let system = given(dae);
-    let system = without_repeated_starts(dae, system, vanishing);
+    let system = super::repeated::without_repeated(dae, system, vanishing);
     // States are matched last, so that those left over are the ones to be assumed, mostly without
     // any search.
     let column_class = |col: Col| u8::from(is_state[system.unknowns[col]]);
@@ -62,90 +61,6 @@ fn preferred(system: &System, vanishing: &Vanishing, column_class: impl Fn(Col) 
         .map(|edge| Some(if gone[edge] { 2 } else { column_class(system.graph.col(edge)) }))
         .collect();
     matching::maximum_preferring(&system.graph, &cost, Matching::empty(&system.graph))
-}
-
-/// A fixed start that another one implies with the same value is no equation of its own: at the start
-/// it is compared, and that is all.
-fn without_repeated_starts(dae: &mut Dae, system: System, vanishing: &Vanishing) -> System {
-    // Starts are matched after everything else, so that those left over are starts if any can be.
-    let gone = vanishing.edges(&system);
-    let mut cost = IndexVec::new();
-    for row in system.graph.rows() {
-        for edge in system.graph.edges(row) {
-            let is_start = matches!(system.sources[row], Source::Start(_));
-            cost.push(Some(if is_start { 2 } else { u8::from(gone[edge]) }));
-        }
-    }
-    let empty = Matching::empty(&system.graph);
-    let matched = matching::maximum_preferring(&system.graph, &cost, empty);
-    let mut repeated = Vec::new();
-    for row in matched.free_rows() {
-        let Source::Start(v) = system.sources[row] else { continue };
-        let tied = dependent(&system.graph, &matched, row);
-        let mut starts = tied.iter().filter_map(|other| match system.sources[*other] {
-            Source::Start(w) if w != v => Some(w),
-            _ => None,
-        });
-        if starts.any(|w| start_of(dae, w) == start_of(dae, v)) {
-            repeated.push((row, v));
-        }
-    }
-    if repeated.is_empty() {
-        return system;
-    }
-    for &(_, v) in &repeated {
-        let assert = compared(dae, v);
-        dae.asserts.push(assert);
-    }
-    let kept = system.sources.enumerate().filter(|(row, _)| !repeated.iter().any(|r| r.0 == *row));
-    let sources = kept.map(|(_, source)| *source).collect();
-    System::new(dae, sources, system.unknowns.iter().copied().collect())
-}
-
-/// The rows that compete with a free row for columns.
-fn dependent(graph: &Bipartite, matched: &Matching, free: Row) -> Vec<Row> {
-    let mut seen: IndexVec<Row, bool> = IndexVec::filled(false, graph.row_count());
-    seen[free] = true;
-    let mut rows = vec![free];
-    let mut at = 0;
-    while at < rows.len() {
-        for &col in graph.cols(rows[at]) {
-            if let Some(other) = matched.col_to_row[col]
-                && !std::mem::replace(&mut seen[other], true)
-            {
-                rows.push(other);
-            }
-        }
-        at += 1;
-    }
-    rows
-}
-
-fn start_of(dae: &Dae, v: VarId) -> Option<f64> {
-    match dae.variables[v].start {
-        Some(e) => dae.graph.as_number(e),
-        None => Some(0.0),
-    }
-}
-
-/// `not initial() or abs(v - start) <= 1e-6 * (1 + abs(start))`
-fn compared(dae: &mut Dae, v: VarId) -> GuardedAssert {
-    let value = start_of(dae, v).unwrap_or(0.0);
-    let g = &mut dae.graph;
-    let (own, start) = (g.var(v, dae.variables[v].ty), g.real(value));
-    let difference = g.sub(own, start);
-    let size = g.unary(Unary::Abs, difference);
-    let bound = g.real(1e-6 * (1.0 + value.abs()));
-    let equal = g.binary(Binary::LessEqual, size, bound);
-    let initial = g.intern(Node::Initial, Type::Boolean);
-    let later = g.not(initial);
-    let condition = g.or(later, equal);
-    let name = &dae.variables[v].name;
-    let text = format!("the fixed start of `{name}` contradicts the other starts");
-    let message = g.string(&text);
-    let origin = Origin { span: dae.variables[v].span, component: "".into() };
-    let assert = Assert { condition, message, warning: false };
-    GuardedAssert { active: None, assert, origin }
 }
 
 /// The equations that the model gives.

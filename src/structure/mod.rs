@@ -12,6 +12,7 @@ pub mod incidence;
 pub mod initial;
 pub mod print;
 pub mod reduce;
+pub mod repeated;
 pub mod select;
 pub mod solve;
 pub mod sort;

@@ -5,7 +5,7 @@ use super::{solve, sort};
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::ir::blocks::{Assignment, Residual, Torn};
 use crate::ir::dae::Dae;
-use crate::ir::expr::{ExprId, VarId};
+use crate::ir::expr::{ExprId, Node, VarId};
 use crate::math::graph::bipartite::{Bipartite, Col, Edge, Row};
 use crate::math::graph::tearing;
 use crate::symbolic::gradient::{Leaf, gradient};
@@ -73,8 +73,29 @@ fn solvable(
             let v = unknowns[graph.col(edge)];
             let partial = partials.get(&Leaf::Var(v));
             solvable[edge] = !hidden.contains(&v)
-                && partial.is_some_and(|partial| solve::is_never_zero(dae, *partial));
+                && partial.is_some_and(|partial| {
+                    solve::is_never_zero(dae, *partial) && keeps_its_size(dae, *partial)
+                });
         }
     }
     solvable
+}
+
+/// How many times the branches of a coefficient may differ in size.
+const SAME_SIZE: f64 = 100.0;
+
+/// False for a coefficient that jumps between sizes, as the slope of a switch does: of a value that is
+/// divided by the small one nothing may be left but the rounding of what it is the difference of.
+fn keeps_its_size(dae: &Dae, coefficient: ExprId) -> bool {
+    let g = &dae.graph;
+    g.postorder([coefficient]).into_iter().all(|n| match g.node(n) {
+        Node::If(_, a, b) => match (g.as_number(a), g.as_number(b)) {
+            (Some(a), Some(b)) => {
+                let ratio = (a / b).abs();
+                (1.0 / SAME_SIZE..=SAME_SIZE).contains(&ratio)
+            }
+            _ => a == b,
+        },
+        _ => true,
+    })
 }

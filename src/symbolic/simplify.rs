@@ -93,6 +93,7 @@ impl Graph {
         let ty = match op {
             _ if op.is_relation() => Type::Boolean,
             Binary::And | Binary::Or => Type::Boolean,
+            Binary::Native(f) if f.is_whole() => Type::Integer,
             Binary::Div | Binary::Pow | Binary::Atan2 | Binary::Native(_) => Type::Real,
             _ => self.common_type(a, b),
         };
@@ -245,6 +246,9 @@ impl Graph {
         let value = eval::binary(op, a.register()?, b.register()?);
         if op.is_relation() || matches!(op, Binary::And | Binary::Or) {
             return Some(self.boolean(value != 0.0));
+        }
+        if matches!(op, Binary::Native(f) if f.is_whole()) {
+            return Some(self.integer(value as i64));
         }
         self.finite(value)
     }

@@ -173,3 +173,107 @@ fn truth_values_are_found_at_the_start() {
     .run();
     assert_eq!((run.last("exceeded"), run.last("y")), (1.0, 2.0));
 }
+
+#[test]
+fn elements_are_assigned_where_a_run_says() {
+    let text = "package P
+           record Cell
+             Real value;
+             Integer writes;
+           end Cell;
+           function put
+             input Real row[:];
+             input Integer at;
+             input Real value;
+             output Real changed[size(row, 1)] = row;
+           algorithm
+             changed[at] := value;
+           end put;
+           model Memory
+             Integer at(start = 0, fixed = true);
+             Real table[2, 3](each start = 0, each fixed = true);
+             Cell cells[3](each value(start = -1, fixed = true), each writes(start = 0, fixed = true));
+             Real read;
+             Real second = cells[if time > 0.55 then 2 else 3].value;
+             Real moved[3] = put({1, 2, 3}, if time > 0.5 then 2 else 3, 10*time);
+           algorithm
+             when sample(0.1, 0.1) then
+               at := mod(pre(at), 3) + 1;
+               table[2, at] := time;
+               table[1, :] := {at, 0, -at};
+               cells[at].value := 10*time;
+               cells[at].writes := pre(cells[at].writes) + 1;
+             end when;
+             read := table[2, if time > 0.35 then 3 else 1];
+           end Memory;
+         end P;";
+    // Written at 0.1 (first), 0.2 (second), 0.3 (third), and so on.
+    let run = Case::text(text).stop(0.58).run();
+    assert_close(run.last("table[2,1]"), 0.4, 1e-12);
+    assert_close(run.last("table[2,2]"), 0.5, 1e-12);
+    assert_close(run.last("table[2,3]"), 0.3, 1e-12);
+    assert_eq!([run.last("table[1,1]"), run.last("table[1,3]")], [2.0, -2.0]);
+    assert_close(run.last("read"), 0.3, 1e-12);
+    assert_close(run.last("cells[2].value"), 5.0, 1e-12);
+    assert_close(run.last("second"), 5.0, 1e-12);
+    assert_eq!([1, 2, 3].map(|k| run.last(&format!("cells[{k}].writes"))), [2.0, 2.0, 1.0]);
+    assert_eq!([run.last("moved[1]"), run.last("moved[3]")], [1.0, 3.0]);
+    assert_close(run.last("moved[2]"), 5.8, 1e-12);
+}
+
+/// How often a number can be halved, the next one that is made of twos and threes, and the first square
+/// above it: loops in loops, left by `break` and `return`, whose length only a run knows.
+#[test]
+fn loops_of_functions_are_left_where_a_run_says_so() {
+    let text = "package P
+           function evened
+             input Integer from;
+             output Integer n;
+           protected
+             Integer rest;
+           algorithm
+             n := from;
+             while true loop
+               rest := n;
+               while mod(rest, 2) == 0 loop
+                 rest := div(rest, 2);
+               end while;
+               while mod(rest, 3) == 0 loop
+                 rest := div(rest, 3);
+               end while;
+               if rest <= 1 then
+                 break;
+               end if;
+               n := n + 1;
+             end while;
+           end evened;
+           function square
+             input Integer above;
+             output Integer root;
+           algorithm
+             root := 0;
+             if above < 0 then
+               return;
+             end if;
+             while root < 1000 loop
+               root := root + 1;
+               if root*root > above then
+                 return;
+               end if;
+             end while;
+             root := -1;
+           end square;
+           model Top
+             Integer k = 37 + integer(10*time);
+             Integer n = evened(k);
+             Integer r = square(k);
+             Integer none = square(-k);
+             Integer beyond = square(2000000 + k);
+           end Top;
+         end P;";
+    let run = Case::text(text).stop(0.5).run();
+    assert_eq!([run.first("k"), run.first("n"), run.first("r")], [37.0, 48.0, 7.0]);
+    assert_eq!([run.first("none"), run.first("beyond")], [0.0, -1.0]);
+    let later = Case::text(text).stop(1.25).run();
+    assert_eq!([later.last("k"), later.last("n"), later.last("r")], [49.0, 54.0, 8.0]);
+}

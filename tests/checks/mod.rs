@@ -23,6 +23,7 @@ mod language;
 mod machine_code;
 mod mutation;
 mod measured;
+mod native;
 mod reference;
 mod report;
 mod results;

@@ -96,3 +96,57 @@ fn nothing_is_divided_by_the_sine_of_zero() {
         assert_close(run.last("i"), 1.0 - f64::exp(-1.0), 1e-8);
     }
 }
+
+/// Two switches in opposite directions, one of them closed: what is left of the voltage across them is
+/// 1e-9 of the current, and must not be the rounding of the voltages beside it.
+#[test]
+fn a_closed_switch_carries_the_current_to_the_last_digit() {
+    let run = Case::text(
+        "model Pair
+           Real i(start = 1e-3, fixed = true);
+           Real left = 100*cos(time);
+           Real right;
+           Real s1;
+           Real s2;
+           Real i1;
+           Real i2;
+           Real v1;
+           Real v2;
+           Boolean off = time > 10;
+         equation
+           v1 = left - right;
+           v2 = right - left;
+           v1 = s1*(if off then 1 else 1e-9);
+           i1 = s1*(if off then 1e-9 else 1);
+           v2 = s2*(if not off then 1 else 1e-9);
+           i2 = s2*(if not off then 1e-9 else 1);
+           i = i1 - i2;
+           der(i) = -i;
+         end Pair;",
+    )
+    .run();
+    // The other switch takes 1e-18 of it.
+    assert_close(run.last("i1"), run.last("i"), 1e-15);
+    assert_close(run.last("s1"), run.last("i"), 1e-15);
+}
+
+/// Two pieces of one line that are joined carry one current, and both say where it begins.
+#[test]
+fn what_begins_twice_at_the_same_value_begins_there() {
+    let text = "model Joined
+           Real a;
+           Real b;
+           Real c;
+           Real d;
+         initial equation
+           a = 0;
+           c = END;
+         equation
+           der(a) + der(c) = 2;
+           a = b;
+           c = d;
+           b = d;
+         end Joined;";
+    let run = Case::text(&text.replace("END", "0")).run();
+    assert_close(run.last("a"), 1.0, 1e-9);
+}

@@ -8,8 +8,8 @@ use super::value::{Record, Value};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::instantiate::evaluate::reference::Selection;
-use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind, Subscript};
+use crate::instantiate::evaluate::reference::{Selection, positions};
+use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind};
 use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
 
@@ -190,14 +190,7 @@ impl Context<'_> {
         keys.sort();
         keys.dedup();
         for v in keys {
-            let ty = match self.evaluation.instance_of.get(v.0 as usize) {
-                Some((id, _)) => match self.instances[*id].kind {
-                    InstanceKind::Variable { ty, .. } => ty,
-                    _ => return None,
-                },
-                None => return None,
-            };
-            let itself = self.graph.var(v, ty);
+            let itself = self.variable_itself(v)?;
             let a = first.1.get(&v).copied().unwrap_or(itself);
             let b = self.evaluation.assigned.get(&v).copied().unwrap_or(itself);
             let merged = self.graph.if_then_else(c, a, b);
@@ -235,7 +228,7 @@ impl Context<'_> {
     }
 
     /// What a loop runs over: how often is known here, the values need not be.
-    fn values_of(
+    pub(crate) fn values_of(
         &mut self,
         iterator: &crate::ir::ast::Iterator,
         scope: Scope,
@@ -253,12 +246,28 @@ impl Context<'_> {
     }
 
     fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {
+        let outer = self.evaluation.broken.take();
+        let before = self.evaluation.returned;
+        let flow = self.turn(condition, body, scope, before);
+        self.evaluation.broken = outer;
+        flow
+    }
+
+    /// Turns of a `while` loop for as long as it is known here whether there is another one.
+    fn turn(
+        &mut self,
+        condition: &Expr,
+        body: &[Statement],
+        scope: Scope,
+        before: Option<ExprId>,
+    ) -> Option<Flow> {
         for _ in 0..MAX_TURNS {
             let c = self.evaluate(condition, scope)?;
             let c = self.truth(&c, condition.span)?;
+            let left = self.evaluation.broken.is_some() || self.evaluation.returned != before;
             match self.structural_value(c) {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
-                Some(Const::Boolean(true)) => {}
+                Some(Const::Boolean(true)) if !left => {}
                 _ => {
                     self.repeat(condition, body, scope, condition.span)?;
                     return Some(Flow::Next);
@@ -299,27 +308,12 @@ impl Context<'_> {
             return None;
         }
         let reading = std::mem::replace(&mut self.evaluation.reading, true);
-        let selection = self.select(target, scope);
+        let selection = self.select_target(target, scope);
         self.evaluation.reading = reading;
-        let variables = self.selected_variables(&selection?, target.span)?;
         // Records are taken apart in the order of their fields, as the variables are.
-        let mut scalars = Vec::with_capacity(variables.len());
+        let mut scalars = Vec::new();
         value.for_each_scalar(&mut |e| scalars.push(e));
-        if scalars.len() != variables.len() {
-            let message = format!("{} values are assigned to {}", scalars.len(), variables.len());
-            self.error("MO0215", target.span, message);
-            return None;
-        }
-        for (v, mut e) in variables.into_iter().zip(scalars) {
-            // What comes after `break` leaves a variable as it was.
-            if let Some(broken) = self.evaluation.broken
-                && let Some(&before) = self.evaluation.assigned.get(&v)
-            {
-                e = self.graph.if_then_else(broken, before, e);
-            }
-            self.evaluation.assigned.insert(v, e);
-        }
-        Some(())
+        self.assign_selected(&selection?, &scalars, target.span)
     }
 
     /// The scalar variables of a selection, row-major.
@@ -356,7 +350,7 @@ impl Context<'_> {
                 }
                 _ => return None,
             },
-            Selection::Many(_, all) => {
+            Selection::Many(_, all) | Selection::Chosen(_, all) => {
                 for s in all {
                     out.extend(self.selected_variables(s, span)?);
                 }
@@ -400,52 +394,36 @@ impl Context<'_> {
             self.error("MO0216", span, "this is no array");
             return None;
         };
-        let positions = self.positions(&array.dims, &part.subscripts, scope, span)?;
+        let selectors = self.selectors(&array.dims, &part.subscripts, scope, span)?;
         let mut elements = array.elements.clone();
-        let single = positions.len() == 1;
-        if !single && value.elements().len() != positions.len() {
-            let message =
-                format!("{} values are assigned to {}", value.elements().len(), positions.len());
-            self.error("MO0215", span, message);
-            return None;
-        }
-        for (k, p) in positions.iter().enumerate() {
-            let new = value.elements().get(k)?.clone();
-            elements[*p] = if rest.is_empty() {
-                new
-            } else {
-                let bare = RefPart { name: part.name, subscripts: Vec::new() };
-                let parts: Vec<RefPart> =
-                    std::iter::once(bare).chain(rest.iter().cloned()).collect();
-                let whole = if single { value.clone() } else { new };
-                self.updated(&elements[*p], &parts, whole, scope, span)?
-            };
-        }
-        Some(Value::array(array.dims.clone(), elements))
-    }
-
-    fn positions(
-        &mut self,
-        dims: &[usize],
-        subscripts: &[Subscript],
-        scope: Scope,
-        span: Span,
-    ) -> Option<Vec<usize>> {
-        let numbered: Vec<Value> = (0..dims.iter().product::<usize>())
-            .map(|k| Value::Scalar(self.graph.integer(k as i64)))
-            .collect();
-        let numbers = Value::array(dims.to_vec(), numbered);
-        let chosen = self.subscripted(numbers, subscripts, scope, span)?;
-        let mut out = Vec::new();
-        for e in chosen.elements() {
-            match e.scalar().and_then(|e| self.graph.as_const(e)) {
-                Some(Const::Integer(k)) => out.push(k as usize),
-                _ => {
-                    self.unsupported(span, "assignment to an element that only a run knows");
-                    return None;
-                }
+        for (condition, selectors) in self.fixed(&array.dims, &selectors) {
+            let (sizes, positions) = positions(&array.dims, &selectors);
+            let single = sizes.is_empty() && selectors.len() == array.dims.len();
+            if !single && value.elements().len() != positions.len() {
+                let message = format!(
+                    "{} values are assigned to {}",
+                    value.elements().len(),
+                    positions.len()
+                );
+                self.error("MO0215", span, message);
+                return None;
+            }
+            for (k, p) in positions.iter().enumerate() {
+                let new = if single { value.clone() } else { value.elements().get(k)?.clone() };
+                let new = if rest.is_empty() {
+                    new
+                } else {
+                    let bare = RefPart { name: part.name, subscripts: Vec::new() };
+                    let parts: Vec<RefPart> =
+                        std::iter::once(bare).chain(rest.iter().cloned()).collect();
+                    self.updated(&elements[*p], &parts, new, scope, span)?
+                };
+                elements[*p] = match condition {
+                    Some(c) => self.if_values(c, new, elements[*p].clone(), span)?,
+                    None => new,
+                };
             }
         }
-        Some(out)
+        Some(Value::array(array.dims.clone(), elements))
     }
 }

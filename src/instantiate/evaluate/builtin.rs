@@ -10,11 +10,11 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
-use crate::ir::instance::{ClassId, InstanceKind, Scope};
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
 /// Names of the functions of one number.
-const UNARY: [(&str, Unary); 20] = [
+pub(super) const UNARY: [(&str, Unary); 20] = [
     ("sin", Unary::Sin),
     ("cos", Unary::Cos),
     ("tan", Unary::Tan),
@@ -142,6 +142,11 @@ impl Context<'_> {
         self.call_with(class, args, named, span, scope)
     }
 
+    fn is_operator_of_record(&mut self, holder: InstanceId) -> bool {
+        let class = self.instances[holder].class;
+        class.is_some_and(|c| self.kind(c) == ClassKind::OperatorRecord)
+    }
+
     /// `a.B.f`, where `a` is a component and all that follows are classes (section 5.3.2).
     fn function_of_component(
         &mut self,
@@ -170,12 +175,25 @@ impl Context<'_> {
             );
         }
         let mut class = self.instances[holder].class?;
+        let mut operator = None;
         for part in rest {
             let inner = self.member_class(class, part.name, holder)?;
             if let Some(declared) = self.protected_in(class, part.name) {
                 self.report_protected(*part, declared);
             }
             class = inner;
+            // A name in quotes is that of an operator, whose functions are called by writing it.
+            if part.name.starts_with('\'') {
+                operator = operator.or(Some(*part));
+            }
+        }
+        if let Some(operator) = operator.filter(|_| self.is_operator_of_record(holder)) {
+            let message = format!("operator {} is called by way of a component", operator.name);
+            self.problems.push(
+                Diagnostic::error("MO0202", operator.span, message)
+                    .help("write the operator between its operands, or name the class")
+                    .note("section 5.3.2 of the specification"),
+            );
         }
         matches!(self.kind(class), ClassKind::Function { .. }).then_some(class)
     }
@@ -393,22 +411,35 @@ impl Context<'_> {
         scope: Scope,
         act: impl Fn(&mut Self, VarId, Type) -> ExprId,
     ) -> Option<Value> {
-        let value = self.one(args, span, scope)?;
-        value.map(|v| {
-            let e = v.scalar()?;
-            match self.graph.node(e) {
-                Node::Var(x) => {
-                    let ty = self.graph.ty(e);
-                    Some(Value::Scalar(act(self, x, ty)))
-                }
-                // What never changes is its own past.
-                Node::Const(_) => Some(Value::Scalar(e)),
-                _ => {
-                    self.error("MO0219", span, "the argument must be a variable");
-                    None
-                }
+        let before = std::mem::replace(&mut self.evaluation.unassigned, true);
+        let value = self.one(args, span, scope);
+        self.evaluation.unassigned = before;
+        value?.map(|v| self.of_chosen(v.scalar()?, span, &act).map(Value::Scalar))
+    }
+
+    /// As [`Context::of_variable`], of a variable or of one among those that a run chooses from.
+    fn of_chosen(
+        &mut self,
+        e: ExprId,
+        span: Span,
+        act: &impl Fn(&mut Self, VarId, Type) -> ExprId,
+    ) -> Option<ExprId> {
+        match self.graph.node(e) {
+            Node::Var(x) => {
+                let ty = self.graph.ty(e);
+                Some(act(self, x, ty))
             }
-        })
+            // What never changes is its own past.
+            Node::Const(_) => Some(e),
+            Node::If(c, a, b) => {
+                let (a, b) = (self.of_chosen(a, span, act)?, self.of_chosen(b, span, act)?);
+                Some(self.graph.if_then_else(c, a, b))
+            }
+            _ => {
+                self.error("MO0219", span, "the argument must be a variable");
+                None
+            }
+        }
     }
 
     fn smooth_call(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
@@ -547,7 +578,7 @@ impl Context<'_> {
                 counts.get(&id).copied().unwrap_or(0)
             }
             Selection::Absent => 0,
-            Selection::Element(..) | Selection::Many(..) => {
+            Selection::Element(..) | Selection::Many(..) | Selection::Chosen(..) => {
                 self.unsupported(span, "`cardinality` of an array");
                 return None;
             }
@@ -609,6 +640,24 @@ impl Context<'_> {
         self.graph.smooth(0, e)
     }
 
+    /// `String(record, ...)` of an operator record.
+    fn overloaded_string(
+        &mut self,
+        value: Value,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let mut operands = vec![value];
+        operands.extend(self.evaluate_all(&args[1..], scope)?);
+        if let Some((name, _)) = named.first() {
+            self.unsupported(name.span, "named arguments of `String` for an operator record");
+            return None;
+        }
+        self.overloaded("'String'", &operands, span)
+    }
+
     /// Texts of what is known; what only a run knows is written as its expression.
     fn string_call(
         &mut self,
@@ -621,6 +670,10 @@ impl Context<'_> {
             self.wrong_arguments(span, "one is");
             return None;
         };
+        let value = self.evaluate(first, scope)?;
+        if self.is_overloaded(&value) {
+            return self.overloaded_string(value, args, named, span, scope);
+        }
         let mut given: FastMap<&str, Const> = FastMap::default();
         for (name, e) in named {
             let value = self.fold(e, scope)?.scalar().and_then(|e| self.graph.as_const(e));
@@ -631,7 +684,7 @@ impl Context<'_> {
             _ => otherwise,
         };
         let left = given.get("leftJustified") != Some(&Const::Boolean(false));
-        let e = self.evaluate_scalar(first, scope)?;
+        let e = self.scalar_of(value, first.span)?;
         if let Some(chosen) = self.text_of_choice(e)
             && given.is_empty()
         {

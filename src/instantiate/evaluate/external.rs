@@ -14,6 +14,7 @@ use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::native::{Function, Native};
 use crate::math::numeric::table::curve::Curve;
+use crate::math::numeric::table::file::Matrix;
 use crate::math::numeric::table::surface::Surface;
 use crate::math::numeric::table::time_table::{Placing, Stops, TimeTable};
 use crate::math::numeric::table::{Extrapolation, Smoothness};
@@ -207,15 +208,20 @@ impl Context<'_> {
     }
 
     fn native(&mut self, called: &str, args: &[Value], span: Span) -> Result<Vec<Value>, Refusal> {
+        if let Some(result) = self.function_of_mathematics(called, args) {
+            return Ok(vec![Value::Scalar(result)]);
+        }
         if let Some(text) = called.strip_prefix("ModelicaStrings_") {
             return self.text_function(text, args);
         }
+        if let Some(generator) = called.strip_prefix("ModelicaRandom_") {
+            return self.random_function(generator, args);
+        }
+        if called == "ModelicaFFT_kiss_fftr" {
+            return self.fourier_function(args, span);
+        }
         let Some(table) = called.strip_prefix("ModelicaStandardTables_") else {
-            return match called {
-                // A message while a model is compiled is not for its user.
-                "ModelicaInternal_print" => Ok(Vec::new()),
-                _ => Err(Refusal::Unknown),
-            };
+            return self.file_function(called, args, span);
         };
         let (kind, what) = table.split_once('_').ok_or(Refusal::Unknown)?;
         if what == "init3" {
@@ -232,6 +238,24 @@ impl Context<'_> {
         let object = self.object_of(args.first())?;
         let scalars: Option<Vec<ExprId>> = args[1..].iter().map(Value::scalar).collect();
         self.table_function(what, &object, &scalars.ok_or(Refusal::Unknown)?, span)
+    }
+
+    /// A function of the C library, or one that is built in by that name.
+    fn function_of_mathematics(&mut self, called: &str, args: &[Value]) -> Option<ExprId> {
+        let scalars: Vec<ExprId> = args.iter().map(Value::scalar).collect::<Option<_>>()?;
+        match *scalars.as_slice() {
+            [a] => {
+                let called = if called == "fabs" { "abs" } else { called };
+                let (_, op) = super::builtin::UNARY.iter().find(|(n, _)| *n == called)?;
+                Some(self.graph.unary(*op, a))
+            }
+            [a, b] => match called {
+                "pow" => Some(self.graph.pow(a, b)),
+                "atan2" => Some(self.graph.binary(Binary::Atan2, a, b)),
+                _ => None,
+            },
+            _ => None,
+        }
     }
 
     fn object_of(&mut self, handle: Option<&Value>) -> Result<Object, Refusal> {
@@ -382,16 +406,15 @@ impl Context<'_> {
     /// `fileName, tableName, table, rows, columns, columns to use, their number, smoothness,
     /// extrapolation, ...`
     fn curves(&mut self, args: &[Value]) -> Result<Object, Refusal> {
-        let [file, _, table, _, _, columns, _, smoothness, extrapolation, ..] = args else {
+        let [file, name, table, _, _, columns, _, smoothness, extrapolation, ..] = args else {
             return Err(Refusal::Unknown);
         };
-        self.no_file(file)?;
-        let table = self.matrix(table)?;
-        let x = table.column(1)?;
+        let table = self.table_data(file, name, table)?;
+        let x = table.column(1).map_err(Refusal::Wrong)?;
         let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
         let mut all = Vec::new();
         for k in self.numbers(columns)? {
-            let y = table.column(k as usize)?;
+            let y = table.column(k as usize).map_err(Refusal::Wrong)?;
             let curve = Curve::new(&x, &y, smoothness, extrapolation);
             all.push(curve.ok_or_else(|| {
                 Refusal::Wrong("the first column of the table must rise from row to row".into())
@@ -403,14 +426,26 @@ impl Context<'_> {
     /// `fileName, tableName, table, rows, columns, start, columns to use, their number, smoothness,
     /// extrapolation, shift, events, ...`
     fn time_tables(&mut self, args: &[Value]) -> Result<Object, Refusal> {
-        let [file, _, table, _, _, start, columns, _, smoothness, extrapolation, shift, stops, ..] =
-            args
+        let [
+            file,
+            name,
+            table,
+            _,
+            _,
+            start,
+            columns,
+            _,
+            smoothness,
+            extrapolation,
+            shift,
+            stops,
+            ..,
+        ] = args
         else {
             return Err(Refusal::Unknown);
         };
-        self.no_file(file)?;
-        let table = self.matrix(table)?;
-        let t = table.column(1)?;
+        let table = self.table_data(file, name, table)?;
+        let t = table.column(1).map_err(Refusal::Wrong)?;
         let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
         let placing = Placing {
             start: self.number_of(start)?,
@@ -423,7 +458,7 @@ impl Context<'_> {
         };
         let mut all = Vec::new();
         for k in self.numbers(columns)? {
-            let y = table.column(k as usize)?;
+            let y = table.column(k as usize).map_err(Refusal::Wrong)?;
             let table = TimeTable::new(&t, &y, smoothness, extrapolation, placing);
             all.push(table.ok_or_else(|| {
                 Refusal::Wrong("the first column of the table must not fall from row to row".into())
@@ -434,16 +469,15 @@ impl Context<'_> {
 
     /// `fileName, tableName, table, rows, columns, smoothness, extrapolation, ...`
     fn surface(&mut self, args: &[Value]) -> Result<Object, Refusal> {
-        let [file, _, table, _, _, smoothness, extrapolation, ..] = args else {
+        let [file, name, table, _, _, smoothness, extrapolation, ..] = args else {
             return Err(Refusal::Unknown);
         };
-        self.no_file(file)?;
-        let table = self.matrix(table)?;
+        let table = self.table_data(file, name, table)?;
         let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
         if table.rows < 2 || table.columns < 2 {
             return Err(Refusal::Wrong("the table has no grid".into()));
         }
-        let x = table.column(1)?[1..].to_vec();
+        let x = table.column(1).map_err(Refusal::Wrong)?[1..].to_vec();
         let y = table.elements[1..table.columns].to_vec();
         let rows = table.elements.chunks_exact(table.columns).skip(1);
         let z: Vec<f64> = rows.flat_map(|row| row[1..].iter().copied()).collect();
@@ -451,14 +485,6 @@ impl Context<'_> {
         surface.map(Object::Surface).ok_or_else(|| {
             Refusal::Wrong("the first row and column must rise, and a grid is linear, constant or with continuous derivatives".into())
         })
-    }
-
-    fn no_file(&mut self, file: &Value) -> Result<(), Refusal> {
-        let text = self.known(file)?;
-        match text.first() {
-            Some(Const::String(t)) if t.as_str() == "NoName" || t.trim().is_empty() => Ok(()),
-            _ => Err(Refusal::Wrong("tables in files are not supported yet".into())),
-        }
     }
 
     fn interpretation(
@@ -497,32 +523,30 @@ impl Context<'_> {
         Ok(known)
     }
 
-    fn matrix(&mut self, value: &Value) -> Result<Matrix, Refusal> {
-        let [rows, columns] = *value.dims() else {
-            return Err(Refusal::Wrong("a table is a matrix".into()));
+    /// The table that is given, or that of this name in a file.
+    fn table_data(&mut self, file: &Value, name: &Value, table: &Value) -> Result<Matrix, Refusal> {
+        let file = self.text_of(file)?;
+        let matrix = if file == "NoName" || file.trim().is_empty() {
+            let [rows, columns] = *table.dims() else {
+                return Err(Refusal::Wrong("a table is a matrix".into()));
+            };
+            Matrix { rows, columns, elements: self.numbers(table)? }
+        } else {
+            let name = self.text_of(name)?;
+            self.matrix_in_file(&file, &name)?
         };
-        let elements = self.numbers(value)?;
-        if rows == 0 {
+        if matrix.rows == 0 {
             return Err(Refusal::Wrong("the table is empty".into()));
         }
-        Ok(Matrix { rows, columns, elements })
+        Ok(matrix)
     }
-}
 
-/// A table, row by row.
-struct Matrix {
-    rows: usize,
-    columns: usize,
-    elements: Vec<f64>,
-}
-
-impl Matrix {
-    fn column(&self, k: usize) -> Result<Vec<f64>, Refusal> {
-        if k < 1 || k > self.columns {
-            let why = format!("the table has {} columns, and column {k} is wanted", self.columns);
-            return Err(Refusal::Wrong(why));
+    /// A text that is known before the model runs.
+    pub(super) fn text_of(&mut self, value: &Value) -> Result<String, Refusal> {
+        match self.known(value)?.first() {
+            Some(Const::String(t)) => Ok(t.to_string()),
+            _ => Err(Refusal::Unknown),
         }
-        Ok(self.elements.iter().skip(k - 1).step_by(self.columns).copied().collect())
     }
 }
 

@@ -7,13 +7,17 @@
 
 pub mod algorithm;
 pub mod builtin;
+mod choice;
 pub mod deduce;
 pub mod external;
+mod file;
+mod fourier;
 pub mod function;
 pub mod operator;
 pub mod overload;
 mod partial;
 mod printf;
+mod random;
 pub mod reference;
 pub mod repeat;
 pub mod text;
@@ -65,6 +69,8 @@ pub struct State {
     pub(crate) returned: Option<ExprId>,
     /// A value is read: what is conditional may not be.
     pub(crate) reading: bool,
+    /// Variables stand for themselves, not for what an algorithm has assigned to them.
+    pub(crate) unassigned: bool,
     /// The constant whose value is being found.
     pub(crate) constant: Option<InstanceId>,
     /// A constant with a unit stands as a number in what is being read.
@@ -190,7 +196,13 @@ impl Context<'_> {
 
     /// A scalar value; anything else is reported.
     pub fn evaluate_scalar(&mut self, e: &Expr, scope: Scope) -> Option<ExprId> {
-        match self.evaluate(e, scope)? {
+        let value = self.evaluate(e, scope)?;
+        self.scalar_of(value, e.span)
+    }
+
+    /// The scalar that a value is; reported if it is none.
+    pub(super) fn scalar_of(&mut self, value: Value, span: Span) -> Option<ExprId> {
+        match value {
             Value::Scalar(s) => Some(s),
             other => {
                 let what = match other {
@@ -199,7 +211,7 @@ impl Context<'_> {
                     other => format!("an array of size {:?}", other.dims()),
                 };
                 let message = format!("a scalar is needed here, and this is {what}");
-                self.error("MO0212", e.span, message);
+                self.error("MO0212", span, message);
                 None
             }
         }
@@ -683,30 +695,13 @@ impl Context<'_> {
         if let Some(c) = self.graph.as_const(e) {
             return Some(c);
         }
+        // Most of what has no value shows it on the first way down, whatever stands beside.
+        if !self.may_be_known(self.first_leaf(e), reals) {
+            return None;
+        }
         let order = self.graph.postorder([e]);
-        for &n in &order {
-            match self.graph.node(n) {
-                Node::Var(v) => {
-                    let (id, _) = *self.evaluation.instance_of.get(v.0 as usize)?;
-                    let real = matches!(
-                        self.instances[id].kind,
-                        InstanceKind::Variable { ty: Type::Real, .. }
-                    );
-                    if (real && !reals) || self.variable_variability(v) > Variability::Parameter {
-                        return None;
-                    }
-                }
-                Node::Time
-                | Node::Der(_)
-                | Node::Pre(_)
-                | Node::Initial
-                | Node::Terminal
-                | Node::Sample(..)
-                | Node::Call { .. }
-                | Node::Recorded(..)
-                | Node::Relation(_) => return None,
-                _ => {}
-            }
+        if !order.iter().all(|n| self.may_be_known(*n, reals)) {
+            return None;
         }
         let mut values: FastMap<VarId, ExprId> = FastMap::default();
         for &n in &order {
@@ -726,5 +721,45 @@ impl Context<'_> {
             _ => None,
         });
         self.graph.as_const(folded)
+    }
+
+    /// A leaf of an expression that is no literal: the one that is reached by first operands.
+    fn first_leaf(&self, mut e: ExprId) -> ExprId {
+        loop {
+            let mut next = None;
+            self.graph.for_each_operand(e, |a| {
+                if next.is_none() && self.graph.as_const(a).is_none() {
+                    next = Some(a);
+                }
+            });
+            match next {
+                Some(operand) => e = operand,
+                None => return e,
+            }
+        }
+    }
+
+    /// False for a node that only a run knows; `reals` says whether Real parameters are known.
+    fn may_be_known(&self, n: ExprId, reals: bool) -> bool {
+        match self.graph.node(n) {
+            Node::Var(v) => {
+                let Some(&(id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
+                    return false;
+                };
+                let kind = &self.instances[id].kind;
+                let real = matches!(kind, InstanceKind::Variable { ty: Type::Real, .. });
+                (reals || !real) && self.variable_variability(v) <= Variability::Parameter
+            }
+            Node::Time
+            | Node::Der(_)
+            | Node::Pre(_)
+            | Node::Initial
+            | Node::Terminal
+            | Node::Sample(..)
+            | Node::Call { .. }
+            | Node::Recorded(..)
+            | Node::Relation(_) => false,
+            _ => true,
+        }
     }
 }

@@ -23,6 +23,9 @@ impl Context<'_> {
             UnaryOp::Minus | UnaryOp::ElementMinus => {
                 a.map(|v| Some(Value::Scalar(self.number(v, span).map(|e| self.graph.neg(e))?)))
             }
+            UnaryOp::Not if self.is_overloaded(&a) => {
+                a.map(|v| self.overloaded("'not'", std::slice::from_ref(v), span))
+            }
             UnaryOp::Not => {
                 a.map(|v| Some(Value::Scalar(self.truth(v, span).map(|e| self.graph.not(e))?)))
             }
@@ -72,6 +75,10 @@ impl Context<'_> {
             BinaryOp::And | BinaryOp::Or => {
                 let op = if op == BinaryOp::And { Binary::And } else { Binary::Or };
                 self.zip(&a, &b, span, &mut |cx, x, y| {
+                    if let (Value::Record(_), _) | (_, Value::Record(_)) = (x, y) {
+                        let operator = format!("'{}'", op.name());
+                        return cx.overloaded(&operator, &[x.clone(), y.clone()], span);
+                    }
                     let (x, y) = (cx.truth(x, span)?, cx.truth(y, span)?);
                     Some(Value::Scalar(cx.graph.binary(op, x, y)))
                 })

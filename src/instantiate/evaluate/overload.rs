@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::Context;
 use super::value::Value;
+use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::ir::ast::{Causality, ClassBody, ClassKind, Ident};
@@ -76,12 +77,36 @@ impl Context<'_> {
                 && names.iter().all(|n| inputs.iter().any(|(e, _)| e.name.name == *n))
                 && args.iter().zip(&inputs).all(|(v, (e, d))| cx.accepts(v, e, d))
         };
-        for f in functions {
-            if fits(self, f) {
-                return Some(self.call_class(f, args.to_vec(), named.to_vec(), span));
-            }
+        let fitting: Vec<ClassId> = functions.into_iter().filter(|f| fits(self, *f)).collect();
+        let &first = fitting.first()?;
+        if let Some(&other) = fitting[1..].iter().find(|f| self.takes_the_same(first, **f, args)) {
+            let [a, b] = [first, other].map(|f| self.classes[f].full_name);
+            self.problems.push(
+                Diagnostic::error("MO0219", span, format!("`{a}` and `{b}` both fit here"))
+                    .help("let the constructors differ in what they take")
+                    .note("section 14.3 of the specification"),
+            );
+            return Some(None);
         }
-        None
+        Some(self.call_class(first, args.to_vec(), named.to_vec(), span))
+    }
+
+    /// Whether two functions have the same types where positional arguments go.
+    fn takes_the_same(&mut self, a: ClassId, b: ClassId, args: &[Value]) -> bool {
+        let (a, b) = (self.inputs(a), self.inputs(b));
+        (0..args.len()).all(|k| {
+            let [x, y] = [&a[k], &b[k]].map(|(entry, declaration)| {
+                let scope =
+                    Scope { instance: self.classes[entry.class].holder, class: entry.class };
+                let class = self.find_class(&declaration.clause().type_name, scope);
+                class.map(|c| (self.table(c).scalar, c))
+            });
+            match (x, y) {
+                (Some((Some(s), _)), Some((Some(t), _))) => s == t,
+                (Some((None, x)), Some((None, y))) => self.same_record(x, y),
+                _ => false,
+            }
+        }) && !args.is_empty()
     }
 
     /// The class of the operator record that a value is, or its elements are.

@@ -9,12 +9,12 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::instantiate::lookup::Found;
 use crate::ir::ast::{ComponentRef, ExprKind, Ident, RefPart, Subscript, Variability};
-use crate::ir::expr::{Binary, Const, ExprId, Type};
+use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 
 /// One subscript, evaluated.
 #[derive(Clone, Debug)]
-enum Selector {
+pub(super) enum Selector {
     One(usize),
     Many(Vec<usize>),
     /// Known only when the model runs.
@@ -30,6 +30,8 @@ pub enum Selection {
     Element(InstanceId, usize),
     /// Several, row-major.
     Many(Vec<usize>, Vec<Selection>),
+    /// One of these, by a subscript that only a run knows.
+    Chosen(ExprId, Vec<Selection>),
     /// A component whose condition is false.
     Absent,
 }
@@ -73,8 +75,8 @@ impl Context<'_> {
         }
     }
 
-    /// The components that a reference names, for `connect`, `der`, and left sides.
-    pub(crate) fn select(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
+    /// The components that a reference names, where a run may choose among them.
+    pub(crate) fn select_target(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
         match self.start_of(r, scope)? {
             Start::Literal(_) => {
                 self.error("MO0212", r.span, "a component is needed here");
@@ -307,13 +309,11 @@ impl Context<'_> {
                     return Some(Selection::Whole(id));
                 }
                 self.check_index_types(id, subscripts, scope);
-                let (dims, chosen) = self.chosen(&dims, subscripts, scope, span)?;
-                let mut all = Vec::with_capacity(chosen.len());
-                for k in chosen {
-                    // The subscripts are dealt with: the element follows the rest of the name.
-                    all.push(self.walk(elements[k], parts, false, scope, span)?);
-                }
-                Some(many(dims, all))
+                let selectors = self.selectors(&dims, subscripts, scope, span)?;
+                // The subscripts are dealt with: the element follows the rest of the name.
+                self.selected(&dims, selectors, &mut |cx, k| {
+                    cx.walk(elements[k], parts, false, scope, span)
+                })
             }
             InstanceKind::Variable { dims, .. } => {
                 if let Some(next) = rest.first() {
@@ -324,9 +324,8 @@ impl Context<'_> {
                     return Some(Selection::Whole(id));
                 }
                 self.check_index_types(id, subscripts, scope);
-                let (dims, chosen) = self.chosen(&dims, subscripts, scope, span)?;
-                let all = chosen.into_iter().map(|k| Selection::Element(id, k)).collect();
-                Some(many(dims, all))
+                let selectors = self.selectors(&dims, subscripts, scope, span)?;
+                self.selected(&dims, selectors, &mut |_, k| Some(Selection::Element(id, k)))
             }
             InstanceKind::Pending | InstanceKind::InProgress | InstanceKind::Broken => None,
         }
@@ -417,6 +416,11 @@ impl Context<'_> {
                     return Some(Value::array(dims, flat));
                 }
                 Some(Value::array(dims, values))
+            }
+            Selection::Chosen(e, all) => {
+                let values: Vec<Value> =
+                    all.iter().map(|s| self.selection_value(s, span)).collect::<Option<_>>()?;
+                self.choose(*e, &values, span)
             }
             Selection::Absent => {
                 self.report_absent(span);
@@ -590,7 +594,9 @@ impl Context<'_> {
             return None;
         };
         let v = crate::ir::expr::VarId(first.0 + k as u32);
-        if let Some(assigned) = self.evaluation.assigned.get(&v) {
+        if !self.evaluation.unassigned
+            && let Some(assigned) = self.evaluation.assigned.get(&v)
+        {
             return Some(*assigned);
         }
         Some(self.graph.var(v, ty))
@@ -611,40 +617,31 @@ impl Context<'_> {
         self.apply(&value, &selectors, span)
     }
 
-    /// Positions that subscripts select in an array of the given sizes, with the sizes that result.
-    fn chosen(
+    /// What selectors select of an array of the given sizes; `element` says what is at a position.
+    fn selected(
         &mut self,
         dims: &[usize],
-        subscripts: &[Subscript],
-        scope: Scope,
-        span: Span,
-    ) -> Option<(Vec<usize>, Vec<usize>)> {
-        let mut selectors = self.selectors(dims, subscripts, scope, span)?;
-        for n in &dims[selectors.len()..] {
-            selectors.push(Selector::Many((1..=*n).collect()));
+        mut selectors: Vec<Selector>,
+        element: &mut dyn FnMut(&mut Self, usize) -> Option<Selection>,
+    ) -> Option<Selection> {
+        let dynamic = selectors.iter().enumerate().find_map(|(k, s)| match s {
+            Selector::Dynamic(e) => Some((k, *e)),
+            _ => None,
+        });
+        if let Some((k, e)) = dynamic {
+            let mut all = Vec::with_capacity(dims[k]);
+            for i in 1..=dims[k] {
+                selectors[k] = Selector::One(i);
+                all.push(self.selected(dims, selectors.clone(), element)?);
+            }
+            return Some(Selection::Chosen(e, all));
         }
-        let mut sizes = Vec::new();
-        let mut positions = vec![0];
-        for (k, s) in selectors.iter().enumerate() {
-            let list = match s {
-                Selector::One(i) => std::slice::from_ref(i),
-                Selector::Many(list) => {
-                    sizes.push(list.len());
-                    list.as_slice()
-                }
-                Selector::Dynamic(_) => {
-                    self.unsupported(span, "components chosen while the model runs");
-                    return None;
-                }
-            };
-            let wider =
-                |at: &usize| list.iter().map(|i| at * dims[k] + (i - 1)).collect::<Vec<_>>();
-            positions = positions.iter().flat_map(wider).collect();
-        }
-        Some((sizes, positions))
+        let (sizes, positions) = positions(dims, &selectors);
+        let all = positions.into_iter().map(|k| element(self, k)).collect::<Option<_>>()?;
+        Some(many(sizes, all))
     }
 
-    fn selectors(
+    pub(super) fn selectors(
         &mut self,
         dims: &[usize],
         subscripts: &[Subscript],
@@ -666,9 +663,11 @@ impl Context<'_> {
                 Subscript::Colon(_) => Selector::Many((1..=dims[k]).collect()),
                 Subscript::Expr(e) => {
                     self.evaluation.ends.push(dims[k]);
-                    let before = std::mem::replace(&mut self.evaluation.reading, false);
+                    let reading = std::mem::replace(&mut self.evaluation.reading, false);
+                    let unassigned = std::mem::replace(&mut self.evaluation.unassigned, false);
                     let value = self.evaluate(e, scope);
-                    self.evaluation.reading = before;
+                    self.evaluation.reading = reading;
+                    self.evaluation.unassigned = unassigned;
                     self.evaluation.ends.pop();
                     let value = value?;
                     self.selector(&value, dims[k], e.span)?
@@ -734,18 +733,30 @@ impl Context<'_> {
             }
         }
     }
+}
 
-    /// `if e == 1 then parts[0] elseif ... else the last`.
-    fn choose(&mut self, e: ExprId, parts: &[Value], span: Span) -> Option<Value> {
-        let (last, firsts) = parts.split_last()?;
-        let mut result = last.clone();
-        for (k, part) in firsts.iter().enumerate().rev() {
-            let number = self.graph.integer(k as i64 + 1);
-            let condition = self.graph.binary(Binary::Equal, e, number);
-            result = self.if_values(condition, part.clone(), result, span)?;
-        }
-        Some(result)
+/// Positions that known selectors select in an array of the given sizes, with the sizes that result.
+pub(super) fn positions(dims: &[usize], selectors: &[Selector]) -> (Vec<usize>, Vec<usize>) {
+    let mut sizes = Vec::new();
+    let mut positions = vec![0];
+    for (k, &size) in dims.iter().enumerate() {
+        let all: Vec<usize>;
+        let list: &[usize] = match selectors.get(k) {
+            Some(Selector::One(i)) => std::slice::from_ref(i),
+            Some(Selector::Many(list)) => {
+                sizes.push(list.len());
+                list
+            }
+            Some(Selector::Dynamic(_)) | None => {
+                sizes.push(size);
+                all = (1..=size).collect();
+                &all
+            }
+        };
+        let wider = |at: &usize| list.iter().map(|i| at * size + (i - 1)).collect::<Vec<_>>();
+        positions = positions.iter().flat_map(wider).collect();
     }
+    (sizes, positions)
 }
 
 fn many(dims: Vec<usize>, mut all: Vec<Selection>) -> Selection {

@@ -24,6 +24,27 @@ pub(super) fn symbol(k: u32) -> VarId {
     VarId(FIRST_SYMBOL + k)
 }
 
+/// What one turn of a loop makes of what it finds, in terms of symbols.
+#[derive(Default)]
+struct Turn {
+    symbols: Vec<VarId>,
+    /// What the symbols stand for before the first turn.
+    initial: Vec<ExprId>,
+    /// What they stand for after a turn.
+    turned: Vec<ExprId>,
+}
+
+impl Turn {
+    /// A new symbol for what is `initial` before the first turn.
+    fn symbol(&mut self, graph: &mut Graph, counter: &mut u32, initial: ExprId) -> ExprId {
+        let v = symbol(*counter);
+        *counter += 1;
+        self.symbols.push(v);
+        self.initial.push(initial);
+        graph.var(v, graph.ty(initial))
+    }
+}
+
 impl Context<'_> {
     /// Makes a function of `while condition loop body` and assigns its outputs.
     pub(super) fn repeat(
@@ -35,75 +56,121 @@ impl Context<'_> {
     ) -> Option<()> {
         let frame = self.evaluation.frame;
         let before: Vec<(Name, Value)> = self.evaluation.locals[frame..].to_vec();
-        if !self.evaluation.in_function {
-            self.unsupported(span, "loops in models whose length only a run knows");
-            return None;
-        }
         let changed = changed(body, &before);
-
-        let mut symbols = Vec::new();
-        let mut initial = Vec::new();
+        let mut turn = Turn::default();
         for &k in &changed {
-            let graph = &mut self.graph;
-            let first = &mut self.evaluation.symbols;
-            let symbolic = before[k].1.each_scalar(&mut |e| {
-                let v = VarId(FIRST_SYMBOL + *first);
-                *first += 1;
-                symbols.push(v);
-                initial.push(e);
-                graph.var(v, graph.ty(e))
-            });
+            let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+            let symbolic = before[k].1.each_scalar(&mut |e| turn.symbol(graph, counter, e));
             self.evaluation.locals[frame + k].1 = symbolic;
         }
+        // In a model, what its algorithm assigns.
+        let outside = match self.evaluation.in_function {
+            true => FastMap::default(),
+            false => self.evaluation.assigned.clone(),
+        };
+        let mut variables: Vec<VarId> = outside.keys().copied().collect();
+        variables.sort_unstable();
+        for v in &variables {
+            let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+            let symbolic = turn.symbol(graph, counter, outside[v]);
+            self.evaluation.assigned.insert(*v, symbolic);
+        }
         let asserted = self.evaluation.asserts.len();
-        let returned = self.evaluation.returned;
+        let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
         let condition = self.evaluate(condition, scope)?;
         let condition = self.truth(&condition, span)?;
         let flow = self.under(condition, |cx| cx.run_statements(body, scope))?;
         // An assertion about a turn has no place outside of the loop.
         self.evaluation.asserts.truncate(asserted);
-        if flow != Flow::Next
-            || self.evaluation.broken.is_some()
-            || self.evaluation.returned != returned
-        {
-            self.unsupported(span, "`break` and `return` in loops whose length only a run knows");
-            return None;
-        }
-        let mut turned = Vec::with_capacity(symbols.len());
         for &k in &changed {
-            self.evaluation.locals[frame + k].1.for_each_scalar(&mut |e| turned.push(e));
+            self.evaluation.locals[frame + k].1.for_each_scalar(&mut |e| turn.turned.push(e));
         }
-        if turned.len() != symbols.len() {
+        turn.turned.extend(variables.iter().map(|v| self.evaluation.assigned[v]));
+        if turn.turned.len() != turn.symbols.len() {
             self.unsupported(span, "arrays that grow in a loop");
             return None;
         }
-        // A whole number may become a real one in the loop.
-        let types: Vec<Type> = initial
-            .iter()
-            .zip(&turned)
-            .map(|(before, after)| self.graph.common_type(*before, *after))
-            .collect();
-        let name = format!("loop {}", self.evaluation.functions.len() + 1);
-        let (function, captured) =
-            function(&mut self.graph, name, span, &symbols, condition, &turned);
-        self.evaluation.functions.push(function);
-        let id = FunctionId::from_usize(self.evaluation.functions.len() - 1);
-
-        let mut arguments = initial;
-        arguments.extend(captured);
-        let args = self.graph.intern_list(&arguments);
-        let mut output = 0;
+        if !self.evaluation.in_function && self.evaluation.assigned.len() != variables.len() {
+            self.unsupported(
+                span,
+                "variables that are first assigned in a loop whose length only a run knows",
+            );
+            return None;
+        }
+        let (condition, returns) = self.until_left(condition, flow, left, &mut turn);
+        let results = self.called_loop(turn, condition, span);
+        let mut next = results.iter().copied();
         for &k in &changed {
-            let graph = &mut self.graph;
-            let result = before[k].1.each_scalar(&mut |_| {
-                let call = Node::Call { function: id, output, args };
-                let ty = types[output as usize];
-                output += 1;
-                graph.intern(call, ty)
-            });
+            let result = before[k].1.each_scalar(&mut |e| next.next().unwrap_or(e));
             self.evaluation.locals[frame + k].1 = result;
         }
+        for (v, e) in variables.into_iter().zip(next) {
+            self.evaluation.assigned.insert(v, e);
+        }
+        self.evaluation.broken = left.0;
+        self.evaluation.returned = if returns { results.last().copied() } else { left.1 };
         Some(())
+    }
+
+    /// A loop that may be left by `break` or `return`, or was left before, goes on while a symbol says
+    /// so; a last symbol says whether it was left by `return`. In comes how it was left `before`, out go
+    /// the condition for another turn, and whether there is that last symbol.
+    fn until_left(
+        &mut self,
+        condition: ExprId,
+        flow: Flow,
+        before: (Option<ExprId>, Option<ExprId>),
+        turn: &mut Turn,
+    ) -> (ExprId, bool) {
+        let sure = self.graph.boolean(true);
+        let now = |kind: Flow, part: Option<ExprId>| if flow == kind { Some(sure) } else { part };
+        let broken = now(Flow::Break, self.evaluation.broken);
+        let returned = now(Flow::Return, self.evaluation.returned);
+        if broken.or(returned).or(before.0).or(before.1).is_none() {
+            return (condition, false);
+        }
+        let goes_on = self.neither(before.0, before.1);
+        let next = self.neither(broken, returned);
+        let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+        let goes_on = turn.symbol(graph, counter, goes_on);
+        turn.turned.push(next);
+        let condition = graph.and(goes_on, condition);
+        if let Some(returned) = returned {
+            let never = graph.boolean(false);
+            turn.symbol(graph, counter, before.1.unwrap_or(never));
+            turn.turned.push(returned);
+        }
+        (condition, returned.is_some())
+    }
+
+    /// `not (a or b)`, of conditions that are false where there is none.
+    fn neither(&mut self, a: Option<ExprId>, b: Option<ExprId>) -> ExprId {
+        let mut result = self.graph.boolean(true);
+        for c in [a, b].into_iter().flatten() {
+            let not_c = self.graph.not(c);
+            result = self.graph.and(result, not_c);
+        }
+        result
+    }
+
+    /// Calls a loop as a function: what its symbols stand for in the end.
+    fn called_loop(&mut self, turn: Turn, condition: ExprId, span: Span) -> Vec<ExprId> {
+        // A whole number may become a real one in the loop.
+        let both = turn.initial.iter().zip(&turn.turned);
+        let types: Vec<Type> = both.map(|(a, b)| self.graph.common_type(*a, *b)).collect();
+        let name = format!("loop {}", self.evaluation.functions.len() + 1);
+        let (function, captured) =
+            function(&mut self.graph, name, span, &turn.symbols, condition, &turn.turned);
+        self.evaluation.functions.push(function);
+        let id = FunctionId::from_usize(self.evaluation.functions.len() - 1);
+        let mut arguments = turn.initial;
+        arguments.extend(captured);
+        let args = self.graph.intern_list(&arguments);
+        let calls = types.into_iter().enumerate().map(|(output, ty)| {
+            let call = Node::Call { function: id, output: output as u32, args };
+            self.graph.intern(call, ty)
+        });
+        calls.collect()
     }
 }
 

@@ -49,7 +49,9 @@ impl Context<'_> {
                     b = b.into_iter().flat_map(char::to_lowercase).collect();
                 }
                 let order = a.cmp(&b) as i64 + 2;
-                let literal = self.comparison().map(|t| Const::Enumeration(t, order as u32));
+                let literal = self
+                    .enumeration_of(["Less", "Equal", "Greater"])
+                    .map(|t| Const::Enumeration(t, order as u32));
                 let literal = literal.unwrap_or(Const::Integer(order));
                 Ok(vec![Value::Scalar(self.graph.constant(literal))])
             }
@@ -100,11 +102,11 @@ impl Context<'_> {
         Value::Scalar(self.graph.integer(n))
     }
 
-    /// The enumeration that a comparison of texts gives.
-    fn comparison(&self) -> Option<EnumId> {
+    /// The enumeration with these literals, which an external function gives.
+    pub(super) fn enumeration_of<const N: usize>(&self, wanted: [&str; N]) -> Option<EnumId> {
         let is_it = |id: &EnumId| {
             let literals = &self.graph.enumerations[*id].literals;
-            literals.iter().map(|l| l.as_str()).eq(["Less", "Equal", "Greater"])
+            literals.iter().map(|l| l.as_str()).eq(wanted)
         };
         self.graph.enumerations.ids().find(is_it)
     }

@@ -25,3 +25,4 @@ pub mod small_lu;
 pub mod smoothing;
 pub mod submatrix;
 pub mod table;
+pub mod words;

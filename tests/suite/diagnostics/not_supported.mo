@@ -1,17 +1,9 @@
 // status: 1
-// error[MO0200] 9:11
-model Turns
-  function first
-    input Real u;
-    output Integer k;
-  algorithm
-    k := 0;
-    while k < 10 loop
-      k := k + 1;
-      if k > u then
-        break;
-      end if;
-    end while;
-  end first;
-  Real x = first(time);
-end Turns;
+// error[MO0200] 8:9
+model Choice
+  Integer k = if time > 0.5 then 2 else 1;
+  Real x[3] = {1, 2, 3};
+  Real y[2];
+equation
+  y = x[{k, k + 1}];
+end Choice;

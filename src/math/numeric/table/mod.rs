@@ -4,6 +4,7 @@
 //! A table is made once and evaluated many times, with its derivatives.
 pub mod time_table;
 pub mod curve;
+pub mod file;
 pub mod slopes;
 pub mod surface;
 

@@ -1,0 +1,106 @@
+//! Arithmetic of words of 64 bits that are held as two whole numbers of 32 bits, the lower half first, as
+//! random number generators of libraries hold their states.
+//!
+//! In come halves as floats, each in the range of signed numbers of 32 bits; out goes a half again, or
+//! a fraction between 0 and 1. All is exact and wraps around.
+
+/// Which half of a word.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Half {
+    /// The 32 bits of less weight.
+    Low,
+    /// The 32 bits of more weight.
+    High,
+}
+
+/// A function of two numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Operation {
+    /// Exclusive or of two halves.
+    Xor,
+    /// Sum of two halves.
+    Add,
+    /// What the sum of two lower halves carries: 0 or 1.
+    Carry,
+    /// A half of a word (low, high) that is shifted to the left.
+    ShiftLeft(u32, Half),
+    /// A half of a word (low, high) that is shifted to the right.
+    ShiftRight(u32, Half),
+    /// A half of a word (low, high) multiplied by this.
+    Times(u64, Half),
+    /// A word (low, high), read as a signed number, as a fraction: from 0 to 1.
+    Fraction,
+}
+
+impl Operation {
+    /// The value of the function.
+    pub fn at(self, a: f64, b: f64) -> f64 {
+        let (x, y) = (bits(a), bits(b));
+        let word = u64::from(y) << 32 | u64::from(x);
+        match self {
+            Operation::Xor => number(x ^ y),
+            Operation::Add => number(x.wrapping_add(y)),
+            Operation::Carry => f64::from(u8::from(x.checked_add(y).is_none())),
+            Operation::ShiftLeft(n, half) => part(word << n, half),
+            Operation::ShiftRight(n, half) => part(word >> n, half),
+            Operation::Times(factor, half) => part(word.wrapping_mul(factor), half),
+            Operation::Fraction => word as i64 as f64 / 2.0_f64.powi(64) + 0.5,
+        }
+    }
+
+    /// True if the value is a whole number.
+    pub fn is_whole(self) -> bool {
+        self != Operation::Fraction
+    }
+}
+
+/// The bits of a half. What is no number of 32 bits loses what is too much.
+fn bits(x: f64) -> u32 {
+    x as i64 as u32
+}
+
+fn number(half: u32) -> f64 {
+    f64::from(half as i32)
+}
+
+fn part(word: u64, half: Half) -> f64 {
+    match half {
+        Half::Low => number(word as u32),
+        Half::High => number((word >> 32) as u32),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn halves(word: u64) -> (f64, f64) {
+        (part(word, Half::Low), part(word, Half::High))
+    }
+
+    #[test]
+    fn halves_make_the_operations_of_whole_words() {
+        let (x, y) = (0xF123_4567_89AB_CDEF_u64, 0x8FED_CBA9_F765_4321_u64);
+        let ((a, b), (c, d)) = (halves(x), halves(y));
+        let apply = |f: &dyn Fn(Half) -> Operation| {
+            let at = |half| f(half).at(a, b);
+            (at(Half::Low), at(Half::High))
+        };
+        assert_eq!(apply(&|h| Operation::ShiftLeft(23, h)), halves(x << 23));
+        assert_eq!(apply(&|h| Operation::ShiftRight(17, h)), halves(x >> 17));
+        assert_eq!(apply(&|h| Operation::Times(2_685_821_657_736_338_717, h)), {
+            halves(x.wrapping_mul(2_685_821_657_736_338_717))
+        });
+        let carry = Operation::Carry.at(a, c);
+        let high = Operation::Add.at(Operation::Add.at(b, d), carry);
+        assert_eq!((Operation::Add.at(a, c), high), halves(x.wrapping_add(y)));
+        assert_eq!((Operation::Xor.at(a, c), Operation::Xor.at(b, d)), halves(x ^ y));
+    }
+
+    #[test]
+    fn fractions_lie_between_0_and_1() {
+        assert_eq!(Operation::Fraction.at(0.0, f64::from(i32::MIN)), 0.0);
+        assert_eq!(Operation::Fraction.at(0.0, 0.0), 0.5);
+        assert_eq!(Operation::Fraction.at(-1.0, f64::from(i32::MAX)), 1.0);
+    }
+}

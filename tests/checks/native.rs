@@ -1,0 +1,110 @@
+//! External functions that are computed without their C: random numbers, spectra, files of data.
+
+use super::door::{Case, Reading, assert_close};
+
+/// The halves of a word as a model holds them.
+fn halves(word: u64) -> [f64; 2] {
+    [word as u32, (word >> 32) as u32].map(|half| f64::from(half as i32))
+}
+
+fn fraction(word: u64) -> f64 {
+    word as i64 as f64 / 2.0_f64.powi(64) + 0.5
+}
+
+/// The generator xorshift64* of its paper, in plain words of 64 bits.
+fn star(mut x: u64) -> u64 {
+    x ^= x >> 12;
+    x ^= x << 25;
+    x ^= x >> 27;
+    x.wrapping_mul(2_685_821_657_736_338_717)
+}
+
+#[test]
+fn random_numbers_are_drawn_at_events() {
+    let text = "package P
+           function star
+             input Integer before[2];
+             output Integer after[2];
+             output Real x;
+           external \"C\" ModelicaRandom_xorshift64star(before, after, x);
+           end star;
+           function plus
+             input Integer before[4];
+             output Integer after[4];
+             output Real x;
+           external \"C\" ModelicaRandom_xorshift128plus(before, after, x);
+           end plus;
+           model Draws
+             parameter Integer seed(fixed = false);
+             parameter Integer first = seed + 1;
+             Integer s[2];
+             Integer t[4](start = {1, 2, 3, 4}, each fixed = true);
+             discrete Real x;
+             discrete Real y(start = 0, fixed = true);
+           initial equation
+             seed = 4;
+             pre(s) = {first, -7};
+             pre(x) = 0;
+           equation
+             when sample(0.1, 0.1) then
+               (s, x) = star(pre(s));
+               (t, y) = plus(pre(t));
+             end when;
+           end Draws;
+         end P;";
+    let run = Case::text(text).stop(0.35).run();
+    let mut word = u64::from(-7_i32 as u32) << 32 | 5;
+    let mut pair = [2_u64 << 32 | 1, 4 << 32 | 3];
+    for _ in 0..3 {
+        word = star(word);
+        let [mut a, b] = pair;
+        a ^= a << 23;
+        pair = [b, (a ^ b ^ (a >> 17) ^ (b >> 26)).wrapping_add(b)];
+    }
+    assert_eq!([run.last("s[1]"), run.last("s[2]")], halves(word));
+    assert_eq!([run.last("t[3]"), run.last("t[4]")], halves(pair[1]));
+    assert_close(run.last("x"), fraction(word), 1e-15);
+    assert_close(run.last("y"), fraction(pair[1]), 1e-15);
+}
+
+#[test]
+fn a_spectrum_is_found_of_samples() {
+    let run = Case::text(
+        "package P
+           function spectrum
+             input Real u[:];
+             output Integer info;
+             output Real amplitudes[div(size(u, 1), 2) + 1];
+             output Real phases[div(size(u, 1), 2) + 1];
+           protected
+             Real work[3*size(u, 1) + 2*(div(size(u, 1), 2) + 1)];
+           external \"C\" info = ModelicaFFT_kiss_fftr(u, size(u, 1), work, size(work, 1), amplitudes, phases);
+           end spectrum;
+           model Sampled
+             Integer n(start = 0, fixed = true);
+             Real u[12](each start = 0, each fixed = true);
+             Real a[7](each start = 0, each fixed = true);
+             Real p[7](each start = 0, each fixed = true);
+             Integer info(start = -1, fixed = true);
+           algorithm
+             when sample(0, 0.05) then
+               n := pre(n) + 1;
+               if n <= 12 then
+                 u[n] := 3*cos(2*3.14159265358979*(n - 1)/4 + 0.5);
+               end if;
+             end when;
+             when n >= 12 then
+               (info, a, p) := spectrum(u);
+             end when;
+           end Sampled;
+         end P;",
+    )
+    .run();
+    assert_eq!(run.last("info"), 0.0);
+    // Three waves in twelve samples; the library divides by the number of terms, 7, instead of 6.
+    assert_close(run.last("a[4]"), 3.0 * 6.0 / 7.0, 1e-12);
+    assert_close(run.last("p[4]"), 0.5, 1e-12);
+    for k in [1, 2, 3, 5, 6, 7] {
+        assert!(run.last(&format!("a[{k}]")).abs() < 1e-12, "{k}");
+    }
+}
