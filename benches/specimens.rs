@@ -4,7 +4,7 @@
 //!
 //! ```sh
 //! cargo bench --bench specimens -- starts 20          # calibrations from random starts
-//! cargo bench --bench specimens -- healthy 20         # diagnoses where nothing is missing
+//! cargo bench --bench specimens -- healthy 20 [1]     # diagnoses where nothing is missing, from the first on
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
 //! cargo bench --bench specimens -- foreign [NAME]     # the same, but diagnosed by a catalogue without it
 //! cargo bench --bench specimens -- pairs 20           # two effects at once
@@ -50,7 +50,10 @@ fn main() {
     let stand = Stand::new(&plan);
     match arguments.first().map(String::as_str) {
         Some("starts") => stand.starts(number(1)),
-        Some("healthy") => stand.healthy(number(1)),
+        Some("healthy") => {
+            let first = arguments.get(2).and_then(|a| a.parse().ok()).unwrap_or(1);
+            stand.healthy(first, number(1));
+        }
         Some(way @ ("effects" | "foreign")) => {
             let wanted = arguments.get(1).map_or("", String::as_str);
             for k in 0..stand.effects.len() {
@@ -179,9 +182,9 @@ impl Stand {
         println!("{fine} of {count} at the noise floor");
     }
 
-    fn healthy(&self, count: u64) {
+    fn healthy(&self, first: u64, count: u64) {
         let mut alarms = 0;
-        for k in 1..=count {
+        for k in first..first + count {
             let mut random = Random(100 + k);
             let plan = self.other(SPREAD, &mut random);
             let data = self.recorded(&plan, &[], &mut random).expect("recordings");

@@ -1,7 +1,7 @@
 //! The search for what a model lacks: calibrate, score every effect at every place, fit the best few,
 //! keep what the data ask for, and look once more.
 
-use crate::calibrate::fit::{Fit, Heed, STOPPING, quick_fit, search};
+use crate::calibrate::fit::{Fit, Heed, STOPPING, fit, quick_fit, search};
 use crate::calibrate::plan::Plan;
 use crate::calibrate::problem::Problem;
 
@@ -24,6 +24,9 @@ const NOTABLE: f64 = 0.1;
 /// An amplitude that is not so many standard errors from zero may not be needed.
 const WEAK: f64 = 10.0;
 
+/// A longer calibration shows that the first was caught if it leaves less than this share of its sum.
+const FREED: f64 = 0.7;
+
 /// What was found.
 pub struct Found {
     /// Without any effect.
@@ -39,10 +42,33 @@ pub struct Found {
 /// Looks for what the model lacks. `heed` is told about each step and ends the search by `false`.
 pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> {
     let before = level(case, Vec::new(), case.plan.clone(), &mut |p| quick_fit(p, heed))?;
+    let mut found = diagnose_from(case, before, heed);
+    if found.after.chi2_train() >= COMPLETE && heed(0, found.after.train.total()) {
+        // What no effect explains may come from a calibration that was caught.
+        let thorough = level(case, Vec::new(), case.plan.clone(), &mut |p| fit(p, heed))?;
+        if thorough.train.total() < FREED * found.before.train.total() {
+            let again = diagnose_from(case, thorough, heed);
+            if again.after.chi2_validation() < found.after.chi2_validation() {
+                found = again;
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Looks for what the model lacks, from its calibration on.
+fn diagnose_from(case: &Case<'_>, before: Level, heed: &mut Heed<'_>) -> Found {
     (case.say)(&format!("calibrated: reduced chi-square {:.4}", before.chi2_train()));
     (case.say)(&format!("  by recording {:.1?}", before.train.by_recording()));
     let mut found =
         Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
+    climb(case, &mut found, heed);
+    simplify(case, &mut found, heed);
+    found
+}
+
+/// Adds one effect after the other, as long as the data ask for it.
+fn climb(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
     for depth in 0..DEPTH {
         let enough = match depth {
             0 => 0.0,
@@ -91,7 +117,11 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             break;
         }
     }
-    // Where nothing was kept, what was fitted best may still have led to better parameters.
+}
+
+/// One simple effect instead of several or of a curve, if that explains as much. Where nothing was kept, what
+/// was fitted best may still have led to better parameters.
+fn simplify(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
     let refused = || found.rejected.iter().min_by(|a, b| a.bic().total_cmp(&b.bic()));
     let from = match found.after.chosen.is_empty() {
         true if found.after.chi2_train() >= COMPLETE => {
@@ -113,7 +143,6 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             found.rejected.push(last);
         }
     }
-    Ok(found)
 }
 
 /// True for several effects, or a free curve.
