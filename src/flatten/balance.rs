@@ -69,14 +69,17 @@ pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Op
         if matches!(variable.variability, Variability::Constant | Variability::Parameter) {
             continue;
         }
-        let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
-        let from_outside = match known.get(&instance) {
-            Some(known) => *known,
-            None => {
-                let input = is_input(cx, instance, root);
-                known.insert(instance, input);
-                input
-            }
+        // What an expression was some time ago belongs to no instance, and has an equation of its own.
+        let from_outside = match cx.evaluation.instance_of.get(v.0 as usize) {
+            None => false,
+            Some(&(instance, _)) => match known.get(&instance) {
+                Some(known) => *known,
+                None => {
+                    let input = is_input(cx, instance, root);
+                    known.insert(instance, input);
+                    input
+                }
+            },
         };
         if from_outside && variable.binding.is_none() {
             continue;

@@ -36,8 +36,8 @@ impl From<Unsettled> for NoStart {
 /// What a run begins with.
 pub type Start = (Clocks, Selection, Settled);
 
-/// Gives every variable its value at the start: from the guesses of the model, and if they lead
-/// nowhere, from the solution of the simplified system that it may offer.
+/// Gives every variable its value at the start: from the solution of the simplified system that the model
+/// may offer, or from its guesses.
 pub fn initialise(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start, NoStart> {
     instance.leaps = false;
     let begun = from_model(instance, settings);
@@ -56,15 +56,16 @@ pub fn initialise(instance: &mut Instance<'_>, settings: &Settings) -> Result<St
     }
 }
 
-/// The start from the guesses, else from the simplified system.
+/// The start from the simplified system if the model offers one, else from the guesses. Of several
+/// solutions the model means the one to which its simplified system leads (Modelica 3.6, section 3.7.4.4).
 fn from_model(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start, NoStart> {
-    let begun = initialise_from(instance, settings, &[]);
-    let (Err(NoStart::Unsettled(_)), Some(continuation)) = (&begun, &instance.program.continuation)
-    else {
-        return begun;
-    };
-    let Some(guess) = homotopy::follow(continuation, settings) else { return begun };
-    initialise_from(instance, settings, &guess)
+    if let Some(continuation) = &instance.program.continuation
+        && let Some(guess) = homotopy::follow(continuation, settings)
+        && let Ok(start) = initialise_from(instance, settings, &guess)
+    {
+        return Ok(start);
+    }
+    initialise_from(instance, settings, &[])
 }
 
 /// Gives every variable its value at the start, where iterations begin at the guesses for some cells.

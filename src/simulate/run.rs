@@ -406,21 +406,33 @@ impl<'p, 's> Simulation<'p, 's> {
     /// solution was on; `None` if there is none.
     fn leap(&mut self, t_stop: f64) -> Option<Result<Step, crate::integrate::outcome::Failure>> {
         let (t, y) = (self.stepper.t(), self.stepper.y().to_vec());
+        // As the last step went: the derivatives here may be beyond the end already.
+        let before = self.stepper.t_previous();
+        let mut slope = y.clone();
+        self.stepper.interpolate(before, &mut slope);
+        for (slope, y) in slope.iter_mut().zip(&y) {
+            *slope = if t > before { (y - *slope) / (t - before) } else { 0.0 };
+        }
+        let mut moved = y.clone();
         for k in 0..LEAPS {
-            let beyond = t + (self.stop - self.start) * FIRST_LEAP * 10.0_f64.powi(k);
+            let way = (self.stop - self.start) * FIRST_LEAP * 10.0_f64.powi(k);
+            let beyond = t + way;
             if beyond >= t_stop {
                 return None;
             }
+            // The states go on to where the branch is no more.
+            for ((m, y), slope) in moved.iter_mut().zip(&y).zip(&slope) {
+                *m = y + way * slope;
+            }
             self.model.instance.leaps = true;
-            let mut slope = vec![0.0; y.len()];
-            let found = self.model.rhs(beyond, &y, &mut slope).is_ok();
+            let found = self.model.rhs(beyond, &moved, &mut vec![0.0; y.len()]).is_ok();
             self.model.instance.leaps = false;
             self.model.instance.fault = None;
             if !found {
                 continue;
             }
             let jacobian = JacobianMemory::Forget;
-            if self.stepper.restart(&mut self.model, beyond, &y, jacobian).is_err() {
+            if self.stepper.restart(&mut self.model, beyond, &moved, jacobian).is_err() {
                 continue;
             }
             let step = self.stepper.step(&mut self.model, t_stop);

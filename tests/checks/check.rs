@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::door::Scratch;
 use super::program::mocc;
 
 const SEVERAL: &str = "tests/suite/check/several.mo";
@@ -37,6 +38,16 @@ fn functions_that_nothing_calls_are_read() {
     let said = checked("uncalled");
     assert!(said.contains("`gian` is not declared") && said.contains("y := x + \"one\""), "{said}");
     assert!(!said.contains("v[3]"), "{said}");
+}
+
+/// What an expression was some time ago is one unknown more, and one equation.
+#[test]
+fn a_component_that_delays_is_balanced() {
+    let scratch = Scratch::new();
+    let text = "block D input Real u; output Real y; equation y = delay(u, 0.1); end D;";
+    let file = scratch.file("delay.mo", text);
+    let ended = mocc(root(), &["check", file.to_str().expect("UTF-8")]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
 }
 
 #[test]

@@ -74,6 +74,41 @@ fn equations_that_follow_from_others_are_no_contradiction() {
     assert_eq!(said, [("MO0918", "at time 0 s nothing determines `a`")]);
 }
 
+/// An amplifier that feeds back to itself leaves each limit where that is no solution any more, and jumps to
+/// the other: between two jumps the capacitor goes from one threshold to the other.
+#[test]
+fn a_branch_that_ends_is_left_for_the_other_one() {
+    let run = Case::text(
+        "model Multivibrator
+           parameter Real V0 = 15000;
+           parameter Real tau = 0.1/(2*log(3));
+           Real v(start = 1, fixed = true);
+           Real w(start = 10);
+           Real plus;
+           Real u;
+         equation
+           w = plus - v;
+           plus = u - plus;
+           u = smooth(0, noEvent(if V0*w > 15 then 15 elseif V0*w < -15 then -15 else V0*w));
+           tau*der(v) = u - v;
+           annotation(experiment(StopTime = 1, Tolerance = 1e-8));
+         end Multivibrator;",
+    )
+    .run();
+    // The linear part of the amplifier shifts the thresholds by 15/V0.
+    let tau = 0.1 / (2.0 * 3.0_f64.ln());
+    let threshold = 7.5 - 15.0 / 15000.0;
+    let first: f64 = tau * f64::ln(14.0 / (15.0 - threshold));
+    let half: f64 = tau * f64::ln((15.0 + threshold) / (15.0 - threshold));
+    for k in 0..19 {
+        let side: f64 = if k % 2 == 0 { -15.0 } else { 15.0 };
+        assert_eq!(run.at("u", first + (f64::from(k) + 0.5) * half), side, "after jump {k}");
+    }
+    let last = first + 19.0 * half;
+    let exact = 15.0 - (15.0 + threshold) * (-(1.0 - last) / tau).exp();
+    assert!((run.last("v") - exact).abs() < 1e-2, "{} instead of {exact}", run.last("v"));
+}
+
 /// A winding at an angle: of its two components one vanishes, at 0 exactly, at pi/2 by rounding.
 #[test]
 fn nothing_is_divided_by_the_sine_of_zero() {
