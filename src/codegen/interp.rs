@@ -322,18 +322,29 @@ impl<'p> Instance<'p> {
         outcome
     }
 
-    /// What a failed attempt left, for when a further one fails too.
-    pub fn told(&self) -> Told {
-        Told {
-            memory: self.memory.clone(),
-            fault_memory: self.fault_memory.clone(),
-            fault: self.fault,
-        }
+    /// What a failed attempt left, for when a further one fails too: to be given to [`Instance::tell`] or
+    /// [`Instance::forget`].
+    pub fn told(&mut self) -> Told {
+        let memory = self.keep();
+        let mut fault_memory = self.spare.pop().unwrap_or_default();
+        fault_memory.clone_from(&self.fault_memory);
+        Told { memory, fault_memory, fault: self.fault }
     }
 
     /// Takes back what an attempt left.
-    pub fn tell(&mut self, told: Told) {
-        (self.memory, self.fault_memory, self.fault) = (told.memory, told.fault_memory, told.fault);
+    pub fn tell(&mut self, mut told: Told) {
+        std::mem::swap(&mut self.memory, &mut told.memory);
+        std::mem::swap(&mut self.fault_memory, &mut told.fault_memory);
+        self.fault = told.fault;
+        self.release(told.memory);
+        self.release(told.fault_memory);
+    }
+
+    /// Another attempt came to its end.
+    pub fn forget(&mut self, told: Told) {
+        self.fault = None;
+        self.release(told.memory);
+        self.release(told.fault_memory);
     }
 
     /// The values of all cells as they are, to be given back by [`Instance::release`].

@@ -54,7 +54,7 @@ impl MixedWork {
         {
             let told = instance.told();
             if self.search(instance, k) {
-                instance.fault = None;
+                instance.forget(told);
                 outcome = Ok(());
             } else {
                 instance.tell(told);

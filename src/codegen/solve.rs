@@ -31,8 +31,8 @@ struct Linear {
     matrix: Vec<f64>,
     factored: Vec<f64>,
     valid: bool,
-    /// Of a matrix that is singular.
-    singular: Option<PseudoInverse>,
+    /// In place of factors where the matrix has not got them, and the unknown that it leaves open, for the message.
+    singular: Option<(PseudoInverse, usize)>,
     /// There are factors, if only by rounding.
     has_factors: bool,
     /// The matrix was singular before: a pivot that rounding leaves over is none.
@@ -290,7 +290,9 @@ impl Linear {
                 && (factored.is_err() || self.lu.weakest_pivot(&self.matrix) <= ROUNDING)
             {
                 let inverse = PseudoInverse::new(n, &self.matrix);
-                self.singular = inverse.filter(|i| factored.is_err() || i.rank() < n);
+                self.singular = inverse
+                    .filter(|i| factored.is_err() || i.rank() < n)
+                    .map(|i| (i, factored.as_ref().map_or_else(|s| s.column, |()| n - 1)));
                 if let (Err(s), None) = (&factored, &self.singular) {
                     return Err(Fault::Singular { solver: k, unknown: s.column });
                 }
@@ -299,15 +301,13 @@ impl Linear {
             self.factored.copy_from_slice(&self.matrix);
             self.valid = true;
         }
-        let Some(singular) = &self.singular else {
+        let Some((singular, unknown)) = &self.singular else {
             self.lu.solve_in_place(z);
             return Ok(());
         };
         self.right.copy_from_slice(z);
         if singular.solve_near(z, &self.last) {
-            // Looked for once until that is told: where the matrix stays as it is, so does the unknown.
-            let unknown = || (k, weakest(&self.matrix, n));
-            instance.undetermined.get_or_insert_with(unknown);
+            instance.undetermined.get_or_insert((k, *unknown));
         } else {
             if self.has_factors {
                 z.copy_from_slice(&self.right);
@@ -318,20 +318,11 @@ impl Linear {
             }
             // On the way to what relations will be it does as it can.
             if !instance.relaxed {
-                return Err(Fault::Singular { solver: k, unknown: weakest(&self.matrix, n) });
+                return Err(Fault::Singular { solver: k, unknown: *unknown });
             }
             instance.moved = true;
         }
         Ok(())
-    }
-}
-
-/// The unknown without a pivot, for the message.
-fn weakest(matrix: &[f64], n: usize) -> usize {
-    let mut lu = DenseLu::new(n);
-    match lu.factor(matrix) {
-        Err(s) => s.column,
-        Ok(()) => n - 1,
     }
 }
 

@@ -45,9 +45,10 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
     let mut found = diagnose_from(case, before, heed);
     if found.after.chi2_train() >= COMPLETE && heed(0, found.after.train.total()) {
         // What no effect explains may come from a calibration that was caught.
-        let thorough = level(case, Vec::new(), case.plan.clone(), &mut |p| fit(p, heed))?;
-        if thorough.train.total() < FREED * found.before.train.total() {
-            let again = diagnose_from(case, thorough, heed);
+        let thorough = level(case, Vec::new(), case.plan.clone(), &mut |p| fit(p, heed)).ok();
+        let freed = thorough.filter(|t| t.train.total() < FREED * found.before.train.total());
+        if let Some(freed) = freed {
+            let again = diagnose_from(case, freed, heed);
             if again.after.chi2_validation() < found.after.chi2_validation() {
                 found = again;
             }

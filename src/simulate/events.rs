@@ -274,8 +274,9 @@ fn by_any_way<'p, T>(
                 break;
             }
         }
-        if outcome.is_err() {
-            instance.tell(told);
+        match outcome {
+            Ok(_) => instance.forget(told),
+            Err(_) => instance.tell(told),
         }
     }
     instance.release(before);

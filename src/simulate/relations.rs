@@ -34,7 +34,7 @@ pub fn sweep<'p>(
         let found =
             trials.recall() || trials.turn_one_by_one() || thoroughly && trials.search(&moved);
         if found {
-            instance.fault = None;
+            instance.forget(told);
             outcome = Ok(());
         } else {
             instance.tell(told);
