@@ -7,7 +7,7 @@
 //! cargo bench --bench specimens -- healthy 20 [1]     # diagnoses where nothing is missing, from the first on
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
 //! cargo bench --bench specimens -- foreign [NAME]     # the same, but diagnosed by a catalogue without it
-//! cargo bench --bench specimens -- pairs 20           # two effects at once
+//! cargo bench --bench specimens -- pairs 20 [1]       # two effects at once, from the first specimen on
 //! cargo bench --bench specimens -- valve32 effects    # in the other valve
 //! ```
 
@@ -47,13 +47,11 @@ fn main() {
         _ => "valve52".to_owned(),
     };
     let number = |k: usize| arguments.get(k).and_then(|a| a.parse().ok()).unwrap_or(20);
+    let first = arguments.get(2).and_then(|a| a.parse().ok()).unwrap_or(1);
     let stand = Stand::new(&plan);
     match arguments.first().map(String::as_str) {
         Some("starts") => stand.starts(number(1)),
-        Some("healthy") => {
-            let first = arguments.get(2).and_then(|a| a.parse().ok()).unwrap_or(1);
-            stand.healthy(first, number(1));
-        }
+        Some("healthy") => stand.healthy(first, number(1)),
         Some(way @ ("effects" | "foreign")) => {
             let wanted = arguments.get(1).map_or("", String::as_str);
             for k in 0..stand.effects.len() {
@@ -62,7 +60,7 @@ fn main() {
                 }
             }
         }
-        Some("pairs") => stand.pairs(number(1)),
+        Some("pairs") => stand.pairs(first, number(1)),
         _ => {
             println!("choose one of: starts N, healthy N, effects [NAME], foreign [NAME], pairs N")
         }
@@ -209,8 +207,8 @@ impl Stand {
     }
 
     /// Two effects of the catalogue at once.
-    fn pairs(&self, count: u64) {
-        for k in 1..=count {
+    fn pairs(&self, first: u64, count: u64) {
+        for k in first..first + count {
             let mut random = Random(5000 + k);
             let plan = self.other(SPREAD, &mut random);
             let mut both = Vec::new();

@@ -8,6 +8,7 @@ use crate::math::numeric::least_squares::{self, Stopping};
 
 use super::case::Case;
 use super::level::{Chosen, Level, attach, level};
+use super::place::Place;
 use super::preference::{COMPLETE, in_order, is_curve};
 use super::rank::{ENOUGH, Scored};
 
@@ -33,8 +34,8 @@ pub struct Attempt<'a> {
     pub case: &'a Case<'a>,
     /// The level as it is.
     pub from: &'a Level,
-    /// What is tried, the best score first.
-    pub promising: &'a [Scored],
+    /// What is tried, one or several at once, the best score first.
+    pub promising: &'a [Vec<Scored>],
     /// Effects found before.
     pub depth: usize,
 }
@@ -79,11 +80,11 @@ impl Attempt<'_> {
     /// A first look at each of them beside what the level has.
     fn look(&self, heed: &mut Heed<'_>) -> Vec<Level> {
         let mut levels: Vec<Level> = Vec::new();
-        for scored in self.promising {
+        for proposal in self.promising {
             if !heed(0, self.from.train.total()) {
                 break;
             }
-            let (chosen, plan) = attach(self.case, self.from, scored, self.depth);
+            let (chosen, plan) = attach(self.case, self.from, proposal, self.depth);
             let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
                 p.left_out = p.surplus(ENOUGH);
                 let found = search(p, start, &LOOK, heed);
@@ -91,8 +92,8 @@ impl Attempt<'_> {
                 found
             };
             if let Some(fitted) = self.fitted(chosen, plan, short) {
-                let name = self.case.named(scored.effect, &scored.place);
-                (self.case.say)(&format!("looked at {name}: {:.4}", fitted.chi2_train()));
+                let names = self.named(&fitted);
+                (self.case.say)(&format!("looked at {names}: {:.4}", fitted.chi2_train()));
                 levels.push(fitted);
             }
         }
@@ -123,8 +124,7 @@ impl Attempt<'_> {
             };
             let better = level(self.case, fitted.chosen.clone(), fitted.plan.clone(), longer);
             let Ok(better) = better else { continue };
-            let name = better.chosen.last().map(|c| self.case.named(c.effect, &c.place));
-            self.say(&format!("fitted {}", name.unwrap_or_default()), &better);
+            self.say(&format!("fitted {}", self.named(&better)), &better);
             if better.chi2_train() < COMPLETE {
                 match is_curve(self.case, &better) {
                     true => curve_solved = true,
@@ -153,12 +153,12 @@ impl Attempt<'_> {
         (0..levels.len().min(SEARCHED)).filter(|k| is_hopeful(&levels[*k])).collect()
     }
 
-    /// The effect that was found last, fitted from elsewhere: from where the plan begins, which the
-    /// calibration without the effect has left in order to make up for it, and from other shapes. `None` if
-    /// nothing better is found.
+    /// What was attached last, fitted from elsewhere: from where the plan begins, which the calibration
+    /// without it has left in order to make up for it, and from other shapes. `None` if nothing better is
+    /// found.
     fn elsewhere(&self, best: &Level, heed: &mut Heed<'_>) -> Option<Level> {
         let mut better: Option<Level> = None;
-        for (chosen, plan) in self.other_starts(best)? {
+        for (chosen, plan) in self.other_starts(best) {
             if !heed(0, best.train.total()) {
                 break;
             }
@@ -176,25 +176,50 @@ impl Attempt<'_> {
         better
     }
 
-    fn other_starts(&self, best: &Level) -> Option<Vec<(Vec<Chosen>, Plan)>> {
-        let new = &best.chosen[self.from.chosen.len()..];
-        let last = new.first()?;
-        let same = |s: &&Scored| {
-            let members = s.place.members();
-            let at_first = members.first().is_some_and(|place| *place == last.place);
-            s.effect == last.effect && at_first && members.len() == new.len()
-        };
+    fn other_starts(&self, best: &Level) -> Vec<(Vec<Chosen>, Plan)> {
         let mut begun = best.plan.clone();
         for free in &mut begun.free {
             let as_planned = self.case.plan.free.iter().find(|f| f.name == free.name);
             free.start = as_planned.map_or(free.start, |f| f.start);
         }
         let mut starts = vec![(best.chosen.clone(), begun)];
-        let shapes = self.promising.iter().find(same).into_iter().flat_map(|s| &s.others);
-        starts.extend(
-            shapes.take(SHAPES).map(|scored| attach(self.case, self.from, scored, self.depth)),
-        );
-        Some(starts)
+        let new: Vec<(usize, &[String])> =
+            self.new(best).iter().map(|c| (c.effect, c.place.at.as_slice())).collect();
+        let same = |p: &&Vec<Scored>| {
+            let members: Vec<(usize, Place)> = p.iter().flat_map(Scored::members).collect();
+            members.iter().map(|(effect, place)| (*effect, place.at.as_slice())).eq(new.clone())
+        };
+        let Some(proposal) = self.promising.iter().find(same) else { return starts };
+        for (k, scored) in proposal.iter().enumerate() {
+            for other in scored.others.iter().take(SHAPES) {
+                let mut proposal = proposal.clone();
+                proposal[k] = other.clone();
+                starts.push(attach(self.case, self.from, &proposal, self.depth));
+            }
+        }
+        starts
+    }
+
+    /// What a level has that it was not begun with.
+    fn new<'l>(&self, level: &'l Level) -> &'l [Chosen] {
+        &level.chosen[self.from.chosen.len()..]
+    }
+
+    /// The same in words.
+    fn named(&self, level: &Level) -> String {
+        let mut last = None;
+        let mut words: Vec<String> = Vec::new();
+        for c in self.new(level) {
+            match words.last_mut() {
+                Some(word) if last == Some(c.group) => {
+                    word.push_str(", ");
+                    word.push_str(&c.place.at.join(", "));
+                }
+                _ => words.push(self.case.named(c.effect, &c.place)),
+            }
+            last = Some(c.group);
+        }
+        words.join(" and ")
     }
 
     /// The level with these effects, fitted from where their amplitudes begin best.

@@ -141,29 +141,32 @@ pub fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, compon
     }
 }
 
-/// The effects and the plan of a level with one more effect.
+/// The effects and the plan of a level with more effects.
 pub fn attach(
     case: &Case<'_>,
     level: &Level,
+    proposal: &[Scored],
+    depth: usize,
+) -> (Vec<Chosen>, Plan) {
+    let mut more = (level.chosen.clone(), level.plan.clone());
+    for (k, scored) in proposal.iter().enumerate() {
+        more = attach_one(case, more, scored, depth + k);
+    }
+    more
+}
+
+/// The same with one more.
+fn attach_one(
+    case: &Case<'_>,
+    (mut chosen, mut plan): (Vec<Chosen>, Plan),
     scored: &Scored,
     depth: usize,
 ) -> (Vec<Chosen>, Plan) {
     let effect = &case.effects[scored.effect];
-    let short = effect.class.rsplit('.').next().unwrap_or(&effect.class);
-    let mut name: String = short
-        .char_indices()
-        .flat_map(|(i, c)| {
-            let underscore = (i > 0 && c.is_uppercase()).then_some('_');
-            underscore.into_iter().chain(c.to_lowercase())
-        })
-        .collect();
-    if depth > 0 {
-        name.push_str(&format!("_{}", depth + 1));
-    }
-    let mut plan = level.plan.clone();
-    let mut chosen = level.chosen.clone();
+    let name = component_name(&effect.class, depth, &chosen);
+    let (known, group) = (chosen.len(), chosen.last().map_or(0, |c| c.group + 1));
     let members = scored.place.members();
-    for (j, place) in members.iter().enumerate() {
+    for (j, mut place) in members.into_iter().enumerate() {
         let component = match j {
             _ if effect.built_in => place.at[0].clone(),
             0 => name.clone(),
@@ -178,7 +181,7 @@ pub fn attach(
                 true => (0.0, Some(0.0)),
                 false => (*start, None),
             };
-            let mut free = amplitude(&full, start, min, place, &component);
+            let mut free = amplitude(&full, start, min, &place, &component);
             // What the sensor says is the signal now.
             free.acts_on = None;
             fitted.push(a.name.clone());
@@ -191,12 +194,12 @@ pub fn attach(
                 let full = format!("{component}.{parameter}");
                 fitted.push(parameter.clone());
                 // What is one phenomenon at several places has one shape.
-                let first = chosen.get(level.chosen.len()).map(|c| &c.name);
+                let first = chosen.get(known).map(|c| &c.name);
                 let shared = first.map(|first| format!("{first}.{parameter}"));
                 match plan.free.iter_mut().find(|f| Some(&f.name) == shared.as_ref()) {
                     Some(free) => free.targets.push(full),
                     None => {
-                        let mut free = amplitude(&full, *value, None, place, &component);
+                        let mut free = amplitude(&full, *value, None, &place, &component);
                         free.acts_on = None;
                         plan.free.push(free);
                     }
@@ -204,11 +207,34 @@ pub fn attach(
             }
         }
         if let Some(k) = place.signal {
-            plan.signals[k].variable = format!("{component}.y");
+            // Behind what stands before the signal already.
+            let output = std::mem::replace(&mut plan.signals[k].variable, format!("{component}.y"));
+            place.binds.iter_mut().for_each(|(_, variable)| variable.clone_from(&output));
         }
-        let group = level.chosen.last().map_or(0, |c| c.group + 1);
-        let (place, fixed) = (place.clone(), scored.shape.clone());
+        let fixed = scored.shape.clone();
         chosen.push(Chosen { effect: scored.effect, place, name: component, fixed, fitted, group });
     }
     (chosen, plan)
+}
+
+/// How the component of an effect is called: by its class, and by a number where that is taken.
+fn component_name(class: &str, depth: usize, chosen: &[Chosen]) -> String {
+    let short = class.rsplit('.').next().unwrap_or(class);
+    let mut name: String = short
+        .char_indices()
+        .flat_map(|(i, c)| {
+            let underscore = (i > 0 && c.is_uppercase()).then_some('_');
+            underscore.into_iter().chain(c.to_lowercase())
+        })
+        .collect();
+    if depth > 0 {
+        let numbers = depth + 1..;
+        let free = |n: &usize| {
+            let numbered = format!("{name}_{n}");
+            chosen.iter().all(|c| c.name != numbered)
+        };
+        let number = numbers.into_iter().find(free).unwrap_or(depth + 1);
+        name.push_str(&format!("_{number}"));
+    }
+    name
 }

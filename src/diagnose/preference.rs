@@ -16,6 +16,8 @@ const NEARLY_COMPLETE: f64 = 0.1;
 pub const EVIDENCE: f64 = 30.0;
 /// Reduced sum of squares up to which nothing is left to explain.
 pub const COMPLETE: f64 = 1.03;
+/// The same of recordings that were never fitted.
+pub const RESOLVED: f64 = 1.1;
 
 /// Best first. Of what is not known before a free curve explains as much as the law that it contains, and
 /// what noise and drift leave besides: it comes first only where no law explains nearly as much.

@@ -4,16 +4,19 @@
 //! zero: a candidate is a column of the score test, or several. Effects at several places together are
 //! made of the columns of the single places.
 
+use std::cell::OnceCell;
+
 use crate::base::diag::Problems;
 use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
+use crate::math::numeric::least_squares::Normal;
 
 use super::case::{Case, compile};
 use super::effect::Effect;
 use super::level::{Level, amplitude, attached};
 use super::place::{Place, places};
-use super::score::score;
+use super::score::{Score, score};
 use super::text::Attached;
 
 /// An effect at a place with a shape, as the score test sees it.
@@ -34,6 +37,11 @@ pub struct Scored {
 }
 
 impl Scored {
+    /// The effect with each of its places by itself.
+    pub fn members(&self) -> Vec<(usize, Place)> {
+        self.place.members().into_iter().map(|place| (self.effect, place)).collect()
+    }
+
     /// The decrease less the price of the amplitudes.
     pub fn worth(&self, level: &Level) -> f64 {
         self.gain - (level.train.count() as f64).ln() * self.amplitudes.len() as f64
@@ -51,12 +59,15 @@ const FEW: usize = 3_000;
 const AGAIN: usize = 64;
 
 /// An effect at one place with a shape.
-struct Candidate {
-    effect: usize,
-    place: Place,
+pub struct Candidate {
+    /// Position in the catalogue.
+    pub effect: usize,
+    /// Where.
+    pub place: Place,
     /// Position among the shapes of the effect at this place.
-    number: usize,
-    shape: Vec<(String, f64)>,
+    pub number: usize,
+    /// The shape.
+    pub shape: Vec<(String, f64)>,
 }
 
 /// What is scored, and the candidates it is made of.
@@ -133,7 +144,7 @@ fn score_some(
 ) {
     let batches = batches(case, candidates, chosen);
     (case.say)(&format!("scoring {} candidates in {} runs", chosen.len(), batches.len()));
-    let scoring = Scoring { case, level, candidates, enough };
+    let scoring = Scoring::new(case, level, candidates, enough);
     batches.iter().for_each(|batch| scoring.score(batch, trials));
 }
 
@@ -142,7 +153,7 @@ fn trials(case: &Case<'_>, level: &Level) -> (Vec<Candidate>, Vec<Trial>) {
     let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in case.effects.iter().enumerate() {
-        for place in places(effect, case.inventory, &names, case.plan) {
+        for place in places(effect, case.inventory, &names, &level.plan) {
             let taken = |at: &String| {
                 level.chosen.iter().any(|c| c.effect == k && c.place.at.first() == Some(at))
             };
@@ -212,42 +223,62 @@ fn batches(case: &Case<'_>, candidates: &[Candidate], chosen: &[usize]) -> Vec<V
 }
 
 /// What the scores of one level are computed from.
-struct Scoring<'a> {
+pub struct Scoring<'a> {
+    /// What all levels share.
     case: &'a Case<'a>,
     level: &'a Level,
+    /// What may be attached to it.
     candidates: &'a [Candidate],
     /// Instants of recordings.
     enough: usize,
+    /// The normal equations of the level alone, of all recordings.
+    whole: OnceCell<Option<Normal>>,
 }
 
-impl Scoring<'_> {
+/// The normal equations of a level with candidates at amplitude zero.
+pub struct Linearised {
+    normal: Normal,
+    /// Parameters of the level: they come first.
+    free: usize,
+    /// Position of the first amplitude of each candidate.
+    first: Vec<Option<usize>>,
+    /// Share of all instants that they are made of.
+    share: f64,
+}
+
+impl Linearised {
+    /// The score of effects that are made of candidates, all at once.
+    pub fn score(&self, case: &Case<'_>, all: &[(usize, &[usize])]) -> Option<Score> {
+        let (mut group, mut positive) = (Vec::new(), Vec::new());
+        for (effect, members) in all {
+            let amplitudes = &case.effects[*effect].amplitudes;
+            for member in *members {
+                let start = self.first[*member]?;
+                group.extend(start..start + amplitudes.len());
+                positive.extend(amplitudes.iter().map(|a| a.positive));
+            }
+        }
+        let mut found = score(&self.normal, self.free, &group, &positive)?;
+        // What is left out is taken to be like the rest.
+        found.gain /= self.share;
+        Some(found)
+    }
+}
+
+impl<'a> Scoring<'a> {
+    /// What may be attached to a level, scored with about `enough` instants of recordings.
+    pub fn new(
+        case: &'a Case<'a>,
+        level: &'a Level,
+        candidates: &'a [Candidate],
+        enough: usize,
+    ) -> Scoring<'a> {
+        Scoring { case, level, candidates, enough, whole: OnceCell::new() }
+    }
+
     /// Scores the trials that are made of candidates of this batch alone.
     fn score(&self, batch: &[usize], trials: &mut [Trial]) {
-        let Scoring { case, level, candidates, enough } = *self;
-        let mut all = attached(case, &level.chosen);
-        let mut plan = level.plan.clone();
-        let free = plan.free.len();
-        for i in batch {
-            let Candidate { effect, place, shape, .. } = &candidates[*i];
-            let effect = &case.effects[*effect];
-            let name = if effect.built_in { place.at[0].clone() } else { format!("trial_{i}") };
-            for a in &effect.amplitudes {
-                plan.free.push(amplitude(&format!("{name}.{}", a.name), 0.0, None, place, &name));
-            }
-            all.push(Attached { effect, place, name, values: shape.clone() });
-        }
-        let normal = compile(case, &plan, &all, &[]).ok().and_then(|(session, program)| {
-            let mut problems = Problems::new();
-            let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
-            let mut problem = problem?;
-            problem.left_out = problem.surplus(enough);
-            let count = problem.count(Split::Train);
-            let normal = problem.normal(&problem.start()).ok()?;
-            // What is left out is taken to be like the rest.
-            let share = problem.count_fitted() as f64 / count.max(1) as f64;
-            Some((normal, share))
-        });
-        let Some((normal, share)) = normal else {
+        let Some(linearised) = self.linearised(batch) else {
             // One that can not be run must not keep the others from it.
             let half = batch.len() / 2;
             if half > 0 {
@@ -257,26 +288,64 @@ impl Scoring<'_> {
             }
             return;
         };
-        let mut columns = free;
-        let mut first = vec![None; candidates.len()];
-        for i in batch {
-            first[*i] = Some(columns);
-            columns += case.effects[candidates[*i].effect].amplitudes.len();
-        }
         for Trial { scored, members } in trials {
-            let effect = &case.effects[scored.effect];
-            let count = effect.amplitudes.len();
-            let starts: Option<Vec<usize>> = members.iter().map(|m| first[*m]).collect();
-            let Some(starts) = starts else { continue };
-            let group: Vec<usize> = starts.into_iter().flat_map(|s| s..s + count).collect();
-            let signs = effect.amplitudes.iter().map(|a| a.positive);
-            let positive: Vec<bool> = members.iter().flat_map(|_| signs.clone()).collect();
-            if let Some(found) = score(&normal, free, &group, &positive) {
+            if let Some(found) = linearised.score(self.case, &[(scored.effect, members)]) {
                 // More than everything can not be explained: beyond its range the line does not hold.
-                scored.gain = (found.gain / share).min(level.train.total());
+                scored.gain = found.gain.min(self.level.train.total());
                 scored.amplitudes = found.amplitudes;
             }
         }
+    }
+
+    /// The normal equations with all candidates of a batch; `None` if they can not be run together.
+    pub fn linearised(&self, batch: &[usize]) -> Option<Linearised> {
+        let Scoring { case, level, candidates, enough, .. } = *self;
+        let mut all = attached(case, &level.chosen);
+        let mut plan = level.plan.clone();
+        let free = plan.free.len();
+        let mut first = vec![None; candidates.len()];
+        for i in batch {
+            let Candidate { effect, place, shape, .. } = &candidates[*i];
+            let effect = &case.effects[*effect];
+            let name = if effect.built_in { place.at[0].clone() } else { format!("trial_{i}") };
+            first[*i] = Some(plan.free.len());
+            for a in &effect.amplitudes {
+                plan.free.push(amplitude(&format!("{name}.{}", a.name), 0.0, None, place, &name));
+            }
+            all.push(Attached { effect, place, name, values: shape.clone() });
+        }
+        let (session, program) = compile(case, &plan, &all, &[]).ok()?;
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
+        let mut problem = problem?;
+        problem.left_out = problem.surplus(enough);
+        let count = problem.count(Split::Train);
+        let mut normal = problem.normal(&problem.start()).ok()?;
+        if !problem.left_out.is_empty() {
+            // Few recordings must not have the parameters for themselves: the others hold them too.
+            hold(&mut normal, self.whole.get_or_init(|| alone(case, level)).as_ref()?);
+        }
+        let share = problem.count_fitted() as f64 / count.max(1) as f64;
+        Some(Linearised { normal, free, first, share })
+    }
+}
+
+/// The normal equations of a level as it is.
+fn alone(case: &Case<'_>, level: &Level) -> Option<Normal> {
+    let all = attached(case, &level.chosen);
+    let (session, program) = compile(case, &level.plan, &all, &[]).ok()?;
+    let mut problems = Problems::new();
+    let problem = Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems)?;
+    problem.normal(&problem.start()).ok()
+}
+
+/// What concerns the parameters of a level alone is that of all recordings.
+fn hold(normal: &mut Normal, whole: &Normal) {
+    for j in 0..whole.n {
+        for i in 0..whole.n {
+            normal.gram[i + normal.n * j] = whole.gram[i + whole.n * j];
+        }
+        normal.gradient[j] = whole.gradient[j];
     }
 }
 

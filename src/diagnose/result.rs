@@ -7,15 +7,13 @@ use super::balance::Balance;
 use super::case::Case;
 use super::effect::Effect;
 use super::level::{Chosen, Level};
-use super::preference::COMPLETE;
+use super::preference::{COMPLETE, RESOLVED};
 use super::search::Found;
 use super::text::{Attached, Setting, model};
 
 /// Share of the excess of the reduced sum of squares over one that effects must explain to be a
 /// finding.
 const EXPLAINED: f64 = 0.9;
-/// Reduced sum of squares of recordings that were never fitted, up to which nothing is left.
-const RESOLVED: f64 = 1.1;
 
 /// The outcome in one word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

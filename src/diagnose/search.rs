@@ -1,5 +1,7 @@
 //! The search for what a model lacks: calibrate, score every effect at every place, fit the best few,
-//! keep what the data ask for, and look once more.
+//! keep what the data ask for; where that leaves something, score two at once, and look once more.
+
+use std::ops::Range;
 
 use crate::calibrate::fit::{Fit, Heed, STOPPING, fit, quick_fit, search};
 use crate::calibrate::plan::Plan;
@@ -8,8 +10,9 @@ use crate::calibrate::problem::Problem;
 use super::attempt::Attempt;
 use super::case::{Case, Nothing};
 use super::level::{Chosen, Level, level};
-use super::preference::{COMPLETE, CURVE, EVIDENCE};
+use super::preference::{COMPLETE, EVIDENCE};
 use super::rank::{Scored, rank};
+use super::revise::{groups, revise, simplify, together};
 
 /// Places that are fitted after a score test.
 const FITTED: usize = 5;
@@ -63,14 +66,22 @@ fn diagnose_from(case: &Case<'_>, before: Level, heed: &mut Heed<'_>) -> Found {
     (case.say)(&format!("  by recording {:.1?}", before.train.by_recording()));
     let mut found =
         Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
-    climb(case, &mut found, heed);
+    climb(case, &mut found, 0..1, heed);
+    together(case, &mut found, heed);
+    if groups(&found.after) == 1 {
+        climb(case, &mut found, 1..USUAL, heed);
+    }
+    revise(case, &mut found, heed);
+    if groups(&found.after) >= USUAL {
+        climb(case, &mut found, USUAL..DEPTH, heed);
+    }
     simplify(case, &mut found, heed);
     found
 }
 
 /// Adds one effect after the other, as long as the data ask for it.
-fn climb(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    for depth in 0..DEPTH {
+fn climb(case: &Case<'_>, found: &mut Found, depths: Range<usize>, heed: &mut Heed<'_>) {
+    for depth in depths {
         let enough = match depth {
             0 => 0.0,
             1..USUAL => COMPLETE,
@@ -82,7 +93,7 @@ fn climb(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
         let ranking = rank(case, &found.after);
         let notable = if depth < USUAL { 0.0 } else { NOTABLE * found.after.train.total() };
         let mut promising = promising(&found.after, &ranking);
-        promising.retain(|s| s.gain > notable);
+        promising.retain(|p| p.iter().all(|s| s.gain > notable));
         for s in ranking.iter().take(2 * FITTED) {
             let share = s.gain / found.after.train.total();
             let name = case.named(s.effect, &s.place);
@@ -120,64 +131,10 @@ fn climb(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
     }
 }
 
-/// One simple effect instead of several or of a curve, if that explains as much. Where nothing was kept, what
-/// was fitted best may still have led to better parameters.
-fn simplify(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    let refused = || found.rejected.iter().min_by(|a, b| a.bic().total_cmp(&b.bic()));
-    let from = match found.after.chosen.is_empty() {
-        true if found.after.chi2_train() >= COMPLETE => {
-            refused().filter(|l| l.bic() < found.after.bic() - EVIDENCE)
-        }
-        true => None,
-        false => {
-            let explained = found.after.chi2_train() < COMPLETE;
-            Some(&found.after).filter(|l| explained && is_intricate(case, l))
-        }
-    };
-    if let Some(from) = from
-        && let Some(simple) = single(case, &from.clone(), heed)
-        && simple.chi2_validation() < found.before.chi2_validation()
-    {
-        let simple = simplified(case, simple, heed);
-        let last = std::mem::replace(&mut found.after, simple);
-        if !last.chosen.is_empty() {
-            found.rejected.push(last);
-        }
-    }
-}
-
-/// True for several effects, or a free curve.
-fn is_intricate(case: &Case<'_>, level: &Level) -> bool {
-    let Some(first) = level.chosen.first() else { return false };
-    level.chosen.iter().any(|c| c.group != first.group)
-        || case.effects[first.effect].amplitudes.len() >= CURVE
-}
-
 /// Those whose promise is worth their parameters.
-fn promising(level: &Level, ranking: &[Scored]) -> Vec<Scored> {
+pub fn promising(level: &Level, ranking: &[Scored]) -> Vec<Vec<Scored>> {
     let worth = |s: &&Scored| s.worth(level) > EVIDENCE;
-    ranking.iter().filter(worth).take(FITTED).cloned().collect()
-}
-
-/// One simple effect in place of what a level has: where that has led, the parameters of the model are
-/// near the true ones, and the scores tell more than at the first attempt.
-fn single(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
-    if !heed(0, from.train.total()) {
-        return None;
-    }
-    let here = &mut |p: &mut Problem<'_>| {
-        let x = p.start();
-        let normal = p.normal(&x).ok()?;
-        Some(Fit { x, normal, iterations: 0, converged: true, beyond: None })
-    };
-    let start = level(case, Vec::new(), bare_plan(case, from), here).ok()?;
-    let ranking = rank(case, &start);
-    let simple: Vec<Scored> =
-        ranking.into_iter().filter(|s| case.effects[s.effect].amplitudes.len() < CURVE).collect();
-    let promising = promising(&start, &simple);
-    let levels = Attempt { case, from: &start, promising: &promising, depth: 0 }.fit(heed);
-    let enough = |l: &Level| l.bic() < from.bic() + EVIDENCE;
-    levels.into_iter().find(enough)
+    ranking.iter().filter(worth).take(FITTED).map(|s| vec![s.clone()]).collect()
 }
 
 /// The model as it was, fitted from where a level with effects stands.
@@ -186,7 +143,7 @@ fn bare(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
 }
 
 /// The plan without effects, its starts where a level stands.
-fn bare_plan(case: &Case<'_>, from: &Level) -> Plan {
+pub fn bare_plan(case: &Case<'_>, from: &Level) -> Plan {
     let mut plan = case.plan.clone();
     for free in &mut plan.free {
         let same = from.plan.free.iter().find(|f| f.name == free.name);
@@ -197,7 +154,7 @@ fn bare_plan(case: &Case<'_>, from: &Level) -> Plan {
 
 /// Without those effects that the data do not ask for beside the others, and without those places of an
 /// effect at several.
-fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
+pub fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
     let last = level.chosen.last().map_or(0, |c| c.group);
     for group in 0..=last {
         let weak: Vec<String> = level
@@ -209,7 +166,11 @@ fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
         if weak.is_empty() || weak.len() == level.chosen.len() {
             continue;
         }
-        if let Some(without) = without(case, &level, &weak, heed)
+        let again = &mut |p: &mut Problem<'_>| {
+            let start = p.start();
+            search(p, &start, &STOPPING, heed)
+        };
+        if let Some(without) = without(case, &level, &weak, again)
             && without.bic() < level.bic() + EVIDENCE
         {
             level = without;
@@ -229,9 +190,14 @@ fn is_weak(case: &Case<'_>, level: &Level, chosen: &Chosen) -> bool {
     !all.is_empty() && all.iter().all(|a| weak(&a.name))
 }
 
-/// The level without the components of these names, fitted from where it stands.
-fn without(case: &Case<'_>, level: &Level, names: &[String], heed: &mut Heed<'_>) -> Option<Level> {
-    let (gone, chosen): (Vec<Chosen>, Vec<Chosen>) =
+/// The level without the components of these names, and `how` it is fitted then.
+pub fn without(
+    case: &Case<'_>,
+    level: &Level,
+    names: &[String],
+    how: &mut dyn FnMut(&mut Problem<'_>) -> Option<Fit>,
+) -> Option<Level> {
+    let (gone, mut chosen): (Vec<Chosen>, Vec<Chosen>) =
         level.chosen.iter().cloned().partition(|c| names.contains(&c.name));
     let mut plan = level.plan.clone();
     let is_gone = |target: &String| {
@@ -247,14 +213,14 @@ fn without(case: &Case<'_>, level: &Level, names: &[String], heed: &mut Heed<'_>
         }
         !free.targets.is_empty()
     });
-    for c in &gone {
-        if let (Some(k), Some((_, variable))) = (c.place.signal, c.place.binds.first()) {
-            plan.signals[k].variable.clone_from(variable);
+    // What stood behind a sensor's effect reads what that has read.
+    for c in gone.iter().rev() {
+        if let (Some(k), Some((_, input))) = (c.place.signal, c.place.binds.first()) {
+            let output = format!("{}.y", c.name);
+            let binds = chosen.iter_mut().flat_map(|c| &mut c.place.binds).map(|(_, v)| v);
+            let readers = binds.chain(std::iter::once(&mut plan.signals[k].variable));
+            readers.filter(|v| **v == output).for_each(|v| v.clone_from(input));
         }
     }
-    let again = &mut |p: &mut Problem<'_>| {
-        let start = p.start();
-        search(p, &start, &STOPPING, heed)
-    };
-    self::level(case, chosen, plan, again).ok()
+    self::level(case, chosen, plan, how).ok()
 }

@@ -1,0 +1,173 @@
+//! Second thoughts on what a search has found step by step: two effects at once, one exchanged for another,
+//! fewer for many.
+
+use crate::calibrate::fit::{Fit, Heed};
+use crate::calibrate::problem::Problem;
+
+use super::attempt::Attempt;
+use super::case::Case;
+use super::level::{Level, level};
+use super::pairs::pairs;
+use super::preference::{COMPLETE, CURVE, EVIDENCE, RESOLVED};
+use super::rank::{Scored, rank};
+use super::search::{Found, bare_plan, promising, simplified, without};
+
+/// Rounds in which effects are exchanged for others.
+const ROUNDS: usize = 3;
+
+/// Two effects at once, where one leaves something.
+pub fn together(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
+    let ranking = found.rankings.first().cloned().unwrap_or_default();
+    if !is_resolved(&found.after) && heed(0, found.after.train.total()) {
+        together_from(case, found, &found.before.clone(), &ranking, heed);
+    }
+}
+
+/// Where one effect beside another leaves something too: two at once from where what was found has led, and
+/// then each exchanged for another beside the rest.
+pub fn revise(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
+    if is_resolved(&found.after) || !heed(0, found.after.train.total()) {
+        return;
+    }
+    if let Some(there) = stripped(case, &found.after) {
+        let ranking = rank(case, &there);
+        together_from(case, found, &there, &ranking, heed);
+    }
+    for _ in 0..ROUNDS {
+        let last = found.after.bic();
+        exchange(case, found, heed);
+        if found.after.bic() >= last {
+            break;
+        }
+    }
+}
+
+/// Two effects at once beside a level without any.
+fn together_from(
+    case: &Case<'_>,
+    found: &mut Found,
+    from: &Level,
+    ranking: &[Scored],
+    heed: &mut Heed<'_>,
+) {
+    let promising = pairs(case, from, ranking);
+    let levels = Attempt { case, from, promising: &promising, depth: 0 }.fit(heed);
+    take_better(case, found, levels, heed);
+}
+
+/// Each effect exchanged for another beside the rest, from where the level stands.
+fn exchange(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
+    let number = groups(&found.after);
+    for k in 0..number {
+        let done = is_resolved(&found.after) || !heed(0, found.after.train.total());
+        let mut all = found.after.chosen.chunk_by(|a, b| a.group == b.group);
+        let Some(own) = all.nth(k).filter(|_| number > 1 && !done) else { return };
+        let names: Vec<String> = own.iter().map(|c| c.name.clone()).collect();
+        let Some(rest) = without(case, &found.after, &names, &mut |p| here(p)) else { continue };
+        (case.say)(&format!("exchanging {}", names.join(", ")));
+        let promising = promising(&rest, &rank(case, &rest));
+        let attempt = Attempt { case, from: &rest, promising: &promising, depth: number - 1 };
+        let levels = attempt.fit(heed);
+        if take_better(case, found, levels, heed) {
+            return;
+        }
+    }
+}
+
+/// Takes the first of the levels that is better than what was found; true if there is one.
+fn take_better(
+    case: &Case<'_>,
+    found: &mut Found,
+    levels: Vec<Level>,
+    heed: &mut Heed<'_>,
+) -> bool {
+    let better = |l: &Level| {
+        l.bic() < found.after.bic() - EVIDENCE
+            && l.chi2_validation() < found.after.chi2_validation()
+    };
+    let Some(best) = levels.into_iter().find(better) else { return false };
+    let best = simplified(case, best, heed);
+    let last = std::mem::replace(&mut found.after, best);
+    if !last.chosen.is_empty() {
+        found.rejected.push(last);
+    }
+    true
+}
+
+/// True if nothing is left to explain, whether it was fitted or not.
+fn is_resolved(level: &Level) -> bool {
+    level.chi2_train() < COMPLETE && level.chi2_validation() < RESOLVED
+}
+
+/// Number of phenomena that a level has.
+pub fn groups(level: &Level) -> usize {
+    level.chosen.chunk_by(|a, b| a.group == b.group).count()
+}
+
+/// One simple effect instead of several or of a curve, or two instead of more, if that explains as much. Where
+/// nothing was kept, what was fitted best may still have led to better parameters.
+pub fn simplify(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
+    let refused = || found.rejected.iter().min_by(|a, b| a.bic().total_cmp(&b.bic()));
+    let from = match found.after.chosen.is_empty() {
+        true if found.after.chi2_train() >= COMPLETE => {
+            refused().filter(|l| l.bic() < found.after.bic() - EVIDENCE)
+        }
+        true => None,
+        false => {
+            let explained = found.after.chi2_train() < COMPLETE;
+            Some(&found.after).filter(|l| explained && is_intricate(case, l))
+        }
+    };
+    if let Some(from) = from
+        && let Some(simple) = fewer(case, &from.clone(), heed)
+        && simple.chi2_validation() < found.before.chi2_validation()
+    {
+        let simple = simplified(case, simple, heed);
+        let last = std::mem::replace(&mut found.after, simple);
+        if !last.chosen.is_empty() {
+            found.rejected.push(last);
+        }
+    }
+}
+
+/// True for several effects, or a free curve.
+fn is_intricate(case: &Case<'_>, level: &Level) -> bool {
+    let Some(first) = level.chosen.first() else { return false };
+    level.chosen.iter().any(|c| c.group != first.group)
+        || case.effects[first.effect].amplitudes.len() >= CURVE
+}
+
+/// One simple effect in place of what a level has, or two: where that has led, the parameters of the model
+/// are near the true ones, and the scores tell more than at the first attempt.
+fn fewer(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
+    if !heed(0, from.train.total()) {
+        return None;
+    }
+    let start = stripped(case, from)?;
+    let ranking = rank(case, &start);
+    let is_law = |s: &Scored| case.effects[s.effect].amplitudes.len() < CURVE;
+    let simple: Vec<Scored> = ranking.iter().filter(|s| is_law(s)).cloned().collect();
+    let mut fitted = |promising: &[Vec<Scored>]| {
+        let levels = Attempt { case, from: &start, promising, depth: 0 }.fit(heed);
+        levels.into_iter().find(|l| l.bic() < from.bic() + EVIDENCE)
+    };
+    let one = fitted(&promising(&start, &simple));
+    let laws = from.chosen.iter().filter(|c| case.effects[c.effect].amplitudes.len() < CURVE);
+    let more = from.chosen.len() > 2 || laws.count() < from.chosen.len();
+    match one {
+        None if groups(from) > 1 && more => fitted(&pairs(case, &start, &ranking)),
+        one => one,
+    }
+}
+
+/// The model as it was, with the parameters that a level with effects has led to.
+fn stripped(case: &Case<'_>, from: &Level) -> Option<Level> {
+    level(case, Vec::new(), bare_plan(case, from), &mut |p| here(p)).ok()
+}
+
+/// Not fitted any further.
+fn here(problem: &mut Problem<'_>) -> Option<Fit> {
+    let x = problem.start();
+    let normal = problem.normal(&x).ok()?;
+    Some(Fit { x, normal, iterations: 0, converged: true, beyond: None })
+}
