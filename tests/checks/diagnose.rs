@@ -48,8 +48,14 @@ c = {}
 d = {}
 "#;
 
-/// Runge and Kutta's classical method for `s'' = -c s - d s' + more(s, s')` from rest at `s_0`.
-fn recording(s_0: f64, seed: u64, more: impl Fn(f64, f64) -> f64) -> String {
+/// Runge and Kutta's classical method for `s'' = -c s - d s' + more(s, s')` from rest at `s_0`, and what a
+/// sensor says of it.
+fn recording(
+    s_0: f64,
+    seed: u64,
+    more: impl Fn(f64, f64) -> f64,
+    says: impl Fn(f64) -> f64,
+) -> String {
     let rate = |s: f64, v: f64| (v, -100.0 * s - 2.0 * v + more(s, v));
     let mut state = seed;
     let mut uniform = || {
@@ -62,7 +68,7 @@ fn recording(s_0: f64, seed: u64, more: impl Fn(f64, f64) -> f64) -> String {
     for k in 0..=20_000 {
         if k % 50 == 0 {
             let normal: f64 = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
-            writeln!(text, "{},{}", k as f64 * h, s + SIGMA * normal).expect("a String");
+            writeln!(text, "{},{}", k as f64 * h, says(s) + SIGMA * normal).expect("a String");
         }
         let (a1, b1) = rate(s, v);
         let (a2, b2) = rate(s + 0.5 * h * a1, v + 0.5 * h * b1);
@@ -76,6 +82,11 @@ fn recording(s_0: f64, seed: u64, more: impl Fn(f64, f64) -> f64) -> String {
 
 /// The diagnosis of recordings with another force, and the folder it is in.
 fn diagnosis(more: impl Fn(f64, f64) -> f64) -> (Value, Scratch) {
+    diagnosis_by(more, |s| s)
+}
+
+/// The same with a sensor that may be wrong.
+fn diagnosis_by(more: impl Fn(f64, f64) -> f64, says: impl Fn(f64) -> f64) -> (Value, Scratch) {
     let scratch = Scratch::new();
     scratch.file("swing.mo", MODEL);
     scratch.file("plan.toml", PLAN);
@@ -83,7 +94,7 @@ fn diagnosis(more: impl Fn(f64, f64) -> f64) -> (Value, Scratch) {
     for (k, (s_0, split)) in
         [(0.1, "train"), (0.06, "train"), (-0.08, "train"), (0.09, "validation")].iter().enumerate()
     {
-        scratch.file(&format!("{k}.csv"), &recording(*s_0, 17 + k as u64, &more));
+        scratch.file(&format!("{k}.csv"), &recording(*s_0, 17 + k as u64, &more, &says));
         writeln!(table, "{k}.csv,{split},{s_0}").expect("a String");
     }
     scratch.file("table.csv", &table);
@@ -142,10 +153,50 @@ fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
     assert!(page.contains("id=\"residual-0\"") && page.contains("\"name\":\"after\""));
 }
 
+/// The effects that were found, each with the value of its first parameter, by class.
+fn effects(found: &Value) -> Vec<(String, f64)> {
+    let one = |e: &Value| {
+        let parameters = e["parameters"].as_object().expect("an object");
+        let first = parameters.values().next().expect("a parameter");
+        let class = e["component"].as_str().expect("a class");
+        (class.to_owned(), first["value"].as_f64().expect("a number"))
+    };
+    let mut all: Vec<_> = found["effects"].as_array().expect("a list").iter().map(one).collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+/// Scale and zero of one sensor are both wrong: one effect stands behind the other.
+#[test]
+fn two_effects_of_one_sensor_are_found() {
+    let (found, scratch) = diagnosis_by(|_, _| 0.0, |s| 1.04 * (s + 0.002));
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    let effects = effects(&found);
+    let [(gain, g), (offset, o)] = effects.as_slice() else { panic!("{effects:?}") };
+    assert_eq!((gain.as_str(), offset.as_str()), ("Effects.SensorGain", "Effects.SensorOffset"));
+    // Which stands first is not to be seen: the offset is as the sensor says it, or as it is.
+    assert!((g - 0.04).abs() < 0.005 && (o - 0.00204).abs() < 2e-4, "{effects:?}");
+    assert!(found["after"]["validation"]["chi2"].as_f64() < Some(1.3));
+    let amended = found["amended_model"].as_str().expect("a name");
+    let ended = mocc(&scratch.path().join("out"), &["simulate", amended]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+}
+
+/// A drag and the zero of the sensor, neither of which explains much without the other.
+#[test]
+fn two_effects_at_once_are_found() {
+    let (found, _scratch) = diagnosis_by(|_, v| -0.9 * v.abs() * v, |s| s + 0.003);
+    let effects = effects(&found);
+    let [(drag, k), (offset, o)] = effects.as_slice() else { panic!("{effects:?}") };
+    assert_eq!((drag.as_str(), offset.as_str()), ("Effects.QuadraticDrag", "Effects.SensorOffset"));
+    assert!((k - 0.9).abs() < 0.1 && (o - 0.003).abs() < 2e-4, "{effects:?}");
+    assert!(found["after"]["validation"]["chi2"].as_f64() < Some(1.3));
+}
+
 /// What is said to a plan, a model or a recording in which `old` is replaced by `new`.
 fn refused(file: &str, old: &str, new: &str) -> String {
     let scratch = Scratch::new();
-    let recording = recording(0.1, 5, |_, _| 0.0);
+    let recording = recording(0.1, 5, |_, _| 0.0, |s| s);
     let files = [
         ("swing.mo", MODEL),
         ("plan.toml", PLAN),
@@ -201,7 +252,7 @@ fn recordings_are_repaired_and_idle_parameters_borne() {
     for (k, (s_0, split)) in
         [(0.1, "train"), (-0.08, "train"), (0.09, "validation")].iter().enumerate()
     {
-        let text = recording(*s_0, 29 + k as u64, |_, v| -0.9 * v.abs() * v);
+        let text = recording(*s_0, 29 + k as u64, |_, v| -0.9 * v.abs() * v, |s| s);
         let mut lines: Vec<&str> = text.lines().collect();
         lines.drain(200..230);
         lines.swap(50, 51);
@@ -268,7 +319,7 @@ end Cubic;
     for (k, (s_0, split)) in
         [(0.1, "train"), (0.05, "train"), (0.08, "validation")].iter().enumerate()
     {
-        let text = recording(*s_0, 3 + k as u64, |s, _| -4000.0 * s * s * s);
+        let text = recording(*s_0, 3 + k as u64, |s, _| -4000.0 * s * s * s, |s| s);
         scratch.file(&format!("{k}.csv"), &text);
         writeln!(table, "{k}.csv,{split},{s_0}").expect("a String");
     }
