@@ -125,7 +125,7 @@ impl Context<'_> {
             }
             ExprKind::Binary(op, a, b) => {
                 let a_value = self.evaluate(a, scope);
-                let b_value = self.evaluate(b, scope);
+                let b_value = self.guarded(*op, a_value.as_ref(), b, scope);
                 self.binary_operator(*op, a_value?, b_value?, e.span)
             }
             ExprKind::If { branches, otherwise } => self.if_expression(branches, otherwise, scope),

@@ -192,6 +192,23 @@ impl Context<'_> {
         }
     }
 
+    /// The right operand of `and` and `or` counts only where the left one has not decided.
+    pub(crate) fn guarded(
+        &mut self,
+        op: BinaryOp,
+        left: Option<&Value>,
+        right: &Expr,
+        scope: Scope,
+    ) -> Option<Value> {
+        let truth = left.and_then(Value::scalar).filter(|e| self.graph.ty(*e) == Type::Boolean);
+        let counts = match (op, truth) {
+            (BinaryOp::And, Some(c)) => c,
+            (BinaryOp::Or, Some(c)) => self.graph.not(c),
+            _ => return self.evaluate(right, scope),
+        };
+        self.under(counts, |cx| cx.evaluate(right, scope))
+    }
+
     fn elementwise(
         &mut self,
         op: Binary,
