@@ -527,6 +527,7 @@ impl Context<'_> {
     pub(super) fn known(&mut self, value: &Value) -> Result<Vec<Const>, Refusal> {
         let mut scalars = Vec::new();
         value.for_each_scalar(&mut |e| scalars.push(e));
+        self.refuse_unknown_texts(&scalars).ok_or(Refusal::Reported)?;
         let mut known = Vec::with_capacity(scalars.len());
         for e in scalars {
             known.push(self.parameter_expression(e, true).ok_or_else(|| {

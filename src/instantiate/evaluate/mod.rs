@@ -61,6 +61,9 @@ pub struct State {
     pub(crate) bindings: FastMap<(usize, Scope, bool), Option<Value>>,
     /// Assigned variables of the algorithm section being read.
     pub(crate) assigned: FastMap<VarId, ExprId>,
+    /// Texts that stand for those of values that only a run knows, and the places of their calls of
+    /// `String`: good for messages alone.
+    pub(crate) unknown_texts: FastMap<ExprId, Span>,
     /// Open calls.
     pub(crate) depth: usize,
     /// The condition under which the loop, or the function, being run was left already.

@@ -111,6 +111,7 @@ impl Context<'_> {
             return None;
         }
         if s == Type::String {
+            self.refuse_unknown_texts(&[x, y])?;
             return Some(Value::Scalar(self.relation_of_texts(op, x, y)));
         }
         Some(Value::Scalar(self.graph.binary(op, x, y)))
@@ -223,7 +224,7 @@ impl Context<'_> {
                 && cx.graph.ty(s) == Type::String
                 && cx.graph.ty(t) == Type::String
             {
-                return Some(Value::Scalar(cx.graph.binary(op, s, t)));
+                return Some(Value::Scalar(cx.joined_texts(s, t)));
             }
             if let (Value::Record(_), _) | (_, Value::Record(_)) = (x, y) {
                 let operator = format!("'{}'", op.name());
