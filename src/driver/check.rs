@@ -7,6 +7,7 @@
 
 use super::compile::{Request, Session, Wrong, find, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
+use crate::base::index::FastSet;
 use crate::instantiate::Context;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
@@ -48,15 +49,23 @@ impl Session {
             return if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) };
         };
         let within = file.within.as_ref().map(|w| w.to_string()).filter(|w| !w.is_empty());
-        let runs = models(file);
+        let runs: FastSet<String> = models(file).into_iter().collect();
+        let mut problems = Problems::new();
+        let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
+        let mut found = Vec::new();
         for name in classes(file) {
-            let mut problems = Problems::new();
-            let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
             let full = within.as_ref().map(|package| format!("{package}.{name}"));
             let class = full.and_then(|full| find(&mut cx, &full)).or_else(|| find(&mut cx, &name));
             let Some(class) = class else { continue };
             // Of every class: what it extends, and what its kind may not have.
             cx.table(class);
+            found.push((name, class));
+        }
+        let seed = cx.seed();
+        self.problems.extend(problems);
+        for (name, class) in found {
+            let mut problems = Problems::new();
+            let cx = Context::grown(&mut self.sources, &mut problems, &mut library, seed.clone());
             if runs.contains(&name) {
                 one(cx, class);
             } else if is_function(&cx, class) {

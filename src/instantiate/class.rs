@@ -14,6 +14,7 @@ use crate::ir::instance::{
 };
 
 /// How far the table of a class is.
+#[derive(Clone)]
 pub(crate) enum TableState {
     Untouched,
     InProgress,
@@ -112,7 +113,11 @@ impl Context<'_> {
     /// Everything that a class has after inheritance.
     pub fn table(&mut self, class: ClassId) -> Rc<ClassTable> {
         match &self.tables[class] {
-            TableState::Done(table) => return table.clone(),
+            TableState::Done(table) => {
+                let table = table.clone();
+                self.say_again(class);
+                return table;
+            }
             TableState::InProgress => {
                 self.report_inheritance_cycle(class);
                 return Rc::default();
@@ -120,6 +125,13 @@ impl Context<'_> {
             TableState::Untouched => {}
         }
         self.tables[class] = TableState::InProgress;
+        let before = std::mem::take(self.problems);
+        let table = self.read_table(class);
+        self.note_said(class, before);
+        table
+    }
+
+    fn read_table(&mut self, class: ClassId) -> Rc<ClassTable> {
         let mut table = ClassTable::default();
         match self.classes[class].body.clone() {
             ClassText::Root => {}
