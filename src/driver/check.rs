@@ -59,6 +59,8 @@ impl Session {
             let Some(class) = class else { continue };
             // Of every class: what it extends, and what its kind may not have.
             cx.table(class);
+            cx.report_hidden(class);
+            cx.report_each_of_one(class);
             found.push((name, class));
         }
         let seed = cx.seed();
@@ -153,6 +155,7 @@ fn is_component(cx: &mut Context<'_>, class: ClassId) -> bool {
 fn component(cx: &mut Context<'_>, class: ClassId) {
     let mut balance = None;
     let mut flat = crate::flatten::flatten_with_balance(cx, class, &mut balance);
+    cx.report_modified_absent(class);
     if !cx.problems.has_errors() {
         crate::units::check(&mut flat, cx.problems);
     }
@@ -165,6 +168,7 @@ fn component(cx: &mut Context<'_>, class: ClassId) {
 
 fn whole(mut cx: Context<'_>, class: ClassId) {
     let mut flat = crate::flatten::flatten(&mut cx, class, &[]);
+    cx.report_modified_absent(class);
     let problems = cx.problems;
     if problems.has_errors() {
         return;
