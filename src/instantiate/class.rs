@@ -82,16 +82,16 @@ impl Context<'_> {
 
     /// The specialised kind of a class; short classes of kind `type` or `class` take their base's.
     pub fn kind(&mut self, class: ClassId) -> ClassKind {
-        let Some(text) = self.text(class).cloned() else { return ClassKind::Type };
-        match (&text.body, text.kind) {
-            (ClassBody::Short(short), ClassKind::Type | ClassKind::Class) => {
-                let scope = self.outside(class);
-                match self.find_class(&short.base, scope) {
-                    Some(base) if base != class => self.kind(base),
-                    _ => text.kind,
-                }
-            }
-            (_, kind) => kind,
+        let Some(text) = self.text(class) else { return ClassKind::Type };
+        let kind = text.kind;
+        let ClassBody::Short(short) = &text.body else { return kind };
+        if !matches!(kind, ClassKind::Type | ClassKind::Class) {
+            return kind;
+        }
+        let (base, scope) = (short.base.clone(), self.outside(class));
+        match self.find_class(&base, scope) {
+            Some(base) if base != class => self.kind(base),
+            _ => kind,
         }
     }
 

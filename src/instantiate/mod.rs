@@ -72,6 +72,9 @@ pub struct Context<'a> {
     pub(crate) trespass: Option<access::Trespass>,
     /// The problems of classes that are wrong.
     pub(crate) said: FastMap<ClassId, Problems>,
+    /// No modifications and no sizes, which most components have: shared by all of them.
+    pub(crate) no_layers: Rc<[Layer]>,
+    pub(crate) no_sizes: Rc<[usize]>,
     pub(crate) evaluation: evaluate::State,
 }
 

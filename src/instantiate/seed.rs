@@ -76,6 +76,8 @@ impl<'a> Context<'a> {
             added_inner: FastSet::default(),
             trespass: None,
             said: seed.said,
+            no_layers: Rc::from([]),
+            no_sizes: Rc::from([]),
             evaluation: evaluate::State::default(),
         }
     }
