@@ -7,6 +7,7 @@
 
 use super::compile::{Request, Session, Wrong, find, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
+use crate::base::index::FastSet;
 use crate::instantiate::Context;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
@@ -48,15 +49,25 @@ impl Session {
             return if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) };
         };
         let within = file.within.as_ref().map(|w| w.to_string()).filter(|w| !w.is_empty());
-        let runs = models(file);
+        let runs: FastSet<String> = models(file).into_iter().collect();
+        let mut problems = Problems::new();
+        let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
+        let mut found = Vec::new();
         for name in classes(file) {
-            let mut problems = Problems::new();
-            let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
             let full = within.as_ref().map(|package| format!("{package}.{name}"));
             let class = full.and_then(|full| find(&mut cx, &full)).or_else(|| find(&mut cx, &name));
             let Some(class) = class else { continue };
             // Of every class: what it extends, and what its kind may not have.
             cx.table(class);
+            cx.report_hidden(class);
+            cx.report_each_of_one(class);
+            found.push((name, class));
+        }
+        let seed = cx.seed();
+        self.problems.extend(problems);
+        for (name, class) in found {
+            let mut problems = Problems::new();
+            let cx = Context::grown(&mut self.sources, &mut problems, &mut library, seed.clone());
             if runs.contains(&name) {
                 one(cx, class);
             } else if is_function(&cx, class) {
@@ -144,6 +155,7 @@ fn is_component(cx: &mut Context<'_>, class: ClassId) -> bool {
 fn component(cx: &mut Context<'_>, class: ClassId) {
     let mut balance = None;
     let mut flat = crate::flatten::flatten_with_balance(cx, class, &mut balance);
+    cx.report_modified_absent(class);
     if !cx.problems.has_errors() {
         crate::units::check(&mut flat, cx.problems);
     }
@@ -156,6 +168,7 @@ fn component(cx: &mut Context<'_>, class: ClassId) {
 
 fn whole(mut cx: Context<'_>, class: ClassId) {
     let mut flat = crate::flatten::flatten(&mut cx, class, &[]);
+    cx.report_modified_absent(class);
     let problems = cx.problems;
     if problems.has_errors() {
         return;

@@ -40,6 +40,27 @@ impl Folder for Shipped {
     }
 }
 
+/// Files of data by their names, as the model gives them: no classes are found here.
+pub struct AsNamed;
+
+impl Folder for AsNamed {
+    fn entries(&self, _: &Path) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn read(&self, _: &Path) -> Option<Result<String, String>> {
+        None
+    }
+
+    fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
+        path.is_file().then(|| std::fs::read(path).map_err(|e| e.to_string()))
+    }
+
+    fn display(&self, path: &Path) -> PathBuf {
+        path.to_path_buf()
+    }
+}
+
 /// A folder on disk.
 pub struct OnDisk(pub PathBuf);
 
@@ -66,9 +87,8 @@ impl Folder for OnDisk {
     }
 
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
-        let places = [path.to_path_buf(), self.0.join(path)];
-        let place = places.iter().find(|p| p.is_file())?;
-        Some(std::fs::read(place).map_err(|e| e.to_string()))
+        let full = self.0.join(path);
+        full.is_file().then(|| std::fs::read(full).map_err(|e| e.to_string()))
     }
 
     fn display(&self, path: &Path) -> PathBuf {
@@ -86,7 +106,7 @@ pub fn read(path: &Path) -> Result<String, String> {
 
 /// Folders to search: those named, then those of `MODELICAPATH`, then the shipped library.
 pub fn folders(named: &[PathBuf], modelica_path: Option<&std::ffi::OsStr>) -> Vec<Box<dyn Folder>> {
-    let mut all: Vec<Box<dyn Folder>> = Vec::new();
+    let mut all: Vec<Box<dyn Folder>> = vec![Box::new(AsNamed)];
     for path in named {
         all.push(Box::new(OnDisk(path.clone())));
     }

@@ -407,12 +407,13 @@ impl Connections {
         let mut in_connector: FastMap<InstanceId, bool> = FastMap::default();
         for v in flat.variables.ids() {
             let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
-            let flow = cx.instances[instance].prefix.connection == Some(ConnectionPrefix::Flow);
+            if cx.instances[instance].prefix.connection != Some(ConnectionPrefix::Flow) {
+                continue;
+            }
             // What connections have added to a bus is open on the inside, too (section 9.2).
             let inside = self.flows.number.contains_key(&(v, false));
             let outside = self.flows.number.contains_key(&(v, true));
-            if !flow
-                || !stands_in_connector(cx, instance, &mut in_connector)
+            if !stands_in_connector(cx, instance, &mut in_connector)
                 || inside && (outside || !super::expandable::is_within(cx, instance))
             {
                 continue;

@@ -484,7 +484,8 @@ pub(super) fn assertion(
         let nothing = cx.graph.string("");
         return Some(Assert { condition: c, message: nothing, warning: false });
     }
-    let text = cx.evaluate_scalar(message, scope)?;
+    let violated = cx.graph.not(c);
+    let text = cx.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
     if cx.graph.ty(text) != Type::String {
         cx.error("MO0212", message.span, "the message must be a String");
         return None;
@@ -513,10 +514,11 @@ fn algorithm(
     let plain: Vec<ast::Statement> =
         list.iter().filter(|s| !matches!(s.kind, StatementKind::When { .. })).cloned().collect();
     let mut outputs = Vec::new();
-    if start_values(cx, &plain, scope, target, &mut outputs).is_some()
-        && cx.run_statements(&plain, scope).is_some()
-        && !outputs.is_empty()
-    {
+    let asserted_before = cx.evaluation.asserts.len();
+    let started = start_values(cx, &plain, scope, target, &mut outputs);
+    // The subscripts that were read are read once more where the statements are run.
+    cx.evaluation.asserts.truncate(asserted_before);
+    if started.is_some() && cx.run_statements(&plain, scope).is_some() && !outputs.is_empty() {
         let values = outputs.iter().map(|v| cx.evaluation.assigned[v]).collect();
         target.push(EquationKind::Algorithm { outputs, values }, span);
     }

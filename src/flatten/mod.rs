@@ -10,6 +10,7 @@ pub mod expandable;
 pub mod inventory;
 pub mod print;
 pub mod setting;
+mod share;
 pub mod variable;
 pub mod when;
 

@@ -3,67 +3,46 @@
 
 use crate::base::index::FastSet;
 use crate::ir::ast::{Causality, Variability};
-use crate::ir::expr::{EnumId, ExprId, Type, VarId};
+use crate::ir::expr::{EnumId, ExprId, Node, Type, VarId};
 use crate::ir::flat::{
     Action, Assert, Equation, EquationKind, FlatModel, StateSelect, Variable, WhenBranch,
 };
 use crate::symbolic::print::{Printer, type_name};
 
-/// Prints the model.
+/// Prints the model. What a long text would write again and again has a variable of its own there.
 pub fn print(flat: &FlatModel) -> String {
-    let mut out = String::new();
-    let title = quoted(&flat.name);
-    out.push_str(&format!("model {title}{}\n", description(flat.description.as_deref())));
-    for e in used_enumerations(flat) {
-        let ty = &flat.graph.enumerations[e];
-        let literals: Vec<&str> = ty.literals.iter().map(|l| l.as_str()).collect();
-        out.push_str(&format!(
-            "  type {} = enumeration({});\n",
-            quoted(&ty.name),
-            literals.join(", ")
-        ));
-    }
-    for v in flat.variables.iter() {
-        out.push_str(&declaration(flat, v));
-    }
-    section(flat, &mut out, "initial equation", &flat.initial_equations);
-    section(flat, &mut out, "equation", &flat.equations);
-    if let Some(text) = experiment(flat) {
-        out.push_str(&format!("  annotation(experiment({text}));\n"));
-    }
-    out.push_str(&format!("end {title};\n"));
-    out
+    let shared = super::share::shared(flat);
+    let mut text = Text { flat: shared.as_ref().unwrap_or(flat), out: String::new() };
+    text.model();
+    text.out
 }
 
 /// An identifier, quoted if it is none by itself.
 pub fn quoted(name: &str) -> String {
-    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        && name.chars().next().is_some_and(|c| !c.is_ascii_digit());
+    let mut out = String::with_capacity(name.len() + 2);
+    push_quoted(name, &mut out);
+    out
+}
+
+fn push_quoted(name: &str, out: &mut String) {
+    let plain = name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
+        && name.bytes().next().is_some_and(|c| !c.is_ascii_digit());
     let already = name.starts_with('\'')
         && name.ends_with('\'')
         && name.len() > 1
         && !name[1..name.len() - 1].contains('\'');
     if plain || already {
-        return name.to_string();
+        out.push_str(name);
+        return;
     }
-    let mut text = String::with_capacity(name.len() + 2);
-    text.push('\'');
-    if name.contains('\'') {
-        text.push_str(&name.replace('\'', "\\'"));
-    } else {
-        text.push_str(name);
-    }
-    text.push('\'');
-    text
-}
-
-fn description(text: Option<&str>) -> String {
-    match text {
-        Some(t) if !t.is_empty() => {
-            format!(" \"{}\"", t.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n"))
+    out.push('\'');
+    for (k, part) in name.split('\'').enumerate() {
+        if k > 0 {
+            out.push_str("\\'");
         }
-        _ => String::new(),
+        out.push_str(part);
     }
+    out.push('\'');
 }
 
 fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
@@ -81,132 +60,218 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
     out
 }
 
-fn expression(flat: &FlatModel, e: ExprId) -> String {
-    Printer {
-        graph: &flat.graph,
-        variable: &|v: VarId| quoted(&flat.variables[v].name),
-        enumeration: &quoted,
-        relation: &|_| None,
-    }
-    .print(e)
+/// The text so far.
+struct Text<'a> {
+    flat: &'a FlatModel,
+    out: String,
 }
 
-fn declaration(flat: &FlatModel, v: &Variable) -> String {
-    let mut words = Vec::new();
-    if v.variability <= Variability::Parameter
-        && v.structural
-        && v.variability == Variability::Parameter
-    {
-        words.push("final".to_string());
+impl Text<'_> {
+    fn model(&mut self) {
+        let flat = self.flat;
+        let title = quoted(&flat.name);
+        self.push(&["model ", &title]);
+        self.description(flat.description.as_deref());
+        self.out.push('\n');
+        for e in used_enumerations(flat) {
+            let ty = &flat.graph.enumerations[e];
+            let literals: Vec<&str> = ty.literals.iter().map(|l| l.as_str()).collect();
+            let literals = literals.join(", ");
+            self.push(&["  type ", &quoted(&ty.name), " = enumeration(", &literals, ");\n"]);
+        }
+        for v in flat.variables.iter() {
+            self.declaration(v);
+        }
+        self.section("initial equation", &flat.initial_equations);
+        self.section("equation", &flat.equations);
+        if let Some(text) = experiment(flat) {
+            self.push(&["  annotation(experiment(", &text, "));\n"]);
+        }
+        self.push(&["end ", &title, ";\n"]);
     }
-    match v.variability {
-        Variability::Constant => words.push("constant".into()),
-        Variability::Parameter => words.push("parameter".into()),
-        Variability::Discrete if v.ty == Type::Real => words.push("discrete".into()),
-        _ => {}
+
+    fn push(&mut self, parts: &[&str]) {
+        parts.iter().for_each(|part| self.out.push_str(part));
     }
-    match v.causality {
-        Some(Causality::Input) => words.push("input".into()),
-        Some(Causality::Output) => words.push("output".into()),
-        None => {}
+
+    fn name(&mut self, v: VarId) {
+        push_quoted(&self.flat.variables[v].name, &mut self.out);
     }
-    words.push(match v.ty {
-        Type::Enumeration(_) => quoted(&type_name(&flat.graph, v.ty)),
-        _ => type_name(&flat.graph, v.ty),
-    });
-    let mut attributes = Vec::new();
-    if !v.unit.is_empty() {
-        attributes.push(format!("unit = \"{}\"", v.unit));
+
+    fn description(&mut self, text: Option<&str>) {
+        let Some(text) = text.filter(|t| !t.is_empty()) else { return };
+        let text = text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n");
+        self.push(&[" \"", &text, "\""]);
     }
-    if !v.display_unit.is_empty() {
-        attributes.push(format!("displayUnit = \"{}\"", v.display_unit));
+
+    fn expression(&mut self, e: ExprId) {
+        let flat = self.flat;
+        Printer {
+            graph: &flat.graph,
+            variable: &|v: VarId, out: &mut String| push_quoted(&flat.variables[v].name, out),
+            enumeration: &quoted,
+            relation: &|_| None,
+            longest: usize::MAX,
+        }
+        .print_to(e, &mut self.out);
     }
-    let numbers = [("min", v.min), ("max", v.max), ("start", v.start), ("nominal", v.nominal)];
-    for (text, e) in numbers {
-        if let Some(e) = e {
-            attributes.push(format!("{text} = {}", expression(flat, e)));
+
+    fn declaration(&mut self, v: &Variable) {
+        self.out.push_str("  ");
+        if v.structural && v.variability == Variability::Parameter {
+            self.out.push_str("final ");
+        }
+        self.out.push_str(match v.variability {
+            Variability::Constant => "constant ",
+            Variability::Parameter => "parameter ",
+            Variability::Discrete if v.ty == Type::Real => "discrete ",
+            _ => "",
+        });
+        self.out.push_str(match v.causality {
+            Some(Causality::Input) => "input ",
+            Some(Causality::Output) => "output ",
+            None => "",
+        });
+        match v.ty {
+            Type::Enumeration(e) => {
+                push_quoted(&self.flat.graph.enumerations[e].name, &mut self.out)
+            }
+            ty => self.out.push_str(&type_name(&self.flat.graph, ty)),
+        }
+        self.out.push(' ');
+        push_quoted(&v.name, &mut self.out);
+        self.attributes(v);
+        if let Some(e) = v.binding {
+            self.out.push_str(" = ");
+            self.expression(e);
+        }
+        self.description(v.description.as_deref());
+        self.out.push_str(";\n");
+    }
+
+    fn attributes(&mut self, v: &Variable) {
+        // Before the first stands a parenthesis, before the others a comma.
+        let begun = self.out.len();
+        let next = |text: &mut Self, parts: &[&str]| {
+            text.out.push_str(if text.out.len() == begun { "(" } else { ", " });
+            text.push(parts);
+        };
+        for (attribute, unit) in [("unit", v.unit), ("displayUnit", v.display_unit)] {
+            if !unit.is_empty() {
+                next(self, &[attribute, " = \"", &unit, "\""]);
+            }
+        }
+        let numbers = [("min", v.min), ("max", v.max), ("start", v.start), ("nominal", v.nominal)];
+        for (attribute, e) in numbers {
+            if let Some(e) = e {
+                next(self, &[attribute, " = "]);
+                self.expression(e);
+            }
+        }
+        if let Some(fixed) = v.fixed {
+            next(self, &["fixed = ", if fixed { "true" } else { "false" }]);
+        }
+        if v.state_select != StateSelect::Default {
+            let text = format!("{:?}", v.state_select).to_lowercase();
+            next(self, &["stateSelect = StateSelect.", &text]);
+        }
+        if self.out.len() > begun {
+            self.out.push(')');
         }
     }
-    if let Some(fixed) = v.fixed {
-        attributes.push(format!("fixed = {fixed}"));
-    }
-    if v.state_select != StateSelect::Default {
-        let text = format!("{:?}", v.state_select).to_lowercase();
-        attributes.push(format!("stateSelect = StateSelect.{text}"));
-    }
-    let attributes =
-        if attributes.is_empty() { String::new() } else { format!("({})", attributes.join(", ")) };
-    let binding = v.binding.map_or(String::new(), |e| format!(" = {}", expression(flat, e)));
-    let text = description(v.description.as_deref());
-    format!("  {} {}{attributes}{binding}{text};\n", words.join(" "), quoted(&v.name))
-}
 
-fn section(flat: &FlatModel, out: &mut String, title: &str, list: &[Equation]) {
-    if list.is_empty() {
-        return;
-    }
-    out.push_str(title);
-    out.push('\n');
-    for e in list {
-        match &e.kind {
-            EquationKind::Equal(a, b) => out.push_str(&equality(flat, *a, *b)),
-            EquationKind::When(branches) => when(flat, out, branches),
-            EquationKind::Assert(a) => out.push_str(&format!("  {};\n", assertion(flat, a))),
-            EquationKind::Algorithm { outputs, values } => {
-                for (v, e) in outputs.iter().zip(values) {
-                    let name = quoted(&flat.variables[*v].name);
-                    out.push_str(&format!("  {name} = {};\n", expression(flat, *e)));
+    fn section(&mut self, title: &str, list: &[Equation]) {
+        if list.is_empty() {
+            return;
+        }
+        self.push(&[title, "\n"]);
+        for e in list {
+            match &e.kind {
+                EquationKind::Equal(a, b) => self.equality(*a, *b),
+                EquationKind::When(branches) => self.when(branches),
+                EquationKind::Assert(a) => {
+                    self.out.push_str("  ");
+                    self.assertion(a);
+                    self.out.push_str(";\n");
+                }
+                EquationKind::Algorithm { outputs, values } => {
+                    for (v, e) in outputs.iter().zip(values) {
+                        self.out.push_str("  ");
+                        self.assignment(*v, *e);
+                        self.out.push_str(";\n");
+                    }
                 }
             }
         }
     }
-}
 
-/// An `if` on the left side must stand in parentheses.
-fn equality(flat: &FlatModel, a: ExprId, b: ExprId) -> String {
-    let left = expression(flat, a);
-    let left = if left.starts_with("if ") { format!("({left})") } else { left };
-    format!("  {left} = {};\n", expression(flat, b))
-}
+    /// An `if` on the left side must stand in parentheses.
+    fn equality(&mut self, a: ExprId, b: ExprId) {
+        self.out.push_str("  ");
+        let chosen = matches!(self.flat.graph.node(a), Node::If(..));
+        self.out.push_str(if chosen { "(" } else { "" });
+        self.expression(a);
+        self.out.push_str(if chosen { ") = " } else { " = " });
+        self.expression(b);
+        self.out.push_str(";\n");
+    }
 
-fn when(flat: &FlatModel, out: &mut String, branches: &[WhenBranch]) {
-    for (k, branch) in branches.iter().enumerate() {
-        let conditions: Vec<String> =
-            branch.conditions.iter().map(|c| expression(flat, *c)).collect();
-        let condition = match conditions.as_slice() {
-            [one] => one.clone(),
-            many => format!("{{{}}}", many.join(", ")),
-        };
-        let word = if k == 0 { "when" } else { "elsewhen" };
-        out.push_str(&format!("  {word} {condition} then\n"));
-        for a in &branch.actions {
-            let text = match a {
-                Action::Assign(v, e) => {
-                    format!("{} = {}", quoted(&flat.variables[*v].name), expression(flat, *e))
+    fn assignment(&mut self, v: VarId, e: ExprId) {
+        self.name(v);
+        self.out.push_str(" = ");
+        self.expression(e);
+    }
+
+    fn when(&mut self, branches: &[WhenBranch]) {
+        for (k, branch) in branches.iter().enumerate() {
+            self.out.push_str(if k == 0 { "  when " } else { "  elsewhen " });
+            let several = branch.conditions.len() != 1;
+            self.out.push_str(if several { "{" } else { "" });
+            for (k, c) in branch.conditions.iter().enumerate() {
+                self.out.push_str(if k > 0 { ", " } else { "" });
+                self.expression(*c);
+            }
+            self.out.push_str(if several { "} then\n" } else { " then\n" });
+            for a in &branch.actions {
+                self.out.push_str("    ");
+                self.action(a);
+                self.out.push_str(";\n");
+            }
+        }
+        self.out.push_str("  end when;\n");
+    }
+
+    fn action(&mut self, action: &Action) {
+        match action {
+            Action::Assign(v, e) => self.assignment(*v, *e),
+            Action::Reinit { state, value, guard } => {
+                if let Some(guard) = guard {
+                    self.out.push_str("if ");
+                    self.expression(*guard);
+                    self.out.push_str(" then ");
                 }
-                Action::Reinit { state, value, guard } => {
-                    let text = format!(
-                        "reinit({}, {})",
-                        quoted(&flat.variables[*state].name),
-                        expression(flat, *value)
-                    );
-                    match guard {
-                        Some(g) => format!("if {} then {text}; end if", expression(flat, *g)),
-                        None => text,
-                    }
-                }
-                Action::Assert(a) => assertion(flat, a),
-                Action::Terminate(m) => format!("terminate({})", expression(flat, *m)),
-            };
-            out.push_str(&format!("    {text};\n"));
+                self.out.push_str("reinit(");
+                self.name(*state);
+                self.out.push_str(", ");
+                self.expression(*value);
+                self.out.push_str(if guard.is_some() { "); end if" } else { ")" });
+            }
+            Action::Assert(a) => self.assertion(a),
+            Action::Terminate(message) => {
+                self.out.push_str("terminate(");
+                self.expression(*message);
+                self.out.push(')');
+            }
         }
     }
-    out.push_str("  end when;\n");
-}
 
-fn assertion(flat: &FlatModel, a: &Assert) -> String {
-    let level = if a.warning { ", AssertionLevel.warning" } else { "" };
-    format!("assert({}, {}{level})", expression(flat, a.condition), expression(flat, a.message))
+    fn assertion(&mut self, a: &Assert) {
+        self.out.push_str("assert(");
+        self.expression(a.condition);
+        self.out.push_str(", ");
+        self.expression(a.message);
+        self.out.push_str(if a.warning { ", AssertionLevel.warning)" } else { ")" });
+    }
 }
 
 fn experiment(flat: &FlatModel) -> Option<String> {

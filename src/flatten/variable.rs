@@ -240,7 +240,8 @@ fn binding(
         );
         return;
     }
-    let Some(value) = cx.spread(value, dims, &Rc::from([]), span) else { return };
+    let none = cx.no_sizes.clone();
+    let Some(value) = cx.spread(value, dims, &none, span) else { return };
     if cx.instances[id].prefix.variability == Some(Variability::Parameter) && !cx.from_outside(span)
     {
         let mut scalars = value.elements().iter().filter_map(Value::scalar);

@@ -253,21 +253,18 @@ fn if_actions(
     };
     let c = cx.evaluate(condition, scope)?;
     let c = cx.truth(&c, condition.span)?;
-    let mut first = Vec::new();
-    let mut second = Vec::new();
+    let actions_of_body = |cx: &mut Context<'_>, out: &mut Vec<Action>| {
+        body.iter().try_for_each(|e| action(cx, e, scope, out))
+    };
     match cx.structural_value(c) {
         Some(Const::Boolean(false)) => return if_actions(cx, rest, otherwise, scope, out),
-        known => {
-            for e in body {
-                action(cx, e, scope, &mut first)?;
-            }
-            if known == Some(Const::Boolean(true)) {
-                out.extend(first);
-                return Some(());
-            }
-        }
+        Some(Const::Boolean(true)) => return actions_of_body(cx, out),
+        _ => {}
     }
-    if_actions(cx, rest, otherwise, scope, &mut second)?;
+    let (mut first, mut second) = (Vec::new(), Vec::new());
+    cx.under(c, |cx| actions_of_body(cx, &mut first))?;
+    let not_c = cx.graph.not(c);
+    cx.under(not_c, |cx| if_actions(cx, rest, otherwise, scope, &mut second))?;
     join(cx, c, first, second, out);
     Some(())
 }

@@ -110,30 +110,18 @@ impl Context<'_> {
     /// One modification may not say two things of the same element.
     fn check_duplicates(&mut self, modification: Option<&Arc<Modification>>) {
         let Some(modification) = modification else { return };
-        let args = &modification.args;
-        for (k, arg) in args.iter().enumerate() {
-            let (names, value): (String, bool) = match &arg.kind {
-                ArgumentKind::Element { path, modification, .. } => {
-                    self.check_duplicates(modification.as_ref());
-                    let value = modification.as_ref().is_some_and(|m| m.binding.is_some());
-                    (path.to_string(), value)
-                }
-                _ => continue,
-            };
-            if !value {
-                continue;
-            }
-            let before = args[..k].iter().find(|other| match &other.kind {
-                ArgumentKind::Element { path, modification: Some(m), .. } => {
-                    m.binding.is_some() && path.to_string() == names
-                }
-                _ => false,
-            });
-            if let Some(before) = before {
+        let mut said = Vec::new();
+        values(modification, "", &mut said);
+        let mut first: FastMap<(String, bool), Span> = FastMap::default();
+        for (names, redeclared, span) in said {
+            let what = if redeclared { "redeclared" } else { "modified" };
+            let message = format!("`{names}` is {what} twice");
+            let before = *first.entry((names, redeclared)).or_insert(span);
+            if before != span {
                 self.problems.push(
-                    Diagnostic::error("MO0264", arg.span, format!("`{names}` is modified twice"))
+                    Diagnostic::error("MO0264", span, message)
                         .label("second value")
-                        .also(before.span, "first value")
+                        .also(before, "first value")
                         .help("remove one of them")
                         .note("section 7.2.3 of the specification"),
                 );
@@ -272,5 +260,26 @@ impl Context<'_> {
     /// Texts whose bodies have been checked already.
     pub(crate) fn is_checked(&mut self, text: &Arc<Class>) -> bool {
         !self.checked.insert(Arc::as_ptr(text) as usize)
+    }
+}
+
+/// What a modification gives a value to, or redeclares, by its whole name; and where.
+fn values(modification: &Modification, around: &str, out: &mut Vec<(String, bool, Span)>) {
+    for arg in &modification.args {
+        match &arg.kind {
+            ArgumentKind::Element { path, modification: Some(inner), .. } => {
+                let names = format!("{around}{path}");
+                values(inner, &format!("{names}."), out);
+                if inner.binding.is_some() {
+                    out.push((names, false, arg.span));
+                }
+            }
+            ArgumentKind::Redeclare(element) => {
+                for (name, span) in element.names() {
+                    out.push((format!("{around}{name}"), true, span));
+                }
+            }
+            ArgumentKind::Element { .. } | ArgumentKind::Removal(_) => {}
+        }
     }
 }

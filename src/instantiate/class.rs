@@ -14,6 +14,7 @@ use crate::ir::instance::{
 };
 
 /// How far the table of a class is.
+#[derive(Clone)]
 pub(crate) enum TableState {
     Untouched,
     InProgress,
@@ -81,16 +82,16 @@ impl Context<'_> {
 
     /// The specialised kind of a class; short classes of kind `type` or `class` take their base's.
     pub fn kind(&mut self, class: ClassId) -> ClassKind {
-        let Some(text) = self.text(class).cloned() else { return ClassKind::Type };
-        match (&text.body, text.kind) {
-            (ClassBody::Short(short), ClassKind::Type | ClassKind::Class) => {
-                let scope = self.outside(class);
-                match self.find_class(&short.base, scope) {
-                    Some(base) if base != class => self.kind(base),
-                    _ => text.kind,
-                }
-            }
-            (_, kind) => kind,
+        let Some(text) = self.text(class) else { return ClassKind::Type };
+        let kind = text.kind;
+        let ClassBody::Short(short) = &text.body else { return kind };
+        if !matches!(kind, ClassKind::Type | ClassKind::Class) {
+            return kind;
+        }
+        let (base, scope) = (short.base.clone(), self.outside(class));
+        match self.find_class(&base, scope) {
+            Some(base) if base != class => self.kind(base),
+            _ => kind,
         }
     }
 
@@ -112,7 +113,11 @@ impl Context<'_> {
     /// Everything that a class has after inheritance.
     pub fn table(&mut self, class: ClassId) -> Rc<ClassTable> {
         match &self.tables[class] {
-            TableState::Done(table) => return table.clone(),
+            TableState::Done(table) => {
+                let table = table.clone();
+                self.say_again(class);
+                return table;
+            }
             TableState::InProgress => {
                 self.report_inheritance_cycle(class);
                 return Rc::default();
@@ -120,6 +125,13 @@ impl Context<'_> {
             TableState::Untouched => {}
         }
         self.tables[class] = TableState::InProgress;
+        let before = std::mem::take(self.problems);
+        let table = self.read_table(class);
+        self.note_said(class, before);
+        table
+    }
+
+    fn read_table(&mut self, class: ClassId) -> Rc<ClassTable> {
         let mut table = ClassTable::default();
         match self.classes[class].body.clone() {
             ClassText::Root => {}

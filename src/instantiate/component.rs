@@ -125,7 +125,8 @@ impl Context<'_> {
         match table.scalar {
             Some(ty) => {
                 self.check_attribute_names(id);
-                Some(InstanceKind::Variable { ty, dims: sizes.into(), first: None })
+                let dims = if sizes.is_empty() { self.no_sizes.clone() } else { sizes.into() };
+                Some(InstanceKind::Variable { ty, dims, first: None })
             }
             None if sizes.is_empty() => {
                 self.check_instantiable(id, class);
@@ -238,8 +239,8 @@ impl Context<'_> {
         let mut elements = Vec::with_capacity(count);
         let mut subscripts = vec![1; sizes.len()];
         for _ in 0..count {
-            let layers: Rc<[Layer]> =
-                template.layers.iter().filter_map(|l| l.element(&subscripts)).collect();
+            let layers = template.layers.iter().filter_map(|l| l.element(&subscripts)).collect();
+            let layers = self.listed(layers);
             let element = self.instances.push(Instance {
                 parent: Some(id),
                 subscripts: subscripts.clone().into(),
@@ -292,10 +293,11 @@ impl Context<'_> {
         for (replacement, at) in self.component_redeclarations(&outer, entry, parent, wanted) {
             let constraint = constraint(&replacement.element).cloned();
             if !replaced || constraint.is_none() {
-                push_whole(&mut layers, replacement.component().modification.as_ref(), at);
+                let modification = replacement.component().modification.as_ref();
+                self.push_whole(&mut layers, modification, at);
             }
             if let Some(constraint) = constraint {
-                push_whole(&mut layers, constraint.modification.as_ref(), at);
+                self.push_whole(&mut layers, constraint.modification.as_ref(), at);
             }
             if !replaced {
                 replaced = true;
@@ -315,7 +317,7 @@ impl Context<'_> {
             let layer = Layer {
                 source: LayerSource::Whole(modification.clone()),
                 scope: self.modification_scope(*class, parent),
-                subscripts: Rc::from([]),
+                subscripts: self.no_sizes.clone(),
             };
             layer.child(wanted, &mut layers);
         }
@@ -323,10 +325,10 @@ impl Context<'_> {
         // a constraining clause says what does.
         let constraint = constraint(&declaration.element);
         if !replaced || constraint.is_none() {
-            push_whole(&mut layers, declaration.component().modification.as_ref(), own);
+            self.push_whole(&mut layers, declaration.component().modification.as_ref(), own);
         }
         if let Some(r) = constraint {
-            push_whole(&mut layers, r.modification.as_ref(), own);
+            self.push_whole(&mut layers, r.modification.as_ref(), own);
         }
         let holder = &self.instances[parent];
         let mut prefix = holder.prefix;
@@ -341,12 +343,29 @@ impl Context<'_> {
             subscripts: Box::new([]),
             declaration: Some(declared),
             scope,
-            layers: layers.into(),
+            layers: self.listed(layers),
             class: None,
             kind: InstanceKind::Pending,
             prefix,
             protected,
         })
+    }
+
+    fn push_whole(
+        &self,
+        layers: &mut Vec<Layer>,
+        modification: Option<&std::sync::Arc<ast::Modification>>,
+        scope: Scope,
+    ) {
+        if let Some(m) = modification {
+            let source = LayerSource::Whole(m.clone());
+            layers.push(Layer { source, scope, subscripts: self.no_sizes.clone() });
+        }
+    }
+
+    /// The list of an instance, which is empty for most.
+    fn listed(&self, layers: Vec<Layer>) -> Rc<[Layer]> {
+        if layers.is_empty() { self.no_layers.clone() } else { layers.into() }
     }
 
     /// `redeclare T name(...)` in the modifications of the parent, outermost first.
@@ -513,17 +532,6 @@ fn constraint(element: &ast::Element) -> Option<&ast::Replaceable> {
 
 fn is_attribute(text: Name) -> bool {
     ATTRIBUTES.contains(&text.as_str())
-}
-
-fn push_whole(
-    layers: &mut Vec<Layer>,
-    modification: Option<&std::sync::Arc<ast::Modification>>,
-    scope: Scope,
-) {
-    if let Some(m) = modification {
-        let source = LayerSource::Whole(m.clone());
-        layers.push(Layer { source, scope, subscripts: Rc::from([]) });
-    }
 }
 
 /// The next subscripts in row-major order, counted from 1.

@@ -1,6 +1,8 @@
 //! Names to classes: local, inherited, imported, enclosing, library (section 5.3 of the
 //! specification).
 
+use std::rc::Rc;
+
 use super::{Context, ROOT};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
@@ -247,8 +249,8 @@ impl Context<'_> {
         let text = self.text(class)?.clone();
         let ClassBody::Long(composition) = &text.body else { return None };
         let mut open = Vec::new();
-        for element in &composition.elements {
-            let ElementKind::Import(import) = &element.kind else { continue };
+        for at in self.imports_of(class, composition).iter() {
+            let ElementKind::Import(import) = &composition.elements[*at].kind else { continue };
             let parts: Vec<Name> = import.path.parts.iter().map(|p| p.name).collect();
             let full: Option<Vec<Name>> = match &import.form {
                 ImportForm::Qualified => (parts.last() == Some(&wanted)).then_some(parts),
@@ -284,6 +286,18 @@ impl Context<'_> {
             }
         }
         first.map(|(_, found)| found)
+    }
+
+    /// Positions of the import clauses among the elements of a class.
+    fn imports_of(&mut self, class: ClassId, composition: &ast::Composition) -> Rc<[usize]> {
+        let found = self.imports.entry(class).or_insert_with(|| {
+            let elements = composition.elements.iter().enumerate();
+            elements
+                .filter(|(_, e)| matches!(e.kind, ElementKind::Import(_)))
+                .map(|(at, _)| at)
+                .collect()
+        });
+        found.clone()
     }
 
     fn report_ambiguous_import(&mut self, wanted: Name, before: Span, at: Span) {

@@ -10,12 +10,16 @@ pub mod class;
 pub mod component;
 pub mod error;
 pub mod evaluate;
+pub mod hidden;
+pub mod idle;
 mod local;
+mod iterators;
 pub mod lookup;
 mod outer;
 mod prefix;
 pub mod redeclare;
 pub mod restrict;
+pub mod seed;
 
 use std::rc::Rc;
 
@@ -30,6 +34,7 @@ use crate::ir::instance::{
 };
 use crate::ir::modification::{Layer, Setting};
 use crate::resolve::library::Library;
+use seed::Seed;
 
 /// The root package and its instance.
 pub const ROOT: Scope = Scope { instance: InstanceId(0), class: ClassId(0) };
@@ -50,6 +55,8 @@ pub struct Context<'a> {
     pub graph: Graph,
     pub(crate) tables: IndexVec<ClassId, class::TableState>,
     pub(crate) class_cache: FastMap<(usize, ClassId, InstanceId), ClassId>,
+    /// Where the import clauses of classes stand.
+    pub(crate) imports: FastMap<ClassId, Rc<[usize]>>,
     pub(crate) package_instances: FastMap<ClassId, InstanceId>,
     pub(crate) enumerations: FastMap<usize, EnumId>,
     pub(crate) predefined: FastMap<Name, ClassId>,
@@ -63,6 +70,11 @@ pub struct Context<'a> {
     pub(crate) added_inner: FastSet<InstanceId>,
     /// What was wrong with the last name that was looked up, until somebody needs it.
     pub(crate) trespass: Option<access::Trespass>,
+    /// The problems of classes that are wrong.
+    pub(crate) said: FastMap<ClassId, Problems>,
+    /// No modifications and no sizes, which most components have: shared by all of them.
+    pub(crate) no_layers: Rc<[Layer]>,
+    pub(crate) no_sizes: Rc<[usize]>,
     pub(crate) evaluation: evaluate::State,
 }
 
@@ -73,25 +85,7 @@ impl<'a> Context<'a> {
         problems: &'a mut Problems,
         library: &'a mut Library,
     ) -> Self {
-        let mut cx = Context {
-            sources,
-            problems,
-            library,
-            classes: IndexVec::new(),
-            instances: IndexVec::new(),
-            graph: Graph::new(),
-            tables: IndexVec::new(),
-            class_cache: FastMap::default(),
-            package_instances: FastMap::default(),
-            enumerations: FastMap::default(),
-            predefined: FastMap::default(),
-            checked: FastSet::default(),
-            checked_functions: FastSet::default(),
-            checked_constraints: FastSet::default(),
-            added_inner: FastSet::default(),
-            trespass: None,
-            evaluation: evaluate::State::default(),
-        };
+        let mut cx = Context::grown(sources, problems, library, Seed::default());
         let root = cx.add_class(ClassText::Root, name(""), None, ROOT.instance, Rc::from([]));
         debug_assert_eq!(root, ROOT.class);
         cx.instances.push(Instance {

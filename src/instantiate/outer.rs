@@ -87,7 +87,16 @@ impl Context<'_> {
                 format!("there is no `inner` component `{}`: one is added to the model", name.name),
             )
             .label("of this class, with its defaults")
-            .help(format!("declare it: `inner {} {};`", outer.clause().type_name, name.name))
+            .help(format!(
+                "declare it: `inner {}{} {};`",
+                match outer.clause().prefix.variability {
+                    Some(ast::Variability::Constant) => "constant ",
+                    Some(ast::Variability::Parameter) => "parameter ",
+                    _ => "",
+                },
+                outer.clause().type_name,
+                name.name
+            ))
             .note("section 5.4 of the specification"),
         );
         self.added_inner.insert(added);

@@ -180,12 +180,18 @@ pub struct Enumeration {
     pub literals: Vec<Name>,
 }
 
+/// The number from which on variables are symbols, which stand for what a loop finds.
+pub const FIRST_SYMBOL: u32 = 1 << 30;
+
 /// The expression graph.
 #[derive(Clone, Default)]
 pub struct Graph {
     nodes: IndexVec<ExprId, Node>,
     types: IndexVec<ExprId, Type>,
     table: HashTable<ExprId>,
+    /// Where variables stand, by their numbers: most of what is asked for is one, so these are
+    /// not in the table.
+    variables: Vec<Option<ExprId>>,
     lists: IndexVec<ListId, Box<[ExprId]>>,
     list_table: FastMap<Box<[ExprId]>, ListId>,
     /// The enumeration types of the model.
@@ -287,7 +293,21 @@ impl Graph {
 
     /// The value of a variable.
     pub fn var(&mut self, v: VarId, ty: Type) -> ExprId {
-        self.intern(Node::Var(v), ty)
+        let at = v.0 as usize;
+        match self.variables.get(at) {
+            Some(Some(known)) if self.types[*known] == ty => return *known,
+            // In a function its number may stand for a local of another type.
+            Some(Some(_)) => return self.intern(Node::Var(v), ty),
+            _ if v.0 >= FIRST_SYMBOL => return self.intern(Node::Var(v), ty),
+            _ => {}
+        }
+        if self.variables.len() <= at {
+            self.variables.resize(at + 1, None);
+        }
+        let e = self.nodes.push(Node::Var(v));
+        self.types.push(ty);
+        self.variables[at] = Some(e);
+        e
     }
 
     /// The literal, if the expression is one.

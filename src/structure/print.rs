@@ -140,9 +140,10 @@ pub(super) fn shown(dae: &Dae, e: ExprId) -> String {
     let relation = |k: u32| dae.relations.get(k as usize).map(|r| (r.op, r.lhs, r.rhs));
     let text = Printer {
         graph: &dae.graph,
-        variable: &|v: VarId| dae.variables[v].name.clone(),
+        variable: &|v: VarId, out: &mut String| out.push_str(&dae.variables[v].name),
         enumeration: &|name: &str| name.to_string(),
         relation: &relation,
+        longest: LONGEST,
     }
     .print(e);
     match text.char_indices().nth(LONGEST) {

@@ -4,8 +4,11 @@ use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Type, Unary, VarId};
 
 /// Prints `e`; `names` gives each variable its name.
 pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> String {
+    let variable = |v: VarId, out: &mut String| out.push_str(&names(v));
     let enumeration = |name: &str| name.to_string();
-    Printer { graph, variable: names, enumeration: &enumeration, relation: &|_| None }.print(e)
+    let longest = usize::MAX;
+    Printer { graph, variable: &variable, enumeration: &enumeration, relation: &|_| None, longest }
+        .print(e)
 }
 
 /// How names are written.
@@ -13,20 +16,27 @@ pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> Strin
 pub struct Printer<'a> {
     /// The expressions.
     pub graph: &'a Graph,
-    /// The name of a variable.
-    pub variable: &'a dyn Fn(VarId) -> String,
+    /// Writes the name of a variable.
+    pub variable: &'a dyn Fn(VarId, &mut String),
     /// The name of an enumeration type, from its full name.
     pub enumeration: &'a dyn Fn(&str) -> String,
     /// What a numbered relation compares, if it is to be written out.
     pub relation: &'a dyn Fn(u32) -> Option<(Binary, ExprId, ExprId)>,
+    /// What comes after so many bytes may be left out: what is shared may be long as a text.
+    pub longest: usize,
 }
 
 impl Printer<'_> {
     /// Prints `e`.
     pub fn print(&self, e: ExprId) -> String {
         let mut out = String::new();
-        self.write(e, 0, &mut out);
+        self.print_to(e, &mut out);
         out
+    }
+
+    /// Prints `e` behind a text.
+    pub fn print_to(&self, e: ExprId, out: &mut String) {
+        self.write(e, 0, out);
     }
 }
 
@@ -51,6 +61,9 @@ const PRIMARY: u8 = 9;
 
 impl Printer<'_> {
     fn write(&self, e: ExprId, outer: u8, out: &mut String) {
+        if out.len() > self.longest {
+            return;
+        }
         let g = self.graph;
         let names = self.variable;
         let strength = self.strength(e);
@@ -62,7 +75,8 @@ impl Printer<'_> {
             Node::Const(c) => self.literal(c, out),
             Node::Time => out.push_str("time"),
             Node::Recorded(v, order) => {
-                let of = names(v);
+                let mut of = String::new();
+                names(v, &mut of);
                 let name = match (of.trim_start_matches('\'').starts_with("$delay"), order) {
                     (true, _) => "delayed",
                     (false, 0) => "recorded",
@@ -70,9 +84,9 @@ impl Printer<'_> {
                 };
                 call(out, name, |out| out.push_str(&of));
             }
-            Node::Var(v) => out.push_str(&names(v)),
-            Node::Der(v) => call(out, "der", |out| out.push_str(&names(v))),
-            Node::Pre(v) => call(out, "pre", |out| out.push_str(&names(v))),
+            Node::Var(v) => names(v, out),
+            Node::Der(v) => call(out, "der", |out| names(v, out)),
+            Node::Pre(v) => call(out, "pre", |out| names(v, out)),
             Node::Unary(Unary::Neg, a) => {
                 out.push('-');
                 self.write(a, PRODUCT, out);

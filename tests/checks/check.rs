@@ -11,11 +11,11 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What `mocc check` says of a text of the suite, under a snapshot.
-fn checked(name: &str) -> String {
+/// What `mocc check` says of a text of the suite, under a snapshot; it ends with the given status.
+fn checked(name: &str, status: i32) -> String {
     let file = format!("tests/suite/check/{name}.mo");
     let ended = mocc(root(), &["check", &file]);
-    assert_eq!(ended.status, 1);
+    assert_eq!(ended.status, status);
     let text = std::fs::read_to_string(root().join(file)).expect("a file");
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path("../suite/check");
@@ -27,7 +27,7 @@ fn checked(name: &str) -> String {
 
 #[test]
 fn all_problems_of_a_file_come_at_once_and_in_order() {
-    let said = checked("several");
+    let said = checked("several", 1);
     for right in ["Resistor", "Open", "OnlyInside"] {
         assert!(!said.contains(right), "{right}: {said}");
     }
@@ -35,9 +35,16 @@ fn all_problems_of_a_file_come_at_once_and_in_order() {
 
 #[test]
 fn functions_that_nothing_calls_are_read() {
-    let said = checked("uncalled");
+    let said = checked("uncalled", 1);
     assert!(said.contains("`gian` is not declared") && said.contains("y := x + \"one\""), "{said}");
     assert!(!said.contains("v[3]"), "{said}");
+}
+
+#[test]
+fn names_that_hide_others_and_modifications_without_effect_are_warned_of() {
+    let said = checked("doubtful", 0);
+    let count = |what: &str| said.matches(what).count();
+    assert_eq!((count("MO0270"), count("MO0271"), count("MO0272")), (6, 1, 2), "{said}");
 }
 
 /// What an expression was some time ago is one unknown more, and one equation.

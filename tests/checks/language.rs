@@ -21,6 +21,61 @@ fn enumerations_compare_in_order_and_index_arrays() {
 }
 
 #[test]
+fn a_subscript_out_of_range_counts_only_where_it_is_read() {
+    let model = "model Guarded
+           parameter Real x[3] = {1, 2, 4};
+           parameter Real on[Boolean] = {10, 20};
+           function largest_below
+             input Real x[:];
+             input Integer n;
+             output Real y = 0;
+           algorithm
+             for k in 1:size(x, 1) loop
+               if k < size(x, 1) and x[k + 1] > x[k] then
+                 y := x[k + 1];
+               end if;
+             end for;
+             if n >= 1 and n <= size(x, 1) and x[n] > 1 then
+               y := x[n];
+             elseif n > size(x, 1) then
+               return;
+             else
+               y := 0;
+             end if;
+             y := y + x[n]/100;
+           end largest_below;
+           discrete Integer i(start = 1, fixed = true);
+           Real chosen = if i <= 3 then x[i] else -1;
+           Boolean large = i <= 3 and x[i] > 3;
+           Boolean beyond = i > 3 or x[i] > 3;
+           Real y = largest_below(x, i);
+           Real z;
+           Real o = on[i > 3];
+           discrete Real last(start = 0, fixed = true);
+         equation
+           if i <= 3 then
+             z = x[i];
+           else
+             z = 0;
+           end if;
+           assert(i < 9, \"never read: \" + (if x[i] > 0 then \"a\" else \"b\"));
+           when sample(1, 1) then
+             i = pre(i) + 1;
+             if pre(i) < 3 then
+               last = x[pre(i) + 1];
+             end if;
+           end when;
+         end Guarded;";
+    let inside = Case::text(model).stop(1.5).run();
+    let values = ["i", "chosen", "y", "z", "o", "last"].map(|name| inside.last(name));
+    assert_eq!(values, [2.0, 2.0, 2.02, 2.0, 10.0, 2.0]);
+    let beyond = Case::text(model).stop(3.5).run();
+    let values = ["i", "chosen", "large", "beyond", "y", "z", "o", "last"];
+    let values = values.map(|name| beyond.last(name));
+    assert_eq!(values, [4.0, -1.0, 0.0, 1.0, 4.0, 0.0, 20.0, 4.0]);
+}
+
+#[test]
 fn functions_with_loops_arrays_and_several_outputs() {
     let run = Case::text(
         "model Call
@@ -147,6 +202,80 @@ fn matrices_and_vectors() {
     assert_eq!(run.last("y"), 11.0 - 3.0 + 1.0);
     assert_eq!((run.last("z[1]"), run.last("z[2]")), (0.0, 1.0));
     assert_eq!((run.last("w[1]"), run.last("w[3]")), (1.0, 2.0));
+}
+
+/// Kleene's logic of three values.
+#[test]
+fn truth_values_and_texts_of_records_are_overloaded() {
+    let run = Case::text(
+        "package Logic
+           operator record Three \"True, false or unknown: 1, -1 or 0\"
+             Integer v;
+             encapsulated operator 'constructor'
+               function of
+                 import Logic.Three;
+                 input Integer v;
+                 output Three t(v = v);
+               algorithm
+               end of;
+             end 'constructor';
+             encapsulated operator function 'and'
+               import Logic.Three;
+               input Three a;
+               input Three b;
+               output Three c = Three(min(a.v, b.v));
+             algorithm
+             end 'and';
+             encapsulated operator function 'or'
+               import Logic.Three;
+               input Three a;
+               input Three b;
+               output Three c = Three(max(a.v, b.v));
+             algorithm
+             end 'or';
+             encapsulated operator function 'not'
+               import Logic.Three;
+               input Three a;
+               output Three c = Three(-a.v);
+             algorithm
+             end 'not';
+             encapsulated operator 'String'
+               function short
+                 import Logic.Three;
+                 input Three a;
+                 output String s = if a.v > 0 then \"yes\" elseif a.v < 0 then \"no\" else \"unknown\";
+               algorithm
+               end short;
+               function spelt
+                 import Logic.Three;
+                 input Three a;
+                 input String before;
+                 output String s = before + (if a.v > 0 then \"yes\" else \"no\");
+               algorithm
+               end spelt;
+             end 'String';
+           end Three;
+           model Tables
+             Integer n(start = -1, fixed = true);
+             Three a = Three(n);
+             Three b = Three(0);
+             Three both = a and b;
+             Three one = a or not b;
+             Three mixed = not a or a and b;
+             Boolean known = String(both) <> \"unknown\";
+             Boolean said = String(a, \"it is \") == \"it is yes\";
+           equation
+             when time > 0.5 then
+               n = 1;
+             end when;
+           end Tables;
+         end Logic;",
+    )
+    .stop(1.0)
+    .run();
+    let at = |name: &str| (run.first(name), run.last(name));
+    assert_eq!((at("both.v"), at("one.v"), at("mixed.v")), ((-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)));
+    assert_eq!((at("known"), at("said")), ((1.0, 0.0), (0.0, 1.0)));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! External functions that are computed without their C: random numbers, spectra, files of data.
 
-use super::door::{Case, Reading, assert_close};
+use super::door::{Case, Reading, Scratch, assert_close};
 
 /// The halves of a word as a model holds them.
 fn halves(word: u64) -> [f64; 2] {
@@ -65,6 +65,82 @@ fn random_numbers_are_drawn_at_events() {
     assert_eq!([run.last("t[3]"), run.last("t[4]")], halves(pair[1]));
     assert_close(run.last("x"), fraction(word), 1e-15);
     assert_close(run.last("y"), fraction(pair[1]), 1e-15);
+}
+
+/// The generator xorshift1024* of its paper, in plain words of 64 bits: sixteen of them, and the number
+/// of the one that was drawn last.
+fn star_of_many(words: &mut [u64; 16], last: &mut usize) -> u64 {
+    let old = words[*last];
+    *last = (*last + 1) % 16;
+    let mut x = words[*last];
+    x ^= x << 31;
+    words[*last] = x ^ old ^ (x >> 11) ^ (old >> 30);
+    words[*last].wrapping_mul(1_181_783_497_276_652_981)
+}
+
+#[test]
+fn a_long_state_goes_round() {
+    let text = "package P
+           function draw
+             input Integer before[33];
+             output Integer after[33];
+             output Real x;
+           external \"C\" ModelicaRandom_xorshift1024star(before, after, x);
+           end draw;
+           model Draws
+             Integer s[33](start = {if k == 33 then 14 else 65537*k - 99 for k in 1:33}, each fixed = true);
+             discrete Real x(start = 0, fixed = true);
+           equation
+             when sample(0.1, 0.1) then
+               (s, x) = draw(pre(s));
+             end when;
+           end Draws;
+         end P;";
+    // More draws than words: each is used again.
+    let run = Case::text(text).stop(2.05).run();
+    let half = |k: u64| u64::from((65537 * k - 99) as u32);
+    let mut words: [u64; 16] =
+        std::array::from_fn(|k| half(2 * k as u64 + 2) << 32 | half(2 * k as u64 + 1));
+    let mut last = 14;
+    let drawn = (0..20).map(|_| star_of_many(&mut words, &mut last)).last().expect("twenty");
+    for (k, word) in words.into_iter().enumerate() {
+        let found = [1, 2].map(|half| run.last(&format!("s[{}]", 2 * k + half)));
+        assert_eq!(found, halves(word), "word {k}");
+    }
+    assert_eq!(run.last("s[33]"), last as f64);
+    assert_close(run.last("x"), fraction(drawn), 1e-15);
+}
+
+#[test]
+fn a_matrix_is_read_from_a_file() {
+    let scratch = Scratch::new();
+    let file = scratch.file("data.txt", "#1\ndouble gains(2, 3)\n1 2.5 -3 # first\n4e-1, 5, 6\n");
+    let text = "package P
+           function sizes
+             input String file;
+             input String name;
+             output Integer n[2];
+           external \"C\" ModelicaIO_readMatrixSizes(file, name, n);
+           end sizes;
+           function gains
+             input String file;
+             input String name;
+             input Integer rows;
+             input Integer columns;
+             output Real m[rows, columns];
+           external \"C\" ModelicaIO_readRealMatrix(file, name, m, rows, columns, false);
+           end gains;
+           model Reads
+             parameter String file = \"FILE\";
+             parameter Integer n[2] = sizes(file, \"gains\");
+             parameter Real m[n[1], n[2]] = gains(file, \"gains\", n[1], n[2]);
+             Real y[n[1]] = m*{1, 2, time};
+           end Reads;
+         end P;";
+    let path = file.to_str().expect("UTF-8").replace('\\', "\\\\");
+    let run = Case::text(&text.replace("FILE", &path)).stop(2.0).run();
+    assert_close(run.last("y[1]"), 1.0 + 5.0 - 6.0, 1e-14);
+    assert_close(run.last("y[2]"), 0.4 + 10.0 + 12.0, 1e-14);
 }
 
 #[test]

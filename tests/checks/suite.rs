@@ -2,7 +2,7 @@
 
 use mocc::ir::trajectory::Trajectory;
 
-use super::door::{Case, Reading, text_of};
+use super::door::{Case, Reading, assert_close, text_of};
 
 /// A snapshot beside the model; it holds the model and what was made of it.
 fn snapshot(stage: &str, name: &str, made: &str) {
@@ -223,6 +223,46 @@ fn the_flat_text_is_the_same_model() {
         assert_eq!(flat, text, "{model}: the flat text of the flat text");
         let (a, b) = (original.run(), again.run());
         same(&a, &b, 1e-9, model);
+    }
+}
+
+/// What is shared in expressions many times over is written once: as a tree, each of these functions has
+/// more than 3^30 leaves.
+#[test]
+fn what_expressions_share_stays_short_as_text() {
+    let original = Case::text(
+        "model Shared
+           function mixed
+             input Real x;
+             output Real y;
+           algorithm
+             y := x;
+             for k in 1:30 loop
+               y := (sin(y) + y/(2 + cos(y)))/1.5;
+             end for;
+           end mixed;
+           Real x(start = 1, fixed = true);
+           Real root;
+           discrete Real held(start = 0, fixed = true);
+           discrete Real kept(start = 0.5, fixed = true);
+         equation
+           der(x) = -mixed(x) - x;
+           // No root where its branch is not taken.
+           root = if x > 0.5 then mixed(sqrt(x - 0.5))
+                  elseif x > 0.3 then 1 else mixed(sqrt(0.5 - x));
+           when sample(0.1, 0.1) then
+             held = mixed(pre(held) + x);
+             kept = if x > 0.6 then mixed(sqrt(x - 0.6)) + pre(kept) else pre(kept);
+           end when;
+         end Shared;",
+    );
+    let text = original.flat();
+    assert!(text.contains("'$shared") && text.len() < 100_000, "{}", text.len());
+    let (a, b) = (original.stop(1.0).run(), Case::text(&text).stop(1.0).run());
+    for name in ["x", "root", "held", "kept"] {
+        for t in [0.0, 0.25, 0.5, 1.0] {
+            assert_close(b.at(name, t), a.at(name, t), 1e-6);
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Equations and relations that must be solved together, equations that depend on each other, and
 //! coefficients that vanish.
 
-use super::door::{Case, Reading, assert_close};
+use super::door::{Case, Reading, Scratch, assert_close};
+use super::program::mocc;
 
 /// Two bodies with dry friction between them. The force that holds them together is known only where
 /// they are held: from sliding no repetition leads there.
@@ -184,4 +185,10 @@ fn what_begins_twice_at_the_same_value_begins_there() {
          end Joined;";
     let run = Case::text(&text.replace("END", "0")).run();
     assert_close(run.last("a"), 1.0, 1e-9);
+    // Another value is no second word for the first.
+    let scratch = Scratch::new();
+    let file = scratch.file("joined.mo", &text.replace("END", "1"));
+    let ended = mocc(scratch.path(), &["simulate", file.to_str().expect("UTF-8")]);
+    assert_eq!(ended.status, 1, "{}", ended.err);
+    assert!(ended.err.contains("error[MO0408]"), "{}", ended.err);
 }

@@ -658,7 +658,7 @@ impl Context<'_> {
         self.overloaded("'String'", &operands, span)
     }
 
-    /// Texts of what is known; what only a run knows is written as its expression.
+    /// Texts of what is known; for messages, what only a run knows is written as its expression.
     fn string_call(
         &mut self,
         args: &[Expr],
@@ -691,6 +691,7 @@ impl Context<'_> {
             return Some(Value::Scalar(chosen));
         }
         let real = self.graph.ty(e) == Type::Real;
+        let known = self.graph.as_const(e).is_some();
         let text = match self.graph.as_const(e) {
             Some(c @ (Const::Real(_) | Const::Integer(_)))
                 if matches!(given.get("format"), Some(Const::String(_))) =>
@@ -717,7 +718,11 @@ impl Context<'_> {
             None => self.sources.text(first.span).unwrap_or("?").to_string(),
         };
         let text = super::printf::padded(text, number("minimumLength", 0), left);
-        Some(Value::Scalar(self.graph.string(&text)))
+        let text = self.graph.string(&text);
+        if !known {
+            self.evaluation.unknown_texts.insert(text, span);
+        }
+        Some(Value::Scalar(text))
     }
 
     /// The text of a truth value or of an enumeration that only a run knows.

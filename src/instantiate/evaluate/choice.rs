@@ -7,7 +7,7 @@ use super::reference::{Selection, Selector};
 use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::ComponentRef;
-use crate::ir::expr::{Binary, ExprId, VarId};
+use crate::ir::expr::{Binary, ExprId, Type, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
 
 /// A scalar that may be meant, and where it is; `None` for one that always is.
@@ -24,10 +24,42 @@ impl Context<'_> {
         Some(selection)
     }
 
-    /// `e == k`, for a subscript that counts from 1.
+    /// `e == k`, for a subscript that counts from 1; `false` is the first of the truth values.
     fn is_subscript(&mut self, e: ExprId, k: usize) -> ExprId {
+        if self.graph.ty(e) == Type::Boolean {
+            return if k == 1 { self.graph.not(e) } else { e };
+        }
         let number = self.graph.integer(k as i64);
         self.graph.binary(Binary::Equal, e, number)
+    }
+
+    /// Asserts that a subscript that only a run knows is one of `1:size`. The values of a type that counts
+    /// its dimension all are.
+    pub(super) fn assert_in_bounds(
+        &mut self,
+        e: ExprId,
+        size: usize,
+        span: Span,
+        array: Span,
+    ) -> Option<()> {
+        if self.graph.ty(e) != Type::Integer {
+            return Some(());
+        }
+        let text = |at: Span| self.sources.text(at).unwrap_or("?");
+        let (subscript, array) = (text(span), text(array));
+        if size == 0 && !self.is_unreached() {
+            let message =
+                format!("`{subscript}` is a subscript of `{array}`, which has no elements there");
+            self.error("MO0216", span, message);
+            return None;
+        }
+        let message = format!("subscript `{subscript}` of `{array}` is outside 1 to {size}");
+        let message = self.graph.string(&message);
+        let (first, last) = (self.graph.integer(1), self.graph.integer(size as i64));
+        let above = self.graph.binary(Binary::GreaterEqual, e, first);
+        let below = self.graph.binary(Binary::LessEqual, e, last);
+        let inside = self.graph.and(above, below);
+        self.assert_now_or_later(inside, message, false, span)
     }
 
     /// `if e == 1 then parts[0] elseif ... else the last`.

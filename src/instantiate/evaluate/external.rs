@@ -58,12 +58,21 @@ impl Context<'_> {
         self.kind(class) == ClassKind::Class && self.table(class).scalar == Some(Type::String)
     }
 
-    /// Evaluates something that counts only where `c` is true, which a run decides.
+    /// Evaluates something that counts only where `c` is true.
     pub(crate) fn under<T>(&mut self, c: ExprId, act: impl FnOnce(&mut Self) -> T) -> T {
+        if self.graph.as_const(c) == Some(Const::Boolean(true)) {
+            return act(self);
+        }
         self.evaluation.path.push(c);
         let result = act(self);
         self.evaluation.path.pop();
         result
+    }
+
+    /// True where what is evaluated never counts.
+    pub(super) fn is_unreached(&self) -> bool {
+        let never = Some(Const::Boolean(false));
+        self.evaluation.path.iter().any(|c| self.graph.as_const(*c) == never)
     }
 
     /// `assert(condition, message, level)` in a function: decided here, or left to the run.
@@ -86,7 +95,8 @@ impl Context<'_> {
         if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
             return Some(());
         }
-        let message = self.evaluate_scalar(message, scope)?;
+        let violated = self.graph.not(condition);
+        let message = self.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
         let level = find(2, "level").and_then(|l| self.evaluate_scalar(l, scope));
         let level = level.and_then(|l| self.graph.as_const(l));
         let warning = matches!(level, Some(Const::Enumeration(_, 1)));
@@ -122,6 +132,9 @@ impl Context<'_> {
         }
         for c in left.into_iter().flatten() {
             condition = self.graph.or(c, condition);
+        }
+        if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
+            return Some(());
         }
         self.evaluation.asserts.push(Asserted { condition, message, warning, span });
         Some(())
@@ -514,6 +527,7 @@ impl Context<'_> {
     pub(super) fn known(&mut self, value: &Value) -> Result<Vec<Const>, Refusal> {
         let mut scalars = Vec::new();
         value.for_each_scalar(&mut |e| scalars.push(e));
+        self.refuse_unknown_texts(&scalars).ok_or(Refusal::Reported)?;
         let mut known = Vec::with_capacity(scalars.len());
         for e in scalars {
             known.push(self.parameter_expression(e, true).ok_or_else(|| {

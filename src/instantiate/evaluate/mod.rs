@@ -61,6 +61,9 @@ pub struct State {
     pub(crate) bindings: FastMap<(usize, Scope, bool), Option<Value>>,
     /// Assigned variables of the algorithm section being read.
     pub(crate) assigned: FastMap<VarId, ExprId>,
+    /// Texts that stand for those of values that only a run knows, and the places of their calls of
+    /// `String`: good for messages alone.
+    pub(crate) unknown_texts: FastMap<ExprId, Span>,
     /// Open calls.
     pub(crate) depth: usize,
     /// The condition under which the loop, or the function, being run was left already.
@@ -125,7 +128,7 @@ impl Context<'_> {
             }
             ExprKind::Binary(op, a, b) => {
                 let a_value = self.evaluate(a, scope);
-                let b_value = self.evaluate(b, scope);
+                let b_value = self.guarded(*op, a_value.as_ref(), b, scope);
                 self.binary_operator(*op, a_value?, b_value?, e.span)
             }
             ExprKind::If { branches, otherwise } => self.if_expression(branches, otherwise, scope),

@@ -111,6 +111,7 @@ impl Context<'_> {
             return None;
         }
         if s == Type::String {
+            self.refuse_unknown_texts(&[x, y])?;
             return Some(Value::Scalar(self.relation_of_texts(op, x, y)));
         }
         Some(Value::Scalar(self.graph.binary(op, x, y)))
@@ -118,15 +119,35 @@ impl Context<'_> {
 
     /// A relation between texts that a run chooses is chosen with them.
     fn relation_of_texts(&mut self, op: Binary, x: ExprId, y: ExprId) -> ExprId {
-        if let Node::If(c, a, b) = self.graph.node(x) {
+        if let Some((c, a, b)) = self.chosen_text(x) {
             let (a, b) = (self.relation_of_texts(op, a, y), self.relation_of_texts(op, b, y));
             return self.graph.if_then_else(c, a, b);
         }
-        if let Node::If(c, a, b) = self.graph.node(y) {
+        if let Some((c, a, b)) = self.chosen_text(y) {
             let (a, b) = (self.relation_of_texts(op, x, a), self.relation_of_texts(op, x, b));
             return self.graph.if_then_else(c, a, b);
         }
         self.graph.binary(op, x, y)
+    }
+
+    /// A text that a run chooses, or that is put together with one: the condition and both texts.
+    fn chosen_text(&mut self, text: ExprId) -> Option<(ExprId, ExprId, ExprId)> {
+        match self.graph.node(text) {
+            Node::If(c, a, b) => Some((c, a, b)),
+            // What a function gives.
+            Node::NoEvent(inner) => {
+                let (c, a, b) = self.chosen_text(inner)?;
+                Some((self.graph.no_event(c), a, b))
+            }
+            Node::Binary(Binary::Add, p, q) => {
+                if let Some((c, a, b)) = self.chosen_text(p) {
+                    return Some((c, self.joined_texts(a, q), self.joined_texts(b, q)));
+                }
+                let (c, a, b) = self.chosen_text(q)?;
+                Some((c, self.joined_texts(p, a), self.joined_texts(p, b)))
+            }
+            _ => None,
+        }
     }
 
     pub(crate) fn report_types(&mut self, span: Span, what: &str, s: Type, t: Type) {
@@ -192,6 +213,23 @@ impl Context<'_> {
         }
     }
 
+    /// The right operand of `and` and `or` counts only where the left one has not decided.
+    pub(crate) fn guarded(
+        &mut self,
+        op: BinaryOp,
+        left: Option<&Value>,
+        right: &Expr,
+        scope: Scope,
+    ) -> Option<Value> {
+        let truth = left.and_then(Value::scalar).filter(|e| self.graph.ty(*e) == Type::Boolean);
+        let counts = match (op, truth) {
+            (BinaryOp::And, Some(c)) => c,
+            (BinaryOp::Or, Some(c)) => self.graph.not(c),
+            _ => return self.evaluate(right, scope),
+        };
+        self.under(counts, |cx| cx.evaluate(right, scope))
+    }
+
     fn elementwise(
         &mut self,
         op: Binary,
@@ -206,7 +244,7 @@ impl Context<'_> {
                 && cx.graph.ty(s) == Type::String
                 && cx.graph.ty(t) == Type::String
             {
-                return Some(Value::Scalar(cx.graph.binary(op, s, t)));
+                return Some(Value::Scalar(cx.joined_texts(s, t)));
             }
             if let (Value::Record(_), _) | (_, Value::Record(_)) = (x, y) {
                 let operator = format!("'{}'", op.name());

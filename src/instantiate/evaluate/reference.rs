@@ -345,10 +345,13 @@ impl Context<'_> {
                 continue;
             }
             let before = std::mem::replace(&mut self.evaluation.reading, false);
+            let asserted = self.evaluation.asserts.len();
             self.evaluation.ends.push(0);
             let value = self.evaluate(e, scope);
             self.evaluation.ends.pop();
             self.evaluation.reading = before;
+            // It is read once more, for its value.
+            self.evaluation.asserts.truncate(asserted);
             let given = value.and_then(|v| v.elements().first().and_then(Value::scalar));
             let Some(given) = given.map(|e| self.graph.ty(e)).filter(|t| *t != wanted) else {
                 continue;
@@ -670,19 +673,27 @@ impl Context<'_> {
                     self.evaluation.unassigned = unassigned;
                     self.evaluation.ends.pop();
                     let value = value?;
-                    self.selector(&value, dims[k], e.span)?
+                    self.selector(&value, dims[k], e.span, span)?
                 }
             });
         }
         Some(out)
     }
 
-    fn selector(&mut self, value: &Value, size: usize, span: Span) -> Option<Selector> {
+    /// One subscript of a dimension of the given size; `array` is the place of the whole reference.
+    fn selector(
+        &mut self,
+        value: &Value,
+        size: usize,
+        span: Span,
+        array: Span,
+    ) -> Option<Selector> {
         let mut list = Vec::with_capacity(value.elements().len());
         for element in value.elements() {
             let e = element.scalar()?;
             let Some(c) = self.structural_value(e) else {
                 if value.dims().is_empty() {
+                    self.assert_in_bounds(e, size, span, array)?;
                     return Some(Selector::Dynamic(e));
                 }
                 self.unsupported(span, "subscript vectors that only a run knows");
@@ -698,6 +709,11 @@ impl Context<'_> {
                 }
             };
             if i < 1 || i as usize > size {
+                // What does not count may be any of them.
+                if size > 0 && self.is_unreached() {
+                    list.push(1);
+                    continue;
+                }
                 let message = format!("subscript {i} is outside 1 to {size}");
                 self.error("MO0216", span, message);
                 return None;

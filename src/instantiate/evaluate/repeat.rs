@@ -11,13 +11,10 @@ use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, Statement};
-use crate::ir::expr::{ExprId, FunctionId, Graph, Node, Type, VarId};
+use crate::ir::expr::{ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
 use crate::ir::flat::{Function, LocalId, Statement as Step};
 use crate::ir::instance::Scope;
 use crate::symbolic::rewrite::Rewriter;
-
-/// Numbers of symbols begin here: no model has so many variables.
-const FIRST_SYMBOL: u32 = 1 << 30;
 
 /// The k-th symbol.
 pub(super) fn symbol(k: u32) -> VarId {

@@ -1,9 +1,13 @@
 // status: 1
-// error[MO0262] 17:13
-// error[MO0227] 19:13
-// error[MO0204] 30:11
-// error[MO0264] 35:37
-// error[MO0209] 36:22
+// error[MO0262] 21:13
+// error[MO0227] 23:13
+// error[MO0204] 34:11
+// error[MO0264] 43:37
+// error[MO0264] 44:37
+// error[MO0264] 44:95
+// error[MO0224] 45:45
+// error[MO0264] 45:82
+// error[MO0209] 46:22
 package Modified
   type Angle = Real(final unit = "rad", displayUnit = "deg");
   model Part
@@ -31,8 +35,14 @@ package Modified
       Real x = 2;
     end Inner;
   end Twice;
+  model Whole
+    Part part;
+    replaceable model Chosen = Exchangeable;
+  end Whole;
   model Test
     Part part(gain = 2, offset = 1, gain = 3);
+    Whole whole(part.gain = 2, part(gain = 3, offset = 1), part(offset(min = 0)), part.offset(min = 1));
+    Whole other(redeclare replaceable model Chosen = Same.Inner, redeclare model Chosen = Twice.Inner);
     Angle phi(unit = "deg") = 1;
     Angle psi(displayUnit = "rad") = 1;
     Extended extended;

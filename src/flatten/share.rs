@@ -1,0 +1,406 @@
+//! Parts of expressions that become variables where the text of a model would be much longer than the
+//! model: expressions share what they have in common, and a text writes it out at each place.
+//!
+//! What stands in branches of an `if` alone is computed there alone: a root or a quotient may have no
+//! value where the branch is not taken.
+
+use crate::base::index::{FastMap, FastSet};
+use crate::ir::ast::Variability;
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, VarId};
+use crate::ir::flat::{Action, Equation, EquationKind, FlatModel, Origin, Variable, WhenBranch};
+use crate::symbolic::rewrite::Rewriter;
+
+/// Nodes of a text that is never too long.
+const SHORT: u64 = 100_000;
+/// How many times as long as its expressions a text may be.
+const FACTOR: u64 = 8;
+/// Nodes of the smallest part that is worth a variable.
+const LARGE: u64 = 16;
+
+/// Where a part stands, and so what its variable is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// In equations: its relations make events.
+    Equations,
+    /// Below `noEvent` or `smooth` in equations: they do not.
+    Literal,
+    /// In a when-clause, which assigns it.
+    When,
+}
+
+/// An expression, and the condition under which it is computed.
+type Root = (ExprId, Option<ExprId>);
+
+/// The model with variables for what its text would write again and again; `None` if the text is
+/// as good as it is.
+pub(super) fn shared(flat: &FlatModel) -> Option<FlatModel> {
+    let sizes = sizes(&flat.graph);
+    let mut total = 0_u64;
+    for_each_root(flat, &mut |e| total = total.saturating_add(sizes[e.0 as usize]));
+    if total <= SHORT.max(FACTOR * flat.graph.len() as u64) {
+        return None;
+    }
+    let mut flat = flat.clone();
+    let mut equations = std::mem::take(&mut flat.equations);
+    for e in &mut equations {
+        if let EquationKind::When(branches) = &mut e.kind {
+            branches.iter_mut().for_each(|b| in_branch(&mut flat, b, &sizes));
+        }
+    }
+    in_equations(&mut flat, &mut equations, &sizes);
+    flat.equations = equations;
+    Some(flat)
+}
+
+/// How many nodes each expression has as a text; operands stand before their users.
+fn sizes(graph: &Graph) -> Vec<u64> {
+    let mut sizes: Vec<u64> = Vec::with_capacity(graph.len());
+    for e in graph.ids() {
+        let mut size = 1_u64;
+        graph.for_each_operand(e, |a| size = size.saturating_add(sizes[a.0 as usize]));
+        sizes.push(size);
+    }
+    sizes
+}
+
+/// The expressions of equations and bindings.
+fn for_each_root(flat: &FlatModel, visit: &mut dyn FnMut(ExprId)) {
+    flat.variables.iter().filter_map(|v| v.binding).for_each(&mut *visit);
+    for e in &flat.equations {
+        match &e.kind {
+            EquationKind::Equal(a, b) => [*a, *b].into_iter().for_each(&mut *visit),
+            EquationKind::Algorithm { values, .. } => values.iter().copied().for_each(&mut *visit),
+            EquationKind::When(branches) => {
+                let actions = branches.iter().flat_map(|b| &b.actions);
+                actions.filter_map(value).for_each(|(e, _)| visit(e));
+            }
+            EquationKind::Assert(_) => {}
+        }
+    }
+}
+
+/// What an action computes, and the condition under which it does.
+fn value(action: &Action) -> Option<Root> {
+    match action {
+        Action::Assign(_, e) => Some((*e, None)),
+        Action::Reinit { value, guard, .. } => Some((*value, *guard)),
+        Action::Assert(_) | Action::Terminate(_) => None,
+    }
+}
+
+fn in_branch(flat: &mut FlatModel, branch: &mut WhenBranch, sizes: &[u64]) {
+    let roots: Vec<Root> = branch.actions.iter().filter_map(value).collect();
+    let mut naming = Naming::of(flat, &roots, Place::When, sizes);
+    let parts = naming.definitions(flat);
+    for action in &mut branch.actions {
+        if let Action::Assign(_, e) | Action::Reinit { value: e, .. } = action {
+            *e = naming.named(&mut flat.graph, *e);
+        }
+    }
+    let parts = parts.into_iter().map(|(v, e)| Action::Assign(v, e));
+    branch.actions.splice(0..0, parts);
+}
+
+fn in_equations(flat: &mut FlatModel, equations: &mut Vec<Equation>, sizes: &[u64]) {
+    let mut roots = Vec::new();
+    for e in equations.iter() {
+        match &e.kind {
+            EquationKind::Equal(a, b) => roots.extend([(*a, None), (*b, None)]),
+            EquationKind::Algorithm { values, .. } => {
+                roots.extend(values.iter().map(|e| (*e, None)))
+            }
+            EquationKind::When(_) | EquationKind::Assert(_) => {}
+        }
+    }
+    let moving = |v: &Variable| v.variability > Variability::Parameter;
+    let bindings = flat.variables.iter().filter(|v| moving(v)).filter_map(|v| v.binding);
+    roots.extend(bindings.map(|e| (e, None)));
+    let bound: Vec<VarId> = flat.variables.ids().filter(|v| moving(&flat.variables[*v])).collect();
+    let mut naming = Naming::of(flat, &roots, Place::Equations, sizes);
+    let mut literal = naming.below_closed(flat, sizes);
+    let parts = [naming.definitions(flat), literal.definitions(flat)].concat();
+    for e in equations.iter_mut() {
+        match &mut e.kind {
+            EquationKind::Equal(a, b) => {
+                [a, b].into_iter().for_each(|e| *e = naming.named(&mut flat.graph, *e));
+            }
+            EquationKind::Algorithm { values, .. } => {
+                values.iter_mut().for_each(|e| *e = naming.named(&mut flat.graph, *e));
+            }
+            EquationKind::When(_) | EquationKind::Assert(_) => {}
+        }
+    }
+    for v in bound {
+        if let Some(e) = flat.variables[v].binding {
+            flat.variables[v].binding = Some(naming.named(&mut flat.graph, e));
+        }
+    }
+    for (v, e) in parts {
+        let origin = Origin { span: flat.span, component: "".into() };
+        let lhs = flat.graph.var(v, flat.variables[v].ty);
+        equations.push(Equation { kind: EquationKind::Equal(lhs, e), origin });
+    }
+}
+
+/// Parts that are variables now.
+struct Naming {
+    place: Place,
+    uses: Uses,
+    parts: Vec<(VarId, ExprId)>,
+    /// What stands for each.
+    names: FastMap<ExprId, ExprId>,
+    rewriter: Rewriter,
+}
+
+impl Naming {
+    fn of(flat: &mut FlatModel, roots: &[Root], place: Place, sizes: &[u64]) -> Naming {
+        let uses = Uses::of(&mut flat.graph, roots, place);
+        let mut parts = Vec::new();
+        let mut names = FastMap::default();
+        for part in uses.shared(&flat.graph, place, sizes) {
+            let variable = variable(flat, part, place);
+            let v = flat.variables.push(variable);
+            names.insert(part, flat.graph.var(v, flat.graph.ty(part)));
+            parts.push((v, part));
+        }
+        Naming { place, uses, parts, names, rewriter: Rewriter::new() }
+    }
+
+    /// Names what stands below `noEvent` and `smooth`.
+    fn below_closed(&mut self, flat: &mut FlatModel, sizes: &[u64]) -> Naming {
+        let closed =
+            |e: &ExprId| matches!(flat.graph.node(*e), Node::NoEvent(_) | Node::Smooth(..));
+        let mut closed: Vec<ExprId> = self.uses.of.keys().copied().filter(closed).collect();
+        closed.sort_unstable();
+        let mut roots = Vec::with_capacity(closed.len());
+        for &e in &closed {
+            let (_, guard) = self.uses.of[&e];
+            let condition = self.uses.all(&mut flat.graph, guard, 0);
+            flat.graph.for_each_operand(e, |a| roots.push((a, Some(condition))));
+        }
+        let mut literal = Naming::of(flat, &roots, Place::Literal, sizes);
+        for (&e, (root, _)) in closed.iter().zip(roots) {
+            let inside = literal.named(&mut flat.graph, root);
+            let new = flat.graph.rebuild(e, &[inside]);
+            self.names.insert(e, new);
+        }
+        literal
+    }
+
+    /// What the variables are.
+    fn definitions(&mut self, flat: &mut FlatModel) -> Vec<(VarId, ExprId)> {
+        let graph = &mut flat.graph;
+        let mut definitions = Vec::with_capacity(self.parts.len());
+        for (v, part) in self.parts.clone() {
+            let mut operands = Vec::new();
+            graph.for_each_operand(part, |a| operands.push(a));
+            for a in &mut operands {
+                *a = self.named(graph, *a);
+            }
+            let mut value = graph.rebuild(part, &operands);
+            let nothing = nothing(graph, part);
+            for Guard { condition, holds, depth, .. } in self.uses.guards_of(part) {
+                // The outermost is the place of the `noEvent`.
+                if self.place == Place::Literal && depth == 1 {
+                    value = graph.no_event(value);
+                }
+                let c = self.named(graph, condition);
+                let (yes, no) = if holds { (value, nothing) } else { (nothing, value) };
+                value = graph.if_then_else(c, yes, no);
+            }
+            definitions.push((v, value));
+        }
+        definitions
+    }
+
+    /// An expression with the names of its parts.
+    fn named(&mut self, graph: &mut Graph, e: ExprId) -> ExprId {
+        let (names, place) = (&self.names, self.place);
+        self.rewriter.apply(graph, e, &mut |graph, n| {
+            names.get(&n).copied().or_else(|| is_closed(graph, n, place).then_some(n))
+        })
+    }
+}
+
+/// The variable of a part.
+fn variable(flat: &mut FlatModel, part: ExprId, place: Place) -> Variable {
+    let name = format!("$shared{}", flat.variables.len() + 1);
+    let ty = flat.graph.ty(part);
+    let variability = match (ty, place) {
+        (Type::Real, Place::Equations | Place::Literal) => Variability::Continuous,
+        _ => Variability::Discrete,
+    };
+    let bare = Variable::bare(name, ty, variability, flat.span);
+    if place != Place::When {
+        return bare;
+    }
+    Variable { start: Some(nothing(&mut flat.graph, part)), fixed: Some(true), ..bare }
+}
+
+/// What stands for a part where it is not computed.
+fn nothing(graph: &mut Graph, part: ExprId) -> ExprId {
+    match graph.ty(part) {
+        Type::Boolean => graph.boolean(false),
+        Type::Integer => graph.integer(0),
+        _ => graph.real(0.0),
+    }
+}
+
+/// Whether what stands below a node means something else outside of it.
+fn is_closed(graph: &Graph, e: ExprId, place: Place) -> bool {
+    place == Place::Equations
+        && matches!(graph.node(e), Node::NoEvent(_) | Node::Smooth(..) | Node::Homotopy(..))
+}
+
+/// A condition that must hold, or must not, inside of another one.
+#[derive(Clone, Copy)]
+struct Guard {
+    around: usize,
+    depth: usize,
+    condition: ExprId,
+    holds: bool,
+}
+
+/// Where expressions stand.
+struct Uses {
+    /// How often each stands somewhere, and the guard under which it does.
+    of: FastMap<ExprId, (u32, usize)>,
+    /// Guards by number; 0 is none.
+    guards: Vec<Guard>,
+    numbers: FastMap<(usize, ExprId, bool), usize>,
+}
+
+impl Uses {
+    fn of(graph: &mut Graph, roots: &[Root], place: Place) -> Uses {
+        let none = Guard { around: 0, depth: 0, condition: ExprId(0), holds: true };
+        let mut uses =
+            Uses { of: FastMap::default(), guards: vec![none], numbers: FastMap::default() };
+        let mut below = below(graph, roots, place);
+        for &(root, condition) in roots {
+            let guard = condition.map_or(0, |c| uses.inside(0, c, true));
+            uses.used(graph, root, guard);
+        }
+        // Users stand behind their operands.
+        below.sort_unstable_by(|a, b| b.cmp(a));
+        let mut operands = Vec::new();
+        for e in below {
+            let Some(&(_, guard)) = uses.of.get(&e) else { continue };
+            match graph.node(e) {
+                _ if is_closed(graph, e, place) => {}
+                Node::If(c, a, b) => {
+                    uses.used(graph, c, guard);
+                    let (yes, no) = (uses.inside(guard, c, true), uses.inside(guard, c, false));
+                    uses.used(graph, a, yes);
+                    uses.used(graph, b, no);
+                }
+                Node::Binary(op @ (Binary::And | Binary::Or), a, b) => {
+                    uses.used(graph, a, guard);
+                    let inside = uses.inside(guard, a, op == Binary::And);
+                    uses.used(graph, b, inside);
+                }
+                _ => {
+                    operands.clear();
+                    graph.for_each_operand(e, |a| operands.push(a));
+                    operands.iter().for_each(|a| uses.used(graph, *a, guard));
+                }
+            }
+        }
+        uses
+    }
+
+    fn used(&mut self, graph: &mut Graph, e: ExprId, guard: usize) {
+        let before = self.of.get(&e).copied();
+        let (count, guard) = match before {
+            Some((count, other)) => (count + 1, self.either(graph, other, guard)),
+            None => (1, guard),
+        };
+        self.of.insert(e, (count, guard));
+    }
+
+    fn inside(&mut self, around: usize, condition: ExprId, holds: bool) -> usize {
+        let guards = &mut self.guards;
+        *self.numbers.entry((around, condition, holds)).or_insert_with(|| {
+            let depth = guards[around].depth + 1;
+            guards.push(Guard { around, depth, condition, holds });
+            guards.len() - 1
+        })
+    }
+
+    /// The guard of what is computed under one guard or under another.
+    fn either(&mut self, graph: &mut Graph, a: usize, b: usize) -> usize {
+        let around = self.common(a, b);
+        if around == a || around == b {
+            return around;
+        }
+        let [a, b] = [a, b].map(|guard| self.all(graph, guard, around));
+        let condition = graph.or(a, b);
+        self.inside(around, condition, true)
+    }
+
+    /// All conditions of a guard inside of another one, as one.
+    fn all(&self, graph: &mut Graph, mut guard: usize, around: usize) -> ExprId {
+        let mut all = graph.boolean(true);
+        while guard != around {
+            let Guard { condition, holds, around: next, .. } = self.guards[guard];
+            let this = if holds { condition } else { graph.not(condition) };
+            all = graph.and(this, all);
+            guard = next;
+        }
+        all
+    }
+
+    /// The innermost guard around two.
+    fn common(&self, mut a: usize, mut b: usize) -> usize {
+        while a != b {
+            if self.guards[a].depth >= self.guards[b].depth {
+                a = self.guards[a].around;
+            } else {
+                b = self.guards[b].around;
+            }
+        }
+        a
+    }
+
+    /// The guards of an expression, the innermost first.
+    fn guards_of(&self, e: ExprId) -> Vec<Guard> {
+        let mut all = Vec::new();
+        let mut at = self.of[&e].1;
+        while at != 0 {
+            all.push(self.guards[at]);
+            at = self.guards[at].around;
+        }
+        all
+    }
+
+    /// Large expressions that stand at several places; those inside of others first.
+    fn shared(&self, graph: &Graph, place: Place, sizes: &[u64]) -> Vec<ExprId> {
+        let shared = |(e, (count, _)): (&ExprId, &(u32, usize))| {
+            let fits = match graph.ty(*e) {
+                Type::Real => true,
+                Type::Boolean => place != Place::Literal,
+                Type::Integer => place == Place::When,
+                _ => false,
+            };
+            (fits && *count > 1 && sizes[e.0 as usize] >= LARGE).then_some(*e)
+        };
+        let mut parts: Vec<ExprId> = self.of.iter().filter_map(shared).collect();
+        parts.sort_unstable();
+        parts
+    }
+}
+
+/// All expressions below some, as far as they may get names.
+fn below(graph: &Graph, roots: &[Root], place: Place) -> Vec<ExprId> {
+    let mut seen: FastSet<ExprId> = FastSet::default();
+    let mut found = Vec::new();
+    let mut stack: Vec<ExprId> = roots.iter().map(|(e, _)| *e).collect();
+    while let Some(e) = stack.pop() {
+        if seen.insert(e) {
+            found.push(e);
+            if !is_closed(graph, e, place) {
+                graph.for_each_operand(e, |a| stack.push(a));
+            }
+        }
+    }
+    found
+}
