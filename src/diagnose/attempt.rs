@@ -24,6 +24,8 @@ const MOST: f64 = 0.5;
 const CAUGHT: f64 = 0.1;
 /// Other shapes that it is begun with then.
 const SHAPES: usize = 2;
+/// Where several at once leave nothing, those are still looked at that promise less by this share at most.
+const NEAR: f64 = 0.01;
 /// A first look at an effect.
 const LOOK: Stopping = Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 };
 
@@ -80,9 +82,14 @@ impl Attempt<'_> {
     /// A first look at each of them beside what the level has.
     fn look(&self, heed: &mut Heed<'_>) -> Vec<Level> {
         let mut levels: Vec<Level> = Vec::new();
+        let (left, mut enough) = (self.from.train.total(), f64::NEG_INFINITY);
         for proposal in self.promising {
-            if !heed(0, self.from.train.total()) {
+            if !heed(0, left) {
                 break;
+            }
+            let gain = proposal.first().map_or(0.0, |s| s.gain);
+            if proposal.len() > 1 && gain < enough {
+                continue;
             }
             let (chosen, plan) = attach(self.case, self.from, proposal, self.depth);
             let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
@@ -94,6 +101,9 @@ impl Attempt<'_> {
             if let Some(fitted) = self.fitted(chosen, plan, short) {
                 let names = self.named(&fitted);
                 (self.case.say)(&format!("looked at {names}: {:.4}", fitted.chi2_train()));
+                if fitted.chi2_train() < COMPLETE {
+                    enough = enough.max(gain - NEAR * left);
+                }
                 levels.push(fitted);
             }
         }

@@ -117,6 +117,11 @@ pub fn level(
     Ok(Level { chosen, plan, values, errors, fit, train, validation })
 }
 
+/// What is one phenomenon at one or several places.
+pub fn groups(chosen: &[Chosen]) -> impl Iterator<Item = &[Chosen]> {
+    chosen.chunk_by(|a, b| a.group == b.group)
+}
+
 /// The effects of a level as they are attached.
 pub fn attached<'a>(case: &'a Case<'_>, chosen: &'a [Chosen]) -> Vec<Attached<'a>> {
     let one = |c: &'a Chosen| Attached {

@@ -11,7 +11,7 @@ use crate::report::scale::pretty;
 
 use super::balance::{Balance, Course};
 use super::case::Case;
-use super::level::Level;
+use super::level::{Chosen, Level, groups};
 use super::rank::Scored;
 use super::residual::residuals;
 use super::result::{estimates, rmse_of, sentences, verdict};
@@ -86,9 +86,15 @@ pub fn html(
     for (depth, ranking) in found.rankings.iter().enumerate() {
         let cost = if depth == 0 { found.before.train.total() } else { found.after.train.total() };
         let mut text = "<p>How much of the sum of squares each effect promises to explain, before any is fitted.</p>\n".to_owned();
-        rank(case, ranking, cost, &mut text);
+        let each: Vec<Vec<Scored>> = ranking.iter().take(SHOWN).map(|s| vec![s.clone()]).collect();
+        rank(case, &each, cost, &mut text);
         let number = depth + 1;
         page.section(&format!("ranking-{number}"), &format!("Ranking {number}"), &text);
+    }
+    if !found.pairs.is_empty() {
+        let mut text = "<p>One effect leaves something. How much of the sum of squares two promise to explain together.</p>\n".to_owned();
+        rank(case, &found.pairs, found.before.train.total(), &mut text);
+        page.section("pairs", "Two at once", &text);
     }
     if !found.rejected.is_empty() {
         let text = part(&|out| rejected(case, found, out));
@@ -254,27 +260,36 @@ fn parameters(case: &Case<'_>, level: &Level, out: &mut String) {
     out.push_str("</table>");
 }
 
-fn rank(case: &Case<'_>, ranking: &[Scored], cost: f64, out: &mut String) {
+fn rank(case: &Case<'_>, ranking: &[Vec<Scored>], cost: f64, out: &mut String) {
     out.push_str("<table><tr><th>effect</th><th>at</th><th>promises</th><th></th></tr>");
-    for s in ranking.iter().take(SHOWN) {
-        let share = 100.0 * s.gain / cost;
+    for proposal in ranking {
+        let share = 100.0 * proposal.first().map_or(0.0, |s| s.gain) / cost;
+        let (effects, places) =
+            listed(case, proposal.iter().map(|s| (s.effect, s.place.at.join(", "))));
         out.push_str(&format!(
-            "<tr><td>{}</td><td>{}</td><td>{share:.1} %</td><td style=\"width:220px\"><div class=\"bar\" style=\"width:{share:.1}%\"></div></td></tr>",
-            escaped(&case.effects[s.effect].class),
-            escaped(&s.place.at.join(", "))
+            "<tr><td>{effects}</td><td>{places}</td><td>{share:.1} %</td><td style=\"width:220px\"><div class=\"bar\" style=\"width:{share:.1}%\"></div></td></tr>"
         ));
     }
     out.push_str("</table>");
 }
 
+/// Effects and their places, a line each.
+fn listed(case: &Case<'_>, all: impl Iterator<Item = (usize, String)>) -> (String, String) {
+    let (effects, places): (Vec<String>, Vec<String>) =
+        all.map(|(effect, at)| (escaped(&case.effects[effect].class), escaped(&at))).unzip();
+    (effects.join("<br>"), places.join("<br>"))
+}
+
 fn rejected(case: &Case<'_>, found: &Found, out: &mut String) {
     out.push_str("<table><tr><th>effect</th><th>at</th><th>BIC above the best</th><th>train</th><th>validation</th></tr>");
     for level in &found.rejected {
-        let Some(c) = level.chosen.last() else { continue };
+        let places = |group: &[Chosen]| -> String {
+            let at: Vec<String> = group.iter().map(|c| c.place.at.join(", ")).collect();
+            at.join(", ")
+        };
+        let (effects, at) = listed(case, groups(&level.chosen).map(|g| (g[0].effect, places(g))));
         out.push_str(&format!(
-            "<tr><td>{}</td><td>{}</td><td>{:.1}</td><td>{:.4}</td><td>{:.4}</td></tr>",
-            escaped(&case.effects[c.effect].class),
-            escaped(&c.place.at.join(", ")),
+            "<tr><td>{effects}</td><td>{at}</td><td>{:.1}</td><td>{:.4}</td><td>{:.4}</td></tr>",
             level.bic() - found.after.bic(),
             level.chi2_train(),
             level.chi2_validation()

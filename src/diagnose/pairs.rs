@@ -58,7 +58,7 @@ pub fn pairs(case: &Case<'_>, level: &Level, ranking: &[Scored]) -> Vec<Vec<Scor
         numbers.iter().for_each(|n| used[*n] += 1);
         let of_first = first.members.len() * case.effects[first.scored.effect].amplitudes.len();
         let (of_first, of_second) = amplitudes.split_at(of_first);
-        let both = [first.proposed(of_first), second.proposed(of_second)];
+        let both = [first.proposed(worth, of_first), second.proposed(worth, of_second)];
         let share = 100.0 * worth / level.train.total();
         let [a, b] = [0, 1].map(|k| case.named(both[k].effect, &both[k].place));
         (case.say)(&format!("  score {share:5.1} %  {a} and {b}"));
@@ -68,13 +68,14 @@ pub fn pairs(case: &Case<'_>, level: &Level, ranking: &[Scored]) -> Vec<Vec<Scor
 }
 
 impl Law<'_> {
-    /// The law with the amplitudes of a pair; its other shapes are those that are best by themselves.
-    fn proposed(&self, amplitudes: &[f64]) -> Scored {
+    /// The law with what a pair promises, and its amplitudes; its other shapes are those that are best by
+    /// themselves.
+    fn proposed(&self, gain: f64, amplitudes: &[f64]) -> Scored {
         let others = match std::ptr::eq(self.scored, self.best) {
             true => self.best.others.clone(),
             false => vec![Scored { others: Vec::new(), ..self.best.clone() }],
         };
-        Scored { amplitudes: amplitudes.to_vec(), others, ..self.scored.clone() }
+        Scored { gain, amplitudes: amplitudes.to_vec(), others, ..self.scored.clone() }
     }
 }
 

@@ -6,7 +6,7 @@ use crate::report::json::Json;
 use super::balance::Balance;
 use super::case::Case;
 use super::effect::Effect;
-use super::level::{Chosen, Level};
+use super::level::{Chosen, Level, groups};
 use super::preference::{COMPLETE, RESOLVED};
 use super::search::Found;
 use super::text::{Attached, Setting, model};
@@ -135,11 +135,6 @@ pub fn estimates(effects: &[Effect], level: &Level) -> Vec<(String, f64, f64, St
     names.filter_map(one).collect()
 }
 
-/// What is one phenomenon at one or several places.
-fn groups(chosen: &[Chosen]) -> impl Iterator<Item = &[Chosen]> {
-    chosen.chunk_by(|a, b| a.group == b.group)
-}
-
 /// The unit of an effect's parameter.
 fn unit(effect: &Effect, parameter: &str) -> String {
     effect.units.iter().find(|(n, _)| n == parameter).map_or(String::new(), |(_, u)| u.clone())
@@ -156,9 +151,11 @@ pub fn json(
 ) -> String {
     let best = found.after.bic();
     let alternatives = found.rejected.iter().filter_map(|level| {
-        let new = groups(&level.chosen).last()?;
+        let mut all: Vec<_> = groups(&level.chosen).collect();
+        let new = all.pop()?;
         let delta = Json::number(level.bic() - best);
-        Some(effect_json(case.effects, level, new, vec![("delta_bic", delta)]))
+        let beside = Json::list(all.into_iter().map(|g| named(case.effects, g)));
+        Some(effect_json(case.effects, level, new, vec![("delta_bic", delta), ("beside", beside)]))
     });
     let effects =
         groups(&found.after.chosen).map(|g| effect_json(case.effects, &found.after, g, Vec::new()));
@@ -175,6 +172,15 @@ pub fn json(
         ("complete", Json::flag(complete)),
     ];
     Json::object(members).pretty()
+}
+
+/// An effect and where it is.
+fn named(effects: &[Effect], group: &[Chosen]) -> Json {
+    let at = group.iter().flat_map(|c| c.place.at.iter());
+    Json::object([
+        ("component", Json::text(effects[group[0].effect].class.clone())),
+        ("at", Json::list(at.map(|a| Json::text(a.clone())))),
+    ])
 }
 
 fn balance_json(balance: &Balance) -> Json {

@@ -6,11 +6,11 @@ use crate::calibrate::problem::Problem;
 
 use super::attempt::Attempt;
 use super::case::Case;
-use super::level::{Level, level};
+use super::level::{Level, groups, level};
 use super::pairs::pairs;
 use super::preference::{COMPLETE, CURVE, EVIDENCE, RESOLVED};
 use super::rank::{Scored, rank};
-use super::search::{Found, bare_plan, promising, simplified, without};
+use super::search::{Found, admit, bare_plan, promising, without};
 
 /// Rounds in which effects are exchanged for others.
 const ROUNDS: usize = 3;
@@ -52,12 +52,15 @@ fn together_from(
 ) {
     let promising = pairs(case, from, ranking);
     let levels = Attempt { case, from, promising: &promising, depth: 0 }.fit(heed);
+    if found.pairs.is_empty() {
+        found.pairs = promising;
+    }
     take_better(case, found, levels, heed);
 }
 
 /// Each effect exchanged for another beside the rest, from where the level stands.
 fn exchange(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    let number = groups(&found.after);
+    let number = groups(&found.after.chosen).count();
     for k in 0..number {
         let done = is_resolved(&found.after) || !heed(0, found.after.train.total());
         let mut all = found.after.chosen.chunk_by(|a, b| a.group == b.group);
@@ -78,16 +81,17 @@ fn exchange(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
 fn take_better(
     case: &Case<'_>,
     found: &mut Found,
-    levels: Vec<Level>,
+    mut levels: Vec<Level>,
     heed: &mut Heed<'_>,
 ) -> bool {
     let better = |l: &Level| {
         l.bic() < found.after.bic() - EVIDENCE
             && l.chi2_validation() < found.after.chi2_validation()
     };
-    let Some(best) = levels.into_iter().find(better) else { return false };
-    let best = simplified(case, best, heed);
-    let last = std::mem::replace(&mut found.after, best);
+    let best = levels.iter().position(better).map(|k| levels.remove(k));
+    found.rejected.extend(levels);
+    let Some(best) = best else { return false };
+    let last = admit(case, found, best, heed);
     if !last.chosen.is_empty() {
         found.rejected.push(last);
     }
@@ -97,11 +101,6 @@ fn take_better(
 /// True if nothing is left to explain, whether it was fitted or not.
 fn is_resolved(level: &Level) -> bool {
     level.chi2_train() < COMPLETE && level.chi2_validation() < RESOLVED
-}
-
-/// Number of phenomena that a level has.
-pub fn groups(level: &Level) -> usize {
-    level.chosen.chunk_by(|a, b| a.group == b.group).count()
 }
 
 /// One simple effect instead of several or of a curve, or two instead of more, if that explains as much. Where
@@ -122,8 +121,7 @@ pub fn simplify(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
         && let Some(simple) = fewer(case, &from.clone(), heed)
         && simple.chi2_validation() < found.before.chi2_validation()
     {
-        let simple = simplified(case, simple, heed);
-        let last = std::mem::replace(&mut found.after, simple);
+        let last = admit(case, found, simple, heed);
         if !last.chosen.is_empty() {
             found.rejected.push(last);
         }
@@ -155,7 +153,7 @@ fn fewer(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
     let laws = from.chosen.iter().filter(|c| case.effects[c.effect].amplitudes.len() < CURVE);
     let more = from.chosen.len() > 2 || laws.count() < from.chosen.len();
     match one {
-        None if groups(from) > 1 && more => fitted(&pairs(case, &start, &ranking)),
+        None if groups(&from.chosen).count() > 1 && more => fitted(&pairs(case, &start, &ranking)),
         one => one,
     }
 }

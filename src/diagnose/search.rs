@@ -9,10 +9,10 @@ use crate::calibrate::problem::Problem;
 
 use super::attempt::Attempt;
 use super::case::{Case, Nothing};
-use super::level::{Chosen, Level, level};
+use super::level::{Chosen, Level, groups, level};
 use super::preference::{COMPLETE, EVIDENCE};
 use super::rank::{Scored, rank};
-use super::revise::{groups, revise, simplify, together};
+use super::revise::{revise, simplify, together};
 
 /// Places that are fitted after a score test.
 const FITTED: usize = 5;
@@ -38,6 +38,8 @@ pub struct Found {
     pub after: Level,
     /// The scores at each level, best first; one entry for each effect and place.
     pub rankings: Vec<Vec<Scored>>,
+    /// Two at once that promise most, if they were asked for.
+    pub pairs: Vec<Vec<Scored>>,
     /// What was fitted besides, best first.
     pub rejected: Vec<Level>,
 }
@@ -64,15 +66,20 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
 fn diagnose_from(case: &Case<'_>, before: Level, heed: &mut Heed<'_>) -> Found {
     (case.say)(&format!("calibrated: reduced chi-square {:.4}", before.chi2_train()));
     (case.say)(&format!("  by recording {:.1?}", before.train.by_recording()));
-    let mut found =
-        Found { after: before.clone(), before, rankings: Vec::new(), rejected: Vec::new() };
+    let mut found = Found {
+        after: before.clone(),
+        before,
+        rankings: Vec::new(),
+        pairs: Vec::new(),
+        rejected: Vec::new(),
+    };
     climb(case, &mut found, 0..1, heed);
     together(case, &mut found, heed);
-    if groups(&found.after) == 1 {
+    if groups(&found.after.chosen).count() == 1 {
         climb(case, &mut found, 1..USUAL, heed);
     }
     revise(case, &mut found, heed);
-    if groups(&found.after) >= USUAL {
+    if groups(&found.after.chosen).count() >= USUAL {
         climb(case, &mut found, USUAL..DEPTH, heed);
     }
     simplify(case, &mut found, heed);
@@ -108,27 +115,30 @@ fn climb(case: &Case<'_>, found: &mut Found, depths: Range<usize>, heed: &mut He
                 && l.chi2_validation() < found.after.chi2_validation()
         };
         if let Some(first) = levels.iter().position(asked_for) {
-            let best = simplified(case, levels.remove(first), heed);
-            // From where the amended model has led, the model as it was may fit better than before.
-            let bare = bare(case, &best, heed);
-            if let Some(bare) = bare.filter(|b| b.train.total() < found.before.train.total()) {
-                let (train, bic) = (bare.chi2_train(), bare.bic());
-                (case.say)(&format!("without any effect from there: {train:.4}"));
-                found.before = bare.clone();
-                if bic < best.bic() + EVIDENCE {
-                    found.rejected.push(best);
-                    found.rejected.extend(levels);
-                    found.after = bare;
-                    continue;
-                }
-            }
-            found.after = best;
+            let best = levels.remove(first);
+            admit(case, found, best, heed);
             found.rejected.extend(levels);
         } else {
             found.rejected.extend(levels);
             break;
         }
     }
+}
+
+/// Takes what was found to be better, or the model as it was, if that fits as well from where the better one
+/// has led: from there it may fit better than before. Gives back what that replaces.
+pub fn admit(case: &Case<'_>, found: &mut Found, better: Level, heed: &mut Heed<'_>) -> Level {
+    let mut best = simplified(case, better, heed);
+    let bare = bare(case, &best, heed);
+    if let Some(bare) = bare.filter(|b| b.train.total() < found.before.train.total()) {
+        let (train, bic) = (bare.chi2_train(), bare.bic());
+        (case.say)(&format!("without any effect from there: {train:.4}"));
+        found.before = bare.clone();
+        if bic < best.bic() + EVIDENCE {
+            found.rejected.push(std::mem::replace(&mut best, bare));
+        }
+    }
+    std::mem::replace(&mut found.after, best)
 }
 
 /// Those whose promise is worth their parameters.
@@ -154,7 +164,7 @@ pub fn bare_plan(case: &Case<'_>, from: &Level) -> Plan {
 
 /// Without those effects that the data do not ask for beside the others, and without those places of an
 /// effect at several.
-pub fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
+fn simplified(case: &Case<'_>, mut level: Level, heed: &mut Heed<'_>) -> Level {
     let last = level.chosen.last().map_or(0, |c| c.group);
     for group in 0..=last {
         let weak: Vec<String> = level
