@@ -289,12 +289,6 @@ impl<'a> Problem<'a> {
         values.filter(|v| !v.is_nan()).count()
     }
 
-    /// Number of residuals of the training recordings that are not left out.
-    pub fn count_fitted(&self) -> usize {
-        let values = self.fitted().into_iter().flat_map(|r| r.signals.iter().flatten());
-        values.filter(|v| !v.is_nan()).count()
-    }
-
     /// Training recordings that a first look can do without: what is left has about `enough` instants, and
     /// comes from the whole of the list.
     pub fn surplus(&self, enough: usize) -> Vec<usize> {

@@ -194,7 +194,7 @@ impl Attempt<'_> {
         }
         let mut starts = vec![(best.chosen.clone(), begun)];
         let new: Vec<(usize, &[String])> =
-            self.new(best).iter().map(|c| (c.effect, c.place.at.as_slice())).collect();
+            self.added(best).iter().map(|c| (c.effect, c.place.at.as_slice())).collect();
         let same = |p: &&Vec<Scored>| {
             let members: Vec<(usize, Place)> = p.iter().flat_map(Scored::members).collect();
             members.iter().map(|(effect, place)| (*effect, place.at.as_slice())).eq(new.clone())
@@ -211,7 +211,7 @@ impl Attempt<'_> {
     }
 
     /// What a level has that it was not begun with.
-    fn new<'l>(&self, level: &'l Level) -> &'l [Chosen] {
+    fn added<'l>(&self, level: &'l Level) -> &'l [Chosen] {
         &level.chosen[self.from.chosen.len()..]
     }
 
@@ -219,7 +219,7 @@ impl Attempt<'_> {
     fn named(&self, level: &Level) -> String {
         let mut last = None;
         let mut words: Vec<String> = Vec::new();
-        for c in self.new(level) {
+        for c in self.added(level) {
             match words.last_mut() {
                 Some(word) if last == Some(c.group) => {
                     word.push_str(", ");

@@ -242,7 +242,7 @@ pub struct Linearised {
     free: usize,
     /// Position of the first amplitude of each candidate.
     first: Vec<Option<usize>>,
-    /// Share of all instants that they are made of.
+    /// Share of the sum of squares that they are made of.
     share: f64,
 }
 
@@ -259,8 +259,10 @@ impl Linearised {
             }
         }
         let mut found = score(&self.normal, self.free, &group, &positive)?;
-        // What is left out is taken to be like the rest.
-        found.gain /= self.share;
+        // Of what is left out the same part is taken to be explained.
+        if self.share.is_normal() {
+            found.gain /= self.share;
+        }
         Some(found)
     }
 }
@@ -318,16 +320,29 @@ impl<'a> Scoring<'a> {
         let mut problems = Problems::new();
         let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
         let mut problem = problem?;
-        problem.left_out = problem.surplus(enough);
-        let count = problem.count(Split::Train);
+        problem.left_out = surplus(&problem, level, enough);
         let mut normal = problem.normal(&problem.start()).ok()?;
         if !problem.left_out.is_empty() {
             // Few recordings must not have the parameters for themselves: the others hold them too.
             hold(&mut normal, self.whole.get_or_init(|| alone(case, level)).as_ref()?);
         }
-        let share = problem.count_fitted() as f64 / count.max(1) as f64;
+        let share = normal.cost / level.train.total();
         Some(Linearised { normal, free, first, share })
     }
+}
+
+/// Recordings that a score test goes without, to have about `enough` instants: those that fit best, as they
+/// have least to tell.
+fn surplus(problem: &Problem<'_>, level: &Level, enough: usize) -> Vec<usize> {
+    let mut left_out = problem.surplus(enough);
+    let each: Vec<f64> = level.train.squares.iter().map(|s| s.iter().sum()).collect();
+    if each.len() == problem.recordings(Split::Train).len() {
+        let mut order: Vec<usize> = (0..each.len()).collect();
+        order.sort_by(|a, b| each[*a].total_cmp(&each[*b]));
+        order.truncate(left_out.len());
+        left_out = order;
+    }
+    left_out
 }
 
 /// The normal equations of a level as it is.
