@@ -9,6 +9,7 @@ pub mod algorithm;
 pub mod builtin;
 mod choice;
 pub mod deduce;
+mod eventless;
 pub mod external;
 mod file;
 mod fourier;
@@ -98,6 +99,8 @@ pub struct State {
     pub(crate) asserts: Vec<external::Asserted>,
     /// Results of functions of discrete type that change between events, since their arguments do.
     pub(crate) moving: FastSet<ExprId>,
+    /// What is known of the change of each expression.
+    motions: Vec<eventless::Motion>,
     /// In how many connections each connector is; known where equations are read.
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }
