@@ -178,6 +178,53 @@ fn what_arguments_compare_makes_events_and_what_functions_compare_makes_none() {
 }
 
 #[test]
+fn functions_of_the_user_hide_those_that_are_predefined() {
+    let run = Case::text(
+        "package Hiding
+           function sum
+             input Real u[:];
+             output Real y = 42;
+           algorithm
+           end sum;
+           function abs
+             input Real u;
+             output Real y;
+           algorithm
+             y := 10 + .abs(u);
+           end abs;
+           package Deeper
+             function matrix
+               input Real u;
+               output Real y;
+             algorithm
+               y := abs(u) + 1;
+             end matrix;
+           end Deeper;
+           model Test
+             function max
+               input Real a;
+               input Real b;
+               output Real y;
+             algorithm
+               y := a;
+             end max;
+             function scalar = Deeper.matrix;
+             import Hiding.Deeper.matrix;
+             Real s = sum({1, 2});
+             Real m = matrix(-1);
+             Real a = max(1, 2);
+             Real f = scalar(-2);
+             Real p = .sum({1, 2}) + min(1, 2) + product({2, 3});
+           end Test;
+         end Hiding;",
+    )
+    .model("Hiding.Test")
+    .run();
+    let found = ["s", "m", "a", "f", "p"].map(|name| run.last(name));
+    assert_eq!(found, [42.0, 12.0, 1.0, 13.0, 10.0]);
+}
+
+#[test]
 fn the_outermost_modification_wins() {
     let run = Case::text(
         "package P
