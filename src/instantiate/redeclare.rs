@@ -39,7 +39,8 @@ impl Context<'_> {
         fit
     }
 
-    /// The redeclarations of an element, outermost first.
+    /// The redeclarations of an element, outermost first: one of each modification, for a second one
+    /// is an error of its text.
     fn replacements(&self, id: InstanceId, entry: &Entry) -> Vec<Replacement> {
         let inherited = entry.layers.iter().map(|(m, class)| Layer {
             source: LayerSource::Whole(m.clone()),
@@ -48,12 +49,14 @@ impl Context<'_> {
         });
         let mut found = Vec::new();
         for layer in self.instances[id].layers.iter().cloned().chain(inherited) {
-            for (element, _) in layer.redeclarations() {
+            let first = layer.redeclarations().find_map(|(element, _)| {
                 let names = element.names();
-                if let Some((_, span)) = names.iter().find(|(name, _)| *name == entry.name.name) {
-                    let element = Rc::new((**element).clone());
-                    found.push(Replacement { element, scope: layer.scope, span: *span });
-                }
+                let (_, span) = names.iter().find(|(name, _)| *name == entry.name.name)?;
+                Some((element, *span))
+            });
+            if let Some((element, span)) = first {
+                let element = Rc::new((**element).clone());
+                found.push(Replacement { element, scope: layer.scope, span });
             }
         }
         found

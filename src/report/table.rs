@@ -180,9 +180,11 @@ pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), 
 }
 
 /// Whole numbers below 2^53 plainly where the column is whole, otherwise the shortest text that
-/// reads back as the same value. A negative zero keeps its sign.
+/// reads back as the same value. A negative zero keeps its sign, but for whole numbers, which have
+/// one zero only.
 pub(super) fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
     const EXACT: f64 = 9_007_199_254_740_992.0;
+    let value = if whole { value + 0.0 } else { value };
     let plain = whole && value.fract() == 0.0 && value.abs() < EXACT;
     let mut buffer = zmij::Buffer::new();
     let digits = buffer.format_finite(value);
@@ -474,17 +476,19 @@ mod tests {
             kind("n", Kind::Integer),
             kind("huge", Kind::Integer),
         ];
-        let rows: [(f64, &[f64]); 3] = [
+        let rows: [(f64, &[f64]); 4] = [
             (0.0, &[1.0, 0.0, -3.0, 1e300]),
             (0.25, &[1.5, 0.0, -3.0, 1e300]),
             (0.25, &[1.5, 1.0, 12.0, 1e300]),
+            (0.5, &[1.5, 1.0, -0.0, 1e300]),
         ];
         assert_eq!(
             text(&columns, &rows).unwrap(),
             "time,\"a[1,2]\",closed,n,huge\n\
              0.0,1.0,0,-3,1e+300\n\
              0.25,1.5,0,-3,1e+300\n\
-             0.25,1.5,1,12,1e+300\n"
+             0.25,1.5,1,12,1e+300\n\
+             0.5,1.5,1,0,1e+300\n"
         );
     }
 

@@ -115,6 +115,116 @@ fn functions_with_loops_arrays_and_several_outputs() {
 }
 
 #[test]
+fn what_arguments_compare_makes_events_and_what_functions_compare_makes_none() {
+    let run = Case::text(
+        "model Arguments
+           record Three
+             Integer k;
+             Boolean positive = k > 0;
+           end Three;
+           function doubled
+             input Integer i;
+             output Integer o;
+           algorithm
+             o := if i > 0 then 2*i else i;
+           end doubled;
+           function three
+             input Integer i;
+             output Three t;
+           algorithm
+             t := Three(doubled(i));
+           end three;
+           function above
+             input Real u;
+             input Real limit;
+             output Real y;
+           algorithm
+             y := if u > limit then sqrt(u - limit) else 0;
+           end above;
+           function of_both
+             input Real u;
+             input Boolean b;
+             output Real y;
+           algorithm
+             y := (if b and u > 0.3 then 2 else 1) + above(2*u, u) + floor(u);
+           end of_both;
+           Three made = Three(if time > 0.5 then 1 else -1);
+           Three returned = three(if time > 0.5 then 1 else -1);
+           Integer once = doubled(if time > 0.5 then 1 else -1);
+           Integer twice = doubled(doubled(if time > 0.5 then 1 else -1));
+           Real jump = above(if time > 0.5 then 2 + time else -time, 0.25);
+           Real both = of_both(time, time > 0.5);
+           Real chosen = above(time, 0.25);
+           Integer k(start = 0, fixed = true);
+         equation
+           when time > 0.75 then
+             assert(made.k == 1 and made.positive, \"a record\");
+             assert(returned.k == 2 and returned.positive, \"a function with a record\");
+             assert(once == 2 and twice == 4, \"whole numbers\");
+             assert(jump > 1 and both > 2, \"numbers\");
+             k = pre(k) + once;
+           end when;
+         end Arguments;",
+    )
+    .run();
+    for (name, value) in [("made.k", 1.0), ("returned.k", 2.0), ("once", 2.0), ("twice", 4.0)] {
+        assert_eq!((run.first(name), run.last(name)), (-1.0, value));
+    }
+    assert_close(run.last("jump"), f64::sqrt(2.75), 1e-12);
+    assert_close(run.last("both"), 4.0, 1e-12);
+    assert_close(run.last("chosen"), f64::sqrt(0.75), 1e-12);
+    // One for each instant that equations name: those of the functions' own relations are none.
+    assert_eq!(run.events.len(), 2);
+}
+
+#[test]
+fn functions_of_the_user_hide_those_that_are_predefined() {
+    let run = Case::text(
+        "package Hiding
+           function sum
+             input Real u[:];
+             output Real y = 42;
+           algorithm
+           end sum;
+           function abs
+             input Real u;
+             output Real y;
+           algorithm
+             y := 10 + .abs(u);
+           end abs;
+           package Deeper
+             function matrix
+               input Real u;
+               output Real y;
+             algorithm
+               y := abs(u) + 1;
+             end matrix;
+           end Deeper;
+           model Test
+             function max
+               input Real a;
+               input Real b;
+               output Real y;
+             algorithm
+               y := a;
+             end max;
+             function scalar = Deeper.matrix;
+             import Hiding.Deeper.matrix;
+             Real s = sum({1, 2});
+             Real m = matrix(-1);
+             Real a = max(1, 2);
+             Real f = scalar(-2);
+             Real p = .sum({1, 2}) + min(1, 2) + product({2, 3});
+           end Test;
+         end Hiding;",
+    )
+    .model("Hiding.Test")
+    .run();
+    let found = ["s", "m", "a", "f", "p"].map(|name| run.last(name));
+    assert_eq!(found, [42.0, 12.0, 1.0, 13.0, 10.0]);
+}
+
+#[test]
 fn the_outermost_modification_wins() {
     let run = Case::text(
         "package P

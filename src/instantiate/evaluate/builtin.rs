@@ -8,6 +8,7 @@ use crate::base::diag::{Diagnostic, did_you_mean};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::instantiate::lookup::Found;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
@@ -122,6 +123,7 @@ impl Context<'_> {
             return self.call_value(&f, args, named, span, scope);
         }
         if let Some(name) = name
+            && (function.global || !self.is_hidden_builtin(name, scope))
             && let Some(result) = self.builtin(name, args, named, span, scope)
         {
             return result;
@@ -140,6 +142,22 @@ impl Context<'_> {
         };
         self.report_trespass();
         self.call_with(class, args, named, span, scope)
+    }
+
+    /// Whether a function that is declared around hides the predefined one of its name, which stands
+    /// outside of everything (section 5.3.1).
+    fn is_hidden_builtin(&mut self, name: Name, scope: Scope) -> bool {
+        let place = (scope.class, name);
+        if self.evaluation.plain_names.contains(&place) {
+            return false;
+        }
+        let found = self.find_first(name, scope);
+        let hidden = matches!(found, Some(Found::Class(c))
+            if matches!(self.kind(c), ClassKind::Function { .. }));
+        if !hidden && !self.table_in_progress(scope.class) {
+            self.evaluation.plain_names.insert(place);
+        }
+        hidden
     }
 
     fn is_operator_of_record(&mut self, holder: InstanceId) -> bool {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::value::{Record, Value};
 use super::{Context, MAX_DEPTH};
 use crate::base::diag::Diagnostic;
+use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript, Variability};
@@ -105,37 +106,21 @@ impl Context<'_> {
         self.evaluation.depth += 1;
         let saved = self.enter_frame(true);
         let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
-        let arguments = given.clone();
-        let result = self.run(class, &components, &mut given, span);
-        if let Some(result) = &result {
-            self.note_moving(result, &arguments);
+        // What is called in a function becomes part of it.
+        let outermost = !saved.1;
+        let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
+        let mut result = self.run(class, &components, &mut given, span);
+        if outermost && let Some(made) = &mut result {
+            *made = match events.is_empty() {
+                true => made.each_scalar(&mut |e| self.graph.no_event(e)),
+                false => self.without_events(made, &events),
+            };
+            self.note_moving(made);
         }
         (self.evaluation.broken, self.evaluation.returned) = left;
         self.leave_frame(saved);
         self.evaluation.depth -= 1;
         result
-    }
-
-    /// What a function makes of arguments that change between events changes between them too.
-    fn note_moving(&mut self, result: &Value, arguments: &[Option<Value>]) {
-        let mut discrete = Vec::new();
-        result.for_each_scalar(&mut |e| {
-            if !matches!(self.graph.ty(e), Type::Real | Type::String)
-                && self.graph.as_const(e).is_none()
-            {
-                discrete.push(e);
-            }
-        });
-        if discrete.is_empty() {
-            return;
-        }
-        let mut moves = false;
-        for value in arguments.iter().flatten() {
-            value.for_each_scalar(&mut |e| moves = moves || self.changes_between_events(e));
-        }
-        if moves {
-            self.evaluation.moving.extend(discrete);
-        }
     }
 
     /// Arguments in the order of the inputs; `None` for those left to their defaults.
@@ -355,10 +340,6 @@ impl Context<'_> {
             let (_, value) = self.evaluation.locals[frame..].iter().find(|(n, _)| *n == name)?;
             results.push(value.clone());
         }
-        // Relations in functions make no events (section 12.2 of the specification).
-        for value in &mut results {
-            *value = value.each_scalar(&mut |e| self.graph.no_event(e));
-        }
         match results.len() {
             1 => results.pop(),
             _ => Some(Value::Tuple(results.into())),
@@ -543,6 +524,8 @@ impl Context<'_> {
             .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
             .collect();
         let saved = self.enter_frame(true);
+        let outermost = !saved.1;
+        let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
         let built = self.fields(&components, given);
         self.leave_frame(saved);
         let built = match built {
@@ -556,7 +539,14 @@ impl Context<'_> {
                 return None;
             }
         };
-        Some(Value::Record(Rc::new(Record { class: Some(class), fields: built })))
+        let made = Value::Record(Rc::new(Record { class: Some(class), fields: built }));
+        if !outermost {
+            return Some(made);
+        }
+        // What the class says of the fields that nobody gives stands in the constructor.
+        let made = self.without_events(&made, &events);
+        self.note_moving(&made);
+        Some(made)
     }
 }
 

@@ -9,6 +9,7 @@ pub mod algorithm;
 pub mod builtin;
 mod choice;
 pub mod deduce;
+mod eventless;
 pub mod external;
 mod file;
 mod fourier;
@@ -32,7 +33,7 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{self, Expr, ExprKind, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
-use crate::ir::instance::{InstanceId, InstanceKind, Scope};
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use value::Value;
 
 /// Elements of the largest array.
@@ -98,6 +99,10 @@ pub struct State {
     pub(crate) asserts: Vec<external::Asserted>,
     /// Results of functions of discrete type that change between events, since their arguments do.
     pub(crate) moving: FastSet<ExprId>,
+    /// Names that stand for no function of the user where they were called: what is built in is meant.
+    pub(crate) plain_names: FastSet<(ClassId, Name)>,
+    /// What is known of the change of each expression.
+    motions: Vec<eventless::Motion>,
     /// In how many connections each connector is; known where equations are read.
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }

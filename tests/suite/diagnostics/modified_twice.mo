@@ -1,13 +1,12 @@
 // status: 1
-// error[MO0262] 21:13
-// error[MO0227] 23:13
-// error[MO0204] 34:11
+// error[MO0262] 20:13
+// error[MO0227] 22:13
+// error[MO0204] 33:11
+// error[MO0264] 42:37
 // error[MO0264] 43:37
-// error[MO0264] 44:37
-// error[MO0264] 44:95
-// error[MO0224] 45:45
-// error[MO0264] 45:82
-// error[MO0209] 46:22
+// error[MO0264] 43:95
+// error[MO0264] 44:82
+// error[MO0209] 45:22
 package Modified
   type Angle = Real(final unit = "rad", displayUnit = "deg");
   model Part
