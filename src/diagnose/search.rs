@@ -26,6 +26,8 @@ const MUCH: f64 = 2.0;
 const NOTABLE: f64 = 0.1;
 /// An amplitude that is not so many standard errors from zero may not be needed.
 const WEAK: f64 = 10.0;
+/// Steps of all fits after which no further one is begun: what many of them have not found, more do not.
+const PATIENCE: u64 = 1000;
 
 /// A longer calibration shows that the first was caught if it leaves less than this share of its sum.
 const FREED: f64 = 0.7;
@@ -46,6 +48,12 @@ pub struct Found {
 
 /// Looks for what the model lacks. `heed` is told about each step and ends the search by `false`.
 pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> {
+    let mut steps = 0;
+    // Between fits it is told of a step 0.
+    let heed: &mut Heed<'_> = &mut |step, sum| {
+        steps += u64::from(step > 0);
+        heed(step, sum) && (step > 0 || steps < PATIENCE)
+    };
     let before = level(case, Vec::new(), case.plan.clone(), &mut |p| quick_fit(p, heed))?;
     let mut found = diagnose_from(case, before, heed);
     if found.after.chi2_train() >= COMPLETE && heed(0, found.after.train.total()) {
@@ -59,6 +67,7 @@ pub fn diagnose(case: &Case<'_>, heed: &mut Heed<'_>) -> Result<Found, Nothing> 
             }
         }
     }
+    (case.say)(&format!("{steps} steps in all"));
     Ok(found)
 }
 
