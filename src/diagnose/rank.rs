@@ -95,7 +95,8 @@ pub fn rank(case: &Case<'_>, level: &Level) -> Vec<Scored> {
         score_some(case, level, &candidates, &all, ENOUGH, &mut trials);
     }
     let mut best: Vec<Scored> = Vec::new();
-    for Trial { mut scored, .. } in trials.into_iter().filter(|t| t.scored.gain > 0.0) {
+    // What promises nothing by itself may do so beside another.
+    for Trial { mut scored, .. } in trials {
         let same = |s: &&mut Scored| s.effect == scored.effect && s.place == scored.place;
         let Some(known) = best.iter_mut().find(same) else {
             best.push(scored);
@@ -183,7 +184,8 @@ fn trials(case: &Case<'_>, level: &Level) -> (Vec<Candidate>, Vec<Trial>) {
                 }));
             }
             let (effect, place) = (*effect, place.clone());
-            let (amplitudes, others) = (Vec::new(), Vec::new());
+            let count = members.len() * case.effects[effect].amplitudes.len();
+            let (amplitudes, others) = (vec![0.0; count], Vec::new());
             let scored = Scored { effect, place, shape, amplitudes, gain: 0.0, others };
             trials.push(Trial { scored, members });
         }
