@@ -13,6 +13,7 @@ use crate::ir::instance::{ClassId, InstanceId, InstanceKind};
 struct Count {
     potentials: usize,
     flows: usize,
+    streams: usize,
     /// Part of an over-constrained graph: its sizes say nothing.
     overdetermined: bool,
 }
@@ -128,13 +129,15 @@ fn check_conserved(cx: &mut Context<'_>, id: InstanceId) {
 }
 
 fn tally(cx: &mut Context<'_>, id: InstanceId, count: &mut Count) {
+    let equality = crate::base::name::name("equalityConstraint");
+    count.overdetermined |= cx.table_of(id).index.contains_key(&equality);
     match cx.instances[id].kind.clone() {
         InstanceKind::Variable { dims, .. } => {
             let n: usize = dims.iter().product();
             match cx.instances[id].prefix {
                 TypePrefix { variability: Some(v), .. }
                     if v < crate::ir::ast::Variability::Discrete => {}
-                TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => {}
+                TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => count.streams += n,
                 TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => count.flows += n,
                 TypePrefix { causality: Some(_), .. } => {}
                 _ => count.potentials += n,
@@ -142,8 +145,6 @@ fn tally(cx: &mut Context<'_>, id: InstanceId, count: &mut Count) {
         }
         InstanceKind::Object(children) => {
             check_conserved(cx, id);
-            let equality = crate::base::name::name("equalityConstraint");
-            count.overdetermined |= cx.table_of(id).index.contains_key(&equality);
             // A connector inside is counted by itself, but for its prefixes.
             children.iter().for_each(|c| tally(cx, *c, count));
         }
@@ -155,13 +156,27 @@ fn tally(cx: &mut Context<'_>, id: InstanceId, count: &mut Count) {
 }
 
 fn report(cx: &mut Context<'_>, id: InstanceId, class: ClassId, count: &Count) {
-    let Count { potentials, flows, overdetermined } = *count;
-    if potentials == flows || overdetermined {
-        return;
-    }
+    let Count { potentials, flows, streams, overdetermined } = *count;
     let full_name = cx.classes[class].full_name;
     let name = full_name.rsplit('.').next().unwrap_or_default();
     let declared = cx.text(class).map_or(crate::base::source::Span::NONE, |t| t.name.span);
+    if streams > 0 && flows != 1 {
+        let message = format!(
+            "connector `{name}` has {} and {}",
+            counted(streams, "`stream` variable"),
+            counted(flows, "flow")
+        );
+        cx.problems.push(
+            Diagnostic::error("MO0245", declared, message)
+                .also(cx.declared_at(id), "of this class")
+                .help("give it one scalar `flow` variable, which carries what the streams say")
+                .note("section 15.1 of the specification"),
+        );
+        return;
+    }
+    if potentials == flows || overdetermined {
+        return;
+    }
     let message = format!(
         "connector `{name}` has {} and {}",
         counted(potentials, "potential"),

@@ -112,6 +112,10 @@ impl Context<'_> {
                 };
                 self.restricted(first.span, say(what), "use a connector, or leave the prefix out");
             }
+            if !(connector || record) && clause.prefix.connection == Some(ConnectionPrefix::Stream) {
+                let what = "a `stream` variable";
+                self.restricted(first.span, say(what), "declare it in a connector");
+            }
             if function && element.protected && clause.prefix.causality.is_some() {
                 let what = "an input or output, and protected";
                 self.restricted(first.span, say(what), "make it public, or leave the prefix out");

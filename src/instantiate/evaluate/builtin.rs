@@ -236,6 +236,9 @@ impl Context<'_> {
     }
 
     fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
+        if ["inStream", "actualStream"].iter().any(|n| path.to_string() == *n) {
+            return self.unsupported(path.span, "`stream` connectors");
+        }
         let known = UNARY.iter().map(|u| u.0).chain(BINARY.iter().map(|b| b.0)).chain(OTHERS);
         let mut d =
             Diagnostic::error("MO0202", path.span, format!("there is no function `{path}`"))

@@ -91,8 +91,8 @@ impl Context<'_> {
                 Ok(vec![self.whole_number(start + blanks as i64)])
             }
             "hashString" => {
-                // Hash of P. Evans and D. Bernstein in the form with exclusive or, on 32 bits.
-                let hash = text(0)?.iter().fold(5381_u32, |h, c| h.wrapping_mul(33) ^ (*c as u32));
+                let bytes: String = text(0)?.iter().collect();
+                let hash = arash_partow_hash(bytes.as_bytes());
                 Ok(vec![self.whole_number(i64::from(hash as i32))])
             }
             "scanInteger" | "scanReal" | "scanIdentifier" | "scanString" => {
@@ -186,6 +186,18 @@ fn number(text: &[char], real: bool) -> usize {
     if !real && matches!(text.get(at), Some('.' | 'e' | 'E')) { 0 } else { at }
 }
 
+/// Arash Partow's hash (General Purpose Hash Function Algorithms, 2002), on 32 bits: noise is seeded by
+/// that of an instance's name.
+fn arash_partow_hash(bytes: &[u8]) -> u32 {
+    bytes.iter().enumerate().fold(0xAAAA_AAAA, |hash: u32, (k, byte)| {
+        let byte = u32::from(*byte);
+        hash ^ match k % 2 {
+            0 => (hash << 7) ^ byte.wrapping_mul(hash >> 3),
+            _ => !(hash << 11).wrapping_add(byte ^ (hash >> 5)),
+        }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,6 +214,7 @@ mod tests {
         assert_eq!(number(&chars("1e"), true), 1);
         assert_eq!(number(&chars("."), true), 0);
         assert_eq!(identifier(&chars("a_1.b")), 3);
+        assert_eq!(arash_partow_hash(b""), 0xAAAA_AAAA);
         assert_eq!(quoted(&chars(r#""a\"b" c"#)), 6);
     }
 }
