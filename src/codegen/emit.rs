@@ -17,6 +17,7 @@ use crate::ir::program::{
 };
 
 use super::error;
+use super::function::loops;
 
 /// How often something is computed: the index of a layer.
 pub type Level = usize;
@@ -485,7 +486,9 @@ impl Emitter {
         let outputs = if partial.is_some() { 1 } else { self.dae.functions[called].outputs.len() };
         let base = self.cells(outputs.max(1), 0.0);
         let results = (base..base + outputs as Slot).collect();
-        self.calls.push(CallSite { function: called.idx(), args: slots, results, partial });
+        let remembers = !slots.is_empty() && loops(self, called);
+        let last = remembers.then(|| self.cells(slots.len(), f64::NAN));
+        self.calls.push(CallSite { function: called.idx(), args: slots, results, partial, last });
         let home = self.home(level);
         self.push(home, Op::Call, base, (self.calls.len() - 1) as Slot, 0);
         self.known_calls.insert((function, args), (base, home));

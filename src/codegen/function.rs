@@ -43,6 +43,30 @@ fn recurs(e: &Emitter, f: FunctionId) -> bool {
     false
 }
 
+/// True if a call of `f` may take long: its body or that of a function it calls has a loop.
+pub fn loops(e: &Emitter, f: FunctionId) -> bool {
+    let mut seen = vec![false; e.dae.functions.len()];
+    let mut pending = vec![f];
+    while let Some(g) = pending.pop() {
+        if g.idx() >= seen.len() || std::mem::replace(&mut seen[g.idx()], true) {
+            continue;
+        }
+        if has_loop(&e.dae.functions[g].body) {
+            return true;
+        }
+        pending.extend(callees(e, g));
+    }
+    false
+}
+
+fn has_loop(body: &[Statement]) -> bool {
+    body.iter().any(|statement| match statement {
+        Statement::While(..) => true,
+        Statement::If(_, a, b) => has_loop(a) || has_loop(b),
+        _ => false,
+    })
+}
+
 fn callees(e: &Emitter, f: FunctionId) -> Vec<FunctionId> {
     let mut values = Vec::new();
     statement_values(&e.dae.functions[f].body, &mut values);
@@ -218,7 +242,13 @@ impl<'a> Body<'a> {
                 let base = e.cells(count.max(1), 0.0);
                 let results = (base..base + count as Slot).collect();
                 let function = function.idx();
-                e.calls.push(CallSite { function, args: slots, results, partial: None });
+                e.calls.push(CallSite {
+                    function,
+                    args: slots,
+                    results,
+                    partial: None,
+                    last: None,
+                });
                 self.push(Op::Call, base, (e.calls.len() - 1) as Slot, 0);
                 base + output
             }

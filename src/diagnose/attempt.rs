@@ -80,7 +80,7 @@ impl Attempt<'_> {
     }
 
     /// A first look at each of them beside what the level has.
-    fn look(&self, heed: &mut Heed<'_>) -> Vec<Level> {
+    pub fn look(&self, heed: &mut Heed<'_>) -> Vec<Level> {
         let mut levels: Vec<Level> = Vec::new();
         let (left, mut enough) = (self.from.train.total(), f64::NEG_INFINITY);
         for proposal in self.promising {
@@ -111,7 +111,7 @@ impl Attempt<'_> {
     }
 
     /// Goes on with the best: laws that lead on, then curves, then the rest.
-    fn search_longer(&self, levels: &mut [Level], heed: &mut Heed<'_>) {
+    pub fn search_longer(&self, levels: &mut [Level], heed: &mut Heed<'_>) {
         // A curve says nothing beside a law that leaves nothing; where a curve leaves nothing, laws are
         // looked for from there.
         let turn = |l: &Level| match (is_curve(self.case, l), self.explains_most(l)) {

@@ -70,6 +70,9 @@ pub struct Candidate {
     pub shape: Vec<(String, f64)>,
 }
 
+/// Whether an effect at a place is to be scored.
+pub type Wanted<'w> = dyn Fn(&Effect, &Place) -> bool + 'w;
+
 /// What is scored, and the candidates it is made of.
 struct Trial {
     scored: Scored,
@@ -78,13 +81,18 @@ struct Trial {
 
 /// Every effect at every place with every shape, not yet scored.
 pub fn unscored(case: &Case<'_>, level: &Level) -> Vec<Scored> {
-    let (_, trials) = trials(case, level);
+    let (_, trials) = trials(case, level, &|_, _| true);
     trials.into_iter().map(|t| t.scored).collect()
 }
 
 /// Scores every effect at every place with every shape; the best shape stands for the others.
 pub fn rank(case: &Case<'_>, level: &Level) -> Vec<Scored> {
-    let (candidates, mut trials) = trials(case, level);
+    rank_those(case, level, &|_, _| true)
+}
+
+/// The same of those effects and places alone that `wanted` takes.
+pub fn rank_those(case: &Case<'_>, level: &Level, wanted: &Wanted<'_>) -> Vec<Scored> {
+    let (candidates, mut trials) = trials(case, level, wanted);
     let all: Vec<usize> = (0..candidates.len()).collect();
     let instants: usize = case.data.of(Split::Train).map(|r| r.time.len()).sum();
     if instants > 2 * FEW && all.len() > 2 * AGAIN {
@@ -150,7 +158,7 @@ fn score_some(
 }
 
 /// What is scored, and the candidates that this takes.
-fn trials(case: &Case<'_>, level: &Level) -> (Vec<Candidate>, Vec<Trial>) {
+fn trials(case: &Case<'_>, level: &Level, wanted: &Wanted<'_>) -> (Vec<Candidate>, Vec<Trial>) {
     let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in case.effects.iter().enumerate() {
@@ -162,7 +170,7 @@ fn trials(case: &Case<'_>, level: &Level) -> (Vec<Candidate>, Vec<Trial>) {
                 true => place.at.iter().any(taken),
                 false => place.at.iter().all(taken),
             };
-            if !known {
+            if !known && wanted(effect, &place) {
                 all.push((k, place));
             }
         }

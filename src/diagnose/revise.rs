@@ -6,14 +6,20 @@ use crate::calibrate::problem::Problem;
 
 use super::attempt::Attempt;
 use super::case::Case;
-use super::level::{Level, groups, level};
+use super::level::{Chosen, Level, groups, level};
 use super::pairs::pairs;
 use super::preference::{COMPLETE, CURVE, EVIDENCE, RESOLVED};
-use super::rank::{Scored, rank};
+use super::rank::{Scored, rank, rank_those};
 use super::search::{Found, admit, bare_plan, promising, without};
 
 /// Rounds in which effects are exchanged for others.
 const ROUNDS: usize = 3;
+/// Rivals of a law that are fitted.
+const RIVALS: usize = 3;
+/// A rival promises at least this share of what the law itself would promise there.
+const RIVALLING: f64 = 0.7;
+/// It is searched for long if it leaves less than this share of what is to be explained after a first look.
+const DISTANT: f64 = 0.2;
 
 /// Two effects at once, where one leaves something.
 pub fn together(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
@@ -125,6 +131,47 @@ pub fn simplify(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
         if !last.chosen.is_empty() {
             found.rejected.push(last);
         }
+    }
+}
+
+/// One law that leaves nothing may stand for another that leaves still less: where it has led, the parameters
+/// of the model are near the true ones, and the scores tell more than at the first attempt.
+pub fn contest(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
+    let law = found.after.clone();
+    let explained = law.chi2_train() < COMPLETE && !law.chosen.is_empty();
+    if !explained || is_intricate(case, &law) || !heed(0, law.train.total()) {
+        return;
+    }
+    let Some(start) = stripped(case, &law) else { return };
+    let by_sensor = law.chosen.iter().any(|c| c.place.signal.is_some());
+    let ranking = rank_those(case, &start, &|effect, place| {
+        effect.amplitudes.len() < CURVE && (by_sensor || place.signal.is_none())
+    });
+    let is_own = |s: &Scored| {
+        let own =
+            |c: &Chosen| s.members().iter().any(|(e, p)| *e == c.effect && p.at == c.place.at);
+        law.chosen.iter().all(own)
+    };
+    let gain = ranking.iter().find(|s| is_own(s)).map_or(0.0, |s| s.gain);
+    let is_rival = |s: &&Scored| s.gain > RIVALLING * gain && !is_own(s);
+    let rivals: Vec<Vec<Scored>> =
+        ranking.iter().filter(is_rival).take(RIVALS).map(|s| vec![s.clone()]).collect();
+    let attempt = Attempt { case, from: &start, promising: &rivals, depth: 0 };
+    let near = 1.0 + DISTANT * (found.before.chi2_train() - 1.0);
+    let (mut levels, distant): (Vec<_>, Vec<_>) =
+        attempt.look(heed).into_iter().partition(|l| l.chi2_train() < near);
+    attempt.search_longer(&mut levels, heed);
+    levels.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
+    // Of two that explain the same the one at fewer places.
+    let better = |l: &Level| {
+        let gained = law.evidence() - l.evidence();
+        gained > EVIDENCE || gained > -EVIDENCE && l.chosen.len() < law.chosen.len()
+    };
+    let best = levels.iter().position(better).map(|k| levels.remove(k));
+    found.rejected.extend(levels.into_iter().chain(distant));
+    if let Some(best) = best {
+        let last = admit(case, found, best, heed);
+        found.rejected.push(last);
     }
 }
 

@@ -12,7 +12,7 @@ use super::case::{Case, Nothing};
 use super::level::{Chosen, Level, groups, level};
 use super::preference::{COMPLETE, EVIDENCE};
 use super::rank::{Scored, rank};
-use super::revise::{revise, simplify, together};
+use super::revise::{contest, revise, simplify, together};
 
 /// Places that are fitted after a score test.
 const FITTED: usize = 5;
@@ -92,6 +92,7 @@ fn diagnose_from(case: &Case<'_>, before: Level, heed: &mut Heed<'_>) -> Found {
         climb(case, &mut found, USUAL..DEPTH, heed);
     }
     simplify(case, &mut found, heed);
+    contest(case, &mut found, heed);
     found
 }
 

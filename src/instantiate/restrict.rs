@@ -112,7 +112,8 @@ impl Context<'_> {
                 };
                 self.restricted(first.span, say(what), "use a connector, or leave the prefix out");
             }
-            if !(connector || record) && clause.prefix.connection == Some(ConnectionPrefix::Stream) {
+            if !(connector || record) && clause.prefix.connection == Some(ConnectionPrefix::Stream)
+            {
                 let what = "a `stream` variable";
                 self.restricted(first.span, say(what), "declare it in a connector");
             }

@@ -205,6 +205,10 @@ pub struct CallSite {
     pub results: Vec<Slot>,
     /// Output and argument of a partial derivative, taken by central differences.
     pub partial: Option<(usize, usize)>,
+    /// Of a function with loops the first of as many cells as there are arguments: those of the last call,
+    /// whose results are still there. What takes long is not done again for the same arguments, as in
+    /// when-clauses that are not active. The first one is no number after results of another origin.
+    pub last: Option<Slot>,
 }
 
 /// A compiled function. Its locals have fixed cells: functions do not recur.

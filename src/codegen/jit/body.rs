@@ -103,8 +103,12 @@ fn leaders(cells: &mut Cells<'_, '_>, function: &FunctionCode) -> FastMap<usize,
     blocks
 }
 
-/// Emits a call, in the order in which `Instance::call` does it.
+/// Emits a call, in the order in which `Instance::call` does it, but always done.
 pub fn call(cells: &mut Cells<'_, '_>, site: &CallSite, function: &FunctionCode, code: FuncRef) {
+    if let Some(last) = site.last {
+        let nothing = cells.number(f64::NAN);
+        cells.set(last, nothing);
+    }
     let Some((output, argument)) = site.partial else {
         enter(cells, site, function, code, None);
         for (to, from) in site.results.iter().zip(&function.outputs) {

@@ -107,7 +107,7 @@ impl Context<'_> {
         };
         let c = self.evaluate(condition, scope)?;
         let c = self.truth(&c, condition.span)?;
-        match self.structural_value(c) {
+        match self.decided(c) {
             Some(Const::Boolean(true)) => return self.run_statements(body, scope),
             Some(Const::Boolean(false)) => return self.run_if(rest, otherwise, scope, span),
             _ => {}
@@ -265,7 +265,7 @@ impl Context<'_> {
             let c = self.evaluate(condition, scope)?;
             let c = self.truth(&c, condition.span)?;
             let left = self.evaluation.broken.is_some() || self.evaluation.returned != before;
-            match self.structural_value(c) {
+            match self.decided(c) {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
                 Some(Const::Boolean(true)) if !left => {}
                 _ => {

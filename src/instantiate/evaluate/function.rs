@@ -11,7 +11,7 @@ use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript, Variability};
-use crate::ir::expr::{Const, Type};
+use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
 
 /// The size of an array whose size nobody says, where a function is only read.
@@ -98,12 +98,12 @@ impl Context<'_> {
         if let Some(result) = self.vectorised(class, &inputs, &given, span) {
             return result;
         }
-        if self.evaluation.depth >= MAX_DEPTH {
+        if self.evaluation.calls.len() >= MAX_DEPTH {
             let message = format!("`{full_name}` calls itself more than {MAX_DEPTH} deep");
             self.error("MO0221", span, message);
             return None;
         }
-        self.evaluation.depth += 1;
+        self.evaluation.calls.push(class);
         let saved = self.enter_frame(true);
         let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
         // What is called in a function becomes part of it.
@@ -119,8 +119,18 @@ impl Context<'_> {
         }
         (self.evaluation.broken, self.evaluation.returned) = left;
         self.leave_frame(saved);
-        self.evaluation.depth -= 1;
+        self.evaluation.calls.pop();
         result
+    }
+
+    /// The value of a condition where one branch only is followed. A function that has called itself must
+    /// know whether it will do so again, even if that fixes parameters that are real numbers.
+    pub(super) fn decided(&mut self, condition: ExprId) -> Option<Const> {
+        let recurs = match self.evaluation.calls.split_last() {
+            Some((last, before)) => before.contains(last),
+            None => false,
+        };
+        self.parameter_expression(condition, recurs)
     }
 
     /// Arguments in the order of the inputs; `None` for those left to their defaults.

@@ -65,8 +65,8 @@ pub struct State {
     /// Texts that stand for those of values that only a run knows, and the places of their calls of
     /// `String`: good for messages alone.
     pub(crate) unknown_texts: FastMap<ExprId, Span>,
-    /// Open calls.
-    pub(crate) depth: usize,
+    /// Functions whose calls are open, the innermost last.
+    pub(crate) calls: Vec<ClassId>,
     /// The condition under which the loop, or the function, being run was left already.
     pub(crate) broken: Option<ExprId>,
     /// See `broken`.

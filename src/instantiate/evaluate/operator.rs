@@ -394,7 +394,7 @@ impl Context<'_> {
         let c = self.truth(&c, condition.span)?;
         // Conditions on choices and truth values of parameters are decided here: the branch not taken
         // need not even fit.
-        match self.structural_value(c) {
+        match self.decided(c) {
             Some(Const::Boolean(true)) => self.evaluate(value, scope),
             Some(Const::Boolean(false)) => self.if_expression(rest, otherwise, scope),
             _ => {

@@ -136,6 +136,10 @@ impl Newton {
         if let Err(residual) = evaluate(equations, z, &mut self.correction) {
             return Ending::NonFinite { residual };
         }
+        if self.correction.iter().all(|g| *g == 0.0) {
+            // Also where the equations do not determine it: no correction would be a better one.
+            return Ending::Converged { iterations: 0, accuracy: 0.0 };
+        }
         for iterations in 1..=settings.max_iterations {
             self.set_weights(z, region);
             if let Err(ending) = self.linearize(equations, z) {
