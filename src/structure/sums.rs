@@ -18,8 +18,12 @@ pub struct Sum {
     rates: Vec<VarId>,
 }
 
-/// The sums of a system.
+/// The sums of a system. None where `reinit` sets states anew: then a term may jump, and the others, which
+/// do not (section 8.3.6 of the specification), are no longer tied to it.
 pub fn find(dae: &Dae) -> Vec<Sum> {
+    if !dae.reinits.is_empty() {
+        return Vec::new();
+    }
     // How often each derivative occurs.
     let mut occurrences: FastMap<VarId, usize> = FastMap::default();
     let mut sums: Vec<Sum> = Vec::new();

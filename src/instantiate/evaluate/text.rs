@@ -96,25 +96,34 @@ impl Context<'_> {
                 Ok(vec![self.whole_number(i64::from(hash as i32))])
             }
             "scanInteger" | "scanReal" | "scanIdentifier" | "scanString" => {
-                self.scan(what, &text(0)?, whole(1)?)
+                // Of texts and names the third argument is none of them.
+                let unsigned = matches!(known.get(2), Some(Const::Boolean(true)));
+                self.scan(what, &text(0)?, whole(1)?, unsigned)
             }
             _ => Err(Refusal::Unknown),
         }
     }
 
-    /// What stands at a position: the position after it (1 if there is nothing such), and its value.
-    fn scan(&mut self, what: &str, all: &[char], start: i64) -> Result<Vec<Value>, Refusal> {
+    /// What stands at a position: the position after it (the same if there is nothing such), and its value.
+    fn scan(
+        &mut self,
+        what: &str,
+        all: &[char],
+        start: i64,
+        unsigned: bool,
+    ) -> Result<Vec<Value>, Refusal> {
         let begin = (start.max(1) as usize - 1).min(all.len());
         let blanks = all[begin..].iter().take_while(|c| c.is_whitespace()).count();
         let rest = &all[begin + blanks..];
         let length = match what {
             "scanIdentifier" => identifier(rest),
             "scanString" => quoted(rest),
+            _ if unsigned && matches!(rest.first(), Some('+' | '-')) => 0,
             "scanInteger" => number(rest, false),
             _ => number(rest, true),
         };
         let token: String = rest[..length].iter().collect();
-        let next = if length == 0 { 1 } else { (begin + blanks + length + 1) as i64 };
+        let next = if length == 0 { start } else { (begin + blanks + length + 1) as i64 };
         let value = match what {
             "scanIdentifier" => Value::Scalar(self.graph.string(&token)),
             "scanString" => {

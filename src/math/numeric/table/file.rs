@@ -2,7 +2,7 @@
 //!
 //! *Texts:* a first line `#1`, then for each matrix `double NAME(ROWS, COLUMNS)` or `float ...` and its
 //! numbers row by row, separated by blanks, commas, semicolons or tabs; `#` begins a comment.
-//! *Binary:* MAT of level 4, with whole matrices of numbers. Later levels are refused.
+//! *Binary:* MAT of levels 4 and 5, with whole matrices of numbers.
 
 /// A matrix, row by row.
 #[derive(Clone, PartialEq, Debug)]
@@ -35,9 +35,7 @@ pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
         return in_text(text, name);
     }
     if bytes.starts_with(b"MATLAB") {
-        return Err(
-            "MAT files of level 5 and later are not supported yet; save it as level 4".into()
-        );
+        return super::mat5::matrix(bytes, name);
     }
     in_mat(bytes, name)
 }

@@ -5,6 +5,7 @@
 pub mod time_table;
 pub mod curve;
 pub mod file;
+mod mat5;
 pub mod slopes;
 pub mod surface;
 
