@@ -17,7 +17,7 @@ use crate::ir::program::{
 };
 
 use super::error;
-use super::function::loops;
+use super::guard::{self, takes_long};
 
 /// How often something is computed: the index of a layer.
 pub type Level = usize;
@@ -98,11 +98,14 @@ pub struct Emitter {
     literals: FastMap<u64, Slot>,
     known: FastMap<ExprId, (Slot, Level)>,
     known_calls: FastMap<(FunctionId, ListId), (Slot, Level)>,
+    /// Conditions under which calls are needed.
+    guards: FastMap<(FunctionId, ListId), ExprId>,
 }
 
 impl Emitter {
     /// Nothing compiled yet.
-    pub fn new(dae: Dae) -> Self {
+    pub fn new(mut dae: Dae) -> Self {
+        let guards = guard::guards(&mut dae);
         let count = dae.variables.len();
         let replaced = dae.eliminated.iter().copied().collect();
         Emitter {
@@ -136,6 +139,7 @@ impl Emitter {
             literals: FastMap::default(),
             known: FastMap::default(),
             known_calls: FastMap::default(),
+            guards,
         }
     }
 
@@ -486,9 +490,19 @@ impl Emitter {
         let outputs = if partial.is_some() { 1 } else { self.dae.functions[called].outputs.len() };
         let base = self.cells(outputs.max(1), 0.0);
         let results = (base..base + outputs as Slot).collect();
-        let remembers = !slots.is_empty() && loops(self, called);
+        let guard = self.guards.get(&(function, args)).copied().map(|g| self.emit(g));
+        // What changes more rarely than the condition is computed whether it holds or not.
+        let guard = guard.and_then(|(slot, l)| (l <= level).then_some(slot));
+        let remembers = !slots.is_empty() && takes_long(&self.dae, called);
         let last = remembers.then(|| self.cells(slots.len(), f64::NAN));
-        self.calls.push(CallSite { function: called.idx(), args: slots, results, partial, last });
+        self.calls.push(CallSite {
+            function: called.idx(),
+            args: slots,
+            results,
+            partial,
+            guard,
+            last,
+        });
         let home = self.home(level);
         self.push(home, Op::Call, base, (self.calls.len() - 1) as Slot, 0);
         self.known_calls.insert((function, args), (base, home));

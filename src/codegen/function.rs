@@ -4,6 +4,7 @@
 //! call themselves, directly or through others.
 
 use crate::base::index::{FastMap, Id};
+use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, Node, Unary};
 use crate::ir::flat::{Function, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
@@ -31,47 +32,24 @@ pub fn compile_all(e: &mut Emitter) {
 /// True if `f` is reached from the calls in its own body.
 fn recurs(e: &Emitter, f: FunctionId) -> bool {
     let mut seen = vec![false; e.dae.functions.len()];
-    let mut pending = callees(e, f);
+    let mut pending = callees(&e.dae, f);
     while let Some(g) = pending.pop() {
         if g == f {
             return true;
         }
         if g.idx() < seen.len() && !std::mem::replace(&mut seen[g.idx()], true) {
-            pending.extend(callees(e, g));
+            pending.extend(callees(&e.dae, g));
         }
     }
     false
 }
 
-/// True if a call of `f` may take long: its body or that of a function it calls has a loop.
-pub fn loops(e: &Emitter, f: FunctionId) -> bool {
-    let mut seen = vec![false; e.dae.functions.len()];
-    let mut pending = vec![f];
-    while let Some(g) = pending.pop() {
-        if g.idx() >= seen.len() || std::mem::replace(&mut seen[g.idx()], true) {
-            continue;
-        }
-        if has_loop(&e.dae.functions[g].body) {
-            return true;
-        }
-        pending.extend(callees(e, g));
-    }
-    false
-}
-
-fn has_loop(body: &[Statement]) -> bool {
-    body.iter().any(|statement| match statement {
-        Statement::While(..) => true,
-        Statement::If(_, a, b) => has_loop(a) || has_loop(b),
-        _ => false,
-    })
-}
-
-fn callees(e: &Emitter, f: FunctionId) -> Vec<FunctionId> {
+/// The functions that the body of `f` calls.
+pub fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
     let mut values = Vec::new();
-    statement_values(&e.dae.functions[f].body, &mut values);
-    let nodes = e.dae.graph.postorder(values);
-    let calls = nodes.into_iter().filter_map(|n| match e.dae.graph.node(n) {
+    statement_values(&dae.functions[f].body, &mut values);
+    let nodes = dae.graph.postorder(values);
+    let calls = nodes.into_iter().filter_map(|n| match dae.graph.node(n) {
         Node::Call { function, .. } => Some(function),
         _ => None,
     });
@@ -247,6 +225,7 @@ impl<'a> Body<'a> {
                     args: slots,
                     results,
                     partial: None,
+                    guard: None,
                     last: None,
                 });
                 self.push(Op::Call, base, (e.calls.len() - 1) as Slot, 0);

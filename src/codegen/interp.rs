@@ -363,7 +363,8 @@ impl<'p> Instance<'p> {
     fn call(&mut self, k: usize) -> Result<(), Fault> {
         let program = self.program;
         let site = &program.calls[k];
-        if self.remembers(site) {
+        let unneeded = site.guard.is_some_and(|guard| self.memory[guard as usize] == 0.0);
+        if unneeded || self.remembers(site) {
             return Ok(());
         }
         match site.partial {

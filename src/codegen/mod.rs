@@ -11,6 +11,7 @@ pub mod block;
 pub mod emit;
 pub mod error;
 pub mod function;
+pub mod guard;
 pub mod interp;
 pub mod jacobian;
 pub mod jit;

@@ -81,26 +81,45 @@ struct Trial {
 
 /// Every effect at every place with every shape, not yet scored.
 pub fn unscored(case: &Case<'_>, level: &Level) -> Vec<Scored> {
-    let (_, trials) = trials(case, level, &|_, _| true);
+    let (_, trials) = trials(case, level, false, &|_, _| true);
     trials.into_iter().map(|t| t.scored).collect()
 }
 
 /// Scores every effect at every place with every shape; the best shape stands for the others.
 pub fn rank(case: &Case<'_>, level: &Level) -> Vec<Scored> {
-    rank_those(case, level, &|_, _| true)
+    rank_those(case, level, None, &|_, _| true)
 }
 
-/// The same of those effects and places alone that `wanted` takes.
-pub fn rank_those(case: &Case<'_>, level: &Level, wanted: &Wanted<'_>) -> Vec<Scored> {
-    let (candidates, mut trials) = trials(case, level, wanted);
+/// Scores those effects that `wanted` takes in place of what a level has: where that leaves little, the
+/// trajectories are nearly the true ones, and so are the derivatives. `before` is the model without it.
+pub fn rank_instead(
+    case: &Case<'_>,
+    level: &Level,
+    before: &Level,
+    wanted: &Wanted<'_>,
+) -> Vec<Scored> {
+    rank_those(case, level, Some(before), wanted)
+}
+
+fn rank_those(
+    case: &Case<'_>,
+    level: &Level,
+    before: Option<&Level>,
+    wanted: &Wanted<'_>,
+) -> Vec<Scored> {
+    let (candidates, mut trials) = trials(case, level, before.is_some(), wanted);
     let all: Vec<usize> = (0..candidates.len()).collect();
     let instants: usize = case.data.of(Split::Train).map(|r| r.time.len()).sum();
+    let scoring = |enough| {
+        let scoring = Scoring::new(case, level, &candidates, enough);
+        Scoring { before, ..scoring }
+    };
     if instants > 2 * FEW && all.len() > 2 * AGAIN {
-        score_some(case, level, &candidates, &all, FEW, &mut trials);
+        score_some(&scoring(FEW), &all, &mut trials);
         let again = foremost(level, &trials);
-        score_some(case, level, &candidates, &again, ENOUGH, &mut trials);
+        score_some(&scoring(ENOUGH), &again, &mut trials);
     } else {
-        score_some(case, level, &candidates, &all, ENOUGH, &mut trials);
+        score_some(&scoring(ENOUGH), &all, &mut trials);
     }
     let mut best: Vec<Scored> = Vec::new();
     // What promises nothing by itself may do so beside another.
@@ -142,23 +161,21 @@ fn foremost(level: &Level, trials: &[Trial]) -> Vec<usize> {
     chosen
 }
 
-/// Scores the trials that are made of `chosen` candidates with about `enough` instants.
-fn score_some(
-    case: &Case<'_>,
-    level: &Level,
-    candidates: &[Candidate],
-    chosen: &[usize],
-    enough: usize,
-    trials: &mut [Trial],
-) {
-    let batches = batches(case, candidates, chosen);
-    (case.say)(&format!("scoring {} candidates in {} runs", chosen.len(), batches.len()));
-    let scoring = Scoring::new(case, level, candidates, enough);
+/// Scores the trials that are made of `chosen` candidates.
+fn score_some(scoring: &Scoring<'_>, chosen: &[usize], trials: &mut [Trial]) {
+    let batches = batches(scoring.case, scoring.candidates, chosen);
+    let (some, runs) = (chosen.len(), batches.len());
+    (scoring.case.say)(&format!("scoring {some} candidates in {runs} runs"));
     batches.iter().for_each(|batch| scoring.score(batch, trials));
 }
 
 /// What is scored, and the candidates that this takes.
-fn trials(case: &Case<'_>, level: &Level, wanted: &Wanted<'_>) -> (Vec<Candidate>, Vec<Trial>) {
+fn trials(
+    case: &Case<'_>,
+    level: &Level,
+    instead: bool,
+    wanted: &Wanted<'_>,
+) -> (Vec<Candidate>, Vec<Trial>) {
     let names: FastSet<&str> = case.variables.iter().map(String::as_str).collect();
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in case.effects.iter().enumerate() {
@@ -168,7 +185,7 @@ fn trials(case: &Case<'_>, level: &Level, wanted: &Wanted<'_>) -> (Vec<Candidate
             };
             let known = match effect.built_in {
                 true => place.at.iter().any(taken),
-                false => place.at.iter().all(taken),
+                false => !instead && place.at.iter().all(taken),
             };
             if !known && wanted(effect, &place) {
                 all.push((k, place));
@@ -241,6 +258,8 @@ pub struct Scoring<'a> {
     candidates: &'a [Candidate],
     /// Instants of recordings.
     enough: usize,
+    /// The model without what the level has, if the candidates are to come in its place.
+    before: Option<&'a Level>,
     /// The normal equations of the level alone, of all recordings.
     whole: OnceCell<Option<Normal>>,
 }
@@ -285,7 +304,7 @@ impl<'a> Scoring<'a> {
         candidates: &'a [Candidate],
         enough: usize,
     ) -> Scoring<'a> {
-        Scoring { case, level, candidates, enough, whole: OnceCell::new() }
+        Scoring { case, level, candidates, enough, before: None, whole: OnceCell::new() }
     }
 
     /// Scores the trials that are made of candidates of this batch alone.
@@ -303,7 +322,8 @@ impl<'a> Scoring<'a> {
         for Trial { scored, members } in trials {
             if let Some(found) = linearised.score(self.case, &[(scored.effect, members)]) {
                 // More than everything can not be explained: beyond its range the line does not hold.
-                scored.gain = found.gain.min(self.level.train.total());
+                let most = self.before.map_or(self.level.train.total(), |_| f64::INFINITY);
+                scored.gain = found.gain.min(most);
                 scored.amplitudes = found.amplitudes;
             }
         }
@@ -311,7 +331,7 @@ impl<'a> Scoring<'a> {
 
     /// The normal equations with all candidates of a batch; `None` if they can not be run together.
     pub fn linearised(&self, batch: &[usize]) -> Option<Linearised> {
-        let Scoring { case, level, candidates, enough, .. } = *self;
+        let Scoring { case, level, candidates, enough, before, .. } = *self;
         let mut all = attached(case, &level.chosen);
         let mut plan = level.plan.clone();
         let free = plan.free.len();
@@ -330,14 +350,66 @@ impl<'a> Scoring<'a> {
         let mut problems = Problems::new();
         let problem = Problem::new(&program, &session.sources, &plan, case.data, &mut problems);
         let mut problem = problem?;
-        problem.left_out = surplus(&problem, level, enough);
+        problem.left_out = surplus(&problem, before.unwrap_or(level), enough);
         let mut normal = problem.normal(&problem.start()).ok()?;
         if !problem.left_out.is_empty() {
             // Few recordings must not have the parameters for themselves: the others hold them too.
             hold(&mut normal, self.whole.get_or_init(|| alone(case, level)).as_ref()?);
         }
-        let share = normal.cost / level.train.total();
+        let share = match before {
+            None => normal.cost / level.train.total(),
+            Some(before) => {
+                let of = |(k, s): (usize, &Vec<f64>)| match problem.left_out.contains(&k) {
+                    true => 0.0,
+                    false => s.iter().sum(),
+                };
+                before.train.squares.iter().enumerate().map(of).sum::<f64>() / before.train.total()
+            }
+        };
+        if before.is_some() {
+            take_off(&mut normal, &removed(case, level, &problem));
+        }
         Some(Linearised { normal, free, first, share })
+    }
+}
+
+/// The columns of what a level has, and how far each is from where it does nothing.
+fn removed(case: &Case<'_>, level: &Level, problem: &Problem<'_>) -> Vec<(usize, f64)> {
+    let mut columns = Vec::new();
+    for (k, p) in problem.parameters.iter().enumerate().take(level.plan.free.len()) {
+        let targets = &level.plan.free[k].targets;
+        for c in &level.chosen {
+            let own = |name: &str| targets.iter().any(|t| *t == format!("{}.{name}", c.name));
+            let amplitudes = &case.effects[c.effect].amplitudes;
+            if amplitudes.iter().any(|a| own(&a.name)) {
+                columns.push((k, p.start / p.scale.slope(p.start)));
+            } else if c.fitted.iter().any(|name| own(name)) {
+                columns.push((k, 0.0));
+            } else {
+                continue;
+            }
+            break;
+        }
+    }
+    columns
+}
+
+/// The normal equations of the residuals without what these columns contribute, and without the columns.
+fn take_off(normal: &mut Normal, columns: &[(usize, f64)]) {
+    let n = normal.n;
+    for (c, amount) in columns {
+        let own = normal.gram[c + n * c];
+        normal.cost += amount * (amount * own - 2.0 * normal.gradient[*c]);
+        for i in 0..n {
+            normal.gradient[i] -= amount * normal.gram[i + n * c];
+        }
+    }
+    for (c, _) in columns {
+        for i in 0..n {
+            normal.gram[i + n * c] = 0.0;
+            normal.gram[c + n * i] = 0.0;
+        }
+        normal.gradient[*c] = 0.0;
     }
 }
 
@@ -461,4 +533,26 @@ fn shapes(effect: &Effect, range: impl Fn(&str) -> (f64, f64)) -> Vec<Vec<(Strin
             .collect();
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `y = 2 + 3 t + 0.5 t^2` fitted in full: without the slope, a direction like it explains what that did.
+    #[test]
+    fn what_is_taken_off_is_there_to_be_explained() {
+        let mut normal = Normal::new(4);
+        let mut whole = 0.0;
+        for i in 0..11 {
+            let t = 0.1 * f64::from(i);
+            normal.add(0.0, &[1.0, t, t * t, 2.0 * t]);
+            whole += (3.0 * t).powi(2);
+        }
+        take_off(&mut normal, &[(1, 3.0)]);
+        assert!((normal.cost - whole).abs() < 1e-9);
+        let same = score(&normal, 3, &[3], &[false]).unwrap();
+        assert!((same.amplitudes[0] - 1.5).abs() < 1e-6);
+        assert_eq!(score(&normal, 3, &[1], &[false]), None);
+    }
 }

@@ -6,17 +6,18 @@ use crate::calibrate::problem::Problem;
 
 use super::attempt::Attempt;
 use super::case::Case;
+use super::effect::Effect;
 use super::level::{Chosen, Level, groups, level};
 use super::pairs::pairs;
 use super::preference::{COMPLETE, CURVE, EVIDENCE, RESOLVED};
-use super::rank::{Scored, rank, rank_those};
+use super::rank::{Scored, rank, rank_instead};
 use super::search::{Found, admit, bare_plan, promising, without};
 
 /// Rounds in which effects are exchanged for others.
 const ROUNDS: usize = 3;
 /// Rivals of a law that are fitted.
 const RIVALS: usize = 3;
-/// A rival promises at least this share of what the law itself would promise there.
+/// A rival promises at least this share of what the law itself promises.
 const RIVALLING: f64 = 0.7;
 /// It is searched for long if it leaves less than this share of what is to be explained after a first look.
 const DISTANT: f64 = 0.2;
@@ -124,7 +125,7 @@ pub fn simplify(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
         }
     };
     if let Some(from) = from
-        && let Some(simple) = fewer(case, &from.clone(), heed)
+        && let Some(simple) = fewer(case, &from.clone(), &found.before.clone(), heed)
         && simple.chi2_validation() < found.before.chi2_validation()
     {
         let last = admit(case, found, simple, heed);
@@ -144,7 +145,7 @@ pub fn contest(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
     }
     let Some(start) = stripped(case, &law) else { return };
     let by_sensor = law.chosen.iter().any(|c| c.place.signal.is_some());
-    let ranking = rank_those(case, &start, &|effect, place| {
+    let ranking = rank_instead(case, &law, &found.before, &|effect, place| {
         effect.amplitudes.len() < CURVE && (by_sensor || place.signal.is_none())
     });
     let is_own = |s: &Scored| {
@@ -184,19 +185,24 @@ fn is_intricate(case: &Case<'_>, level: &Level) -> bool {
 
 /// One simple effect in place of what a level has, or two: where that has led, the parameters of the model
 /// are near the true ones, and the scores tell more than at the first attempt.
-fn fewer(case: &Case<'_>, from: &Level, heed: &mut Heed<'_>) -> Option<Level> {
+fn fewer(case: &Case<'_>, from: &Level, before: &Level, heed: &mut Heed<'_>) -> Option<Level> {
     if !heed(0, from.train.total()) {
         return None;
     }
     let start = stripped(case, from)?;
-    let ranking = rank(case, &start);
-    let is_law = |s: &Scored| case.effects[s.effect].amplitudes.len() < CURVE;
-    let simple: Vec<Scored> = ranking.iter().filter(|s| is_law(s)).cloned().collect();
     let mut fitted = |promising: &[Vec<Scored>]| {
         let levels = Attempt { case, from: &start, promising, depth: 0 }.fit(heed);
         levels.into_iter().find(|l| l.bic() < from.bic() + EVIDENCE)
     };
-    let one = fitted(&promising(&start, &simple));
+    let is_law = |effect: &Effect| effect.amplitudes.len() < CURVE;
+    let instead = rank_instead(case, from, before, &|effect, _| is_law(effect));
+    let mut one = fitted(&promising(&start, &instead));
+    let ranking = if one.is_none() { rank(case, &start) } else { Vec::new() };
+    if one.is_none() {
+        let simple = ranking.iter().filter(|s| is_law(&case.effects[s.effect]));
+        let simple: Vec<Scored> = simple.cloned().collect();
+        one = fitted(&promising(&start, &simple));
+    }
     let laws = from.chosen.iter().filter(|c| case.effects[c.effect].amplitudes.len() < CURVE);
     let more = from.chosen.len() > 2 || laws.count() < from.chosen.len();
     match one {

@@ -4,11 +4,12 @@
 //! What stands in branches of an `if` alone is computed there alone: a root or a quotient may have no
 //! value where the branch is not taken.
 
-use crate::base::index::{FastMap, FastSet};
+use crate::base::index::FastMap;
 use crate::ir::ast::Variability;
-use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, VarId};
+use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
 use crate::ir::flat::{Action, Equation, EquationKind, FlatModel, Origin, Variable, WhenBranch};
 use crate::symbolic::rewrite::Rewriter;
+use crate::symbolic::uses::{Guard, Root, Uses};
 
 /// Nodes of a text that is never too long.
 const SHORT: u64 = 100_000;
@@ -27,9 +28,6 @@ enum Place {
     /// In a when-clause, which assigns it.
     When,
 }
-
-/// An expression, and the condition under which it is computed.
-type Root = (ExprId, Option<ExprId>);
 
 /// The model with variables for what its text would write again and again; `None` if the text is
 /// as good as it is.
@@ -154,10 +152,10 @@ struct Naming {
 
 impl Naming {
     fn of(flat: &mut FlatModel, roots: &[Root], place: Place, sizes: &[u64]) -> Naming {
-        let uses = Uses::of(&mut flat.graph, roots, place);
+        let uses = Uses::of(&mut flat.graph, roots, &|graph, e| is_closed(graph, e, place));
         let mut parts = Vec::new();
         let mut names = FastMap::default();
-        for part in uses.shared(&flat.graph, place, sizes) {
+        for part in repeated(&uses, &flat.graph, place, sizes) {
             let variable = variable(flat, part, place);
             let v = flat.variables.push(variable);
             names.insert(part, flat.graph.var(v, flat.graph.ty(part)));
@@ -252,155 +250,18 @@ fn is_closed(graph: &Graph, e: ExprId, place: Place) -> bool {
         && matches!(graph.node(e), Node::NoEvent(_) | Node::Smooth(..) | Node::Homotopy(..))
 }
 
-/// A condition that must hold, or must not, inside of another one.
-#[derive(Clone, Copy)]
-struct Guard {
-    around: usize,
-    depth: usize,
-    condition: ExprId,
-    holds: bool,
-}
-
-/// Where expressions stand.
-struct Uses {
-    /// How often each stands somewhere, and the guard under which it does.
-    of: FastMap<ExprId, (u32, usize)>,
-    /// Guards by number; 0 is none.
-    guards: Vec<Guard>,
-    numbers: FastMap<(usize, ExprId, bool), usize>,
-}
-
-impl Uses {
-    fn of(graph: &mut Graph, roots: &[Root], place: Place) -> Uses {
-        let none = Guard { around: 0, depth: 0, condition: ExprId(0), holds: true };
-        let mut uses =
-            Uses { of: FastMap::default(), guards: vec![none], numbers: FastMap::default() };
-        let mut below = below(graph, roots, place);
-        for &(root, condition) in roots {
-            let guard = condition.map_or(0, |c| uses.inside(0, c, true));
-            uses.used(graph, root, guard);
-        }
-        // Users stand behind their operands.
-        below.sort_unstable_by(|a, b| b.cmp(a));
-        let mut operands = Vec::new();
-        for e in below {
-            let Some(&(_, guard)) = uses.of.get(&e) else { continue };
-            match graph.node(e) {
-                _ if is_closed(graph, e, place) => {}
-                Node::If(c, a, b) => {
-                    uses.used(graph, c, guard);
-                    let (yes, no) = (uses.inside(guard, c, true), uses.inside(guard, c, false));
-                    uses.used(graph, a, yes);
-                    uses.used(graph, b, no);
-                }
-                Node::Binary(op @ (Binary::And | Binary::Or), a, b) => {
-                    uses.used(graph, a, guard);
-                    let inside = uses.inside(guard, a, op == Binary::And);
-                    uses.used(graph, b, inside);
-                }
-                _ => {
-                    operands.clear();
-                    graph.for_each_operand(e, |a| operands.push(a));
-                    operands.iter().for_each(|a| uses.used(graph, *a, guard));
-                }
-            }
-        }
-        uses
-    }
-
-    fn used(&mut self, graph: &mut Graph, e: ExprId, guard: usize) {
-        let before = self.of.get(&e).copied();
-        let (count, guard) = match before {
-            Some((count, other)) => (count + 1, self.either(graph, other, guard)),
-            None => (1, guard),
+/// Large expressions that stand at several places; those inside of others first.
+fn repeated(uses: &Uses, graph: &Graph, place: Place, sizes: &[u64]) -> Vec<ExprId> {
+    let shared = |(e, (count, _)): (&ExprId, &(u32, usize))| {
+        let fits = match graph.ty(*e) {
+            Type::Real => true,
+            Type::Boolean => place != Place::Literal,
+            Type::Integer => place == Place::When,
+            _ => false,
         };
-        self.of.insert(e, (count, guard));
-    }
-
-    fn inside(&mut self, around: usize, condition: ExprId, holds: bool) -> usize {
-        let guards = &mut self.guards;
-        *self.numbers.entry((around, condition, holds)).or_insert_with(|| {
-            let depth = guards[around].depth + 1;
-            guards.push(Guard { around, depth, condition, holds });
-            guards.len() - 1
-        })
-    }
-
-    /// The guard of what is computed under one guard or under another.
-    fn either(&mut self, graph: &mut Graph, a: usize, b: usize) -> usize {
-        let around = self.common(a, b);
-        if around == a || around == b {
-            return around;
-        }
-        let [a, b] = [a, b].map(|guard| self.all(graph, guard, around));
-        let condition = graph.or(a, b);
-        self.inside(around, condition, true)
-    }
-
-    /// All conditions of a guard inside of another one, as one.
-    fn all(&self, graph: &mut Graph, mut guard: usize, around: usize) -> ExprId {
-        let mut all = graph.boolean(true);
-        while guard != around {
-            let Guard { condition, holds, around: next, .. } = self.guards[guard];
-            let this = if holds { condition } else { graph.not(condition) };
-            all = graph.and(this, all);
-            guard = next;
-        }
-        all
-    }
-
-    /// The innermost guard around two.
-    fn common(&self, mut a: usize, mut b: usize) -> usize {
-        while a != b {
-            if self.guards[a].depth >= self.guards[b].depth {
-                a = self.guards[a].around;
-            } else {
-                b = self.guards[b].around;
-            }
-        }
-        a
-    }
-
-    /// The guards of an expression, the innermost first.
-    fn guards_of(&self, e: ExprId) -> Vec<Guard> {
-        let mut all = Vec::new();
-        let mut at = self.of[&e].1;
-        while at != 0 {
-            all.push(self.guards[at]);
-            at = self.guards[at].around;
-        }
-        all
-    }
-
-    /// Large expressions that stand at several places; those inside of others first.
-    fn shared(&self, graph: &Graph, place: Place, sizes: &[u64]) -> Vec<ExprId> {
-        let shared = |(e, (count, _)): (&ExprId, &(u32, usize))| {
-            let fits = match graph.ty(*e) {
-                Type::Real => true,
-                Type::Boolean => place != Place::Literal,
-                Type::Integer => place == Place::When,
-                _ => false,
-            };
-            (fits && *count > 1 && sizes[e.0 as usize] >= LARGE).then_some(*e)
-        };
-        let mut parts: Vec<ExprId> = self.of.iter().filter_map(shared).collect();
-        parts.sort_unstable();
-        parts
-    }
-}
-
-/// All expressions below some, as far as they may get names.
-fn below(graph: &Graph, roots: &[Root], place: Place) -> Vec<ExprId> {
-    let mut seen: FastSet<ExprId> = FastSet::default();
-    let mut found = Vec::new();
-    let mut stack: Vec<ExprId> = roots.iter().map(|(e, _)| *e).collect();
-    while let Some(e) = stack.pop() {
-        if seen.insert(e) {
-            found.push(e);
-            if !is_closed(graph, e, place) {
-                graph.for_each_operand(e, |a| stack.push(a));
-            }
-        }
-    }
-    found
+        (fits && *count > 1 && sizes[e.0 as usize] >= LARGE).then_some(*e)
+    };
+    let mut parts: Vec<ExprId> = uses.of.iter().filter_map(shared).collect();
+    parts.sort_unstable();
+    parts
 }

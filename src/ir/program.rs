@@ -205,7 +205,9 @@ pub struct CallSite {
     pub results: Vec<Slot>,
     /// Output and argument of a partial derivative, taken by central differences.
     pub partial: Option<(usize, usize)>,
-    /// Of a function with loops the first of as many cells as there are arguments: those of the last call,
+    /// The cell of the condition under which the results are read: without it nothing is done.
+    pub guard: Option<Slot>,
+    /// Of a function that may take long the first of as many cells as there are arguments: those of the last call,
     /// whose results are still there. What takes long is not done again for the same arguments, as in
     /// when-clauses that are not active. The first one is no number after results of another origin.
     pub last: Option<Slot>,

@@ -6,3 +6,4 @@ pub mod partial;
 pub mod print;
 pub mod rewrite;
 pub mod simplify;
+pub mod uses;

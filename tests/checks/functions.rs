@@ -277,3 +277,53 @@ fn loops_of_functions_are_left_where_a_run_says_so() {
     let later = Case::text(text).stop(1.25).run();
     assert_eq!([later.last("k"), later.last("n"), later.last("r")], [49.0, 54.0, 8.0]);
 }
+
+/// How often a function calls itself is known before the run, if it depends on parameters alone.
+#[test]
+fn a_function_calls_itself_as_often_as_a_parameter_says() {
+    let text = "model Halves
+           function parts
+             input Real x;
+             input Real least;
+             output Integer n = 0;
+           algorithm
+             if x >= least then
+               n := parts(x/2, least) + parts(x/2, least) + 1;
+             end if;
+           end parts;
+           parameter Real least = 0.01;
+           final parameter Integer n = parts(1, least);
+           Real y = n*time;
+         end Halves;";
+    // 1, 1/2, ... 1/64 are not below: a full tree of seven levels.
+    assert_close(Case::text(text).run().last("y"), 127.0, 1e-12);
+}
+
+/// What a branch does not need is not computed: its function has no value there.
+#[test]
+fn a_long_function_is_called_where_its_branch_is_taken() {
+    let text = "model Sampled
+           function root
+             input Real x;
+             output Real y = 1;
+           algorithm
+             assert(x >= 0, \"no root\");
+             while abs(y*y - x) > 1e-14 loop
+               y := (y + x/y)/2;
+             end while;
+           end root;
+           Real x = 0.55 - time;
+           discrete Real y(start = 0, fixed = true);
+           discrete Integer calls(start = 0, fixed = true);
+         equation
+           when sample(0.1, 0.1) then
+             y = if x > 0 then root(x) else -1;
+             calls = pre(calls) + 1;
+           end when;
+         end Sampled;";
+    for (stop, expected) in [(0.15, 0.45_f64.sqrt()), (0.35, 0.25_f64.sqrt()), (0.95, -1.0)] {
+        let run = Case::text(text).stop(stop).run();
+        assert_close(run.last("y"), expected, 1e-12);
+        assert_close(run.last("calls"), (10.0 * stop).floor(), 0.0);
+    }
+}

@@ -184,3 +184,42 @@ fn a_spectrum_is_found_of_samples() {
         assert!(run.last(&format!("a[{k}]")).abs() < 1e-12, "{k}");
     }
 }
+
+/// Their documentation: where nothing is found the position stays, and unsigned numbers have no sign.
+#[test]
+fn texts_are_scanned_from_a_position_on() {
+    let text = "package P
+           function integer_at
+             input String text;
+             input Integer start;
+             input Boolean unsigned;
+             output Integer next;
+             output Integer number;
+           external \"C\" ModelicaStrings_scanInteger(text, start, unsigned, next, number);
+           end integer_at;
+           function name_at
+             input String text;
+             input Integer start;
+             output Integer next;
+             output String name;
+           external \"C\" ModelicaStrings_scanIdentifier(text, start, next, name);
+           end name_at;
+           function hash
+             input String text;
+             output Integer number;
+           external \"C\" number = ModelicaStrings_hashString(text);
+           end hash;
+           model Scan
+             parameter Integer sign = integer_at(\"x = -12\", 4, false);
+             parameter Integer none = integer_at(\"x = -12\", 4, true);
+             parameter Integer name = name_at(\"2*(b1)\", 4);
+             parameter Integer no_name = name_at(\"2*(b1)\", 3);
+             Real y[5] = {sign, none, name, no_name, hash(\"Noise.source\")};
+           end Scan;
+         end P;";
+    let run = Case::text(text).run();
+    // The last one by an independent program for Partow's hash.
+    for (k, expected) in [8.0, 4.0, 6.0, 3.0, 1009890721.0].into_iter().enumerate() {
+        assert_close(run.last(&format!("y[{}]", k + 1)), expected, 0.0);
+    }
+}

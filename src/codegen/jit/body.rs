@@ -103,8 +103,22 @@ fn leaders(cells: &mut Cells<'_, '_>, function: &FunctionCode) -> FastMap<usize,
     blocks
 }
 
-/// Emits a call, in the order in which `Instance::call` does it, but always done.
+/// Emits a call, which is done where its condition holds.
 pub fn call(cells: &mut Cells<'_, '_>, site: &CallSite, function: &FunctionCode, code: FuncRef) {
+    let Some(guard) = site.guard else { return done(cells, site, function, code) };
+    let (needed, after) = (cells.build.create_block(), cells.build.create_block());
+    let truth = cells.truth(guard);
+    cells.build.ins().brif(truth, needed, &[], after, &[]);
+    cells.build.switch_to_block(needed);
+    cells.forget();
+    done(cells, site, function, code);
+    cells.build.ins().jump(after, &[]);
+    cells.build.switch_to_block(after);
+    cells.forget();
+}
+
+/// Emits a call, in the order in which `Instance::call` does it, but even if its results are there.
+fn done(cells: &mut Cells<'_, '_>, site: &CallSite, function: &FunctionCode, code: FuncRef) {
     if let Some(last) = site.last {
         let nothing = cells.number(f64::NAN);
         cells.set(last, nothing);

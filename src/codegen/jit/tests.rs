@@ -289,7 +289,7 @@ fn site(dice: &mut Dice, function: usize, first: Slot) -> CallSite {
     let args = (0..3).map(|_| first + dice.below(CELLS) as Slot).collect();
     let result = |dice: &mut Dice| first + (LITERALS + dice.below(CELLS - LITERALS)) as Slot;
     let results = (0..if partial.is_some() { 1 } else { 2 }).map(|_| result(dice)).collect();
-    CallSite { function, args, results, partial, last: None }
+    CallSite { function, args, results, partial, guard: None, last: None }
 }
 
 /// A sum of a hundred squares by a loop.
@@ -318,6 +318,7 @@ fn loops_turn_as_often_as_they_should() {
         args: Vec::new(),
         results: vec![result],
         partial: None,
+        guard: None,
         last: None,
     });
     *program.rhs = vec![Instr { op: Op::Call, dst: result, a: 0, b: 0 }];

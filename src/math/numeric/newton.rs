@@ -465,4 +465,19 @@ mod tests {
         );
         assert!((z[0] - 2.0_f64.cbrt()).abs() < 1e-11);
     }
+
+    /// Of the root of an even function the derivative tells nothing.
+    #[test]
+    fn a_guess_that_solves_the_equations_stays() {
+        let equations = Closures {
+            residual: |z: &[f64], g: &mut [f64]| g[0] = z[0] * z[0],
+            jacobian: |z: &[f64], j: &mut [f64]| j[0] = 2.0 * z[0],
+        };
+        let mut counted = Counted { equations, residuals: 0, jacobians: 0 };
+        let mut z = [0.0];
+        let region = Region { nominal: &[1.0], bounds: None };
+        let ending = Newton::new(1).solve(&mut counted, &mut z, region, &Settings::default());
+        assert_eq!(ending, Ending::Converged { iterations: 0, accuracy: 0.0 });
+        assert_eq!((z[0], counted.residuals, counted.jacobians), (0.0, 1, 0));
+    }
 }

@@ -183,3 +183,25 @@ fn the_start_value_decides_between_two_solutions() {
         assert!((last(&run, "y") - sign * 3.0).abs() < 1e-9);
     }
 }
+
+/// `der(J) = der(E)` ties J to E but where a state is set anew: then E jumps and J does not.
+#[test]
+fn a_reinit_moves_its_own_state_alone() {
+    let run = run(
+        "Real J(start = 0, fixed = true);
+        Real b(start = 1, fixed = true);
+        Real E;
+        equation
+        E = b * (2 + sin(time));
+        der(b) = 0;
+        when time > 1 then
+          reinit(b, 0.5);
+        end when;
+        der(J) = der(E);",
+        2.0,
+    )
+    .unwrap();
+    let exact = 1.0_f64.sin() + 0.5 * (2.0_f64.sin() - 1.0_f64.sin());
+    assert!((last(&run, "J") - exact).abs() < 1e-6, "{}", last(&run, "J"));
+    assert!((last(&run, "E") - 0.5 * (2.0 + 2.0_f64.sin())).abs() < 1e-9);
+}

@@ -27,7 +27,9 @@ struct Element<'a> {
 /// The matrix of that name; an error says why there is none.
 pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
     if bytes.starts_with(b"MATLAB 7.3") {
-        return Err("MAT files of version 7.3 (HDF5) are not supported: save it as version 7".into());
+        return Err(
+            "MAT files of version 7.3 (HDF5) are not supported: save it as version 7".into()
+        );
     }
     if bytes.get(126..HEAD) != Some(b"IM") {
         return Err("this MAT file was written with the most significant byte first".into());
@@ -38,7 +40,8 @@ pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
         let mut unfolded = Vec::new();
         let content = match element.kind {
             COMPRESSED => {
-                let unfolding = ZlibDecoder::new(element.data).take(LIMIT).read_to_end(&mut unfolded);
+                let unfolding =
+                    ZlibDecoder::new(element.data).take(LIMIT).read_to_end(&mut unfolded);
                 unfolding.map_err(|why| format!("a compressed matrix can not be read: {why}"))?;
                 next(&mut unfolded.as_slice())?
             }
@@ -91,7 +94,10 @@ fn named(mut parts: &[u8], name: &str) -> Result<Option<Matrix>, String> {
     let (rows, columns) = (rows as usize, columns as usize);
     let columnwise = numbers(&next(&mut parts)?)?;
     if rows.checked_mul(columns) != Some(columnwise.len()) {
-        return Err(format!("`{name}` has {} numbers instead of {rows} x {columns}", columnwise.len()));
+        return Err(format!(
+            "`{name}` has {} numbers instead of {rows} x {columns}",
+            columnwise.len()
+        ));
     }
     let places = (0..columnwise.len()).map(|k| k / columns + (k % columns) * rows);
     let elements = places.map(|p| columnwise[p]).collect();
@@ -166,7 +172,8 @@ mod tests {
     #[test]
     fn matrices_are_found_by_name_compressed_or_not() {
         let first = whole(&[1, 3], "a", &element(2, &[7, 8, 9]));
-        let doubles: Vec<u8> = [1.5, 4.0, -2.0, 1e300].iter().flat_map(|x: &f64| x.to_le_bytes()).collect();
+        let doubles: Vec<u8> =
+            [1.5, 4.0, -2.0, 1e300].iter().flat_map(|x: &f64| x.to_le_bytes()).collect();
         let second = whole(&[2, 2], "Matrix_A", &element(9, &doubles));
         let bytes = file(&[first, compressed(&second)]);
         let a = matrix(&bytes, "a").unwrap();

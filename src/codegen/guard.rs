@@ -1,0 +1,108 @@
+//! Conditions under which long calls are needed: what stands in a branch of a when-clause, or of an `if` in
+//! it, is not computed where the branch is not taken.
+
+use crate::base::index::{FastMap, FastSet, Id};
+use crate::ir::dae::Dae;
+use crate::ir::expr::{ExprId, FunctionId, ListId, Node};
+use crate::ir::flat::Statement;
+use crate::symbolic::uses::{Root, Uses};
+
+use super::function::callees;
+
+/// A function with so many statements is large.
+const MANY: usize = 100;
+
+/// A call.
+pub type Called = (FunctionId, ListId);
+
+/// The conditions of calls that stand in equations of discrete variables alone. What stands in others too is
+/// computed always: those are differentiated and taken apart.
+pub fn guards(dae: &mut Dae) -> FastMap<Called, ExprId> {
+    let roots: Vec<Root> = dae.discrete.iter().map(|d| (d.value, None)).collect();
+    let mut long: FastSet<Called> = calls(dae, roots.iter().map(|r| r.0).collect()).collect();
+    let called: FastSet<FunctionId> = long.iter().map(|(f, _)| *f).collect();
+    let lengthy: FastSet<FunctionId> = called.into_iter().filter(|f| takes_long(dae, *f)).collect();
+    long.retain(|(f, _)| lengthy.contains(f));
+    if long.is_empty() {
+        return FastMap::default();
+    }
+    let elsewhere: FastSet<Called> = calls(dae, others(dae)).collect();
+    let uses = Uses::of(&mut dae.graph, &roots, &|_, _| false);
+    // One call gives all outputs of a function, and is needed where any of them is.
+    let mut common: FastMap<Called, usize> = FastMap::default();
+    for (&e, &(_, guard)) in &uses.of {
+        let Node::Call { function, args, .. } = dae.graph.node(e) else { continue };
+        let call = (function, args);
+        if long.contains(&call) && !elsewhere.contains(&call) {
+            let known = common.entry(call).or_insert(guard);
+            *known = uses.common(*known, guard);
+        }
+    }
+    let mut found: Vec<(Called, usize)> = common.into_iter().filter(|(_, g)| *g != 0).collect();
+    found.sort_unstable_by_key(|((function, args), _)| (function.idx(), args.0));
+    found.into_iter().map(|(c, g)| (c, uses.all(&mut dae.graph, g, 0))).collect()
+}
+
+/// True if a call of `f` may take long: its body or that of a function it calls has a loop, or is large.
+pub fn takes_long(dae: &Dae, f: FunctionId) -> bool {
+    let mut seen = vec![false; dae.functions.len()];
+    let mut pending = vec![f];
+    let mut statements = 0;
+    while let Some(g) = pending.pop() {
+        if g.idx() >= seen.len() || std::mem::replace(&mut seen[g.idx()], true) {
+            continue;
+        }
+        let body = &dae.functions[g].body;
+        statements += count(body);
+        if has_loop(body) || statements > MANY {
+            return true;
+        }
+        pending.extend(callees(dae, g));
+    }
+    false
+}
+
+fn has_loop(body: &[Statement]) -> bool {
+    body.iter().any(|statement| match statement {
+        Statement::While(..) => true,
+        Statement::If(_, a, b) => has_loop(a) || has_loop(b),
+        _ => false,
+    })
+}
+
+fn count(body: &[Statement]) -> usize {
+    let of = |statement: &Statement| match statement {
+        Statement::If(_, a, b) => 1 + count(a) + count(b),
+        _ => 1,
+    };
+    body.iter().map(of).sum()
+}
+
+fn calls(dae: &Dae, roots: Vec<ExprId>) -> impl Iterator<Item = Called> {
+    dae.graph.postorder(roots).into_iter().filter_map(|e| match dae.graph.node(e) {
+        Node::Call { function, args, .. } => Some((function, args)),
+        _ => None,
+    })
+}
+
+/// All expressions of the system but those of discrete variables.
+fn others(dae: &Dae) -> Vec<ExprId> {
+    let mut all: Vec<ExprId> = Vec::new();
+    for e in dae.equations.iter().chain(&dae.initial) {
+        all.extend([e.lhs, e.rhs, e.residual]);
+    }
+    all.extend(dae.parameters.iter().chain(&dae.eliminated).map(|(_, e)| *e));
+    all.extend(dae.relations.iter().flat_map(|r| [r.lhs, r.rhs]));
+    all.extend(dae.samples.iter().flat_map(|s| [s.start, s.interval]));
+    all.extend(dae.reinits.iter().flat_map(|r| [r.active, r.value]));
+    for a in &dae.asserts {
+        all.extend([a.assert.condition, a.assert.message]);
+        all.extend(a.active);
+    }
+    all.extend(dae.terminates.iter().flat_map(|t| [t.active, t.message]));
+    all.extend(dae.delays.iter().map(|(_, e)| *e));
+    for v in dae.variables.iter() {
+        all.extend([v.start, v.min, v.max, v.nominal].into_iter().flatten());
+    }
+    all
+}
