@@ -14,4 +14,5 @@ pub mod result;
 pub mod revise;
 pub mod score;
 pub mod search;
+pub mod shape;
 pub mod text;
