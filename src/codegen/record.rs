@@ -5,13 +5,22 @@ use crate::ir::expr::{Type, VarId};
 use crate::ir::program::{Entry, Instr, Op, Program, Slot, Watch};
 
 /// All variables that the user declared and whose values a run finds: those that move, and
-/// parameters that initialisation determines.
+/// parameters that initialisation determines. Of a model without any its parameters are the result.
 pub fn all(dae: &Dae) -> Vec<VarId> {
+    let found = found(dae);
+    if found.is_empty() { known(dae) } else { found }
+}
+
+/// All parameters and constants whose values are known before a run, and which are not recorded.
+pub fn constants(dae: &Dae) -> Vec<VarId> {
+    if found(dae).is_empty() { Vec::new() } else { known(dae) }
+}
+
+fn found(dae: &Dae) -> Vec<VarId> {
     shown(dae, |kind| kind != Kind::Parameter)
 }
 
-/// All parameters and constants whose values are known before a run.
-pub fn constants(dae: &Dae) -> Vec<VarId> {
+fn known(dae: &Dae) -> Vec<VarId> {
     shown(dae, |kind| kind == Kind::Parameter)
 }
 
@@ -67,7 +76,7 @@ fn read_elsewhere(program: &Program) -> Vec<bool> {
         i.jacobian.iter().chain(&i.seeds).map(entry).for_each(&mut mark);
     }
     program.jacobian_entries.iter().map(entry).for_each(&mut mark);
-    program.calls.iter().flat_map(|c| &c.args).for_each(|c| mark(*c));
+    program.calls.iter().flat_map(|c| c.args.iter().chain(&c.guard)).for_each(|c| mark(*c));
     let layout = &program.layout;
     layout.derivatives.iter().chain(&layout.nominals).for_each(|c| mark(*c));
     layout.pre.iter().for_each(|(_, slot, pre)| [*slot, *pre].into_iter().for_each(&mut mark));

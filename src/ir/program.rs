@@ -539,7 +539,9 @@ impl Program {
                     && argument < site.args.len()
                     && !site.results.is_empty()
             });
-            if !(partial && site.args.iter().chain(&site.results).all(exists)) {
+            let kept = |first: Slot| first as usize + site.args.len() <= self.image.len();
+            let mut cells = site.args.iter().chain(&site.results).chain(&site.guard);
+            if !(partial && cells.all(exists) && site.last.is_none_or(kept)) {
                 return Err("a call refers to a cell that does not exist".into());
             }
         }

@@ -189,7 +189,7 @@ pub(super) fn touch(program: &Program, tape: &[Instr], writes: &mut [bool], read
             Op::Repeat => touch(program, &program.loops[k].tape, writes, reads),
             Op::Call => {
                 let site = &program.calls[k];
-                site.args.iter().for_each(|s| reads[*s as usize] = true);
+                site.args.iter().chain(&site.guard).for_each(|s| reads[*s as usize] = true);
                 site.results.iter().for_each(|s| writes[*s as usize] = true);
                 let function = &program.functions[site.function];
                 let own = function.locals.iter().chain(&function.inputs).chain(&function.outputs);
