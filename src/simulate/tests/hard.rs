@@ -205,3 +205,18 @@ fn a_reinit_moves_its_own_state_alone() {
     assert!((last(&run, "J") - exact).abs() < 1e-6, "{}", last(&run, "J"));
     assert!((last(&run, "E") - 0.5 * (2.0 + 2.0_f64.sin())).abs() < 1e-9);
 }
+
+/// A step over the whole way would see neither end of what is forbidden.
+#[test]
+fn an_assertion_fails_within_a_long_step() {
+    let failed = run(
+        "Real x(start = 1, fixed = true);
+        equation
+        der(x) = -1;
+        assert(noEvent(x > 0 or x < -0.5), \"between\");",
+        2.0,
+    );
+    let failure = failed.err().unwrap();
+    assert_eq!(failure.kind, FailureKind::Assertion);
+    assert!((1.0..=1.05).contains(&failure.time), "{}", failure.time);
+}
