@@ -17,7 +17,7 @@ use crate::ir::program::{
 };
 
 use super::error;
-use super::guard::{self, takes_long};
+use super::guard::{guards, long_functions};
 
 /// How often something is computed: the index of a layer.
 pub type Level = usize;
@@ -100,12 +100,15 @@ pub struct Emitter {
     known_calls: FastMap<(FunctionId, ListId), (Slot, Level)>,
     /// Conditions under which calls are needed.
     guards: FastMap<(FunctionId, ListId), ExprId>,
+    /// Functions of which a call may take long.
+    long_functions: FastSet<FunctionId>,
 }
 
 impl Emitter {
     /// Nothing compiled yet.
     pub fn new(mut dae: Dae) -> Self {
-        let guards = guard::guards(&mut dae);
+        let long_functions = long_functions(&dae);
+        let guards = guards(&mut dae, &long_functions);
         let count = dae.variables.len();
         let replaced = dae.eliminated.iter().copied().collect();
         Emitter {
@@ -140,6 +143,7 @@ impl Emitter {
             known: FastMap::default(),
             known_calls: FastMap::default(),
             guards,
+            long_functions,
         }
     }
 
@@ -493,7 +497,7 @@ impl Emitter {
         let guard = self.guards.get(&(function, args)).copied().map(|g| self.emit(g));
         // What changes more rarely than the condition is computed whether it holds or not.
         let guard = guard.and_then(|(slot, l)| (l <= level).then_some(slot));
-        let remembers = !slots.is_empty() && takes_long(&self.dae, called);
+        let remembers = !slots.is_empty() && self.long_functions.contains(&called);
         let last = remembers.then(|| self.cells(slots.len(), f64::NAN));
         self.calls.push(CallSite {
             function: called.idx(),

@@ -16,7 +16,7 @@ use super::error;
 /// Compiles all functions of the model.
 pub fn compile_all(e: &mut Emitter) {
     for f in e.dae.functions.ids() {
-        if recurs(e, f) {
+        if reached(&e.dae, f).contains(&f) {
             let function = &e.dae.functions[f];
             e.problems.push(error::recursion(&function.name, function.span));
         }
@@ -29,23 +29,22 @@ pub fn compile_all(e: &mut Emitter) {
     }
 }
 
-/// True if `f` is reached from the calls in its own body.
-fn recurs(e: &Emitter, f: FunctionId) -> bool {
-    let mut seen = vec![false; e.dae.functions.len()];
-    let mut pending = callees(&e.dae, f);
+/// The functions that `f` calls, directly or through others; `f` among them if it calls itself.
+pub fn reached(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
+    let mut seen = vec![false; dae.functions.len()];
+    let mut pending = callees(dae, f);
+    let mut found = Vec::new();
     while let Some(g) = pending.pop() {
-        if g == f {
-            return true;
-        }
         if g.idx() < seen.len() && !std::mem::replace(&mut seen[g.idx()], true) {
-            pending.extend(callees(&e.dae, g));
+            found.push(g);
+            pending.extend(callees(dae, g));
         }
     }
-    false
+    found
 }
 
 /// The functions that the body of `f` calls.
-pub fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
+fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
     let mut values = Vec::new();
     statement_values(&dae.functions[f].body, &mut values);
     let nodes = dae.graph.postorder(values);

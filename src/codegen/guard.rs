@@ -7,7 +7,7 @@ use crate::ir::expr::{ExprId, FunctionId, ListId, Node};
 use crate::ir::flat::Statement;
 use crate::symbolic::uses::{Root, Uses};
 
-use super::function::callees;
+use super::function::reached;
 
 /// A function with so many statements is large.
 const MANY: usize = 100;
@@ -17,12 +17,10 @@ pub type Called = (FunctionId, ListId);
 
 /// The conditions of calls that stand in equations of discrete variables alone. What stands in others too is
 /// computed always: those are differentiated and taken apart.
-pub fn guards(dae: &mut Dae) -> FastMap<Called, ExprId> {
+pub fn guards(dae: &mut Dae, long: &FastSet<FunctionId>) -> FastMap<Called, ExprId> {
     let roots: Vec<Root> = dae.discrete.iter().map(|d| (d.value, None)).collect();
-    let mut long: FastSet<Called> = calls(dae, roots.iter().map(|r| r.0).collect()).collect();
-    let called: FastSet<FunctionId> = long.iter().map(|(f, _)| *f).collect();
-    let lengthy: FastSet<FunctionId> = called.into_iter().filter(|f| takes_long(dae, *f)).collect();
-    long.retain(|(f, _)| lengthy.contains(f));
+    let discrete = calls(dae, roots.iter().map(|r| r.0).collect());
+    let long: FastSet<Called> = discrete.filter(|(f, _)| long.contains(f)).collect();
     if long.is_empty() {
         return FastMap::default();
     }
@@ -43,23 +41,14 @@ pub fn guards(dae: &mut Dae) -> FastMap<Called, ExprId> {
     found.into_iter().map(|(c, g)| (c, uses.all(&mut dae.graph, g, 0))).collect()
 }
 
-/// True if a call of `f` may take long: its body or that of a function it calls has a loop, or is large.
-pub fn takes_long(dae: &Dae, f: FunctionId) -> bool {
-    let mut seen = vec![false; dae.functions.len()];
-    let mut pending = vec![f];
-    let mut statements = 0;
-    while let Some(g) = pending.pop() {
-        if g.idx() >= seen.len() || std::mem::replace(&mut seen[g.idx()], true) {
-            continue;
-        }
-        let body = &dae.functions[g].body;
-        statements += count(body);
-        if has_loop(body) || statements > MANY {
-            return true;
-        }
-        pending.extend(callees(dae, g));
-    }
-    false
+/// The functions of which a call may take long: a body that is run has a loop, or all are large.
+pub fn long_functions(dae: &Dae) -> FastSet<FunctionId> {
+    let takes_long = |f: &FunctionId| {
+        let all = reached(dae, *f).into_iter().filter(|g| g != f).chain([*f]);
+        let bodies: Vec<&[Statement]> = all.map(|g| &dae.functions[g].body[..]).collect();
+        bodies.iter().any(|b| has_loop(b)) || bodies.iter().map(|b| count(b)).sum::<usize>() > MANY
+    };
+    dae.functions.ids().filter(takes_long).collect()
 }
 
 fn has_loop(body: &[Statement]) -> bool {

@@ -363,8 +363,7 @@ impl<'p> Instance<'p> {
     fn call(&mut self, k: usize) -> Result<(), Fault> {
         let program = self.program;
         let site = &program.calls[k];
-        let unneeded = site.guard.is_some_and(|guard| self.memory[guard as usize] == 0.0);
-        if unneeded || self.remembers(site) {
+        if !self.needs(site) || self.remembers(site) {
             return Ok(());
         }
         match site.partial {
@@ -388,6 +387,11 @@ impl<'p> Instance<'p> {
         }
         self.remember(site);
         Ok(())
+    }
+
+    /// True if the results of a call are read.
+    pub fn needs(&self, site: &CallSite) -> bool {
+        site.guard.is_none_or(|guard| self.get(guard) != 0.0)
     }
 
     /// True if the results of a call are there from the last one, which had the same arguments.

@@ -95,8 +95,17 @@ fn start(dae: &mut Dae, v: VarId) -> ExprId {
 /// be chosen so that the model makes sense; those that are 0 in the text make sense at 0), products of
 /// these, and choices between them.
 pub fn is_never_zero(dae: &Dae, e: ExprId) -> bool {
+    facts(dae, e).1
+}
+
+/// True if an expression reads parameters only.
+pub fn is_fixed(dae: &Dae, e: ExprId) -> bool {
+    facts(dae, e).0
+}
+
+/// Whether an expression reads parameters only, and whether it is not zero.
+fn facts(dae: &Dae, e: ExprId) -> (bool, bool) {
     let g = &dae.graph;
-    // (reads parameters only, is not zero)
     let mut facts: FastMap<ExprId, (bool, bool)> = FastMap::default();
     for node in g.postorder([e]) {
         let mut fixed = true;
@@ -118,5 +127,5 @@ pub fn is_never_zero(dae: &Dae, e: ExprId) -> bool {
         };
         facts.insert(node, fact);
     }
-    facts[&e].1
+    facts[&e]
 }

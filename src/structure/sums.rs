@@ -58,7 +58,7 @@ fn split(dae: &mut Dae, id: EqId, rates: &[VarId]) -> Option<(Vec<ExprId>, ExprI
     let mut coefficients = Vec::with_capacity(rates.len());
     for v in rates {
         let (coefficient, without) = linear::split(&mut dae.graph, rest, Leaf::Var(*v))?;
-        if !solve::is_never_zero(dae, coefficient) {
+        if !solve::is_fixed(dae, coefficient) || !solve::is_never_zero(dae, coefficient) {
             return None;
         }
         coefficients.push(coefficient);

@@ -289,7 +289,8 @@ fn site(dice: &mut Dice, function: usize, first: Slot) -> CallSite {
     let args = (0..3).map(|_| first + dice.below(CELLS) as Slot).collect();
     let result = |dice: &mut Dice| first + (LITERALS + dice.below(CELLS - LITERALS)) as Slot;
     let results = (0..if partial.is_some() { 1 } else { 2 }).map(|_| result(dice)).collect();
-    CallSite { function, args, results, partial, guard: None, last: None }
+    let guard = (dice.below(3) == 0).then(|| first + dice.below(CELLS) as Slot);
+    CallSite { function, args, results, partial, guard, last: None }
 }
 
 /// A sum of a hundred squares by a loop.

@@ -235,6 +235,9 @@ impl Tangents {
     fn call(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
         let program = instance.program;
         let site = &program.calls[k];
+        if !instance.needs(site) {
+            return Ok(());
+        }
         let function = &program.functions[site.function];
         let Some((output, arg)) = site.partial else {
             self.enter(instance, site, None)?;
