@@ -90,6 +90,11 @@ impl Search {
         widened
     }
 
+    /// How far a relation must be beyond its border to count as switched.
+    pub fn margin(&self, relation: u32) -> f64 {
+        self.margins[relation as usize]
+    }
+
     /// Leaves a relation out of the search, or none.
     pub fn ignore(&mut self, relation: Option<u32>) {
         self.ignored = relation;

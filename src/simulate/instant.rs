@@ -75,7 +75,8 @@ impl Simulation<'_, '_> {
             self.announce(t, cause, ticked, &flipped, settled);
         }
         if !ticked && !self.slides(t, &flipped, settled)? {
-            self.guard_against_chattering(t, &flipped)?;
+            self.leave_pile(&flipped, settled);
+            self.guard_against_chattering(t, &flipped, settled)?;
         }
         self.check_assertions(t)?;
         self.act_on(settled, t)?;

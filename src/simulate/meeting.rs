@@ -10,6 +10,7 @@ use crate::ir::trajectory::Event;
 
 use super::error::{Failure, of_fault};
 use super::events::Settled;
+use super::piling::shortens;
 use super::run::Simulation;
 use super::sliding::Sliding;
 
@@ -35,13 +36,28 @@ pub struct Recent {
     flipped: Vec<u32>,
     /// The last relation that switched alone, how often in a row, and since when.
     alone: Option<(u32, u32, f64)>,
+    /// The last relation at whose switching something other than relations changed, and its value then.
+    acting: Option<(u32, bool)>,
 }
 
 impl Recent {
     /// No event yet, in a run of this length.
     pub fn new(length: f64) -> Self {
         let times = [f64::NEG_INFINITY; CHATTER_EVENTS];
-        Recent { times, at: 0, span: CHATTER_SPAN * length, flipped: Vec::new(), alone: None }
+        Recent {
+            times,
+            at: 0,
+            span: CHATTER_SPAN * length,
+            flipped: Vec::new(),
+            alone: None,
+            acting: None,
+        }
+    }
+
+    /// True if the last events pile up.
+    fn piles_up(&self) -> bool {
+        let (later, earlier) = self.times.split_at(self.at);
+        shortens(&[earlier, later].concat())
     }
 }
 
@@ -145,8 +161,12 @@ impl Simulation<'_, '_> {
         &mut self,
         t: f64,
         flipped: &[(u32, bool)],
+        settled: Settled,
     ) -> Result<(), Failure> {
         let recent = &mut self.recent;
+        if settled.acted {
+            recent.acting = flipped.first().copied();
+        }
         let oldest = recent.times[recent.at];
         recent.times[recent.at] = t;
         recent.at = (recent.at + 1) % CHATTER_EVENTS;
@@ -164,12 +184,22 @@ impl Simulation<'_, '_> {
         relations.retain(|k| self.program.watches[*k as usize] == Watch::State);
         // What switches in no time at all switches by rounding of operands that rest at the border.
         let at_once = t - oldest <= AT_ONCE * self.recent.span;
-        if at_once && self.search.widen(relations.into_iter()) {
+        let piled = self.recent.acting.filter(|_| !at_once && self.recent.piles_up());
+        let failure = self.chatters(t, t - oldest, piled.or(flipped.first().copied()));
+        let goes_on = match piled {
+            Some(piled) => self.passes_pile(piled, relations.into_iter(), failure.clone()),
+            None => at_once && self.search.widen(relations.into_iter()),
+        };
+        if goes_on {
             self.recent.times = [f64::NEG_INFINITY; CHATTER_EVENTS];
             return Ok(());
         }
-        let duration = t - oldest;
-        let k = flipped.first().map(|f| f.0);
+        Err(failure)
+    }
+
+    /// Says that a relation switches without end.
+    fn chatters(&mut self, t: f64, duration: f64, relation: Option<(u32, bool)>) -> Failure {
+        let k = relation.map(|f| f.0);
         let what =
             k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));
         let span = k.map_or(Span::NONE, |k| self.relation_span(k));
@@ -184,6 +214,6 @@ impl Simulation<'_, '_> {
         } else {
             diagnostic.note("in the reduced mode a solution can stay where both branches lead back")
         };
-        Err(Failure::numerics(t, diagnostic))
+        Failure::numerics(t, diagnostic)
     }
 }

@@ -21,6 +21,7 @@ pub mod instant;
 pub mod meeting;
 pub mod method;
 mod options;
+pub mod piling;
 pub mod precondition;
 pub mod record;
 pub mod relations;

@@ -22,6 +22,7 @@ use super::instant::Cause;
 use super::meeting::Recent;
 use super::method::{Choice, Integrator};
 use super::options::options;
+use super::piling::Pile;
 use super::record::{Recorder, Sink};
 use super::selection::Selection;
 use super::sensitivity::{Input, Sensitivity, with_inputs};
@@ -175,6 +176,8 @@ pub struct Simulation<'p, 's> {
     pub(super) warned: Vec<bool>,
     pub(super) texts: Vec<Option<String>>,
     pub(super) recent: Recent,
+    /// Where events have piled up, as long as nothing says how it goes on from there.
+    pub(super) pile: Option<Pile>,
     pub(super) echo: Echo,
     pub(super) ended: bool,
     pub(super) extremes: Extremes,
@@ -243,6 +246,7 @@ impl<'p, 's> Simulation<'p, 's> {
             warned: vec![false; program.asserts.len()],
             texts: vec![None; program.watches.len()],
             recent: Recent::new(settings.stop - settings.start),
+            pile: None,
             echo: Echo::new(settings.stop - settings.start),
             ended: false,
             extremes: Extremes::new(program, &settings.extremes, t, spacing),
@@ -337,6 +341,7 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Checks and records the step that ends at `t` without an event, and stands there.
     fn complete_step(&mut self, t: f64) -> Result<(), Failure> {
         self.search.heed(&self.model.instance);
+        self.check_pile()?;
         self.warn_of_undetermined(t);
         // What fails at the end may have failed before.
         let at_end = self.check_assertions_of_step();

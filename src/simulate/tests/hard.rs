@@ -165,6 +165,41 @@ fn the_zeno_point_of_a_ball_is_reported() {
     assert!(!failure.diagnostic.primary.0.is_none());
 }
 
+/// A ball that knows a state of rest enters it at t0 (1 + e) / (1 - e), and stays on the floor.
+#[test]
+fn a_ball_comes_to_rest_where_its_bounces_pile_up() {
+    for e in [0.3, 0.7, 0.95, 0.98] {
+        let run = run(
+            &format!(
+                "Real h(start = 1, fixed = true);
+                Real v(start = 0, fixed = true);
+                Boolean flying(start = true, fixed = true);
+                Boolean impact;
+                discrete Real v_new(start = 0, fixed = true);
+                discrete Real rest(start = 0, fixed = true);
+                equation
+                impact = h <= 0;
+                der(h) = v;
+                der(v) = if flying then -9.81 else 0;
+                when {{h <= 0 and v <= 0, impact}} then
+                  v_new = if impact and not pre(impact) then -{e} * pre(v) else 0;
+                  flying = v_new > 0;
+                  reinit(v, v_new);
+                end when;
+                when not flying then
+                  rest = time;
+                end when;"
+            ),
+            60.0,
+        )
+        .unwrap();
+        let end = (2.0f64 / 9.81).sqrt() * (1.0 + e) / (1.0 - e);
+        assert!((last(&run, "rest") - end).abs() < 1e-6 * end, "{e}: {}", last(&run, "rest"));
+        assert_eq!(last(&run, "v"), 0.0);
+        assert!(last(&run, "h").abs() < 1e-12);
+    }
+}
+
 /// y^2 = 4 + x has two solutions; the start value decides.
 #[test]
 fn the_start_value_decides_between_two_solutions() {
