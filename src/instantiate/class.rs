@@ -180,8 +180,15 @@ impl Context<'_> {
                 merge_prefix(&mut table.prefix, short.prefix);
             }
             ClassBody::Long(composition) => self.fill_long(class, composition, table),
-            ClassBody::PartialDerivative { .. } => {
-                self.unsupported(text.span, "functions defined as partial derivatives")
+            ClassBody::PartialDerivative { function, variables } => {
+                let scope = self.outside(class);
+                let Some(base) = self.class_or_report(function, scope) else { return };
+                if !matches!(self.kind(base), ClassKind::Function { .. }) {
+                    self.report_underived(text, base, function.span);
+                    return;
+                }
+                self.inherit(table, base, &Rc::from([]), false);
+                table.by = table.by.iter().chain(variables).copied().collect();
             }
         }
     }
@@ -384,6 +391,9 @@ impl Context<'_> {
             }
         }
         table.sections.extend(inherited.sections.iter().cloned());
+        if !inherited.by.is_empty() {
+            table.by = inherited.by.clone();
+        }
         if table.external.is_none() {
             table.external.clone_from(&inherited.external);
         }

@@ -345,6 +345,18 @@ impl Context<'_> {
         );
     }
 
+    /// Only functions have partial derivatives.
+    pub(crate) fn report_underived(&mut self, text: &Class, base: ClassId, span: Span) {
+        let base = self.classes[base].full_name;
+        let message =
+            format!("`{base}` is no function: `{}` cannot be its derivative", text.name.name);
+        self.problems.push(
+            Diagnostic::error("MO0219", span, message)
+                .label("not a function")
+                .note("section 12.7.2 of the specification"),
+        );
+    }
+
     /// A public component of a function is an input or an output, if only by its type.
     pub(crate) fn restrict_formal(&mut self, function: Name, name: ast::Ident) {
         self.restricted(

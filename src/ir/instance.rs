@@ -93,6 +93,8 @@ pub struct ClassTable {
     pub sections: Vec<Section>,
     /// The external clause, if it is an external function.
     pub external: Option<(ast::External, ClassId)>,
+    /// The inputs by which a function is differentiated, one after the other.
+    pub by: Rc<[ast::Ident]>,
 }
 
 /// A named element of a class.

@@ -2,7 +2,7 @@
 //! *Evaluating Derivatives*, 2nd ed., ch. 3): one sweep gives the partials by every variable.
 
 use crate::base::index::FastMap;
-use crate::ir::expr::{Binary, ExprId, Graph, Node, Unary, VarId};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 
 /// A leaf that an expression can be differentiated by.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -13,6 +13,8 @@ pub enum Leaf {
     Var(VarId),
     /// `der(v)`
     Der(VarId),
+    /// What a recording says about an input: its derivative of this order.
+    Recorded(VarId, u32),
 }
 
 /// The partial derivatives of `root` by each leaf below it for which `wanted` holds, in order of
@@ -27,7 +29,8 @@ pub fn gradient(
     let order = graph.postorder([root]);
     let mut depends: FastMap<ExprId, bool> = FastMap::default();
     for &e in &order {
-        let mut d = leaf(graph, e).is_some_and(&wanted);
+        // What recordings say about inputs is given.
+        let mut d = leaf(graph, e).is_some_and(|l| !matches!(l, Leaf::Recorded(..)) && wanted(l));
         graph.for_each_operand(e, |a| d |= depends[&a]);
         depends.insert(e, d);
     }
@@ -65,6 +68,7 @@ fn leaf(graph: &Graph, e: ExprId) -> Option<Leaf> {
         Node::Time => Some(Leaf::Time),
         Node::Var(v) => Some(Leaf::Var(v)),
         Node::Der(v) => Some(Leaf::Der(v)),
+        Node::Recorded(v, order) => Some(Leaf::Recorded(v, order)),
         _ => None,
     }
 }
@@ -234,9 +238,24 @@ fn power_partials(
 }
 
 /// The total derivative by time. `rate` gives the derivative of a variable, `None` for what is constant
-/// in time. Forward accumulation: an alternative is differentiated branch by branch, so that what is
-/// infinite in the branch not taken does not spoil the other.
+/// in time.
 pub fn time_derivative(
+    graph: &mut Graph,
+    root: ExprId,
+    mut rate: impl FnMut(&mut Graph, Leaf) -> Option<ExprId>,
+) -> ExprId {
+    let one = graph.real(1.0);
+    forward_derivative(graph, root, |graph, leaf| match leaf {
+        Leaf::Time => Some(one),
+        Leaf::Recorded(v, order) => Some(graph.intern(Node::Recorded(v, order + 1), Type::Real)),
+        leaf => rate(graph, leaf),
+    })
+}
+
+/// The derivative along a direction, of which `rate` gives the components, `None` for zero. Forward
+/// accumulation: an alternative is differentiated branch by branch, so that what is infinite in the
+/// branch not taken does not spoil the other.
+pub fn forward_derivative(
     graph: &mut Graph,
     root: ExprId,
     mut rate: impl FnMut(&mut Graph, Leaf) -> Option<ExprId>,
@@ -245,11 +264,9 @@ pub fn time_derivative(
     let one = graph.real(1.0);
     for e in graph.postorder([root]) {
         let d = match graph.node(e) {
-            Node::Time => Some(one),
-            Node::Recorded(v, order) => {
-                Some(graph.intern(Node::Recorded(v, order + 1), graph.ty(e)))
+            Node::Time | Node::Var(_) | Node::Der(_) | Node::Recorded(..) => {
+                leaf(graph, e).and_then(|l| rate(graph, l))
             }
-            Node::Var(_) | Node::Der(_) => leaf(graph, e).and_then(|l| rate(graph, l)),
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => rates[&a],
             Node::If(c, a, b) => alternative(graph, c, rates[&a], rates[&b]),
             Node::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
@@ -289,7 +306,6 @@ fn chosen(g: &mut Graph, op: Binary, a: ExprId, b: ExprId) -> ExprId {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ir::expr::Type;
     use crate::symbolic::eval;
 
     /// Evaluates an expression of `x = Var(0)` alone.

@@ -532,3 +532,53 @@ fn the_experiment_of_a_base_is_that_of_the_model() {
     .run();
     assert_eq!((run.last("x"), run.rows()), (3.0, 7));
 }
+
+/// Gibbs' function gives entropy and volume as its partial derivatives.
+#[test]
+fn partial_derivatives_of_functions_are_functions() {
+    let run = Case::text(
+        "model Derived
+           function f
+             input Real x;
+             input Real y;
+             input Integer n = 2;
+             output Real a;
+             output Real b;
+           protected
+             Real h;
+           algorithm
+             h := x * y;
+             for i in 1:n loop
+               h := h * sin(x);
+             end for;
+             if x > 0.55 then
+               a := h + x ^ 2;
+             else
+               a := exp(x * y);
+             end if;
+             b := sqrt(x ^ 2 + y ^ 2);
+           end f;
+           function f_x = der(f, x);
+           function f_xy = der(f_x, y);
+           function f_xx = der(f, x, x);
+           Real x = 0.1 + time;
+           Real a_x, b_x, a_xy, b_xy, b_xx;
+           Real by_hand[3];
+         equation
+           (a_x, b_x) = f_x(x, 3 * x);
+           (a_xy, b_xy) = f_xy(x, y = 3 * x);
+           (, b_xx) = f_xx(x, y = 3 * x);
+           by_hand[1] = if x > 0.55 then 3 * x * sin(x) ^ 2 + 6 * x ^ 2 * sin(x) * cos(x) + 2 * x
+             else 3 * x * exp(3 * x ^ 2);
+           by_hand[2] = if x > 0.55 then sin(x) ^ 2 + 2 * x * sin(x) * cos(x)
+             else (1 + 3 * x ^ 2) * exp(3 * x ^ 2);
+           by_hand[3] = 0.9 / (sqrt(10) * x);
+         end Derived;",
+    )
+    .interval(0.1)
+    .run();
+    for (name, by_hand) in [("a_x", "by_hand[1]"), ("a_xy", "by_hand[2]"), ("b_xx", "by_hand[3]")] {
+        let pairs = run.values(name).unwrap().iter().zip(run.values(by_hand).unwrap());
+        pairs.for_each(|(found, expected)| assert_close(*found, *expected, 1e-12));
+    }
+}

@@ -109,7 +109,11 @@ impl Context<'_> {
         // What is called in a function becomes part of it.
         let outermost = !saved.1;
         let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
-        let mut result = self.run(class, &components, &mut given, span);
+        let by = self.table(class).by.clone();
+        let mut result = match by.is_empty() {
+            true => self.run(class, &components, &mut given, span),
+            false => self.run_differentiated(class, &components, &mut given, &by, span),
+        };
         if outermost && let Some(made) = &mut result {
             *made = match events.is_empty() {
                 true => made.each_scalar(&mut |e| self.graph.no_event(e)),
@@ -290,7 +294,7 @@ impl Context<'_> {
         self.call_function(class, arguments, Vec::new(), span);
     }
 
-    fn run(
+    pub(super) fn run(
         &mut self,
         class: ClassId,
         components: &[(Entry, Declaration)],

@@ -9,6 +9,7 @@ pub mod algorithm;
 pub mod builtin;
 mod choice;
 pub mod deduce;
+mod derivative;
 mod eventless;
 pub mod external;
 mod file;
