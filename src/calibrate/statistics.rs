@@ -87,7 +87,8 @@ pub fn reduced(cost: f64, residuals: usize, parameters: usize) -> f64 {
     cost / residuals.saturating_sub(parameters).max(1) as f64
 }
 
-fn at_bound(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Vec<bool> {
+/// Which of the parameters are at a bound that the sum of squares pushes them against.
+pub fn at_bound(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Vec<bool> {
     let held = |(i, p): (usize, &Parameter)| {
         let (low, high) = p.range();
         let downhill = -normal.gradient[i];

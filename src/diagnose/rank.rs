@@ -10,6 +10,7 @@ use crate::base::diag::Problems;
 use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
+use crate::calibrate::statistics::at_bound;
 use crate::math::numeric::least_squares::Normal;
 
 use super::case::{Case, compile};
@@ -370,6 +371,10 @@ impl<'a> Scoring<'a> {
         if before.is_some() {
             take_off(&mut normal, &removed(case, level, &problem));
         }
+        // What is pushed against its bound absorbs nothing.
+        let x = problem.start();
+        let at_bound = at_bound(&normal, &problem.parameters[..free], &x[..free]);
+        (0..free).filter(|k| at_bound[*k]).for_each(|k| hold_still(&mut normal, k));
         Some(Linearised { normal, free, first, share })
     }
 }
@@ -405,13 +410,17 @@ fn take_off(normal: &mut Normal, columns: &[(usize, f64)]) {
             normal.gradient[i] -= amount * normal.gram[i + n * c];
         }
     }
-    for (c, _) in columns {
-        for i in 0..n {
-            normal.gram[i + n * c] = 0.0;
-            normal.gram[c + n * i] = 0.0;
-        }
-        normal.gradient[*c] = 0.0;
+    columns.iter().for_each(|(c, _)| hold_still(normal, *c));
+}
+
+/// The normal equations without a column.
+fn hold_still(normal: &mut Normal, column: usize) {
+    let n = normal.n;
+    for i in 0..n {
+        normal.gram[i + n * column] = 0.0;
+        normal.gram[column + n * i] = 0.0;
     }
+    normal.gradient[column] = 0.0;
 }
 
 /// Recordings that a score test goes without, to have about `enough` instants: those that fit best, as they

@@ -163,10 +163,12 @@ pub fn contest(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
         attempt.look(heed).into_iter().partition(|l| l.chi2_train() < near);
     attempt.search_longer(&mut levels, heed);
     levels.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
-    // Of two that explain the same the one at fewer places.
+    // Of two that explain the same the one at fewer places, or the simpler one if it deserves its price.
     let better = |l: &Level| {
         let gained = law.evidence() - l.evidence();
-        gained > EVIDENCE || gained > -EVIDENCE && l.chosen.len() < law.chosen.len()
+        let simpler = l.values.len() < law.values.len() && l.bic() < law.bic();
+        let fewer = l.chosen.len() < law.chosen.len();
+        gained > EVIDENCE || gained > -EVIDENCE && (fewer || simpler)
     };
     let best = levels.iter().position(better).map(|k| levels.remove(k));
     found.rejected.extend(levels.into_iter().chain(distant));
