@@ -26,6 +26,9 @@ impl Context<'_> {
 
     pub(crate) fn report_unknown_class(&mut self, path: &ast::Path, scope: Scope) {
         let Some(first) = path.parts.first() else { return };
+        if path.parts.len() == 1 && first.name.as_str() == "Clock" {
+            return self.unsupported(path.span, "clocks");
+        }
         let mut candidates = Vec::new();
         let mut inside = None;
         if path.parts.len() > 1 {

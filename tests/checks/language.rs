@@ -587,3 +587,45 @@ fn partial_derivatives_of_functions_are_functions() {
         }
     }
 }
+
+/// A vector of subscripts may hold variables, where elements are read and where they are assigned.
+#[test]
+fn vectors_of_subscripts_may_change_at_events() {
+    let run = Case::text(
+        "model Vectors
+           Integer k(start = 1, fixed = true);
+           Integer idx[2] = {k, 2};
+           Real v[3] = {time, 2 * time, 3 * time};
+           Real w[2] = v[idx];
+           Real m[3, 3] = {{10 * i + j for j in 1:3} for i in 1:3};
+           Real p[2, 2] = m[idx, {3, 1}];
+           Real q[3, 2] = m[:, idx];
+           Real a[3];
+           function swap
+             input Real u[3];
+             input Integer i[2];
+             output Real y[3] = u;
+           algorithm
+             y[i] := y[{i[2], i[1]}];
+           end swap;
+           Real s[3] = swap({1, 2, 3}, {k, 4 - k});
+         algorithm
+           a := zeros(3);
+           a[idx] := {7, 8};
+         equation
+           when sample(0.25, 0.25) then
+             k = if pre(k) < 3 then pre(k) + 1 else 1;
+           end when;
+         end Vectors;",
+    )
+    .stop(0.6)
+    .run();
+    let last = |name: &str| run.last(name);
+    assert_eq!([last("k"), last("w[1]"), last("w[2]")], [3.0, 3.0 * 0.6, 2.0 * 0.6]);
+    assert_eq!(["p[1,1]", "p[1,2]", "p[2,1]", "p[2,2]"].map(last), [33.0, 31.0, 23.0, 21.0]);
+    assert_eq!(["q[1,1]", "q[1,2]", "q[3,1]", "q[3,2]"].map(last), [13.0, 12.0, 33.0, 32.0]);
+    assert_eq!(["a[1]", "a[2]", "a[3]"].map(last), [0.0, 8.0, 7.0]);
+    // First and last change places at the beginning and at the end.
+    assert_eq!(["s[1]", "s[2]", "s[3]"].map(last), [3.0, 2.0, 1.0]);
+    assert_eq!(["s[1]", "s[2]", "s[3]"].map(|n| run.values(n).unwrap()[0]), [3.0, 2.0, 1.0]);
+}

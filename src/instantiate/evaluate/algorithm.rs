@@ -8,7 +8,7 @@ use super::value::{Record, Value};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::instantiate::evaluate::reference::{Selection, positions};
+use crate::instantiate::evaluate::reference::{Selection, one_by_one, positions};
 use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind};
 use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
@@ -396,32 +396,40 @@ impl Context<'_> {
         };
         let selectors = self.selectors(&array.dims, &part.subscripts, scope, span)?;
         let mut elements = array.elements.clone();
-        for (condition, selectors) in self.fixed(&array.dims, &selectors) {
-            let (sizes, positions) = positions(&array.dims, &selectors);
-            let single = sizes.is_empty() && selectors.len() == array.dims.len();
-            if !single && value.elements().len() != positions.len() {
-                let message = format!(
-                    "{} values are assigned to {}",
-                    value.elements().len(),
-                    positions.len()
-                );
-                self.error("MO0215", span, message);
-                return None;
+        let assigned = match one_by_one(&array.dims, &selectors) {
+            None => vec![(selectors, value)],
+            Some((_, all)) => {
+                if value.elements().len() != all.len() {
+                    self.report_count(value.elements().len(), all.len(), span);
+                    return None;
+                }
+                let values = value.elements().to_vec();
+                all.into_iter().zip(values).collect()
             }
-            for (k, p) in positions.iter().enumerate() {
-                let new = if single { value.clone() } else { value.elements().get(k)?.clone() };
-                let new = if rest.is_empty() {
-                    new
-                } else {
-                    let bare = RefPart { name: part.name, subscripts: Vec::new() };
-                    let parts: Vec<RefPart> =
-                        std::iter::once(bare).chain(rest.iter().cloned()).collect();
-                    self.updated(&elements[*p], &parts, new, scope, span)?
-                };
-                elements[*p] = match condition {
-                    Some(c) => self.if_values(c, new, elements[*p].clone(), span)?,
-                    None => new,
-                };
+        };
+        for (selectors, value) in assigned {
+            for (condition, selectors) in self.fixed(&array.dims, &selectors) {
+                let (sizes, positions) = positions(&array.dims, &selectors);
+                let single = sizes.is_empty() && selectors.len() == array.dims.len();
+                if !single && value.elements().len() != positions.len() {
+                    self.report_count(value.elements().len(), positions.len(), span);
+                    return None;
+                }
+                for (k, p) in positions.iter().enumerate() {
+                    let new = if single { value.clone() } else { value.elements().get(k)?.clone() };
+                    let new = if rest.is_empty() {
+                        new
+                    } else {
+                        let bare = RefPart { name: part.name, subscripts: Vec::new() };
+                        let parts: Vec<RefPart> =
+                            std::iter::once(bare).chain(rest.iter().cloned()).collect();
+                        self.updated(&elements[*p], &parts, new, scope, span)?
+                    };
+                    elements[*p] = match condition {
+                        Some(c) => self.if_values(c, new, elements[*p].clone(), span)?,
+                        None => new,
+                    };
+                }
             }
         }
         Some(Value::array(array.dims.clone(), elements))

@@ -91,6 +91,31 @@ const OTHERS: [&str; 41] = [
     "time",
 ];
 
+/// Operators of the language that are not supported, and what they belong to.
+const LATER: &[(&str, &[&str])] = &[
+    ("`stream` connectors", &["inStream", "actualStream"]),
+    ("distributions along a pipe", &["spatialDistribution"]),
+    (
+        "clocks",
+        &[
+            "Clock",
+            "previous",
+            "hold",
+            "subSample",
+            "superSample",
+            "shiftSample",
+            "backSample",
+            "noClock",
+            "interval",
+            "firstTick",
+        ],
+    ),
+    (
+        "state machines",
+        &["transition", "initialState", "activeState", "ticksInState", "timeInState"],
+    ),
+];
+
 /// An expression that is delayed.
 #[derive(Clone, Copy, Debug)]
 pub struct Delaying {
@@ -236,8 +261,9 @@ impl Context<'_> {
     }
 
     fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
-        if ["inStream", "actualStream"].iter().any(|n| path.to_string() == *n) {
-            return self.unsupported(path.span, "`stream` connectors");
+        let name = path.to_string();
+        if let Some((what, _)) = LATER.iter().find(|(_, names)| names.contains(&&*name)) {
+            return self.unsupported(path.span, what);
         }
         let known = UNARY.iter().map(|u| u.0).chain(BINARY.iter().map(|b| b.0)).chain(OTHERS);
         let mut d =
@@ -301,7 +327,15 @@ impl Context<'_> {
             | "scalar" | "matrix" | "cat" | "array" => {
                 self.array_call(name.as_str(), args, span, scope)
             }
-            "assert" | "terminate" | "reinit" => {
+            "reinit" => {
+                self.problems.push(
+                    Diagnostic::error("MO0219", span, "`reinit` stands outside of a when-equation")
+                        .help("write it in a `when` of an `equation` section")
+                        .note("section 8.3.6 of the specification"),
+                );
+                None
+            }
+            "assert" | "terminate" => {
                 self.error(
                     "MO0219",
                     span,

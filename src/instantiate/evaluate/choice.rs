@@ -109,8 +109,7 @@ impl Context<'_> {
     ) -> Option<()> {
         let targets = self.alternatives(selection, span)?;
         if scalars.len() != targets.len() {
-            let message = format!("{} values are assigned to {}", scalars.len(), targets.len());
-            self.error("MO0215", span, message);
+            self.report_count(scalars.len(), targets.len(), span);
             return None;
         }
         for (target, &e) in targets.iter().zip(scalars) {
@@ -119,6 +118,10 @@ impl Context<'_> {
             }
         }
         Some(())
+    }
+
+    pub(super) fn report_count(&mut self, values: usize, targets: usize, span: Span) {
+        self.error("MO0215", span, format!("{values} values are assigned to {targets}"));
     }
 
     fn assign_variable(

@@ -19,6 +19,15 @@ pub(super) enum Selector {
     Many(Vec<usize>),
     /// Known only when the model runs.
     Dynamic(ExprId),
+    /// Several, of which some are known only when the model runs.
+    Each(Vec<Selector>),
+}
+
+impl Selector {
+    /// True if only a run knows what it selects.
+    fn is_chosen(&self) -> bool {
+        matches!(self, Selector::Dynamic(_) | Selector::Each(_))
+    }
 }
 
 /// The instances that a reference names.
@@ -393,7 +402,7 @@ impl Context<'_> {
             if let InstanceKind::Variable { dims, .. } = self.instances[id].kind.clone() {
                 self.check_index_types(id, &part.subscripts, scope);
                 let selectors = self.selectors(&dims, &part.subscripts, scope, span)?;
-                if selectors.iter().any(|s| matches!(s, Selector::Dynamic(_))) {
+                if selectors.iter().any(Selector::is_chosen) {
                     let whole = self.instance_value(id, span)?;
                     return self.apply(&whole, &selectors, span);
                 }
@@ -627,6 +636,10 @@ impl Context<'_> {
         mut selectors: Vec<Selector>,
         element: &mut dyn FnMut(&mut Self, usize) -> Option<Selection>,
     ) -> Option<Selection> {
+        if let Some((sizes, all)) = one_by_one(dims, &selectors) {
+            let all = all.into_iter().map(|one| self.selected(dims, one, element));
+            return Some(many(sizes, all.collect::<Option<_>>()?));
+        }
         let dynamic = selectors.iter().enumerate().find_map(|(k, s)| match s {
             Selector::Dynamic(e) => Some((k, *e)),
             _ => None,
@@ -689,16 +702,22 @@ impl Context<'_> {
         array: Span,
     ) -> Option<Selector> {
         let mut list = Vec::with_capacity(value.elements().len());
-        for element in value.elements() {
-            let e = element.scalar()?;
-            let Some(c) = self.structural_value(e) else {
-                if value.dims().is_empty() {
+        let scalars = value.elements().iter().map(Value::scalar).collect::<Option<Vec<_>>>()?;
+        if scalars.iter().any(|e| self.structural_value(*e).is_none()) {
+            let mut each = Vec::with_capacity(scalars.len());
+            for e in scalars {
+                if self.structural_value(e).is_some() {
+                    each.push(self.selector(&Value::Scalar(e), size, span, array)?);
+                } else {
                     self.assert_in_bounds(e, size, span, array)?;
-                    return Some(Selector::Dynamic(e));
+                    each.push(Selector::Dynamic(e));
                 }
-                self.unsupported(span, "subscript vectors that only a run knows");
-                return None;
-            };
+            }
+            let vector = !value.dims().is_empty();
+            return if vector { Some(Selector::Each(each)) } else { each.pop() };
+        }
+        for e in scalars {
+            let c = self.structural_value(e)?;
             let i = match c {
                 Const::Integer(i) => i,
                 Const::Enumeration(_, k) => i64::from(k),
@@ -741,6 +760,15 @@ impl Context<'_> {
                 }
                 self.stack(parts, span)
             }
+            Selector::Each(all) => {
+                let mut parts = Vec::with_capacity(all.len());
+                for one in all {
+                    let selectors: Vec<Selector> =
+                        std::iter::once(one).chain(rest).cloned().collect();
+                    parts.push(self.apply(value, &selectors, span)?);
+                }
+                self.stack(parts, span)
+            }
             Selector::Dynamic(e) => {
                 let parts = (1..=dims[0])
                     .map(|i| self.apply(&part(i)?, rest, span))
@@ -749,6 +777,38 @@ impl Context<'_> {
             }
         }
     }
+}
+
+/// Where one of the selectors selects several that only a run knows: the sizes of what is selected, and
+/// selectors for each scalar of it, row-major.
+pub(super) fn one_by_one(
+    dims: &[usize],
+    selectors: &[Selector],
+) -> Option<(Vec<usize>, Vec<Vec<Selector>>)> {
+    if !selectors.iter().any(|s| matches!(s, Selector::Each(_))) {
+        return None;
+    }
+    let mut sizes = Vec::new();
+    let mut all = vec![Vec::with_capacity(dims.len())];
+    for (k, &size) in dims.iter().enumerate() {
+        let choices: Vec<Selector> = match selectors.get(k) {
+            Some(Selector::Many(list)) => list.iter().map(|i| Selector::One(*i)).collect(),
+            Some(Selector::Each(each)) => each.clone(),
+            None => (1..=size).map(Selector::One).collect(),
+            Some(one) => vec![one.clone()],
+        };
+        if !matches!(selectors.get(k), Some(Selector::One(_) | Selector::Dynamic(_))) {
+            sizes.push(choices.len());
+        }
+        let longer = |list: &Vec<Selector>, choice: &Selector| {
+            list.iter().chain(std::iter::once(choice)).cloned().collect::<Vec<_>>()
+        };
+        all = all
+            .iter()
+            .flat_map(|list| choices.iter().map(|c| longer(list, c)).collect::<Vec<_>>())
+            .collect();
+    }
+    Some((sizes, all))
 }
 
 /// Positions that known selectors select in an array of the given sizes, with the sizes that result.
@@ -763,7 +823,7 @@ pub(super) fn positions(dims: &[usize], selectors: &[Selector]) -> (Vec<usize>, 
                 sizes.push(list.len());
                 list
             }
-            Some(Selector::Dynamic(_)) | None => {
+            Some(Selector::Dynamic(_) | Selector::Each(_)) | None => {
                 sizes.push(size);
                 all = (1..=size).collect();
                 &all

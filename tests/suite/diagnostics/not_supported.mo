@@ -1,9 +1,27 @@
 // status: 1
-// error[MO0200] 8:9
-model Choice
-  Integer k = if time > 0.5 then 2 else 1;
-  Real x[3] = {1, 2, 3};
-  Real y[2];
+// error[MO0200] 9:3
+// error[MO0200] 16:9
+// error[MO0200] 23:7
+// error[MO0200] 24:12
+// error[MO0200] 25:3
+// error[MO0200] 26:3
+model NotNow
+  Clock c = Clock(0.1);
+  Real x(start = 0), y, z, u;
+  Boolean b;
+  inner Integer i(start = 0);
+  model A
+    outer output Integer i;
+  equation
+    i = previous(i) + 2;
+  end A;
+  A a1, a2;
 equation
-  y = x[{k, k + 1}];
-end Choice;
+  when c then
+    x = previous(x) + 1;
+  end when;
+  y = hold(x);
+  (z, u) = spatialDistribution(y, 0, time, true, {0, 1}, {0, 0});
+  initialState(a1);
+  transition(a1, a2, i > 10, immediate = false);
+end NotNow;
