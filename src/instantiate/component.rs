@@ -156,35 +156,72 @@ impl Context<'_> {
             let outside = self.outside(*holder);
             written.extend(list.iter().map(|s| (s.clone(), outside)));
         }
-        let mut sizes = Vec::with_capacity(written.len());
-        let mut from_binding: Option<Vec<usize>> = None;
-        for (k, (subscript, scope)) in written.iter().enumerate() {
-            match subscript {
-                Subscript::Expr(e) => sizes.push(self.fold_size(e, *scope)?),
-                Subscript::Colon(span) => {
-                    if from_binding.is_none() {
-                        let before = std::mem::replace(&mut self.evaluation.shaping, true);
-                        let value = match self.binding_value(id) {
-                            None if !self.bound(id) => self.start_value(id),
-                            value => value,
-                        };
-                        self.evaluation.shaping = before;
-                        from_binding = Some(value.map(|v| v.dims().to_vec()).unwrap_or_default());
-                    }
-                    match from_binding.as_ref().and_then(|d| d.get(k)) {
-                        Some(n) => sizes.push(*n),
-                        // Connections will say (section 9.1.3).
-                        None if self.in_expandable(id) => sizes.push(0),
-                        None => {
-                            self.report_unknown_size(component.name, *span);
-                            return None;
-                        }
-                    }
-                }
-            }
-        }
+        // One may be that of another dimension: `A[:, size(A, 1)]`.
+        self.evaluation.sizing.push((id, vec![None; written.len()]));
+        let sizes = self.sizes_of_dimensions(id, component.name, &written);
+        self.evaluation.sizing.pop();
+        let sizes = sizes?;
         self.check_count(&sizes, component.name.span)?;
         Some(sizes)
+    }
+
+    /// Sizes as written, each where it is written: those that are left open come from the binding.
+    fn sizes_of_dimensions(
+        &mut self,
+        id: InstanceId,
+        name: ast::Ident,
+        written: &[(Subscript, Scope)],
+    ) -> Option<Vec<usize>> {
+        let mut sizes = vec![0; written.len()];
+        let mut from_binding: Option<Vec<usize>> = None;
+        for (k, (subscript, _)) in written.iter().enumerate() {
+            let Subscript::Colon(span) = subscript else { continue };
+            if from_binding.is_none() {
+                let before = std::mem::replace(&mut self.evaluation.shaping, true);
+                let value = match self.binding_value(id) {
+                    None if !self.bound(id) => self.start_value(id),
+                    value => value,
+                };
+                self.evaluation.shaping = before;
+                from_binding = Some(value.map(|v| v.dims().to_vec()).unwrap_or_default());
+            }
+            sizes[k] = match from_binding.as_ref().and_then(|d| d.get(k)) {
+                Some(n) => *n,
+                // Connections will say (section 9.1.3).
+                None if self.in_expandable(id) => 0,
+                None => {
+                    self.report_unknown_size(name, *span);
+                    return None;
+                }
+            };
+            self.note_size(k, sizes[k]);
+        }
+        for (k, (subscript, scope)) in written.iter().enumerate() {
+            if let Subscript::Expr(e) = subscript {
+                sizes[k] = self.fold_size(e, *scope)?;
+                self.note_size(k, sizes[k]);
+            }
+        }
+        Some(sizes)
+    }
+
+    fn note_size(&mut self, k: usize, size: usize) {
+        if let Some((_, known)) = self.evaluation.sizing.last_mut() {
+            known[k] = Some(size);
+        }
+    }
+
+    /// Dimension `k`, from 1, of a component whose sizes are being found, if that one is found already.
+    pub(super) fn size_found(&mut self, e: &ast::Expr, k: usize, scope: Scope) -> Option<usize> {
+        let ast::ExprKind::Ref(r) = &e.kind else { return None };
+        let [part] = r.parts.as_slice() else { return None };
+        let elsewhere = self.evaluation.sizing.is_empty() || self.evaluation.in_function;
+        if elsewhere || r.global || !part.subscripts.is_empty() {
+            return None;
+        }
+        let id = self.child(scope.instance, part.name.name)?;
+        let (_, known) = self.evaluation.sizing.iter().rev().find(|(own, _)| *own == id)?;
+        *known.get(k.checked_sub(1)?)?
     }
 
     /// The start value of a variable, from which its open sizes are taken where it has no other.

@@ -815,7 +815,18 @@ impl Context<'_> {
             [a, b] => {
                 let (a, b) = (self.evaluate(a, scope)?, self.evaluate(b, scope)?);
                 let op = if name == "min" { Binary::Min } else { Binary::Max };
-                self.each_pair(op, &a, &b, span)
+                match (a.scalar(), b.scalar()) {
+                    (Some(a), Some(b))
+                        if self.graph.ty(a) == self.graph.ty(b)
+                            && !matches!(
+                                self.graph.ty(a),
+                                Type::Real | Type::Integer | Type::String
+                            ) =>
+                    {
+                        Some(Value::Scalar(self.joined(op, a, b)))
+                    }
+                    _ => self.each_pair(op, &a, &b, span),
+                }
             }
             _ => {
                 self.wrong_arguments(span, "one array or two numbers are");
@@ -845,8 +856,11 @@ impl Context<'_> {
     fn array_call(&mut self, name: &str, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         match (name, args) {
             ("size", [a, k]) => {
-                let dims = self.dims_of(a, scope)?;
                 let k = self.fold_size(k, scope)?;
+                if let Some(n) = self.size_found(a, k, scope) {
+                    return Some(Value::Scalar(self.graph.integer(n as i64)));
+                }
+                let dims = self.dims_of(a, scope)?;
                 match k.checked_sub(1).and_then(|k| dims.get(k)) {
                     Some(n) => Some(Value::Scalar(self.graph.integer(*n as i64))),
                     None => {

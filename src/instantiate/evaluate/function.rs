@@ -10,6 +10,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::instantiate::iterators::read_by_declaration;
 use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript, Variability};
 use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
@@ -302,25 +303,25 @@ impl Context<'_> {
         span: Span,
     ) -> Option<Value> {
         let mut outputs = Vec::new();
-        let mut next = 0;
+        let mut arguments = Vec::with_capacity(components.len());
+        let mut given = given.iter_mut();
         for (entry, declaration) in components {
-            let name = entry.name.name;
             let causality = self.causality(entry, declaration);
-            let argument = if causality == Some(Causality::Input) {
-                next += 1;
-                given[next - 1].take()
-            } else {
-                None
-            };
+            let input = causality == Some(Causality::Input);
+            arguments.push(if input { given.next().and_then(Option::take) } else { None });
             if causality == Some(Causality::Output) {
-                outputs.push(name);
+                outputs.push(entry.name.name);
             }
-            let value = match argument {
+        }
+        for k in self.initial_order(class, components).iter() {
+            let (entry, declaration) = &components[*k];
+            let name = entry.name.name;
+            let value = match arguments[*k].take() {
                 Some(value) => value,
                 None => match self.local_start(entry, declaration) {
                     Some(value) => value,
                     None => {
-                        if causality == Some(Causality::Input) {
+                        if self.causality(entry, declaration) == Some(Causality::Input) {
                             let full_name = self.classes[class].full_name;
                             let message = format!("argument `{name}` of `{full_name}` is missing");
                             self.error("MO0219", span, message);
@@ -358,6 +359,32 @@ impl Context<'_> {
             1 => results.pop(),
             _ => Some(Value::Tuple(results.into())),
         }
+    }
+
+    /// The order in which the variables of a function get their first values: those that others read come
+    /// before these, wherever they are declared (section 12.4.4).
+    fn initial_order(
+        &mut self,
+        class: ClassId,
+        components: &[(Entry, Declaration)],
+    ) -> Rc<[usize]> {
+        if let Some(known) = self.evaluation.initial_orders.get(&class) {
+            return known.clone();
+        }
+        let position = |name: Name| components.iter().position(|(e, _)| e.name.name == name);
+        let read: Vec<Vec<usize>> = components
+            .iter()
+            .map(|(_, d)| read_by_declaration(d.clause(), d.component()))
+            .map(|names| names.into_iter().filter_map(position).collect())
+            .collect();
+        let mut order = Vec::with_capacity(components.len());
+        let mut met = vec![false; components.len()];
+        for k in 0..components.len() {
+            put_after_what_it_reads(k, &read, &mut met, &mut order);
+        }
+        let order: Rc<[usize]> = order.into();
+        self.evaluation.initial_orders.insert(class, order.clone());
+        order
     }
 
     /// The value that a declaration, or what extends it, gives a local or a field.
@@ -576,4 +603,19 @@ pub(super) fn is_constant(declaration: &Declaration) -> bool {
 
 fn has_value(declaration: &Declaration) -> bool {
     declaration.component().modification.as_ref().is_some_and(|m| m.binding.is_some())
+}
+
+fn put_after_what_it_reads(
+    k: usize,
+    read: &[Vec<usize>],
+    met: &mut [bool],
+    order: &mut Vec<usize>,
+) {
+    if std::mem::replace(&mut met[k], true) {
+        return;
+    }
+    for other in &read[k] {
+        put_after_what_it_reads(*other, read, met, order);
+    }
+    order.push(k);
 }

@@ -84,6 +84,10 @@ pub struct State {
     pub(crate) has_unit: FastMap<InstanceId, bool>,
     /// Only sizes are wanted: what has no value yet counts as zero.
     pub(crate) shaping: bool,
+    /// The orders in which the variables of functions get their first values.
+    pub(crate) initial_orders: FastMap<ClassId, Rc<[usize]>>,
+    /// Components whose sizes are being found, with those that are found already.
+    pub(crate) sizing: Vec<(InstanceId, Vec<Option<usize>>)>,
     /// What each numbered flat variable is: for folding what stands in an expression.
     pub(crate) instance_of: Vec<(InstanceId, usize)>,
     /// Tables, by the number that stands for each.

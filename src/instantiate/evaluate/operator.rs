@@ -657,12 +657,28 @@ impl Context<'_> {
             "min" => (Binary::Min, f64::MAX),
             _ => (Binary::Max, f64::MIN),
         };
-        let result = elements.iter().copied().reduce(|a, b| self.graph.binary(op, a, b));
+        let result = elements.iter().copied().reduce(|a, b| self.joined(op, a, b));
         Some(Value::Scalar(result.unwrap_or_else(|| match op {
             Binary::Add => self.graph.integer(0),
             Binary::Mul => self.graph.integer(1),
             _ => self.graph.real(empty),
         })))
+    }
+
+    /// Sum, product, or the lesser or greater of two. Truth values and enumerations have an order too
+    /// (section 10.3.4).
+    pub(super) fn joined(&mut self, op: Binary, a: ExprId, b: ExprId) -> ExprId {
+        match (op, self.graph.ty(a)) {
+            (Binary::Min, Type::Boolean) => self.graph.and(a, b),
+            (Binary::Max, Type::Boolean) => self.graph.or(a, b),
+            (Binary::Min | Binary::Max, Type::Enumeration(_)) => {
+                let relation =
+                    if op == Binary::Min { Binary::LessEqual } else { Binary::GreaterEqual };
+                let first = self.graph.binary(relation, a, b);
+                self.graph.if_then_else(first, a, b)
+            }
+            _ => self.graph.binary(op, a, b),
+        }
     }
 
     /// A function of one number on every element.

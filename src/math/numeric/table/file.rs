@@ -30,6 +30,7 @@ impl Matrix {
 
 /// The matrix of that name; an error says why there is none.
 pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if bytes.starts_with(b"#1") {
         let text = std::str::from_utf8(bytes).map_err(|_| "the text is not UTF-8".to_string())?;
         return in_text(text, name);

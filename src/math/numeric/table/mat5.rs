@@ -15,6 +15,8 @@ const LIMIT: u64 = 1 << 32;
 /// Kinds of elements.
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
+/// The class of matrices of structures.
+const STRUCTURE: u32 = 2;
 /// Classes of matrices that hold numbers: double, single, and whole numbers of 8 to 64 bits.
 const NUMBERS: std::ops::RangeInclusive<u32> = 6..=15;
 
@@ -77,15 +79,54 @@ fn next<'a>(rest: &mut &'a [u8]) -> Result<Element<'a>, String> {
     Ok(Element { kind, data })
 }
 
-/// The matrix, if it has that name and holds real numbers.
+/// The matrix, if it has that name and holds real numbers; `a.b` is the field `b` of the structure `a`.
 fn named(mut parts: &[u8], name: &str) -> Result<Option<Matrix>, String> {
     let flags = next(&mut parts)?;
     let class = flags.data.first().map_or(0, |c| u32::from(*c));
     let sizes = numbers(&next(&mut parts)?)?;
-    if next(&mut parts)?.data != name.as_bytes() {
+    let own = next(&mut parts)?.data;
+    if class == STRUCTURE {
+        let rest = name.as_bytes().strip_prefix(own).and_then(|rest| rest.strip_prefix(b"."));
+        let field = rest.and_then(|rest| std::str::from_utf8(rest).ok());
+        return field.map_or(Ok(None), |field| in_structure(parts, field));
+    }
+    if own != name.as_bytes() {
         return Ok(None);
     }
-    let [rows, columns] = sizes[..] else {
+    content(parts, class, &sizes, name).map(Some)
+}
+
+/// The matrix in a field of a structure: its names stand first, each in as many bytes, then the fields,
+/// which have no names of their own.
+fn in_structure(mut parts: &[u8], path: &str) -> Result<Option<Matrix>, String> {
+    let (wanted, inner) = match path.split_once('.') {
+        Some((wanted, inner)) => (wanted, Some(inner)),
+        None => (path, None),
+    };
+    let length = numbers(&next(&mut parts)?)?.first().map_or(0, |n| *n as usize);
+    let names = next(&mut parts)?.data;
+    for name in names.chunks(length.max(1)) {
+        let field = next(&mut parts)?;
+        if name.split(|b| *b == 0).next() != Some(wanted.as_bytes()) {
+            continue;
+        }
+        let mut parts = field.data;
+        let flags = next(&mut parts)?;
+        let class = flags.data.first().map_or(0, |c| u32::from(*c));
+        let sizes = numbers(&next(&mut parts)?)?;
+        next(&mut parts)?;
+        return match inner {
+            Some(inner) if class == STRUCTURE => in_structure(parts, inner),
+            Some(_) => Ok(None),
+            None => content(parts, class, &sizes, path).map(Some),
+        };
+    }
+    Ok(None)
+}
+
+/// The numbers of a matrix, whose sizes were read.
+fn content(mut parts: &[u8], class: u32, sizes: &[f64], name: &str) -> Result<Matrix, String> {
+    let &[rows, columns] = sizes else {
         return Err(format!("`{name}` has {} dimensions instead of 2", sizes.len()));
     };
     if !NUMBERS.contains(&class) {
@@ -101,7 +142,7 @@ fn named(mut parts: &[u8], name: &str) -> Result<Option<Matrix>, String> {
     }
     let places = (0..columnwise.len()).map(|k| k / columns + (k % columns) * rows);
     let elements = places.map(|p| columnwise[p]).collect();
-    Ok(Some(Matrix { rows, columns, elements }))
+    Ok(Matrix { rows, columns, elements })
 }
 
 /// Numbers are stored in the smallest kind that holds them.

@@ -15,6 +15,9 @@ pub struct Surface {
     y: Vec<f64>,
     /// For each cell of the grid, row by row, the coefficients of `dx^i dy^j`, row by row.
     cells: Vec<[f64; 16]>,
+    /// The same for what goes on beyond the grid, where that is another function: constant segments go on
+    /// linearly.
+    beyond: Option<Vec<[f64; 16]>>,
     extrapolation: Extrapolation,
 }
 
@@ -60,7 +63,9 @@ impl Surface {
             }
             _ => return None,
         };
-        Some(Surface { x: x.to_vec(), y: y.to_vec(), cells, extrapolation })
+        let steps = smoothness == Smoothness::Constant && extrapolation == Extrapolation::Linear;
+        let beyond = steps.then(|| grid.each(|i, j| grid.bilinear(i, j)));
+        Some(Surface { x: x.to_vec(), y: y.to_vec(), cells, beyond, extrapolation })
     }
 
     /// The least and the greatest first abscissa, the least and the greatest second one.
@@ -79,7 +84,11 @@ impl Surface {
         let (u, du) = self.inside(u, x);
         let (v, dv) = self.inside(v, y);
         let (i, j) = (interval(&self.x, u), interval(&self.y, v));
-        let cell = &self.cells[i * (self.y.len() - 1) + j];
+        let cells = match &self.beyond {
+            Some(beyond) if du.or(dv).is_some() => beyond,
+            _ => &self.cells,
+        };
+        let cell = &cells[i * (self.y.len() - 1) + j];
         let (p, q) = (u - self.x[i], v - self.y[j]);
         // Beyond the grid a tangent goes on in each direction, or the value does.
         let along = |order: u8, beyond: Option<f64>| -> [(u8, f64); 2] {
