@@ -147,10 +147,20 @@ pub fn of_integration(instance: &Instance<'_>, failure: Integration, time: f64) 
             let message = format!("at time {time} s `{name}` has no finite start value");
             Failure::numerics(time, Diagnostic::error("MO0908", Span::NONE, message))
         }
-        Integration::Eval { .. } | Integration::NonFinite { .. } => match instance.fault {
-            Some(fault) => of_fault(instance, fault, time),
-            None => Failure::numerics(time, reader.plain("a derivative is not finite", time)),
-        },
+        Integration::Eval { .. } | Integration::NonFinite { .. } => {
+            if let Some(fault) = instance.fault {
+                return of_fault(instance, fault, time);
+            }
+            let named = match failure {
+                Integration::NonFinite { component, .. } => state(component),
+                _ => None,
+            };
+            let diagnostic = match named {
+                Some(v) => unbounded(&reader, program, v, time),
+                None => reader.plain("a derivative is not finite", time),
+            };
+            Failure::numerics(time, diagnostic)
+        }
         Integration::StepTooSmall { h, component, .. }
         | Integration::NewtonFailed { h, component, .. } => {
             // A step that shrank to nothing at the border of a domain is better explained by that.
@@ -296,15 +306,37 @@ fn unsolved(
 }
 
 fn stuck(reader: &Reader<'_>, program: &Program, v: VarId, h: f64, time: f64) -> Diagnostic {
+    let name = &program.blocks.dae.variables[v].name;
+    let message = format!(
+        "at time {time} s the step became too small ({h:e} s); `{name}` can not be followed"
+    );
+    of_state(reader, program, v, "MO0909", message)
+        .help("look for a jump, a pole, or a law with infinite slope; loosen the tolerance")
+}
+
+fn unbounded(reader: &Reader<'_>, program: &Program, v: VarId, time: f64) -> Diagnostic {
+    let name = &program.blocks.dae.variables[v].name;
+    let message =
+        format!("at time {time} s the derivative of `{name}` is not finite, or its slope is not");
+    of_state(reader, program, v, "MO0902", message)
+        .help("look for a pole, or a law with infinite slope there, such as a root of zero")
+}
+
+/// A failure at a state: where it is declared, and where its derivative comes from.
+fn of_state(
+    reader: &Reader<'_>,
+    program: &Program,
+    v: VarId,
+    code: &'static str,
+    message: String,
+) -> Diagnostic {
     let variable = &program.blocks.dae.variables[v];
     let derivative = program.blocks.states.iter().find(|s| s.variable == v).map(|s| s.derivative);
-    let message = format!(
-        "at time {time} s the step became too small ({h:e} s); `{}` can not be followed",
-        variable.name
-    );
-    let mut diagnostic = Diagnostic::error("MO0909", variable.span, message)
-        .label(format!("`{}` = {}", variable.name, reader.value(v)))
-        .help("look for a jump, a pole, or a law with infinite slope; loosen the tolerance");
+    let mut diagnostic = Diagnostic::error(code, variable.span, message).label(format!(
+        "`{}` = {}",
+        variable.name,
+        reader.value(v)
+    ));
     if let Some(d) = derivative {
         diagnostic = diagnostic.note(format!("its derivative is {}", reader.value(d)));
         if let Some(source) = source_of(program, d) {

@@ -391,7 +391,15 @@ impl<'p, 's> Simulation<'p, 's> {
         self.model.instance.undetermined = None;
         let mut outcome = self.stepper.step(&mut self.model, t_stop);
         if outcome.is_err() && self.lost_a_branch() {
-            outcome = self.leap(t_stop).unwrap_or(outcome);
+            let told = self.model.instance.told();
+            match self.leap(t_stop) {
+                Some(leapt) => {
+                    self.model.instance.forget(told);
+                    outcome = leapt;
+                }
+                // What failed first is what is told.
+                None => self.model.instance.tell(told),
+            }
         }
         self.model.instance.leaps = true;
         let step =

@@ -18,6 +18,8 @@ pub struct Surface {
     /// The same for what goes on beyond the grid, where that is another function: constant segments go on
     /// linearly.
     beyond: Option<Vec<[f64; 16]>>,
+    /// In which directions there was one point only: nothing changes along them.
+    level: [bool; 2],
     extrapolation: Extrapolation,
 }
 
@@ -43,11 +45,15 @@ impl Surface {
         // A single row or column is as if it stood there twice.
         if m == 1 {
             let twice = [z, z].concat();
-            return Self::new(&[x[0], x[0] + 1.0], y, &twice, smoothness, extrapolation);
+            let x = [x[0], x[0] + 1.0];
+            let surface = Self::new(&x, y, &twice, smoothness, extrapolation)?;
+            return Some(Surface { level: [true, surface.level[1]], ..surface });
         }
         if n == 1 {
             let twice: Vec<f64> = z.iter().flat_map(|v| [*v, *v]).collect();
-            return Self::new(x, &[y[0], y[0] + 1.0], &twice, smoothness, extrapolation);
+            let y = [y[0], y[0] + 1.0];
+            let surface = Self::new(x, &y, &twice, smoothness, extrapolation)?;
+            return Some(Surface { level: [surface.level[0], true], ..surface });
         }
         let grid = Grid { x, y, z };
         let cells = match smoothness {
@@ -65,7 +71,14 @@ impl Surface {
         };
         let steps = smoothness == Smoothness::Constant && extrapolation == Extrapolation::Linear;
         let beyond = steps.then(|| grid.each(|i, j| grid.bilinear(i, j)));
-        Some(Surface { x: x.to_vec(), y: y.to_vec(), cells, beyond, extrapolation })
+        Some(Surface {
+            x: x.to_vec(),
+            y: y.to_vec(),
+            cells,
+            beyond,
+            level: [false; 2],
+            extrapolation,
+        })
     }
 
     /// The least and the greatest first abscissa, the least and the greatest second one.
@@ -85,7 +98,9 @@ impl Surface {
         let (v, dv) = self.inside(v, y);
         let (i, j) = (interval(&self.x, u), interval(&self.y, v));
         let cells = match &self.beyond {
-            Some(beyond) if du.or(dv).is_some() => beyond,
+            Some(beyond) if du.is_some() && !self.level[0] || dv.is_some() && !self.level[1] => {
+                beyond
+            }
             _ => &self.cells,
         };
         let cell = &cells[i * (self.y.len() - 1) + j];
