@@ -629,3 +629,87 @@ fn vectors_of_subscripts_may_change_at_events() {
     assert_eq!(["s[1]", "s[2]", "s[3]"].map(last), [3.0, 2.0, 1.0]);
     assert_eq!(["s[1]", "s[2]", "s[3]"].map(|n| run.values(n).unwrap()[0]), [3.0, 2.0, 1.0]);
 }
+
+/// A size may be that of another dimension of the same component, as of a matrix that is square.
+#[test]
+fn sizes_of_a_component_may_depend_on_each_other() {
+    let run = Case::text(
+        "model Squares
+           block StateSpace
+             parameter Real A[:, size(A, 1)] = [1, 0; 0, 1];
+             parameter Real B[size(A, 1), :] = [1; 1];
+             parameter Real C[size(C, 2) - 1, :] = [1, 2];
+             input Real u[size(B, 2)];
+             output Real x[size(A, 1)](each start = 0, each fixed = true);
+           equation
+             der(x) = A * x + B * u;
+           end StateSpace;
+           StateSpace one(u = {1});
+           StateSpace three(
+             A = -identity(3), B = {{1, 0}, {0, 1}, {1, 1}}, u = {1, 2}, C = zeros(2, 3));
+           Integer sizes[4] = {size(one.A, 2), size(one.C, 1), size(three.A, 2), size(three.C, 1)};
+         end Squares;",
+    )
+    .run();
+    let e = std::f64::consts::E;
+    assert_close(run.last("one.x[2]"), e - 1.0, 1e-5);
+    assert_close(run.last("three.x[3]"), 3.0 * (1.0 - 1.0 / e), 1e-5);
+    let sizes: Vec<f64> = (1..=4).map(|k| run.last(&format!("sizes[{k}]"))).collect();
+    assert_eq!(sizes, [2.0, 1.0, 3.0, 2.0]);
+}
+
+/// The variables of a function get their values in the order of what they read, not of their declarations.
+#[test]
+fn variables_of_functions_may_be_declared_in_any_order() {
+    let run = Case::text(
+        "model Ordered
+           function padded
+             input Real b[:];
+             input Integer wanted = twice;
+             output Real x[size(b, 1) + more] = cat(1, b, zeros(more));
+           protected
+             Integer more = wanted - count;
+             Integer twice = 2 * count;
+             Integer count = size(b, 1);
+           algorithm
+             x[1] := x[1] + more;
+           end padded;
+           Real x[3] = padded({1, 2}, 3);
+           Real y[4] = padded({time, 2});
+         end Ordered;",
+    )
+    .run();
+    assert_eq!(["x[1]", "x[2]", "x[3]"].map(|n| run.last(n)), [2.0, 2.0, 0.0]);
+    assert_eq!(["y[1]", "y[2]", "y[4]"].map(|n| run.last(n)), [3.0, 2.0, 0.0]);
+}
+
+/// The least of truth values and of enumerations: they have an order (section 10.3.4).
+#[test]
+fn truth_values_and_enumerations_have_a_least_and_a_greatest() {
+    let run = Case::text(
+        "model Least
+           type E = enumeration(a, b, c);
+           Boolean b[3] = {time > 0.25, time > 0.75, true};
+           Boolean all = min(b), any = max(b), both = min(b[1], b[2]), none = max({false, false});
+           E e[2] = {if time > 0.5 then E.c else E.a, E.b};
+           E low = min(e), high = max(e), other = max(e[1], E.a);
+         end Least;",
+    )
+    .interval(0.1)
+    .run();
+    let at = |name: &str, time: f64| {
+        let k = run.time.iter().position(|t| *t > time).unwrap();
+        run.values(name).unwrap()[k]
+    };
+    for (name, expected) in [
+        ("all", [0.0, 0.0, 0.0, 1.0]),
+        ("any", [1.0; 4]),
+        ("both", [0.0, 0.0, 0.0, 1.0]),
+        ("none", [0.0; 4]),
+        ("low", [1.0, 1.0, 2.0, 2.0]),
+        ("high", [2.0, 2.0, 3.0, 3.0]),
+        ("other", [1.0, 1.0, 3.0, 3.0]),
+    ] {
+        assert_eq!([0.15, 0.45, 0.55, 0.85].map(|t| at(name, t)), expected, "{name}");
+    }
+}

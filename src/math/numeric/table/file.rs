@@ -139,6 +139,8 @@ mod tests {
         let other = matrix(text.as_bytes(), "other").unwrap();
         assert_eq!(other, Matrix { rows: 2, columns: 2, elements: vec![1.0, 2.5, -3.0, 40.0] });
         assert_eq!(other.column(2), Ok(vec![2.5, 40.0]));
+        let marked = format!("\u{FEFF}{text}");
+        assert_eq!(matrix(marked.as_bytes(), "other"), Ok(other));
         let missing = matrix(text.as_bytes(), "third").unwrap_err();
         assert_eq!(missing, "there is no matrix `third` in it");
         let short = matrix(b"#1\ndouble a(2,2)\n1 2 3\n", "a").unwrap_err();

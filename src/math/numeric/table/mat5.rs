@@ -224,6 +224,40 @@ mod tests {
         assert_eq!(matrix(&bytes, "b").unwrap_err(), "there is no matrix `b` in it");
     }
 
+    /// A structure of one element; its fields have no names of their own.
+    fn structure(name: &str, fields: &[(&str, Vec<u8>)]) -> Vec<u8> {
+        const LENGTH: usize = 8;
+        let mut names = Vec::new();
+        for (k, (name, _)) in fields.iter().enumerate() {
+            names.extend(name.bytes());
+            names.resize((k + 1) * LENGTH, 0);
+        }
+        let mut parts = [
+            element(6, &[STRUCTURE as u8, 0, 0, 0, 0, 0, 0, 0]),
+            element(5, &[1, 0, 0, 0, 1, 0, 0, 0]),
+            element(1, name.as_bytes()),
+            element(5, &(LENGTH as i32).to_le_bytes()),
+            element(1, &names),
+        ]
+        .concat();
+        fields.iter().for_each(|(_, field)| parts.extend(field));
+        element(MATRIX, &parts)
+    }
+
+    #[test]
+    fn fields_of_structures_are_found_by_path() {
+        let inner = structure("", &[("b", whole(&[1, 1], "", &element(2, &[5])))]);
+        let fields = [("a", whole(&[1, 2], "", &element(2, &[3, 4]))), ("s", inner)];
+        let bytes = file(&[structure("s", &fields), whole(&[1, 1], "a", &element(2, &[1]))]);
+        let numbers = |path: &str| matrix(&bytes, path).map(|m| m.elements);
+        assert_eq!(numbers("s.a"), Ok(vec![3.0, 4.0]));
+        assert_eq!(numbers("s.s.b"), Ok(vec![5.0]));
+        assert_eq!(numbers("a"), Ok(vec![1.0]));
+        for missing in ["s.b", "s.a.b", "s.s", "s"] {
+            assert!(numbers(missing).is_err(), "{missing}");
+        }
+    }
+
     #[test]
     fn what_is_cut_off_is_refused() {
         let bytes = file(&[whole(&[2, 2], "a", &element(2, &[1, 2, 3, 4]))]);

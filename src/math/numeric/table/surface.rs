@@ -278,6 +278,21 @@ mod tests {
         }
     }
 
+    /// Squares in steps: beyond the grid the last line goes on. One column is as good as two.
+    #[test]
+    fn steps_go_on_as_lines() {
+        let x = [2.0, 3.0, 4.0];
+        let steps = |y: &[f64], z: &[f64]| {
+            Surface::new(&x, y, z, Smoothness::Constant, Extrapolation::Linear).unwrap()
+        };
+        let wide = steps(&[0.0, 6.0], &[4.0, 4.0, 9.0, 9.0, 16.0, 16.0]);
+        let narrow = steps(&[1.0], &[4.0, 9.0, 16.0]);
+        for (u, expected) in [(0.0, -6.0), (1.9, 3.5), (2.5, 4.0), (3.5, 9.0), (5.0, 23.0)] {
+            assert!((wide.at(u, 3.0, (0, 0)) - expected).abs() < 1e-12, "{u}");
+            assert!((narrow.at(u, u, (0, 0)) - expected).abs() < 1e-12, "{u}");
+        }
+    }
+
     #[test]
     fn a_function_of_one_argument_is_the_curve() {
         use super::super::curve::Curve;
