@@ -297,6 +297,19 @@ impl Context<'_> {
         self.with_redeclarations(base, all)
     }
 
+    /// A class found in the package `base`, seen from a package that extends it: its names stand for the
+    /// constants and classes of that one.
+    fn seen_from(&mut self, found: ClassId, base: ClassId, holder: InstanceId) -> ClassId {
+        let package = self.is_package(base).then(|| self.package_instance(base));
+        if package != Some(self.classes[found].holder) {
+            return found;
+        }
+        match (self.text(found).cloned(), self.classes[found].enclosing) {
+            (Some(text), Some(enclosing)) => self.class_in(&text, enclosing, holder),
+            _ => found,
+        }
+    }
+
     /// The class that `model extends M` extends: M as the class around it inherits it, with what that
     /// class redeclares besides (section 7.3.1).
     fn inherited_class(&mut self, class: ClassId) -> Option<ClassId> {
@@ -317,7 +330,7 @@ impl Context<'_> {
                 if let Some(found) = self.member_class(base, wanted.name, holder)
                     && !self.is_text(found, class)
                 {
-                    return Some(found);
+                    return Some(self.seen_from(found, base, holder));
                 }
             }
         }
@@ -333,7 +346,7 @@ impl Context<'_> {
         None
     }
 
-    fn is_text(&self, a: ClassId, b: ClassId) -> bool {
+    pub(super) fn is_text(&self, a: ClassId, b: ClassId) -> bool {
         matches!((self.text(a), self.text(b)), (Some(a), Some(b)) if Arc::ptr_eq(a, b))
     }
 
@@ -484,7 +497,7 @@ impl Context<'_> {
 }
 
 /// `model extends M ... end M`
-fn is_class_extends(class: &ast::Class) -> bool {
+pub(super) fn is_class_extends(class: &ast::Class) -> bool {
     matches!(&class.body, ClassBody::Long(c) if c.class_extends.is_some())
 }
 

@@ -53,10 +53,13 @@ impl Context<'_> {
             _ => return,
         }
         self.instances[id].kind = InstanceKind::InProgress;
+        // Where a function reads a constant, its own variables are not those of the constant's package.
+        let saved = self.enter_frame(false);
         let kind = match self.instances[id].declaration.clone() {
             Some(declaration) => self.declared(id, &declaration),
             None => self.object(id),
         };
+        self.leave_frame(saved);
         // An error on the way may have settled it already.
         if matches!(self.instances[id].kind, InstanceKind::InProgress) {
             self.instances[id].kind = kind.unwrap_or(InstanceKind::Broken);

@@ -1,9 +1,8 @@
-//! The iterators in the text of a class, and the names that it reads.
+//! The iterators in the text of a class.
 
-use crate::base::name::Name;
 use crate::ir::ast::{
-    ArgumentKind, Component, ComponentClause, Composition, ElementKind, Equation, EquationKind,
-    Expr, ExprKind, Ident, Iterator, Modification, Statement, StatementKind, Subscript,
+    ArgumentKind, Composition, ElementKind, Equation, EquationKind, Expr, ExprKind, Ident,
+    Iterator, Modification, Statement, StatementKind, Subscript,
 };
 
 /// All iterators of a class by itself, each with the one of the same name around it.
@@ -32,19 +31,9 @@ pub(super) fn all(composition: &Composition) -> Vec<(Ident, Option<Ident>)> {
     walk.found
 }
 
-/// What the binding and the sizes of a component read: the first names of all references.
-pub(super) fn read_by_declaration(clause: &ComponentClause, component: &Component) -> Vec<Name> {
-    let mut walk = Walk::default();
-    walk.subscripts(&component.dims);
-    walk.subscripts(&clause.type_dims);
-    component.modification.iter().for_each(|m| walk.modification(m));
-    walk.read
-}
-
 #[derive(Default)]
 struct Walk {
     found: Vec<(Ident, Option<Ident>)>,
-    read: Vec<Name>,
     /// Those of the loops around, outermost first.
     open: Vec<Ident>,
 }
@@ -172,10 +161,7 @@ impl Walk {
             ExprKind::PartialFunction { named, .. } => {
                 named.iter().for_each(|(_, a)| self.expression(a));
             }
-            ExprKind::Ref(r) => {
-                self.read.extend(r.parts.first().map(|p| p.name.name));
-                r.parts.iter().for_each(|p| self.subscripts(&p.subscripts));
-            }
+            ExprKind::Ref(r) => r.parts.iter().for_each(|p| self.subscripts(&p.subscripts)),
             _ => {}
         }
     }

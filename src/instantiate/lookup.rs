@@ -3,6 +3,7 @@
 
 use std::rc::Rc;
 
+use super::class::is_class_extends;
 use super::{Context, ROOT};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
@@ -60,7 +61,11 @@ impl Context<'_> {
         let mut instance = scope.instance;
         let mut own = true;
         loop {
-            if let Some(c) = self.member_class(class, wanted, instance) {
+            let seen_in = match own {
+                false => self.extending_package(class, instance, wanted).unwrap_or(class),
+                true => class,
+            };
+            if let Some(c) = self.member_class(seen_in, wanted, instance) {
                 return Some(Found::Class(c));
             }
             if !own && let Some(i) = self.package_constant(class, instance, wanted) {
@@ -173,7 +178,7 @@ impl Context<'_> {
         self.library.child(full_name, wanted, self.sources, self.problems)
     }
 
-    fn is_package(&self, class: ClassId) -> bool {
+    pub(super) fn is_package(&self, class: ClassId) -> bool {
         self.text(class).is_some_and(|c| c.kind == ClassKind::Package)
     }
 
@@ -197,17 +202,37 @@ impl Context<'_> {
         instance: InstanceId,
         wanted: Name,
     ) -> Option<InstanceId> {
-        if let Some(derived) = self.instances[instance].class
-            && derived != class
-            && self.package_instances.get(&derived) == Some(&instance)
-            && !self.table_in_progress(derived)
-            && !self.table_in_progress(class)
-            && self.table(class).index.contains_key(&wanted)
+        if let Some(derived) = self.extending_package(class, instance, wanted)
             && let Some(found) = self.package_component(derived, wanted)
         {
             return Some(found);
         }
         self.package_component(class, wanted)
+    }
+
+    /// The package that extends the package `class` and in which a class of that was found, if `wanted` is
+    /// among what it inherits from there.
+    fn extending_package(
+        &mut self,
+        class: ClassId,
+        instance: InstanceId,
+        wanted: Name,
+    ) -> Option<ClassId> {
+        let derived = self.instances[instance].class?;
+        let other = derived != class
+            && self.package_instances.get(&derived) == Some(&instance)
+            && !self.table_in_progress(derived)
+            && !self.table_in_progress(class);
+        if !other {
+            return None;
+        }
+        let (here, there) = (self.table(class), self.table(derived));
+        let own = &here.entries[*here.index.get(&wanted)?];
+        let entry = &there.entries[*there.index.get(&wanted)?];
+        // What only has the same name is not inherited. A base may be known by several redeclarations.
+        let same = self.is_text(own.class, entry.class);
+        let extends = matches!(&entry.kind, EntryKind::Class(c) if is_class_extends(c));
+        (same || entry.element.redeclare || extends).then_some(derived)
     }
 
     /// The component `wanted` of a package.

@@ -713,3 +713,124 @@ fn truth_values_and_enumerations_have_a_least_and_a_greatest() {
         assert_eq!([0.15, 0.45, 0.55, 0.85].map(|t| at(name, t)), expected, "{name}");
     }
 }
+
+/// What a package inherits sees the constants and classes of that package, not those of its base.
+#[test]
+fn inherited_classes_see_the_constants_of_the_package_that_extends() {
+    let package = "package Media
+             partial package PM
+               constant String mediumName = \"unusable\";
+               constant String names[:] = {mediumName};
+               constant Real refX[nX] = fill(1/nX, nX);
+               final constant Integer nS = size(names, 1);
+               constant Integer nX = nS;
+               constant Boolean fixedX = false;
+               constant Boolean explicit;
+               constant Integer nXi = if fixedX then 0 else nS - 1;
+               replaceable record State
+                 Real p;
+                 Real X[nX](start = refX);
+               end State;
+               replaceable partial function setState
+                 input Real p;
+                 input Real X[:] = refX;
+                 output State s;
+               end setState;
+               replaceable partial function density
+                 input State s;
+                 output Real d;
+               end density;
+               replaceable partial model Base
+                 Real p; 
+                 Real Xi[nXi];
+                 Real X[nX](start = refX);
+                 State state;
+               equation
+                 Xi = X[1:nXi];
+                 X[nX] = 1 - sum(Xi);
+               end Base;
+             end PM;
+             package Air
+               extends PM(names = {\"N2\", \"O2\", \"Ar\"}, refX = {0.7,0.2,0.1}, explicit = true, mediumName=\"air\");
+               redeclare function extends setState
+               algorithm
+                 s := State(p = p, X = X);
+               end setState;
+               redeclare function extends density
+               algorithm
+                 d := if explicit then s.p*sum(s.X) else 0;
+               end density;
+               redeclare model extends Base
+               equation
+                 state = setState(p, X);
+               end Base;
+             end Air;
+             package Water
+               extends PM(explicit = false);
+               redeclare function extends setState
+               algorithm
+                 s := State(p = p, X = X);
+               end setState;
+               redeclare function extends density
+               algorithm
+                 d := if explicit then 0 else s.p*2;
+               end density;
+             end Water;
+             partial model Test
+               replaceable package Medium = PM;
+               Real d = Medium.density(Medium.setState(3));
+               Medium.State state = Medium.setState(2 + time);
+             end Test;
+             model T1
+               extends Test(redeclare package Medium = Air);
+               Medium.Base medium(p = 1, Xi = Medium.refX[1:Medium.nXi], X(start=Medium.refX));
+             end T1;
+             model T2
+               extends Test(redeclare package Medium = Water);
+             end T2;
+           end Media;";
+    let air = Case::text(package).model("Media.T1").run();
+    let mixture =
+        |name: &str| (1..=3).map(|k| air.last(&format!("{name}[{k}]"))).collect::<Vec<_>>();
+    assert_eq!(mixture("state.X"), [0.7, 0.2, 0.1]);
+    assert_eq!(mixture("medium.state.X")[..2], [0.7, 0.2]);
+    assert_close(air.last("d"), 3.0, 1e-12);
+    let water = Case::text(package).model("Media.T2").run();
+    assert_eq!([water.last("d"), water.last("state.X[1]"), water.last("state.p")], [6.0, 1.0, 3.0]);
+}
+
+/// The modifications of a function defined in short see the component that it is found in.
+#[test]
+fn functions_of_components_read_their_parameters() {
+    let field = "package Field
+           function std
+             input Real r;
+             input Integer kind = 0;
+             input Real g = 1;
+             output Real a;
+           algorithm
+             a := if kind == 1 then g*r else -g;
+           end std;
+           model World
+             parameter Integer kind = 1;
+             parameter Real g = 9.81;
+             replaceable function acc = std(kind=kind, g=2*g);
+           end World;
+           model Body
+             outer World world;
+             Real a = world.acc(time);
+           end Body;
+           model T
+             inner World world(g=5);
+             Body b;
+             Real c = world.acc(1);
+           end T;
+           model T1
+             World world(g=5);
+             Real c = world.acc(1);
+           end T1;
+         end Field;";
+    for (model, name) in [("Field.T", "c"), ("Field.T", "b.a"), ("Field.T1", "c")] {
+        assert_eq!(Case::text(field).model(model).run().last(name), 10.0);
+    }
+}

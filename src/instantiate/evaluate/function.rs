@@ -10,8 +10,9 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::instantiate::iterators::read_by_declaration;
-use crate::ir::ast::{ArgumentKind, Causality, ClassKind, Expr, Ident, Subscript, Variability};
+use crate::ir::ast::{
+    ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Subscript, Variability,
+};
 use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
 
@@ -361,6 +362,22 @@ impl Context<'_> {
         }
     }
 
+    /// What the binding and the sizes of a declaration read: the first names of all references.
+    fn read_by(&self, entry: &Entry, declaration: &Declaration) -> Vec<Name> {
+        let mut read: Vec<Name> = Vec::new();
+        let mut see = |r: &crate::ir::ast::ComponentRef| read.push(r.parts[0].name.name);
+        if let Some((binding, _)) = self.declared_value(entry, declaration) {
+            super::deduce::in_expression(&binding, &mut see);
+        }
+        let clause = declaration.clause();
+        for s in declaration.component().dims.iter().chain(&clause.type_dims) {
+            if let Subscript::Expr(e) = s {
+                super::deduce::in_expression(e, &mut see);
+            }
+        }
+        read
+    }
+
     /// The order in which the variables of a function get their first values: those that others read come
     /// before these, wherever they are declared (section 12.4.4).
     fn initial_order(
@@ -374,8 +391,7 @@ impl Context<'_> {
         let position = |name: Name| components.iter().position(|(e, _)| e.name.name == name);
         let read: Vec<Vec<usize>> = components
             .iter()
-            .map(|(_, d)| read_by_declaration(d.clause(), d.component()))
-            .map(|names| names.into_iter().filter_map(position).collect())
+            .map(|(e, d)| self.read_by(e, d).into_iter().filter_map(position).collect())
             .collect();
         let mut order = Vec::with_capacity(components.len());
         let mut met = vec![false; components.len()];
@@ -412,13 +428,27 @@ impl Context<'_> {
         Some((binding, self.declaration_scope(entry)))
     }
 
+    /// Evaluates what a declaration or a modification gives. A short class opens no scope for its
+    /// modifications: they see what is around it, and not the variables of the function (section 4.5.1).
+    fn evaluate_declared(&mut self, binding: &Expr, written_in: Scope) -> Option<Value> {
+        let text = self.text(written_in.class);
+        if !text.is_some_and(|t| matches!(t.body, ClassBody::Short(_))) {
+            return self.evaluate(binding, written_in);
+        }
+        let around = self.outside(written_in.class);
+        let saved = self.enter_frame(false);
+        let value = self.evaluate(binding, around);
+        self.leave_frame(saved);
+        value
+    }
+
     /// What a local variable, an output or an omitted input starts with.
     fn local_start(&mut self, entry: &Entry, declaration: &Declaration) -> Option<Value> {
         let scope = self.declaration_scope(entry);
         let component = declaration.component();
         let input = self.causality(entry, declaration) == Some(Causality::Input);
         if let Some((binding, written_in)) = self.declared_value(entry, declaration) {
-            let value = self.evaluate(&binding, written_in)?;
+            let value = self.evaluate_declared(&binding, written_in)?;
             let mut dims = Vec::new();
             for s in component.dims.iter().chain(&declaration.clause().type_dims) {
                 match s {
@@ -526,19 +556,10 @@ impl Context<'_> {
             return;
         }
         let (entry, declaration) = &components[k];
-        let mut read: Vec<Name> = Vec::new();
-        let mut see = |r: &crate::ir::ast::ComponentRef| read.push(r.parts[0].name.name);
-        if given[k].is_none() {
-            if let Some((binding, _)) = self.declared_value(entry, declaration) {
-                super::deduce::in_expression(&binding, &mut see);
-            }
-            let clause = declaration.clause();
-            for s in declaration.component().dims.iter().chain(&clause.type_dims) {
-                if let Subscript::Expr(e) = s {
-                    super::deduce::in_expression(e, &mut see);
-                }
-            }
-        }
+        let read = match given[k] {
+            None => self.read_by(entry, declaration),
+            Some(_) => Vec::new(),
+        };
         for name in read {
             if let Some(other) = components.iter().position(|(e, _)| e.name.name == name) {
                 self.order_of_fields(components, given, other, met, order);
