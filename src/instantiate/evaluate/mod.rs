@@ -6,6 +6,7 @@
 //! evaluated by running their algorithm on values that may be symbolic ([`algorithm`]).
 
 pub mod algorithm;
+mod array;
 pub mod builtin;
 mod choice;
 pub mod deduce;

@@ -701,45 +701,49 @@ impl Context<'_> {
         span: Span,
         array: Span,
     ) -> Option<Selector> {
-        let mut list = Vec::with_capacity(value.elements().len());
-        let scalars = value.elements().iter().map(Value::scalar).collect::<Option<Vec<_>>>()?;
-        if scalars.iter().any(|e| self.structural_value(*e).is_none()) {
-            let mut each = Vec::with_capacity(scalars.len());
-            for e in scalars {
-                if self.structural_value(e).is_some() {
-                    each.push(self.selector(&Value::Scalar(e), size, span, array)?);
-                } else {
+        let mut all = Vec::with_capacity(value.elements().len());
+        for element in value.elements() {
+            let e = element.scalar()?;
+            all.push(match self.structural_value(e) {
+                Some(c) => Selector::One(self.position(c, size, span)?),
+                None => {
                     self.assert_in_bounds(e, size, span, array)?;
-                    each.push(Selector::Dynamic(e));
+                    Selector::Dynamic(e)
                 }
-            }
-            let vector = !value.dims().is_empty();
-            return if vector { Some(Selector::Each(each)) } else { each.pop() };
+            });
         }
-        for e in scalars {
-            let c = self.structural_value(e)?;
-            let i = match c {
-                Const::Integer(i) => i,
-                Const::Enumeration(_, k) => i64::from(k),
-                Const::Boolean(b) => i64::from(b) + 1,
-                _ => {
-                    self.error("MO0212", span, "a subscript is a whole number");
-                    return None;
-                }
-            };
-            if i < 1 || i as usize > size {
-                // What does not count may be any of them.
-                if size > 0 && self.is_unreached() {
-                    list.push(1);
-                    continue;
-                }
-                let message = format!("subscript {i} is outside 1 to {size}");
-                self.error("MO0216", span, message);
+        if value.dims().is_empty() {
+            return all.pop();
+        }
+        let known = |s: &Selector| match s {
+            Selector::One(i) => Some(*i),
+            _ => None,
+        };
+        let positions: Option<Vec<usize>> = all.iter().map(known).collect();
+        Some(positions.map_or(Selector::Each(all), Selector::Many))
+    }
+
+    /// The position, from 1, that a subscript means in a dimension of the given size.
+    fn position(&mut self, subscript: Const, size: usize, span: Span) -> Option<usize> {
+        let i = match subscript {
+            Const::Integer(i) => i,
+            Const::Enumeration(_, k) => i64::from(k),
+            Const::Boolean(b) => i64::from(b) + 1,
+            _ => {
+                self.error("MO0212", span, "a subscript is a whole number");
                 return None;
             }
-            list.push(i as usize);
+        };
+        if i < 1 || i as usize > size {
+            // What does not count may be any of them.
+            if size > 0 && self.is_unreached() {
+                return Some(1);
+            }
+            let message = format!("subscript {i} is outside 1 to {size}");
+            self.error("MO0216", span, message);
+            return None;
         }
-        Some(if value.dims().is_empty() { Selector::One(list[0]) } else { Selector::Many(list) })
+        Some(i as usize)
     }
 
     fn apply(&mut self, value: &Value, selectors: &[Selector], span: Span) -> Option<Value> {
