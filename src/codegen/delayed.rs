@@ -6,6 +6,7 @@
 //! it goes on, so that a step sees a smooth course to its end.
 
 use crate::ir::program::{DelayCells, Layout, Slot};
+use crate::math::numeric::piece::{Beyond, Piece, jumps};
 
 /// The delays of one run.
 #[derive(Clone, Default)]
@@ -23,12 +24,6 @@ struct Line {
     pieces: Vec<Piece>,
     /// The piece that comes out now.
     current: usize,
-}
-
-#[derive(Clone, Default)]
-struct Piece {
-    t: Vec<f64>,
-    value: Vec<f64>,
 }
 
 impl Delayed {
@@ -61,9 +56,9 @@ impl Delayed {
         let mut changed = false;
         for line in &mut self.lines {
             let value = memory[line.source as usize];
-            let before = line.pieces.first().map(|p| p.value[0]);
+            let before = line.pieces.first().and_then(Piece::first).map(|(_, value)| value);
             changed |= before != Some(value);
-            line.pieces = vec![Piece { t: vec![t], value: vec![value] }];
+            line.pieces = vec![Piece::of(t, value)];
             line.current = 0;
         }
         changed
@@ -76,28 +71,23 @@ impl Delayed {
             let Some(piece) = line.pieces.get(line.current) else { continue };
             let then = t - memory[line.delay as usize].max(0.0);
             for &(order, slot) in &line.cells {
-                memory[slot as usize] = piece.at(then, order);
+                memory[slot as usize] = piece.at(then, order, Beyond::Rests);
             }
         }
     }
 
-    /// Adds a point to each history. A value at the instant of the last point is the other side of an
-    /// event: where it differs, a new piece begins.
-    pub fn note(&mut self, t: f64, memory: &[f64]) {
+    /// Adds a point to each history. What is noted at the other side of an event begins a new piece where
+    /// it differs.
+    pub fn note(&mut self, t: f64, memory: &[f64], after_event: bool) {
         for line in &mut self.lines {
             let value = memory[line.source as usize];
             let Some(piece) = line.pieces.last_mut() else { continue };
-            match (piece.t.last(), piece.value.last()) {
-                (Some(last), Some(old)) if *last == t => {
-                    if *old != value {
-                        line.pieces.push(Piece { t: vec![t], value: vec![value] });
-                    }
+            match piece.last() {
+                Some((last, old)) if after_event && jumps(old, value) => {
+                    line.pieces.push(Piece::of(last, value));
                 }
-                (Some(last), _) if *last > t => {}
-                _ => {
-                    piece.t.push(t);
-                    piece.value.push(value);
-                }
+                Some((last, _)) if last >= t => {}
+                _ => piece.push_last(t, value),
             }
             line.forget(t - memory[line.delay as usize]);
         }
@@ -106,7 +96,7 @@ impl Delayed {
     /// The next instant at which a jump comes out; infinity if none is under way.
     pub fn next_corner(&self, memory: &[f64]) -> f64 {
         let ends = self.lines.iter().filter(|l| l.current + 1 < l.pieces.len()).map(|l| {
-            let end = l.pieces[l.current].t.last().copied().unwrap_or(f64::INFINITY);
+            let end = l.pieces[l.current].last().map_or(f64::INFINITY, |(end, _)| end);
             end + memory[l.delay as usize].max(0.0)
         });
         ends.fold(f64::INFINITY, f64::min)
@@ -118,7 +108,7 @@ impl Delayed {
         for line in &mut self.lines {
             let delay = memory[line.delay as usize].max(0.0);
             while line.current + 1 < line.pieces.len()
-                && line.pieces[line.current].t.last().is_some_and(|end| end + delay <= t)
+                && line.pieces[line.current].last().is_some_and(|(end, _)| end + delay <= t)
             {
                 line.current += 1;
                 any = true;
@@ -149,76 +139,16 @@ impl Line {
             self.current = 0;
         }
         let piece = &mut self.pieces[self.current];
-        if piece.t.len() > KEPT {
-            let passed = piece.t.partition_point(|t| *t < then).saturating_sub(4);
-            if passed > KEPT / 2 {
-                piece.t.drain(..passed);
-                piece.value.drain(..passed);
-            }
+        if piece.points() > KEPT {
+            piece.forget_before(then);
         }
     }
-}
-
-impl Piece {
-    /// The value, or its first derivative; beyond the ends the piece rests.
-    fn at(&self, t: f64, order: u32) -> f64 {
-        let n = self.t.len();
-        let (first, last) = (self.t[0], self.t[n - 1]);
-        if n == 1 || t <= first || t >= last {
-            let end = if t <= first { self.value[0] } else { self.value[n - 1] };
-            return if order == 0 { end } else { 0.0 };
-        }
-        let after = self.t.partition_point(|x| *x <= t);
-        let from = after.saturating_sub(2).min(n.saturating_sub(4));
-        let to = (from + 4).min(n);
-        // What rests is met to the bit, so that nothing chatters.
-        if self.value[from..to].windows(2).all(|v| v[0] == v[1]) {
-            return if order == 0 { self.value[from] } else { 0.0 };
-        }
-        match order {
-            0 => lagrange(&self.t[from..to], &self.value[from..to], t),
-            1 => slope(&self.t[from..to], &self.value[from..to], t),
-            _ => 0.0,
-        }
-    }
-}
-
-fn lagrange(x: &[f64], y: &[f64], t: f64) -> f64 {
-    let weight = |i: usize| -> f64 {
-        (0..x.len()).filter(|j| *j != i).map(|j| (t - x[j]) / (x[i] - x[j])).product()
-    };
-    (0..x.len()).map(|i| y[i] * weight(i)).sum()
-}
-
-fn slope(x: &[f64], y: &[f64], t: f64) -> f64 {
-    let n = x.len();
-    let mut sum = 0.0;
-    for i in 0..n {
-        for k in (0..n).filter(|k| *k != i) {
-            let rest: f64 =
-                (0..n).filter(|j| *j != i && *j != k).map(|j| (t - x[j]) / (x[i] - x[j])).product();
-            sum += y[i] * rest / (x[i] - x[k]);
-        }
-    }
-    sum
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ir::expr::VarId;
-
-    #[test]
-    fn a_cubic_is_met_with_its_slope() {
-        let t: Vec<f64> = [0.0, 0.3, 0.7, 1.2, 1.5, 2.1].to_vec();
-        let f = |t: f64| 1.0 + t * (2.0 - t * (0.5 + t));
-        let piece = Piece { value: t.iter().map(|t| f(*t)).collect(), t };
-        for u in [0.1, 0.5, 1.3, 2.0] {
-            assert!((piece.at(u, 0) - f(u)).abs() < 1e-13);
-            assert!((piece.at(u, 1) - (2.0 - u - 3.0 * u * u)).abs() < 1e-12);
-        }
-        assert_eq!((piece.at(-1.0, 0), piece.at(3.0, 0)), (f(0.0), f(2.1)));
-    }
 
     #[test]
     fn a_jump_comes_out_later() {
@@ -230,10 +160,10 @@ mod tests {
         let mut memory = [1.0, 0.5, 0.0];
         let mut delayed = Delayed::new(&layout);
         assert!(delayed.begin(0.0, &memory));
-        delayed.note(1.0, &memory);
+        delayed.note(1.0, &memory, false);
         memory[0] = 3.0;
-        delayed.note(1.0, &memory);
-        delayed.note(2.0, &memory);
+        delayed.note(1.0, &memory, true);
+        delayed.note(2.0, &memory, false);
         assert_eq!(delayed.next_corner(&memory), 1.5);
         delayed.place(1.5, &mut memory);
         assert_eq!(memory[2], 1.0);

@@ -339,7 +339,7 @@ impl Emitter {
 
     /// The cell of what a recording says about an input. All derivatives up to the order are there, and
     /// the next one, along which events move.
-    fn recorded(&mut self, v: VarId, order: u32) -> Slot {
+    pub fn recorded(&mut self, v: VarId, order: u32) -> Slot {
         for k in 0..=order + 1 {
             if !self.layout.recorded.iter().any(|r| (r.0, r.1) == (v, k)) {
                 let slot = self.cell(0.0);
@@ -406,6 +406,9 @@ impl Emitter {
                 match op {
                     Unary::Ordinal => self.alias(e, (a, level)),
                     Unary::Neg => self.make(e, Op::Neg, level, a, a),
+                    Unary::Carried(_) => {
+                        self.make(e, Op::Unary(op), level.max(self.moving), a, a);
+                    }
                     _ => self.make(e, Op::Unary(op), level, a, a),
                 }
             }
@@ -526,6 +529,10 @@ impl Emitter {
             }
             match graph.node(e) {
                 Node::Time | Node::Recorded(..) => level = level.max(self.moving),
+                Node::Unary(Unary::Carried(_), a) => {
+                    level = level.max(self.moving);
+                    pending.push(a);
+                }
                 Node::Pre(_) | Node::Initial | Node::Terminal | Node::Relation(_) => {
                     level = level.max(HELD);
                 }

@@ -90,6 +90,7 @@ fn others(dae: &Dae) -> Vec<ExprId> {
     }
     all.extend(dae.terminates.iter().flat_map(|t| [t.active, t.message]));
     all.extend(dae.delays.iter().map(|(_, e)| *e));
+    all.extend(dae.transports.iter().flat_map(|t| &t.initial).flat_map(|(p, v)| [*p, *v]));
     for v in dae.variables.iter() {
         all.extend([v.start, v.min, v.max, v.nominal].into_iter().flatten());
     }

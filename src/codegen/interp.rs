@@ -5,11 +5,12 @@
 use std::sync::Arc;
 
 use crate::base::index::Id;
-use crate::ir::expr::VarId;
+use crate::ir::expr::{Unary, VarId};
 use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape};
 use crate::math::numeric::course::Course;
 use crate::symbolic::eval;
 
+use super::carried::Transports;
 use super::delayed::Delayed;
 use super::jit::rent::{Code, Execution};
 use super::mixed::MixedWork;
@@ -104,6 +105,8 @@ pub struct Instance<'p> {
     pub played: Played,
     /// What expressions were some time ago.
     pub delayed: Delayed,
+    /// What is carried along lines.
+    pub transports: Transports,
     /// Values of the relations that the event sequence reads too early, as they were found by a search,
     /// the last ones first.
     pub confirmed: Vec<Vec<f64>>,
@@ -137,6 +140,7 @@ impl<'p> Instance<'p> {
             tangents: None,
             played: Played::default(),
             delayed: Delayed::new(&program.layout),
+            transports: Transports::new(&program.layout),
             solvers: program.solvers.iter().map(|s| Some(Box::new(SolverWork::new(s)))).collect(),
             implicits: program
                 .implicits
@@ -209,6 +213,7 @@ impl<'p> Instance<'p> {
         self.memory[layout.time as usize] = t;
         self.played.place(t, &mut self.memory);
         self.delayed.place(t, &mut self.memory);
+        self.transports.place(&mut self.memory);
         let first = layout.states as usize;
         self.memory[first..first + states.len()].copy_from_slice(states);
     }
@@ -218,6 +223,16 @@ impl<'p> Instance<'p> {
         self.played = Played::new(&self.program.layout, courses, t);
         self.played.place(t, &mut self.memory);
         self.delayed.place(t, &mut self.memory);
+    }
+
+    /// True if something is read of the past.
+    pub fn looks_back(&self) -> bool {
+        !(self.delayed.is_empty() && self.transports.is_empty())
+    }
+
+    /// True if the course between events is read later.
+    pub fn keeps_courses(&self) -> bool {
+        self.delayed.moves() || !self.transports.is_empty()
     }
 
     /// The states.
@@ -273,11 +288,7 @@ impl<'p> Instance<'p> {
                 Ok(None) => break,
                 Ok(Some((between, next))) => {
                     at = next;
-                    match between.op {
-                        Op::Solve => self.solve(between.which)?,
-                        Op::Implicit => self.differentiate(between.which)?,
-                        _ => self.repeat(between.which)?,
-                    }
+                    self.perform::<false>(&between)?;
                 }
                 Err(fault) => return Err(self.fail(fault)),
             }
@@ -287,15 +298,28 @@ impl<'p> Instance<'p> {
 
     fn run_in<const INSIDE: bool>(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
         for i in tape {
-            match i.op {
-                Op::Solve => self.solve(i.a as usize)?,
-                Op::Implicit => self.differentiate(i.a as usize)?,
-                Op::Repeat => self.repeat(i.a as usize)?,
-                Op::Call => self.call(i.a as usize)?,
-                _ => step::<INSIDE>(&mut self.memory, i),
-            }
+            self.perform::<INSIDE>(i)?;
         }
         Ok(())
+    }
+
+    #[inline(always)]
+    fn perform<const INSIDE: bool>(&mut self, i: &Instr) -> Result<(), Fault> {
+        match i.op {
+            Op::Solve => self.solve(i.a as usize),
+            Op::Implicit => self.differentiate(i.a as usize),
+            Op::Repeat => self.repeat(i.a as usize),
+            Op::Call => self.call(i.a as usize),
+            Op::Unary(Unary::Carried(what)) => {
+                let place = self.memory[i.a as usize];
+                self.memory[i.dst as usize] = self.transports.read(what, place);
+                Ok(())
+            }
+            _ => {
+                step::<INSIDE>(&mut self.memory, i);
+                Ok(())
+            }
+        }
     }
 
     fn solve(&mut self, k: usize) -> Result<(), Fault> {

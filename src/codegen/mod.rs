@@ -17,6 +17,7 @@ pub mod jacobian;
 pub mod jit;
 pub mod layout;
 pub mod mixed;
+pub mod carried;
 pub mod delayed;
 pub mod played;
 pub mod print;

@@ -4,10 +4,10 @@ use crate::base::index::{FastMap, Id};
 use crate::ir::blocks::Block;
 use crate::ir::dae::{Dae, Kind, Trigger};
 use crate::ir::expr::{ExprId, Type, VarId};
-use crate::ir::program::DelayCells;
 use crate::ir::program::{
     AssertCells, BlockPlace, Clock, Entry, Op, ReinitCells, Sequence, Slot, Tape,
 };
+use crate::ir::program::{DelayCells, ReaderCells, TransportCells};
 
 use super::block::{compile_block, compile_mixed};
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
@@ -84,6 +84,18 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
     for (v, time) in e.dae.delays.clone() {
         let (source, delay) = (e.slot(v), e.emit(time).0);
         e.layout.delays.push(DelayCells { variable: v, source, delay, moves: true });
+    }
+    for line in e.dae.transports.clone() {
+        let initial = line.initial.iter().map(|(p, v)| (e.emit(*p).0, e.emit(*v).0)).collect();
+        let readers = line.readers.iter().map(|reader| ReaderCells {
+            place: e.slot(reader.place),
+            from: e.recorded(reader.from, 0),
+            to: e.recorded(reader.to, 0),
+        });
+        let readers = readers.collect();
+        let ends = line.ends.map(|v| e.slot(v));
+        let entering = line.entering.map(|v| v.map(|v| e.slot(v)));
+        e.layout.transports.push(TransportCells { ends, entering, initial, readers });
     }
     e.layout.nominals = scale::of_components(e, &blocks.components());
     for k in 0..e.dae.samples.len() {

@@ -8,6 +8,7 @@ mod connector;
 pub mod equation;
 pub mod expandable;
 pub mod inventory;
+mod past;
 pub mod print;
 pub mod setting;
 mod share;
@@ -21,8 +22,8 @@ use crate::base::index::FastSet;
 use crate::instantiate::Context;
 use crate::ir::assembly::Assembly;
 use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path};
-use crate::ir::expr::{Const, Type};
-use crate::ir::flat::{Assert, Delay, Equation, EquationKind, Experiment, FlatModel, Origin};
+use crate::ir::expr::Const;
+use crate::ir::flat::{Assert, Equation, EquationKind, Experiment, FlatModel, Origin};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::ir::modification::Setting;
 
@@ -106,13 +107,7 @@ fn flatten_with(
         let v = crate::ir::expr::VarId(v as u32);
         flat.variables[v].structural |= structural.contains(instance);
     }
-    for (k, delay) in std::mem::take(&mut cx.evaluation.delays).into_iter().enumerate() {
-        let variable = variable::delayed(&mut flat, k + 1, delay.span);
-        let lhs = cx.graph.var(variable, Type::Real);
-        let origin = Origin { span: delay.span, component: "".into() };
-        flat.equations.push(Equation { kind: EquationKind::Equal(lhs, delay.value), origin });
-        flat.delays.push(Delay { variable, time: delay.time, span: delay.span });
-    }
+    past::elaborate(cx, &mut flat);
     flat.functions = std::mem::take(&mut cx.evaluation.functions).into_iter().collect();
     // What functions assert that are called in declarations.
     for a in std::mem::take(&mut cx.evaluation.asserts) {

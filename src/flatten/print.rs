@@ -3,18 +3,42 @@
 
 use crate::base::index::FastSet;
 use crate::ir::ast::{Causality, Variability};
-use crate::ir::expr::{EnumId, ExprId, Node, Type, VarId};
+use crate::ir::expr::{EnumId, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{
-    Action, Assert, Equation, EquationKind, FlatModel, StateSelect, Variable, WhenBranch,
+    Action, Assert, Equation, EquationKind, FlatModel, StateSelect, Transport, Variable, WhenBranch,
 };
 use crate::symbolic::print::{Printer, type_name};
 
 /// Prints the model. What a long text would write again and again has a variable of its own there.
 pub fn print(flat: &FlatModel) -> String {
     let shared = super::share::shared(flat);
-    let mut text = Text { flat: shared.as_ref().unwrap_or(flat), out: String::new() };
+    let flat = shared.as_ref().unwrap_or(flat);
+    let mut text = Text { flat, unsaid: unsaid(flat), out: String::new() };
     text.model();
     text.out
+}
+
+/// The variables that calls of `delay` and `spatialDistribution` say without words.
+fn unsaid(flat: &FlatModel) -> FastSet<VarId> {
+    let mut found = FastSet::default();
+    for line in &flat.transports {
+        found.insert(line.ends[1]);
+        if line.longest.is_some() {
+            found.insert(line.ends[0]);
+        }
+        for reader in &line.readers {
+            found.extend([reader.from, reader.to, reader.arrives]);
+            if line.longest.is_none() {
+                found.insert(reader.place);
+            }
+        }
+    }
+    found
+}
+
+/// The variable of the text that has what a reader of a line reads.
+fn reading(line: usize, reader: usize) -> String {
+    format!("'$line{}.reader{}.value'", line + 1, reader + 1)
 }
 
 /// An identifier, quoted if it is none by itself.
@@ -63,6 +87,7 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
 /// The text so far.
 struct Text<'a> {
     flat: &'a FlatModel,
+    unsaid: FastSet<VarId>,
     out: String,
 }
 
@@ -79,11 +104,23 @@ impl Text<'_> {
             let literals = literals.join(", ");
             self.push(&["  type ", &quoted(&ty.name), " = enumeration(", &literals, ");\n"]);
         }
-        for v in flat.variables.iter() {
-            self.declaration(v);
+        for (id, v) in flat.variables.enumerate() {
+            if !self.unsaid.contains(&id) {
+                self.declaration(v);
+            }
+        }
+        for (k, line) in flat.transports.iter().enumerate() {
+            for reader in 0..line.readers.len() {
+                self.push(&["  Real ", &reading(k, reader), ";\n"]);
+            }
         }
         self.section("initial equation", &flat.initial_equations);
         self.section("equation", &flat.equations);
+        for (k, line) in flat.transports.iter().enumerate() {
+            for reader in 0..line.readers.len() {
+                self.reader(line, &reading(k, reader), reader);
+            }
+        }
         if let Some(text) = experiment(flat) {
             self.push(&["  annotation(experiment(", &text, "));\n"]);
         }
@@ -111,9 +148,58 @@ impl Text<'_> {
             variable: &|v: VarId, out: &mut String| push_quoted(&flat.variables[v].name, out),
             enumeration: &quoted,
             relation: &|_| None,
+            past: &|node: Node, out: &mut String| match node {
+                Node::Recorded(v, 0) => {
+                    let Some(delay) = flat.delays.iter().find(|d| d.variable == v) else {
+                        return false;
+                    };
+                    let mut call = Text { flat, unsaid: FastSet::default(), out: String::new() };
+                    call.out.push_str("delay(");
+                    call.name(v);
+                    call.out.push_str(", ");
+                    call.expression(delay.time);
+                    out.push_str(&call.out);
+                    out.push(')');
+                    true
+                }
+                Node::Unary(Unary::Carried(what), _) if what.order == 0 => {
+                    out.push_str(&reading(usize::from(what.line), usize::from(what.reader)));
+                    true
+                }
+                _ => false,
+            },
             longest: usize::MAX,
         }
         .print_to(e, &mut self.out);
+    }
+
+    /// The equation that gives what a reader of a line reads.
+    fn reader(&mut self, line: &Transport, value: &str, reader: usize) {
+        let entering = line.entering.map(|v| v.map(|v| quoted(&self.flat.variables[v].name)));
+        let [low, high] = entering.map(Option::unwrap_or_default);
+        if let Some(longest) = line.longest {
+            let place = quoted(&self.flat.variables[line.readers[reader].place].name);
+            self.push(&["  ", value, " = delay(", &high, ", time - ", &place, ", "]);
+            self.expression(longest);
+            self.out.push_str(");\n");
+            return;
+        }
+        let moved = quoted(&self.flat.variables[line.ends[0]].name);
+        let (before, after, forward) = match reader {
+            0 => ("(", ", )", "false"),
+            _ => ("(, ", ")", "true"),
+        };
+        self.push(&["  ", before, value, after, " = spatialDistribution(", &low, ", ", &high]);
+        self.push(&[", -", &moved, ", ", forward]);
+        for part in [0, 1] {
+            self.out.push_str(", {");
+            for (k, (place, value)) in line.initial.iter().enumerate() {
+                self.out.push_str(if k > 0 { ", " } else { "" });
+                self.expression(if part == 0 { *place } else { *value });
+            }
+            self.out.push('}');
+        }
+        self.out.push_str(");\n");
     }
 
     fn declaration(&mut self, v: &Variable) {
@@ -187,6 +273,8 @@ impl Text<'_> {
         self.push(&[title, "\n"]);
         for e in list {
             match &e.kind {
+                EquationKind::Equal(a, _) if matches!(self.flat.graph.node(*a), Node::Var(v) if self.unsaid.contains(&v)) =>
+                    {}
                 EquationKind::Equal(a, b) => self.equality(*a, *b),
                 EquationKind::When(branches) => self.when(branches),
                 EquationKind::Assert(a) => {

@@ -60,10 +60,10 @@ fn own_path(cx: &Context<'_>, id: InstanceId, around: &str) -> String {
     }
 }
 
-/// The variable that holds a delayed expression.
-pub fn delayed(flat: &mut FlatModel, number: usize, span: Span) -> VarId {
-    let variable =
-        Variable::bare(format!("$delay{number}"), Type::Real, Variability::Continuous, span);
+/// A variable that is made for what looks back in time.
+pub fn made(flat: &mut FlatModel, name: String, ty: Type, span: Span) -> VarId {
+    let slowest = if ty == Type::Real { Variability::Continuous } else { Variability::Discrete };
+    let variable = Variable::bare(name, ty, slowest, span);
     flat.variables.push(Variable { protected: true, ..variable })
 }
 

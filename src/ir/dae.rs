@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use super::expr::{Binary, ExprId, FunctionId, Graph, Type, VarId};
-use super::flat::{Assert, Experiment, Function, Origin, StateSelect};
+use super::flat::{Assert, Experiment, Function, Origin, StateSelect, Transport};
 use crate::base::index::IndexVec;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -55,6 +55,8 @@ pub struct Dae {
     pub functions: IndexVec<FunctionId, Function>,
     /// Delayed expressions: the variable that is delayed, and by how much, s.
     pub delays: Vec<(VarId, ExprId)>,
+    /// Lines along which something is carried.
+    pub transports: Vec<Transport>,
     /// Defaults of the run.
     pub experiment: Experiment,
 }

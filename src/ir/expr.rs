@@ -94,6 +94,19 @@ pub enum Unary {
     Ordinal,
     /// A function that is made of data.
     Native(Native),
+    /// What stands on a line at the place that is the operand.
+    Carried(Carried),
+}
+
+/// A reader of what is carried along a line.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Carried {
+    /// Number of the line in the model.
+    pub line: u16,
+    /// Number of the reader of this line.
+    pub reader: u16,
+    /// Order of the derivative by the place; 0 the value itself.
+    pub order: u8,
 }
 
 /// Binary operators and functions. Relations give `Boolean`.
@@ -437,6 +450,7 @@ impl Unary {
             Unary::ToInteger => "integer",
             Unary::Ordinal => "Integer",
             Unary::Native(f) => f.name(),
+            Unary::Carried(_) => "carried",
         }
     }
 }

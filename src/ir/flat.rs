@@ -43,6 +43,8 @@ pub struct FlatModel {
     pub recorded: Vec<VarId>,
     /// Delayed expressions.
     pub delays: Vec<Delay>,
+    /// Lines along which something is carried.
+    pub transports: Vec<Transport>,
 }
 
 /// Defaults of a run from `annotation(experiment(...))`.
@@ -225,6 +227,39 @@ pub struct Delay {
     pub span: Span,
 }
 
+/// A line along which something is carried, and keeps its place on it: `Unary::Carried` reads it.
+#[derive(Clone, Debug)]
+pub struct Transport {
+    /// Places of the low and of the high end of what can be read; made by `flatten` for this purpose, as
+    /// all variables here.
+    pub ends: [VarId; 2],
+    /// What enters where an end moves outwards, if anything does.
+    pub entering: [Option<VarId>; 2],
+    /// What is on the line in the beginning, if anything is: places from the low end on in ascending
+    /// order, and values; parameter expressions.
+    pub initial: Vec<(ExprId, ExprId)>,
+    /// Where time is the line, how far what is read lies back at most.
+    pub longest: Option<ExprId>,
+    /// Those who read: of a `spatialDistribution` the low end and the high end.
+    pub readers: Vec<Reader>,
+    /// Place of the call.
+    pub span: Span,
+}
+
+/// A reader of what is carried along a line.
+#[derive(Clone, Copy, Debug)]
+pub struct Reader {
+    /// The place that it reads.
+    pub place: VarId,
+    /// Where the smooth piece begins in which that is. Only the run knows: the 0th derivative of what is
+    /// recorded of it.
+    pub from: VarId,
+    /// Where it ends.
+    pub to: VarId,
+    /// It has come to the end of its piece: makes the event.
+    pub arrives: VarId,
+}
+
 /// A function that is called at run time: loops whose length is known only then.
 #[derive(Clone, Debug)]
 pub struct Function {
@@ -280,6 +315,7 @@ impl FlatModel {
             lost_units: FastSet::default(),
             recorded: Vec::new(),
             delays: Vec::new(),
+            transports: Vec::new(),
         }
     }
 

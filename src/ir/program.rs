@@ -342,6 +342,8 @@ pub struct Layout {
     pub recorded: Vec<(VarId, u32, Slot)>,
     /// Delayed variables. What they were stands in the cells of what is recorded of them.
     pub delays: Vec<DelayCells>,
+    /// Lines along which something is carried.
+    pub transports: Vec<TransportCells>,
     /// Starts that a run may set: variable, input cell (NaN: not given), cell of the start value.
     pub starts: Vec<(VarId, Slot, Slot)>,
 }
@@ -357,6 +359,30 @@ pub struct DelayCells {
     pub delay: Slot,
     /// It moves between events.
     pub moves: bool,
+}
+
+/// A line along which something is carried.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct TransportCells {
+    /// Places of the low and of the high end.
+    pub ends: [Slot; 2],
+    /// What enters there, if anything does.
+    pub entering: [Option<Slot>; 2],
+    /// What is on the line in the beginning: places from the low end on, and values.
+    pub initial: Vec<(Slot, Slot)>,
+    /// Those who read.
+    pub readers: Vec<ReaderCells>,
+}
+
+/// A reader of what is carried along a line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ReaderCells {
+    /// The place.
+    pub place: Slot,
+    /// Where the smooth piece begins that it reads; the run writes it.
+    pub from: Slot,
+    /// Where it ends; the run writes it.
+    pub to: Slot,
 }
 
 /// A compiled model.

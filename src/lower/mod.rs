@@ -27,7 +27,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::ir::dae::{self, Dae, DiscreteEquation, Kind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
-use crate::ir::flat::{Delay, FlatModel, Origin, Variability, Variable};
+use crate::ir::flat::{Delay, FlatModel, Origin, Transport, Variability, Variable};
 use event::{Mode, Rewriting};
 
 /// Lowers a flat model. Whatever is wrong with the model is added to `problems`; without errors
@@ -56,6 +56,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let eliminated = rewriting.eliminated();
     let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);
     let delays = delays(&flat.delays, &mut rewriting);
+    let transports = transports(flat.transports, &mut rewriting);
     discrete.list.append(&mut rewriting.jumps);
     classify::one_equation_each(&discrete.list, &mut rewriting);
     let events = rewriting.finish();
@@ -76,6 +77,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
         eliminated,
         functions: flat.functions,
         delays,
+        transports,
         experiment: flat.experiment,
     })
 }
@@ -104,14 +106,32 @@ fn delays(flat: &[Delay], r: &mut Rewriting<'_>) -> Vec<(VarId, ExprId)> {
     for delay in flat {
         let origin = Origin { span: delay.span, component: "".into() };
         let time = r.apply(delay.time, Mode::Literal, &origin);
-        if r.variability(time) > Variability::Parameter {
-            r.problems.push(error::varying_delay(&origin));
-            continue;
-        }
         r.variables[delay.variable].hidden = true;
         list.push((delay.variable, r.graph.as_real(time)));
     }
     list
+}
+
+/// Lines along which something is carried; what belongs to them is hidden from the user.
+fn transports(mut all: Vec<Transport>, r: &mut Rewriting<'_>) -> Vec<Transport> {
+    for line in &mut all {
+        let origin = Origin { span: line.span, component: "".into() };
+        for (place, value) in &mut line.initial {
+            for e in [place, value] {
+                *e = r.apply(*e, Mode::Literal, &origin);
+                if r.variability(*e) > Variability::Parameter {
+                    r.problems.push(error::varying_distribution(&origin));
+                }
+                *e = r.graph.as_real(*e);
+            }
+        }
+        let of_readers = line.readers.iter().flat_map(|x| [x.place, x.from, x.to, x.arrives]);
+        for v in line.ends.into_iter().chain(line.entering.into_iter().flatten()).chain(of_readers)
+        {
+            r.variables[v].hidden = true;
+        }
+    }
+    all
 }
 
 /// An equation `lhs = rhs` on its way.

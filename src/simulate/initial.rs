@@ -76,6 +76,7 @@ pub fn initialise_from(
 ) -> Result<Start, NoStart> {
     let program = instance.program;
     instance.memory.copy_from_slice(&program.image);
+    instance.transports.place(&mut instance.memory);
     for &(v, value) in &settings.parameters {
         if !instance.set_parameter(v, value) {
             return Err(NoStart::NotAnInput(v));

@@ -15,6 +15,8 @@ use super::system::of_domain;
 const NUDGE: f64 = 8.0;
 /// How often an event is looked at a little later before all combinations of its relations are tried.
 const PATIENCE: u32 = 4;
+/// How often readers of what is carried may come to other pieces at one instant.
+const MOST_ARRIVALS: u32 = 100;
 
 /// What leads to an event.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -108,9 +110,10 @@ impl Simulation<'_, '_> {
             if instance.delayed.pass(t, &instance.memory) {
                 instance.delayed.place(t, &mut instance.memory);
             }
+            let passed = instance.transports.pass(&mut instance.memory);
             let before = self.model.instance.keep();
-            let may_wait = cause == Cause::State && t < self.stepper.t();
-            let settled = self.settle(!may_wait || nudges >= PATIENCE);
+            let may_wait = cause == Cause::State && t < self.stepper.t() && !passed;
+            let settled = self.settle_readers(!may_wait || nudges >= PATIENCE, passed);
             if let Some(s) = &mut self.sensitivity {
                 s.detach(&mut self.model.instance);
             }
@@ -146,6 +149,26 @@ impl Simulation<'_, '_> {
             self.record(t)?;
         }
         self.act_on(settled, t)
+    }
+
+    /// The event iteration, again while it brings readers of what is carried to other pieces of that.
+    fn settle_readers(&mut self, thoroughly: bool, passed: bool) -> Result<Settled, Unsettled> {
+        let mut settled = self.settle(thoroughly)?;
+        settled.changed |= passed;
+        for _ in 0..MOST_ARRIVALS {
+            let instance = &mut self.model.instance;
+            if !instance.transports.pass(&mut instance.memory) {
+                break;
+            }
+            let again = self.settle(true)?;
+            settled = Settled {
+                changed: true,
+                terminate: settled.terminate.or(again.terminate),
+                failed: settled.failed.or(again.failed),
+                acted: settled.acted | again.acted,
+            };
+        }
+        Ok(settled)
     }
 
     /// The event iteration, beyond the domain of functions where it can not be helped: new

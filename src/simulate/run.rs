@@ -40,6 +40,10 @@ const LEAPS: i32 = 7;
 /// Points of each step that the history of a delayed expression keeps.
 const POINTS: u32 = 5;
 
+/// Part of a run that a step may last at least, though it reads what is only coming: beyond what is known
+/// the course goes on along its last slope.
+const LEAST_LOOK: f64 = 1e-4;
+
 /// How often the start is computed until what is delayed begins as it is.
 const FIRST_LOOKS: usize = 5;
 
@@ -119,9 +123,9 @@ pub fn simulate_with_sensitivities(
                 .to_owned(),
         ));
     }
-    if !program.layout.delays.is_empty() {
+    if !(program.layout.delays.is_empty() && program.layout.transports.is_empty()) {
         return Err(Failure::settings(
-            "a run with `delay` can not be differentiated yet".to_owned(),
+            "a run with `delay` or `spatialDistribution` can not be differentiated yet".to_owned(),
         ));
     }
     let Some(settings) = with_inputs(program, settings, inputs) else {
@@ -204,7 +208,7 @@ impl<'p, 's> Simulation<'p, 's> {
         }
         let mut begun = initialise(&mut model.instance, settings);
         for _ in 0..FIRST_LOOKS {
-            if model.instance.delayed.is_empty() || begun.is_err() || !first_values(&mut model, t) {
+            if !model.instance.looks_back() || begun.is_err() || !first_values(&mut model, t) {
                 break;
             }
             begun = initialise(&mut model.instance, settings);
@@ -273,7 +277,12 @@ impl<'p, 's> Simulation<'p, 's> {
             let instance = &self.model.instance;
             let delayed = instance.delayed.next_corner(&instance.memory);
             let corner = instance.played.next_corner().min(delayed);
-            let t_stop = instant.min(corner).min(self.stop);
+            let leash = self.t
+                + instance
+                    .transports
+                    .leash(&instance.memory)
+                    .max(LEAST_LOOK * (self.stop - self.start));
+            let t_stop = instant.min(corner).min(self.stop).min(leash);
             let mut reached = self.step(t_stop)?;
             let mut switched = self.first_switch()?;
             if self.model.beyond && switched.is_none() && self.has_left_the_domain() {
@@ -295,7 +304,7 @@ impl<'p, 's> Simulation<'p, 's> {
                 None if self.end_of_sliding()?.is_some() => {}
                 None => {
                     let t = self.stepper.t();
-                    if self.model.instance.delayed.moves() {
+                    if self.model.instance.keeps_courses() {
                         self.note_delayed(t, false)?;
                     }
                     self.complete_step(t)?;
@@ -313,27 +322,28 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Adds to the histories of delayed expressions: what they are now, or the course of the last step
     /// up to `end`.
     pub(super) fn note_delayed(&mut self, end: f64, now: bool) -> Result<(), Failure> {
-        if self.model.instance.delayed.is_empty() {
+        if !self.model.instance.looks_back() {
             return Ok(());
         }
-        let note = |model: &mut Model<'_>, t: f64| {
+        let note = |model: &mut Model<'_>, t: f64, after_event: bool| {
             let instance = &mut model.instance;
-            instance.delayed.note(t, &instance.memory);
+            instance.delayed.note(t, &instance.memory, after_event);
+            instance.transports.note(t, &instance.memory, after_event);
         };
         if now {
             let evaluated = self.model.evaluate_all(end, &self.y);
             evaluated.map_err(|f| of_fault(&self.model.instance, f, end))?;
-            note(&mut self.model, end);
+            note(&mut self.model, end, true);
             return Ok(());
         }
         let begin = self.t.max(self.stepper.t_previous());
         // What rests between events has a course of two points.
-        let points = if self.model.instance.delayed.moves() { POINTS } else { 1 };
+        let points = if self.model.instance.keeps_courses() { POINTS } else { 1 };
         for k in 1..=points {
             let part = f64::from(k) / f64::from(points);
             let t = if k == points { end } else { begin + part * (end - begin) };
             self.go_to(t)?;
-            note(&mut self.model, t);
+            note(&mut self.model, t, false);
         }
         Ok(())
     }
@@ -582,5 +592,6 @@ fn first_values(model: &mut Model<'_>, t: f64) -> bool {
         return false;
     }
     let instance = &mut model.instance;
-    instance.delayed.begin(t, &instance.memory)
+    let delayed = instance.delayed.begin(t, &instance.memory);
+    instance.transports.begin(t, &mut instance.memory) || delayed
 }

@@ -36,6 +36,8 @@ pub fn unary(op: Unary, a: f64) -> f64 {
         Unary::Ceil => a.ceil(),
         Unary::Ordinal => a,
         Unary::Native(f) => f.unary(a),
+        // Only a run knows.
+        Unary::Carried(_) => f64::NAN,
     }
 }
 

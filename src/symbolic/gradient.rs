@@ -2,7 +2,7 @@
 //! *Evaluating Derivatives*, 2nd ed., ch. 3): one sweep gives the partials by every variable.
 
 use crate::base::index::FastMap;
-use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, Carried, ExprId, Graph, Node, Type, Unary, VarId};
 
 /// A leaf that an expression can be differentiated by.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -146,6 +146,10 @@ fn unary_partial(g: &mut Graph, op: Unary, a: ExprId, e: ExprId) -> Option<ExprI
         Unary::Native(f) => {
             let derivative = f.derivative(0)?;
             g.unary(Unary::Native(derivative), a)
+        }
+        Unary::Carried(what) => {
+            let order = what.order.saturating_add(1);
+            g.unary(Unary::Carried(Carried { order, ..what }), a)
         }
     })
 }

@@ -29,6 +29,8 @@ pub fn unary(op: Unary, a: f64, value: f64) -> f64 {
         | Unary::ToInteger
         | Unary::Ordinal => 0.0,
         Unary::Native(f) => f.slope(a),
+        // A run that reads what was before is not differentiated.
+        Unary::Carried(_) => f64::NAN,
     }
 }
 

@@ -205,6 +205,8 @@ impl Graph {
                 let value = eval::unary(op, c.number()?);
                 (value.abs() < 9e15).then(|| self.integer(value as i64))
             }
+            // What stands there only a run knows.
+            (Unary::Carried(_), _) => None,
             _ => self.finite(eval::unary(op, c.number()?)),
         }
     }

@@ -111,12 +111,38 @@ fn flat_tables() {
 #[test]
 fn flat_delays() {
     let flat = flat("delay");
-    assert_eq!(count(&flat, "delayed("), 3);
+    assert_eq!(count(&flat, "delay("), 3);
     let run = Case::file("tests/suite/flatten/delay.mo").stop(2.0).tolerance(1e-9).run();
     assert!((run.last("late") - f64::sin(1.7)).abs() < 1e-6);
     // The method of steps: t^2/2 - 2 t + 3/2 from 1 to 2. The jump to 2 comes out at 1.3.
     assert!((run.last("x") + 0.5).abs() < 1e-8);
     assert!((run.last("sum") - 1.4).abs() < 1e-8);
+}
+
+#[test]
+fn flat_lines_along_which_something_is_carried() {
+    let text = flat("carried");
+    assert_eq!((count(&text, "delay("), count(&text, "spatialDistribution(")), (2, 2));
+    let value = |t: f64, name: &str| {
+        let run = |case: Case| case.stop(t).tolerance(1e-9).run().last(name);
+        let found = run(Case::file("tests/suite/flatten/carried.mo"));
+        assert!((found - run(Case::text(&text))).abs() < 1e-6, "{name}");
+        found
+    };
+    let close =
+        |found: f64, wanted: f64| assert!((found - wanted).abs() < 2e-6, "{found} {wanted}");
+    // By characteristics: what began on the line; what came in by the same end at pi - t; what began
+    // there again; what came in by this end at 3 pi - t.
+    let pi = std::f64::consts::PI;
+    close(value(1.0, "at_right"), 4.0 - 0.8 * f64::sin(1.0));
+    close(value(3.0, "at_left"), 10.0 + pi - 3.0);
+    close(value(4.0, "at_left"), -0.8 * f64::sin(4.0));
+    close(value(6.0, "at_right"), 6.0 - 3.0 * pi);
+    let then = 2.0 - 0.5 - 0.25 * f64::sin(4.0);
+    close(value(2.0, "late"), 1.0 + then);
+    close(value(2.0, "slow"), f64::sin(5.0 * then));
+    // Before the jump has come.
+    assert_eq!(value(1.5, "late"), 0.0);
 }
 
 #[test]

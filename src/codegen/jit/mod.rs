@@ -32,6 +32,7 @@ use self::body::Faults;
 use self::cells::{Cells, Known};
 use self::source::Source;
 use super::interp::Fault;
+use crate::ir::expr::Unary;
 use crate::ir::program::{Instr, Op, Program};
 
 /// Instructions of a tape that become one function: the time of register allocation grows faster
@@ -72,16 +73,7 @@ enum Piece {
     /// Machine code.
     Stretch(Stretch),
     /// Done in Rust.
-    Between(Op, usize),
-}
-
-/// What is to be done in Rust next.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Between {
-    /// `Solve`, `Implicit` or `Repeat`.
-    pub op: Op,
-    /// Which one.
-    pub which: usize,
+    Between(Instr),
 }
 
 /// What the machine code of one run remembers of elementary functions: only what was computed, so
@@ -121,7 +113,7 @@ impl MachineCode {
         self.memo.clone()
     }
 
-    /// Runs a tape from piece `at` until something is to be done in Rust, or to its end; says what,
+    /// Runs a tape from piece `at` until an instruction is to be done in Rust, or to its end; gives that,
     /// and the piece after it. Panics if the memory is not that of the program, or `memo` not of this
     /// machine code, which is a bug.
     pub fn run(
@@ -130,7 +122,7 @@ impl MachineCode {
         at: usize,
         memory: &mut [f64],
         memo: &mut Memo,
-    ) -> Result<Option<(Between, usize)>, Fault> {
+    ) -> Result<Option<(Instr, usize)>, Fault> {
         assert!(memory.len() >= self.source.cells, "the memory of another program");
         assert!(memo.0.len() == self.memo.0.len(), "the memo of another program");
         for (k, piece) in self.tapes[tape as usize].iter().enumerate().skip(at) {
@@ -145,7 +137,7 @@ impl MachineCode {
                         fault => return Err(self.faults[fault as usize - 1]),
                     }
                 }
-                Piece::Between(op, which) => return Ok(Some((Between { op, which }, k + 1))),
+                Piece::Between(instruction) => return Ok(Some((instruction, k + 1))),
             }
         }
         Ok(None)
@@ -181,7 +173,7 @@ struct Translator<'s> {
 /// A part of a tape, before its address is known.
 enum Planned {
     Stretch(FuncId),
-    Between(Op, usize),
+    Between(Instr),
 }
 
 impl Translator<'_> {
@@ -201,7 +193,7 @@ impl Translator<'_> {
                 // SAFETY: the function was defined with this signature and calling convention.
                 Piece::Stretch(unsafe { std::mem::transmute::<*const u8, Stretch>(address) })
             }
-            Planned::Between(op, which) => Piece::Between(op, which),
+            Planned::Between(instruction) => Piece::Between(instruction),
         };
         let tapes =
             planned.into_iter().map(|tape| tape.into_iter().map(resolve).collect()).collect();
@@ -255,7 +247,7 @@ impl Translator<'_> {
         let source = self.source;
         let is_between = |i: &Instr| match i.op {
             Op::Solve => source.quotients[i.a as usize].is_none(),
-            Op::Implicit | Op::Repeat => true,
+            Op::Implicit | Op::Repeat | Op::Unary(Unary::Carried(_)) => true,
             _ => false,
         };
         let mut rest = tape;
@@ -264,7 +256,7 @@ impl Translator<'_> {
                 return Err(Untranslated::GivenUp);
             }
             if is_between(first) {
-                planned.push(Planned::Between(first.op, first.a as usize));
+                planned.push(Planned::Between(*first));
                 rest = &rest[1..];
                 continue;
             }

@@ -1,5 +1,6 @@
 //! What of a program becomes machine code.
 
+use crate::ir::expr::Unary;
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Program, Slot, Solver};
 
 /// A linear block of one unknown, which needs no solver: `z = -r(0) / J`.
@@ -76,7 +77,9 @@ fn quotient(solver: &Solver) -> Option<Quotient> {
         return None;
     };
     let tapes = [&solver.residual_tape, &solver.jacobian_tape];
-    let straight = |i: &Instr| !matches!(i.op, Op::Solve | Op::Implicit | Op::Repeat);
+    let straight = |i: &Instr| {
+        !matches!(i.op, Op::Solve | Op::Implicit | Op::Repeat | Op::Unary(Unary::Carried(_)))
+    };
     let simple = solver.linear && tapes.iter().all(|tape| tape.iter().all(straight));
     simple.then_some(Quotient {
         unknown,

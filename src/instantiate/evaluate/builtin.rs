@@ -47,7 +47,7 @@ const BINARY: [(&str, Binary); 4] = [
 ];
 
 /// Everything else that is called by a simple name, for "did you mean".
-const OTHERS: [&str; 41] = [
+const OTHERS: [&str; 42] = [
     "getInstanceName",
     "der",
     "pre",
@@ -60,6 +60,7 @@ const OTHERS: [&str; 41] = [
     "smooth",
     "homotopy",
     "delay",
+    "spatialDistribution",
     "cardinality",
     "semiLinear",
     "String",
@@ -94,7 +95,6 @@ const OTHERS: [&str; 41] = [
 /// Operators of the language that are not supported, and what they belong to.
 const LATER: &[(&str, &[&str])] = &[
     ("`stream` connectors", &["inStream", "actualStream"]),
-    ("distributions along a pipe", &["spatialDistribution"]),
     (
         "clocks",
         &[
@@ -115,17 +115,6 @@ const LATER: &[(&str, &[&str])] = &[
         &["transition", "initialState", "activeState", "ticksInState", "timeInState"],
     ),
 ];
-
-/// An expression that is delayed.
-#[derive(Clone, Copy, Debug)]
-pub struct Delaying {
-    /// What is delayed.
-    pub value: ExprId,
-    /// By how much, s.
-    pub time: ExprId,
-    /// Place of the call.
-    pub span: Span,
-}
 
 impl Context<'_> {
     /// A call in an expression.
@@ -315,6 +304,7 @@ impl Context<'_> {
             "homotopy" => self.homotopy_call(args, named, span, scope),
             "semiLinear" => self.semi_linear(args, span, scope),
             "delay" => self.delay(args, span, scope),
+            "spatialDistribution" => self.spatial_distribution(args, named, span, scope),
             "cardinality" => self.cardinality(args, span, scope),
             "getInstanceName" => self.instance_name(scope),
             "String" => self.string_call(args, named, span, scope),
@@ -524,83 +514,6 @@ impl Context<'_> {
         let a = self.evaluate_scalar(actual, scope)?;
         let b = self.evaluate_scalar(simplified, scope)?;
         Some(Value::Scalar(self.graph.intern(Node::Homotopy(a, b), Type::Real)))
-    }
-
-    /// `delay(e, T)`: what `e` was a time `T` ago; a bound on `T` may follow.
-    fn delay(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
-        let ([e, time] | [e, time, _]) = args else {
-            self.wrong_arguments(span, "an expression and a time are");
-            return None;
-        };
-        let place = time.span;
-        let (value, time) = (self.evaluate(e, scope)?, self.evaluate_scalar(time, scope)?);
-        if args.len() == 2 && self.variability(time) > crate::ir::ast::Variability::Parameter {
-            self.problems.push(
-                Diagnostic::error("MO0219", place, "this delay changes while the model runs")
-                    .help("give the longest delay as third argument: `delay(x, t, t_max)`")
-                    .note("section 3.7.4.1 of the specification"),
-            );
-            return None;
-        }
-        let fixed = self.evaluation.structural.len();
-        let known = self.parameter_expression(time, true).and_then(Const::number);
-        if known != Some(0.0) {
-            // Only that there is no delay would be structure.
-            for id in self.evaluation.structural.split_off(fixed) {
-                self.evaluation.folded.remove(&id);
-            }
-        }
-        if known.is_some_and(|t| t < 0.0) {
-            self.error("MO0219", span, "a delay can not be negative");
-            return None;
-        }
-        if let Some(longest) = args.get(2) {
-            self.check_longest_delay(longest, known, scope)?;
-        }
-        if known == Some(0.0) || self.evaluation.folding || self.evaluation.shaping {
-            return Some(value);
-        }
-        value.map(|v| {
-            let value = v.scalar()?;
-            // What never changes was always so.
-            if self.variability(value) <= crate::ir::ast::Variability::Parameter {
-                return Some(Value::Scalar(value));
-            }
-            let delays = &mut self.evaluation.delays;
-            let at = delays.iter().position(|d| (d.value, d.time) == (value, time));
-            let k = at.unwrap_or_else(|| {
-                delays.push(Delaying { value, time, span });
-                delays.len() - 1
-            });
-            let v = VarId((self.evaluation.instance_of.len() + k) as u32);
-            Some(Value::Scalar(self.graph.intern(Node::Recorded(v, 0), Type::Real)))
-        })
-    }
-
-    /// The bound on a delay is known before the model runs, and is a bound.
-    fn check_longest_delay(
-        &mut self,
-        longest: &Expr,
-        time: Option<f64>,
-        scope: Scope,
-    ) -> Option<()> {
-        let bound = self.evaluate_scalar(longest, scope)?;
-        let wrong = if self.variability(bound) > crate::ir::ast::Variability::Parameter {
-            "the longest delay changes while the model runs".to_string()
-        } else {
-            match (time, self.graph.as_number(bound)) {
-                (Some(t), Some(most)) if t > most => {
-                    format!("a delay of {t} s is longer than the longest, {most} s")
-                }
-                _ => return Some(()),
-            }
-        };
-        self.problems.push(
-            Diagnostic::error("MO0219", longest.span, wrong)
-                .help("give a parameter that no delay exceeds")
-                .note("section 3.7.4.1 of the specification"),
-        );
-        None
     }
 
     /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.2.3).

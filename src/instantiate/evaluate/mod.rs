@@ -19,6 +19,7 @@ pub mod function;
 pub mod operator;
 pub mod overload;
 mod partial;
+pub mod past;
 mod printf;
 mod random;
 pub mod reference;
@@ -95,8 +96,8 @@ pub struct State {
     pub(crate) objects: Vec<external::Object>,
     /// Conditions, known only when the model runs, under which what is being run counts.
     pub(crate) path: Vec<ExprId>,
-    /// Delayed expressions: what is read of the k-th stands for the k-th variable after all others.
-    pub(crate) delays: Vec<builtin::Delaying>,
+    /// What is read of the past.
+    pub(crate) past: past::Past,
     /// Functions made of loops whose length only a run knows.
     pub(crate) functions: Vec<crate::ir::flat::Function>,
     /// How many symbols such loops have.

@@ -18,6 +18,7 @@ pub mod linear;
 pub mod newton;
 pub mod norm;
 pub mod pattern;
+pub mod piece;
 pub mod pseudo_inverse;
 pub mod root;
 pub mod sequence;

@@ -39,6 +39,7 @@ impl Builder {
             eliminated: Vec::new(),
             functions: IndexVec::new(),
             delays: Vec::new(),
+            transports: Vec::new(),
             experiment: Experiment::default(),
         };
         let blocks = Blocks {

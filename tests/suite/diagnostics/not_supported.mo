@@ -2,7 +2,7 @@
 // error[MO0200] 9:3
 // error[MO0200] 16:9
 // error[MO0200] 23:7
-// error[MO0200] 24:12
+// error[MO0200] 24:7
 // error[MO0200] 25:3
 // error[MO0200] 26:3
 model NotNow
@@ -21,7 +21,7 @@ equation
     x = previous(x) + 1;
   end when;
   y = hold(x);
-  (z, u) = spatialDistribution(y, 0, time, true, {0, 1}, {0, 0});
+  z = inStream(y);
   initialState(a1);
   transition(a1, a2, i > 10, immediate = false);
 end NotNow;
