@@ -1,6 +1,6 @@
 //! Rows of a run on their way to the file, and the few curves that a picture may need.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::interrupt;
@@ -9,6 +9,7 @@ use super::writer::Writer;
 use crate::ir::trajectory::{Column, Constant, Course, Event, Kind, Trajectory};
 use crate::report::results::{Format, Results};
 use crate::report::table::TableError;
+use crate::report::write::append;
 use crate::simulate::record::Sink;
 
 /// So many curves are kept for a picture whose curves the user has not named.
@@ -132,6 +133,16 @@ impl Sink for Stream {
 
     fn event(&mut self, event: Event) {
         self.trajectory.events.push(event);
+    }
+
+    fn print(&mut self, line: &str, file: &str) {
+        if file.is_empty() {
+            println!("{line}");
+            return;
+        }
+        if let Err(why) = append(Path::new(file), line) {
+            eprintln!("warning: `{file}` can not be written: {why}");
+        }
     }
 
     fn goes_on(&mut self, time: f64) -> bool {

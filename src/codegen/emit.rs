@@ -401,6 +401,7 @@ impl Emitter {
 
     fn emit_node(&mut self, e: ExprId) {
         match self.dae.graph.node(e) {
+            Node::Unary(Unary::Text(_), _) => self.refuse_text(e),
             Node::Unary(op, a) => {
                 let (a, level) = self.operand(a);
                 match op {

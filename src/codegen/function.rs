@@ -6,7 +6,7 @@
 use crate::base::index::{FastMap, Id};
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, Node, Unary};
-use crate::ir::flat::{Function, Statement};
+use crate::ir::flat::{Function, Level, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 use crate::symbolic::print::print;
 
@@ -151,7 +151,7 @@ impl<'a> Body<'a> {
                     let at = self.push(Op::Jump, 0, 0, 0);
                     self.returns.push(at);
                 }
-                Statement::Assert(assert) if !assert.warning => {
+                Statement::Assert(assert) if assert.level == Level::Error => {
                     let c = self.value(e, assert.condition);
                     let names = |v: crate::ir::expr::VarId| self.local_name(v.idx());
                     self.messages.push(print(&e.dae.graph, assert.message, &names));

@@ -101,6 +101,9 @@ pub struct Instance<'p> {
     /// A linear block, and the position of an unknown in it, that was solved though it does not determine
     /// that unknown. Cleared by whoever takes note of it.
     pub undetermined: Option<(usize, usize)>,
+    /// What assertions of when-clauses say without a failure, by their position, since whoever runs this has
+    /// taken note of it.
+    pub said: Vec<(usize, String)>,
     /// What recordings say about inputs.
     pub played: Played,
     /// What expressions were some time ago.
@@ -138,6 +141,7 @@ impl<'p> Instance<'p> {
             undetermined: None,
             code: Code::Interpreted,
             tangents: None,
+            said: Vec::new(),
             played: Played::default(),
             delayed: Delayed::new(&program.layout),
             transports: Transports::new(&program.layout),

@@ -73,10 +73,12 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
         return Err(emitter.problems);
     }
     let literals = emitter.literal_cells();
-    let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
+    let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, texts, .. } =
+        emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, algebraics, initial, event, continuous } = order;
     let mut program = Program {
+        texts,
         recorded: record::all(&dae),
         constants: record::constants(&dae),
         blocks: Blocks {

@@ -11,7 +11,7 @@ use crate::instantiate::Context;
 use crate::instantiate::evaluate::reference::Selection;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, VarId};
-use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Origin};
+use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Level, Origin};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 
 /// A variable of a connector, seen from inside or outside the component that has it.
@@ -368,7 +368,7 @@ impl Connections {
             }
             _ => {
                 let message = cx.graph.string(&format!("connected parameters differ: {names}"));
-                let assert = Assert { condition: same, message, warning: false };
+                let assert = Assert { condition: same, message, level: Level::Error };
                 self.equalities.push((assert, pair.origin.clone()));
             }
         }

@@ -8,11 +8,12 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::instantiate::Context;
 use crate::instantiate::evaluate::deduce::Body;
-use crate::instantiate::evaluate::external::Asserted;
+use crate::instantiate::evaluate::draw::Place;
+use crate::instantiate::evaluate::external::{Asserted, level_of};
 use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
-use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Origin};
+use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Level, Origin};
 use crate::ir::instance::{InstanceId, Scope, SectionKind};
 
 /// Where equations go, and where they come from.
@@ -54,12 +55,14 @@ pub fn of_object(
         let scope = Scope { instance: object, class: section.class };
         let mut target =
             Target { flat, connections, component: component.clone(), initial: section.initial };
+        cx.evaluation.draws.place = if section.initial { Place::Start } else { Place::Always };
         match &section.kind {
             SectionKind::Equations(list) => expand_all(cx, list, scope, &mut target),
             SectionKind::Algorithm(list, span) => algorithm(cx, list, *span, scope, &mut target),
         }
         asserted(cx, &mut target);
     }
+    cx.evaluation.draws.place = Place::Start;
 }
 
 fn expand_all(cx: &mut Context<'_>, list: &[ast::Equation], scope: Scope, target: &mut Target<'_>) {
@@ -76,8 +79,8 @@ fn expand_all(cx: &mut Context<'_>, list: &[ast::Equation], scope: Scope, target
 /// Adds what the functions that were called assert.
 fn asserted(cx: &mut Context<'_>, target: &mut Target<'_>) {
     for a in std::mem::take(&mut cx.evaluation.asserts) {
-        let Asserted { condition, message, warning, span } = a;
-        target.push(EquationKind::Assert(Assert { condition, message, warning }), span);
+        let Asserted { condition, message, level, span } = a;
+        target.push(EquationKind::Assert(Assert { condition, message, level }), span);
     }
 }
 
@@ -431,7 +434,7 @@ fn call_equation(
                 return Some(());
             }
             if let Some(Const::Boolean(false)) = cx.structural_value(assert.condition)
-                && !assert.warning
+                && assert.level == Level::Error
             {
                 let text = match cx.graph.as_const(assert.message) {
                     Some(Const::String(s)) => s.to_string(),
@@ -482,7 +485,7 @@ pub(super) fn assertion(
     if cx.graph.as_const(c) == Some(Const::Boolean(true)) {
         // What would never be said is not even read.
         let nothing = cx.graph.string("");
-        return Some(Assert { condition: c, message: nothing, warning: false });
+        return Some(Assert { condition: c, message: nothing, level: Level::Error });
     }
     let violated = cx.graph.not(c);
     let text = cx.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
@@ -490,14 +493,14 @@ pub(super) fn assertion(
         cx.error("MO0212", message.span, "the message must be a String");
         return None;
     }
-    let warning = match find(2, "level") {
+    let level = match find(2, "level") {
         Some(level) => {
             let value = cx.fold(level, scope)?.scalar()?;
-            matches!(cx.graph.as_const(value), Some(Const::Enumeration(_, 1)))
+            level_of(cx.graph.as_const(value))
         }
-        None => false,
+        None => Level::Error,
     };
-    Some(Assert { condition: c, message: text, warning })
+    Some(Assert { condition: c, message: text, level })
 }
 
 /// An algorithm section of a model: statements are run on symbols; when-statements become

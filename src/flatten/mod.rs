@@ -112,7 +112,7 @@ fn flatten_with(
     // What functions assert that are called in declarations.
     for a in std::mem::take(&mut cx.evaluation.asserts) {
         let origin = Origin { span: a.span, component: "".into() };
-        let assert = Assert { condition: a.condition, message: a.message, warning: a.warning };
+        let assert = Assert { condition: a.condition, message: a.message, level: a.level };
         flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
     }
     flat.graph = std::mem::take(&mut cx.graph);

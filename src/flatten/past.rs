@@ -1,24 +1,128 @@
 //! What equations read of the past: delayed expressions, and what is carried along lines.
 
-use super::variable::made;
+use super::variable::made as made_variable;
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::instantiate::Context;
-use crate::instantiate::evaluate::past::Carrying;
+use crate::instantiate::evaluate::draw::{Drawing, Draws};
+use crate::instantiate::evaluate::past::{Carrying, Made};
+use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Delay, Equation, EquationKind, FlatModel, Origin, Reader, Transport};
+use crate::symbolic::rewrite::Rewriter;
 
-/// Gives what is read of the past variables of its own. Those of delayed expressions follow all others,
-/// in their order: that is how they were counted when they were read.
+/// Gives what is read of the past, and what is drawn, variables of its own. They follow all others, in
+/// their order: that is how they were counted when they were read.
 pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
-    for (k, delay) in std::mem::take(&mut cx.evaluation.past.delays).into_iter().enumerate() {
-        let name = format!("$delay{}", k + 1);
-        let variable = defined(cx, flat, name, delay.value, delay.span);
-        flat.delays.push(Delay { variable, time: delay.time, span: delay.span });
+    let draws = std::mem::take(&mut cx.evaluation.draws);
+    let draws_any = cx.evaluation.past.made.iter().any(|m| matches!(m, Made::Number(_)));
+    let generator = draws.generator.as_ref().filter(|_| draws_any);
+    let generator = generator.and_then(|state| seed(cx, flat, state));
+    for (k, made) in std::mem::take(&mut cx.evaluation.past.made).into_iter().enumerate() {
+        match made {
+            Made::Delay(delay) => {
+                let name = format!("$delay{}", flat.delays.len() + 1);
+                let variable = defined(cx, flat, name, delay.value, delay.span);
+                flat.delays.push(Delay { variable, time: delay.time, span: delay.span });
+            }
+            Made::Counter(span) => {
+                let zero = cx.graph.integer(0);
+                let counter = made_variable(flat, format!("$drawn{}", k + 1), Type::Integer, span);
+                flat.variables[counter].start = Some(zero);
+                flat.variables[counter].fixed = Some(true);
+            }
+            Made::Number(drawing) => {
+                let value = number(cx, &draws, generator.as_deref(), drawing);
+                let name = format!("$random{}", k + 1);
+                let variable = made_variable(flat, name, Type::Real, drawing.span);
+                let at_start = drawing.counter.is_none();
+                flat.variables[variable].binding = Some(value);
+                flat.variables[variable].variability =
+                    if at_start { Variability::Parameter } else { Variability::Discrete };
+            }
+        }
     }
     for (k, line) in std::mem::take(&mut cx.evaluation.past.lines).into_iter().enumerate() {
         let line = transport(cx, flat, k + 1, line);
         flat.transports.push(line);
     }
+}
+
+/// How far parameters are followed that are given by others.
+const FAR: usize = 20;
+
+/// The state of the generator at the start, if it is known before the model runs.
+fn seed(cx: &mut Context<'_>, flat: &mut FlatModel, state: &[ExprId]) -> Option<Vec<i64>> {
+    let mut given: FastMap<VarId, ExprId> = FastMap::default();
+    for e in &flat.initial_equations {
+        let EquationKind::Equal(a, b) = e.kind else { continue };
+        for (side, other) in [(a, b), (b, a)] {
+            if let Node::Var(v) = cx.graph.node(side) {
+                given.entry(v).or_insert(other);
+            }
+        }
+    }
+    for (v, variable) in flat.variables.enumerate() {
+        if let Some(e) = variable.binding.filter(|_| variable.variability <= Variability::Parameter)
+        {
+            given.insert(v, e);
+        }
+    }
+    let mut words = Vec::with_capacity(state.len());
+    for &e in state {
+        let mut e = e;
+        for _ in 0..FAR {
+            if cx.graph.as_const(e).is_some() {
+                break;
+            }
+            e = Rewriter::new().apply(&mut cx.graph, e, &mut |g, n| match g.node(n) {
+                Node::Var(v) => {
+                    flat.variables[v].structural |= given.contains_key(&v);
+                    given.get(&v).copied()
+                }
+                _ => None,
+            });
+        }
+        words.push(cx.graph.as_number(e)? as i64);
+    }
+    Some(words)
+}
+
+/// A random number by its number: after those of the start come those of all clauses, which at one instant
+/// draw in their order.
+fn number(
+    cx: &mut Context<'_>,
+    draws: &Draws,
+    generator: Option<&[i64]>,
+    drawing: Drawing,
+) -> ExprId {
+    let Some(generator) = generator else {
+        cx.problems.push(
+            Diagnostic::error(
+                "MO0219",
+                drawing.span,
+                "what this generator begins with is not known",
+            )
+            .help("call `initializeImpureRandom` with a seed that is known before the model runs"),
+        );
+        return cx.graph.real(0.5);
+    };
+    let mut at = cx.graph.integer(drawing.number);
+    if let Some(own) = drawing.counter {
+        let at_start = cx.graph.integer(draws.at_start);
+        at = cx.graph.add(at, at_start);
+        let mut now = true;
+        for &counter in &draws.counters {
+            now &= counter != own;
+            let drawn = match now {
+                true => cx.graph.var(counter, Type::Integer),
+                false => cx.graph.intern(Node::Pre(counter), Type::Integer),
+            };
+            at = cx.graph.add(at, drawn);
+        }
+    }
+    cx.drawn(generator, at)
 }
 
 /// A variable with the equation that says what it is.
@@ -30,7 +134,7 @@ fn defined(
     span: Span,
 ) -> VarId {
     let ty = cx.graph.ty(value);
-    let variable = made(flat, name, ty, span);
+    let variable = made_variable(flat, name, ty, span);
     let lhs = cx.graph.var(variable, ty);
     let origin = Origin { span, component: "".into() };
     flat.equations.push(Equation { kind: EquationKind::Equal(lhs, value), origin });
@@ -39,7 +143,7 @@ fn defined(
 
 /// A variable of which the run says what it is.
 fn told(cx: &mut Context<'_>, flat: &mut FlatModel, name: String, span: Span) -> VarId {
-    let variable = made(flat, name, Type::Real, span);
+    let variable = made_variable(flat, name, Type::Real, span);
     let lhs = cx.graph.var(variable, Type::Real);
     let value = cx.graph.intern(Node::Recorded(variable, 0), Type::Real);
     let origin = Origin { span, component: "".into() };

@@ -5,7 +5,8 @@ use crate::base::index::FastSet;
 use crate::ir::ast::{Causality, Variability};
 use crate::ir::expr::{EnumId, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{
-    Action, Assert, Equation, EquationKind, FlatModel, StateSelect, Transport, Variable, WhenBranch,
+    Action, Assert, Equation, EquationKind, FlatModel, Level, StateSelect, Transport, Variable,
+    WhenBranch,
 };
 use crate::symbolic::print::{Printer, type_name};
 
@@ -358,7 +359,8 @@ impl Text<'_> {
         self.expression(a.condition);
         self.out.push_str(", ");
         self.expression(a.message);
-        self.out.push_str(if a.warning { ", AssertionLevel.warning)" } else { ")" });
+        let level = if a.level == Level::Error { ")" } else { ", AssertionLevel.warning)" };
+        self.out.push_str(level);
     }
 }
 

@@ -60,11 +60,13 @@ fn own_path(cx: &Context<'_>, id: InstanceId, around: &str) -> String {
     }
 }
 
-/// A variable that is made for what looks back in time.
+/// A variable that is made for what equations read.
 pub fn made(flat: &mut FlatModel, name: String, ty: Type, span: Span) -> VarId {
     let slowest = if ty == Type::Real { Variability::Continuous } else { Variability::Discrete };
     let variable = Variable::bare(name, ty, slowest, span);
-    flat.variables.push(Variable { protected: true, ..variable })
+    let id = flat.variables.push(Variable { protected: true, ..variable });
+    flat.made.push(id);
+    id
 }
 
 /// A variable as its declaration says, without attributes.

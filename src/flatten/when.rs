@@ -17,6 +17,7 @@ pub(super) fn branches(
     scope: Scope,
 ) -> Option<Vec<WhenBranch>> {
     let mut out = Vec::with_capacity(list.len());
+    let around = cx.enter_when();
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
@@ -25,8 +26,10 @@ pub(super) fn branches(
             action(cx, e, scope, &mut actions)?;
         }
         keep_asserts(cx, outside, &mut actions);
+        actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
         out.push(WhenBranch { conditions, actions });
     }
+    cx.leave_when(around);
     Some(out)
 }
 
@@ -143,8 +146,8 @@ fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) 
 /// Assertions met while a clause was read belong to it; those from before stay.
 fn keep_asserts(cx: &mut Context<'_>, outside: Vec<Asserted>, out: &mut Vec<Action>) {
     for p in std::mem::replace(&mut cx.evaluation.asserts, outside) {
-        let Asserted { condition, message, warning, .. } = p;
-        out.push(Action::Assert(Assert { condition, message, warning }));
+        let Asserted { condition, message, level, .. } = p;
+        out.push(Action::Assert(Assert { condition, message, level }));
     }
 }
 
@@ -324,6 +327,7 @@ pub(super) fn statement_branches(
     scope: Scope,
 ) -> Option<Vec<WhenBranch>> {
     let mut out = Vec::with_capacity(list.len());
+    let around = cx.enter_when();
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
@@ -336,8 +340,10 @@ pub(super) fn statement_branches(
         let mut all: Vec<(VarId, ExprId)> = assigned.into_iter().collect();
         all.sort_by_key(|(v, _)| *v);
         actions.extend(all.into_iter().map(|(v, e)| Action::Assign(v, e)));
+        actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
         out.push(WhenBranch { conditions, actions });
     }
+    cx.leave_when(around);
     Some(out)
 }
 

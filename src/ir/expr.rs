@@ -96,6 +96,21 @@ pub enum Unary {
     Native(Native),
     /// What stands on a line at the place that is the operand.
     Carried(Carried),
+    /// `String(x)` in this form.
+    Text(Form),
+}
+
+/// The form of a number as a text.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Form {
+    /// Significant digits of a Real.
+    pub digits: u16,
+    /// Characters at least.
+    pub width: u16,
+    /// What is shorter stands at the left.
+    pub left: bool,
+    /// A format as in C, which counts more than the digits.
+    pub format: Option<Name>,
 }
 
 /// A reader of what is carried along a line.
@@ -413,6 +428,17 @@ impl Const {
         }
     }
 
+    /// The literal of a type that stands in a register as `x`; `None` for texts.
+    pub fn of_type(ty: Type, x: f64) -> Option<Const> {
+        match ty {
+            Type::Real => Some(Const::Real(x.to_bits())),
+            Type::Integer => Some(Const::Integer(x as i64)),
+            Type::Boolean => Some(Const::Boolean(x != 0.0)),
+            Type::Enumeration(t) => Some(Const::Enumeration(t, x as u32)),
+            Type::String => None,
+        }
+    }
+
     /// How the literal stands in a register at run time: truth values are 0 and 1, enumeration
     /// literals their number. Texts have no run-time value.
     pub fn register(self) -> Option<f64> {
@@ -451,6 +477,7 @@ impl Unary {
             Unary::Ordinal => "Integer",
             Unary::Native(f) => f.name(),
             Unary::Carried(_) => "carried",
+            Unary::Text(_) => "String",
         }
     }
 }

@@ -41,6 +41,8 @@ pub struct FlatModel {
     pub lost_units: FastSet<Span>,
     /// Inputs without a value that recordings give one, moving with time.
     pub recorded: Vec<VarId>,
+    /// Variables that `flatten` made for its own purposes.
+    pub made: Vec<VarId>,
     /// Delayed expressions.
     pub delays: Vec<Delay>,
     /// Lines along which something is carried.
@@ -212,8 +214,19 @@ pub struct Assert {
     pub condition: ExprId,
     /// A `String` expression.
     pub message: ExprId,
-    /// `AssertionLevel.warning`.
-    pub warning: bool,
+    /// What happens where it is not.
+    pub level: Level,
+}
+
+/// What happens where an assertion is violated.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Level {
+    /// The run fails.
+    Error,
+    /// The run goes on with a warning.
+    Warning,
+    /// The message is a line for this file, for the terminal if it has no name: `Streams.print`.
+    Print(Name),
 }
 
 /// `delay(variable, time)`, read as what is recorded of the variable.
@@ -314,6 +327,7 @@ impl FlatModel {
             experiment: Experiment::default(),
             lost_units: FastSet::default(),
             recorded: Vec::new(),
+            made: Vec::new(),
             delays: Vec::new(),
             transports: Vec::new(),
         }

@@ -7,6 +7,7 @@
 
 use std::sync::RwLock;
 
+use crate::math::numeric::stream::Stream;
 use crate::math::numeric::table::curve::Curve;
 use crate::math::numeric::table::surface::Surface;
 use crate::math::numeric::table::time_table::TimeTable;
@@ -29,6 +30,8 @@ pub enum Function {
     Surface((u8, u8), Surface),
     /// An operation on words of bits: two arguments.
     Word(Operation),
+    /// A random number by its number: one argument.
+    Drawn(Stream),
 }
 
 /// All functions so far. They are few, and stay for as long as the process does.
@@ -65,6 +68,7 @@ impl Native {
         match self.function() {
             Function::Curve(order, curve) => curve.at(a, *order),
             Function::NextStop(table) => table.next_stop(a),
+            Function::Drawn(stream) => stream.number(a),
             Function::TimeTable(..) | Function::Surface(..) | Function::Word(_) => f64::NAN,
         }
     }
@@ -75,7 +79,7 @@ impl Native {
             Function::TimeTable(order, table) => table.at(a, b, *order),
             Function::Surface(orders, surface) => surface.at(a, b, *orders),
             Function::Word(operation) => operation.at(a, b),
-            Function::Curve(..) | Function::NextStop(_) => f64::NAN,
+            Function::Curve(..) | Function::NextStop(_) | Function::Drawn(_) => f64::NAN,
         }
     }
 
@@ -117,7 +121,7 @@ impl Native {
 
     /// False for what steps from one value to the next.
     pub fn has_slope(self) -> bool {
-        !matches!(self.function(), Function::NextStop(_) | Function::Word(_))
+        !matches!(self.function(), Function::NextStop(_) | Function::Word(_) | Function::Drawn(_))
     }
 
     /// True if the values are whole numbers.
@@ -133,6 +137,7 @@ impl Native {
             }
             Function::NextStop(_) => "nextTimeEvent",
             Function::Word(_) => "word",
+            Function::Drawn(_) => "randomNumber",
             Function::Curve(..) | Function::TimeTable(..) | Function::Surface(..) => {
                 "derivativeOfTable"
             }

@@ -19,6 +19,7 @@ use std::ops::{Deref, DerefMut};
 use super::blocks::{Blocks, Source};
 use super::dae::Dae;
 use super::expr::{Binary, ExprId, Unary, VarId};
+use crate::base::name::Name;
 use crate::base::source::Span;
 
 /// A cell of the memory.
@@ -388,6 +389,8 @@ pub struct ReaderCells {
 /// A compiled model.
 #[derive(Clone)]
 pub struct Program {
+    /// The texts that variables of type String choose from; their values number them from 1.
+    pub texts: Vec<Name>,
     /// What it was compiled from, for messages and names.
     pub blocks: Blocks,
     /// The memory before a run: literals, and NaN in the inputs.

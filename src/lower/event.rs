@@ -102,6 +102,19 @@ impl<'a> Rewriting<'a> {
         }
     }
 
+    /// True if the variable is 0, whatever the parameters.
+    pub fn is_zero(&self, v: VarId) -> bool {
+        let value = match self.replacement.get(v) {
+            Some(Replacement::Value(value)) => Some(*value),
+            Some(Replacement::Alias(s)) => match self.replacement.get(s.variable) {
+                Some(Replacement::Value(value)) => Some(*value),
+                _ => None,
+            },
+            _ => None,
+        };
+        value.is_some_and(|e| self.graph.as_number(e) == Some(0.0))
+    }
+
     /// Adds a discrete Boolean that the user does not see.
     pub fn add_flag(&mut self, name: String, span: Span) -> VarId {
         let flag = Variable::new(name, Type::Boolean, Kind::Discrete, span);

@@ -27,7 +27,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::ir::dae::{self, Dae, DiscreteEquation, Kind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
-use crate::ir::flat::{Delay, FlatModel, Origin, Transport, Variability, Variable};
+use crate::ir::flat::{Delay, EquationKind, FlatModel, Origin, Transport, Variability, Variable};
 use event::{Mode, Rewriting};
 
 /// Lowers a flat model. Whatever is wrong with the model is added to `problems`; without errors
@@ -51,10 +51,19 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     for (assert, origin) in &sections.asserts {
         asserts.push(when::guarded(None, assert, origin, &mut rewriting));
     }
+    for e in &flat.initial_equations {
+        if let EquationKind::Assert(assert) = &e.kind {
+            let at_start = rewriting.graph.intern(Node::Initial, Type::Boolean);
+            asserts.push(when::guarded(Some(at_start), assert, &e.origin, &mut rewriting));
+        }
+    }
     let mut initial = initial::equations(&flat.initial_equations, &mut discrete, &mut rewriting);
     rewriting.attributes();
     let eliminated = rewriting.eliminated();
     let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);
+    for &v in &flat.made {
+        rewriting.variables[v].hidden = true;
+    }
     let delays = delays(&flat.delays, &mut rewriting);
     let transports = transports(flat.transports, &mut rewriting);
     discrete.list.append(&mut rewriting.jumps);
@@ -100,19 +109,18 @@ fn found_at_start(
     }
 }
 
-/// What is delayed, hidden from the user, and by how much.
+/// What is delayed, and by how much.
 fn delays(flat: &[Delay], r: &mut Rewriting<'_>) -> Vec<(VarId, ExprId)> {
     let mut list = Vec::with_capacity(flat.len());
     for delay in flat {
         let origin = Origin { span: delay.span, component: "".into() };
         let time = r.apply(delay.time, Mode::Literal, &origin);
-        r.variables[delay.variable].hidden = true;
         list.push((delay.variable, r.graph.as_real(time)));
     }
     list
 }
 
-/// Lines along which something is carried; what belongs to them is hidden from the user.
+/// Lines along which something is carried.
 fn transports(mut all: Vec<Transport>, r: &mut Rewriting<'_>) -> Vec<Transport> {
     for line in &mut all {
         let origin = Origin { span: line.span, component: "".into() };
@@ -124,11 +132,6 @@ fn transports(mut all: Vec<Transport>, r: &mut Rewriting<'_>) -> Vec<Transport> 
                 }
                 *e = r.graph.as_real(*e);
             }
-        }
-        let of_readers = line.readers.iter().flat_map(|x| [x.place, x.from, x.to, x.arrives]);
-        for v in line.ends.into_iter().chain(line.entering.into_iter().flatten()).chain(of_readers)
-        {
-            r.variables[v].hidden = true;
         }
     }
     all

@@ -215,7 +215,7 @@ impl Reader {
         let condition = self.expression(0);
         self.expect(",");
         let message = self.expression(0);
-        Assert { condition, message, warning: false }
+        Assert { condition, message, level: Level::Error }
     }
 
     fn variable(&mut self) -> VarId {

@@ -1,4 +1,4 @@
-//! Chains of `semiLinear` that share a flow: Modelica 3.6, section 3.7.4.1.
+//! Chains of `semiLinear` that share a flow, and flows that rest: Modelica 3.6, section 3.7.4.1.
 //!
 //! `y = semiLinear(x, a, s)` and `y = semiLinear(x, s, b)` do not determine `s` where `x` is 0. They
 //! say the same as `s = if x >= 0 then a else b` and `y = semiLinear(x, a, b)`, which do.
@@ -21,6 +21,7 @@ struct Law {
 
 /// Joins chains; as many equations go out as come in.
 pub fn join(equations: &mut [Equal], r: &mut Rewriting<'_>) {
+    rest(equations, r);
     let mut laws: Vec<Law> =
         (0..equations.len()).filter_map(|k| law(&equations[k], k, r)).collect();
     while let Some((first, second)) = neighbours(&laws, r) {
@@ -42,6 +43,27 @@ pub fn join(equations: &mut [Equal], r: &mut Rewriting<'_>) {
         let law = Law { positive: a, ..laws.remove(second) };
         let at = if second < first { first - 1 } else { first };
         laws[at] = law;
+    }
+}
+
+/// Where nothing flows, `x = 0`, `y = 0` and `y = semiLinear(x, a, b)` leave `a` or `b` open: `a = b` is said in
+/// place of the last.
+fn rest(equations: &mut [Equal], r: &Rewriting<'_>) {
+    let is_zero = |e: ExprId| match r.graph.node(e) {
+        Node::Var(v) => r.is_zero(v),
+        Node::Unary(Unary::Neg, a) => matches!(r.graph.node(a), Node::Var(v) if r.is_zero(v)),
+        _ => r.graph.as_number(e) == Some(0.0),
+    };
+    for e in equations {
+        for (side, other) in [(e.lhs, e.rhs), (e.rhs, e.lhs)] {
+            if let Some((x, a, b)) = parts(other, r)
+                && is_zero(side)
+                && is_zero(x)
+            {
+                (e.lhs, e.rhs) = (a, b);
+                break;
+            }
+        }
     }
 }
 
@@ -80,8 +102,14 @@ fn law(equation: &Equal, place: usize, r: &Rewriting<'_>) -> Option<Law> {
     )
 }
 
-/// `if x >= 0 then p*x else n*x`: x, p and n.
+/// As [`parts`], where x is a variable.
 fn semi_linear(e: ExprId, r: &Rewriting<'_>) -> Option<(Signed, ExprId, ExprId)> {
+    let (x, p, n) = parts(e, r)?;
+    Some((signed(x, r)?, p, n))
+}
+
+/// `if x >= 0 then p*x else n*x`: x, p and n.
+fn parts(e: ExprId, r: &Rewriting<'_>) -> Option<(ExprId, ExprId, ExprId)> {
     let e = match r.graph.node(e) {
         Node::Smooth(_, inner) => inner,
         _ => e,
@@ -102,7 +130,7 @@ fn semi_linear(e: ExprId, r: &Rewriting<'_>) -> Option<(Signed, ExprId, ExprId)>
             _ => None,
         }
     };
-    Some((signed(x, r)?, factor(a)?, factor(b)?))
+    Some((x, factor(a)?, factor(b)?))
 }
 
 /// A variable or its negative, as its representative.

@@ -84,7 +84,7 @@ pub fn guarded(
 ) -> GuardedAssert {
     let condition = r.apply(assert.condition, Mode::Literal, origin);
     let message = r.apply(assert.message, Mode::Literal, origin);
-    let assert = Assert { condition, message, warning: assert.warning };
+    let assert = Assert { condition, message, level: assert.level };
     GuardedAssert { active, assert, origin: origin.clone() }
 }
 

@@ -252,6 +252,9 @@ impl Sink for Observer<'_> {
     fn event(&mut self, event: Event) {
         self.inner.event(event);
     }
+    fn print(&mut self, line: &str, file: &str) {
+        self.inner.print(line, file);
+    }
     fn goes_on(&mut self, time: f64) -> bool {
         self.inner.goes_on(time)
     }

@@ -161,6 +161,12 @@ impl Drop for Temporary {
     }
 }
 
+/// Adds a line to a file, which is made if there is none.
+pub fn append(path: &Path, line: &str) -> io::Result<()> {
+    let mut file = OpenOptions::new().append(true).create(true).open(path)?;
+    writeln!(file, "{line}")
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;

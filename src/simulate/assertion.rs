@@ -4,6 +4,7 @@
 use crate::base::diag::{Diagnostic, Severity};
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::{Const, ExprId};
+use crate::ir::flat::Level;
 use crate::ir::program::Program;
 
 use super::error::{Failure, FailureKind, UNDETERMINED, of_fault, undetermined};
@@ -30,17 +31,32 @@ impl Simulation<'_, '_> {
             if cells.at_events || self.model.instance.get(cells.condition) != 0.0 {
                 continue;
             }
-            let warning = self.program.blocks.dae.asserts[k].assert.warning;
-            if !warning {
+            let assert = &self.program.blocks.dae.asserts[k].assert;
+            if assert.level == Level::Error {
                 return Err(self.assertion(k, t));
             }
-            if !std::mem::replace(&mut self.warned[k], true) {
-                let failure = self.assertion(k, t);
-                let severity = Severity::Warning;
-                self.statistics.warnings.push(Diagnostic { severity, ..*failure.diagnostic });
+            if !self.warned[k] {
+                let text = text_of(self.program, &self.model.instance.memory, assert.message);
+                self.say(k, t, &text);
             }
         }
         Ok(())
+    }
+
+    /// What an assertion says that does not fail the run: a warning once.
+    fn say(&mut self, k: usize, t: f64, text: &str) {
+        let again = std::mem::replace(&mut self.warned[k], true);
+        match self.program.blocks.dae.asserts[k].assert.level {
+            Level::Print(file) => self.sink.print(text, file.as_str()),
+            _ if again => {}
+            _ => {
+                let failure = self.assertion(k, t);
+                let severity = Severity::Warning;
+                let message = format!("at time {t} s: {text}");
+                let warning = Diagnostic { severity, message, ..*failure.diagnostic };
+                self.statistics.warnings.push(warning);
+            }
+        }
     }
 
     fn assertion(&self, k: usize, t: f64) -> Failure {
@@ -59,6 +75,9 @@ impl Simulation<'_, '_> {
 
     /// Failed assertions and terminations of an event iteration.
     pub(super) fn act_on(&mut self, settled: Settled, t: f64) -> Result<(), Failure> {
+        for (k, text) in std::mem::take(&mut self.model.instance.said) {
+            self.say(k, t, &text);
+        }
         if let Some(k) = settled.failed {
             return Err(self.assertion(k, t));
         }
@@ -83,9 +102,9 @@ pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure 
 }
 
 /// The text of a `String` expression.
-fn text_of(program: &Program, memory: &[f64], e: ExprId) -> String {
+pub fn text_of(program: &Program, memory: &[f64], e: ExprId) -> String {
     match program.blocks.dae.graph.as_const(e) {
         Some(Const::String(text)) => text.to_string(),
-        _ => Reader::new(program, memory).text(e),
+        _ => Reader::new(program, memory).message(e),
     }
 }

@@ -4,9 +4,11 @@
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::VarId;
+use crate::ir::flat::Level;
 use crate::ir::program::{Program, Slot, Tape, Watch};
 use crate::math::numeric::root::locate;
 
+use super::assertion::text_of;
 use super::clock::Clocks;
 use super::relations::{is_restless, sweep};
 use super::system::Model;
@@ -38,7 +40,7 @@ const MARGIN_GROWTH: f64 = 100.0;
 const LARGEST_MARGIN: f64 = 1e-7;
 
 /// How an event iteration ended.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Settled {
     /// A discrete variable, a relation or a state changed.
     pub changed: bool,
@@ -48,6 +50,18 @@ pub struct Settled {
     pub failed: Option<usize>,
     /// Something other than relations changed.
     pub acted: bool,
+}
+
+impl Settled {
+    /// This, and what came after it at the same instant.
+    pub fn before(self, later: Settled) -> Settled {
+        Settled {
+            changed: self.changed | later.changed,
+            terminate: self.terminate.or(later.terminate),
+            failed: self.failed.or(later.failed),
+            acted: self.acted | later.acted,
+        }
+    }
 }
 
 /// Why an event iteration could not be finished.
@@ -398,12 +412,18 @@ fn settle_in(instance: &mut Instance<'_>, clocks: &Clocks, way: Way) -> Result<S
 }
 
 /// Assertions of when-clauses and terminations that are active now.
-fn note_actions(instance: &Instance<'_>, settled: &mut Settled) {
+pub fn note_actions(instance: &mut Instance<'_>, settled: &mut Settled) {
     let program = instance.program;
     for (k, a) in program.asserts.iter().enumerate() {
-        let warning = program.blocks.dae.asserts[k].assert.warning;
         let active = a.at_events && instance.get(a.active) != 0.0;
-        if active && !warning && instance.get(a.condition) == 0.0 && settled.failed.is_none() {
+        if !active || instance.get(a.condition) != 0.0 {
+            continue;
+        }
+        let assert = &program.blocks.dae.asserts[k].assert;
+        if assert.level != Level::Error {
+            let text = text_of(program, &instance.memory, assert.message);
+            instance.said.push((k, text));
+        } else if settled.failed.is_none() {
             settled.failed = Some(k);
         }
     }

@@ -4,10 +4,11 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Source};
-use crate::ir::expr::{Binary, ExprId, Graph, Node, Unary, VarId};
+use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Unary, VarId};
 use crate::ir::program::{BlockPlace, Program, Sequence, Slot, source_span};
 use crate::symbolic::eval;
 use crate::symbolic::print::print;
+use crate::symbolic::printf;
 use crate::symbolic::rewrite::Rewriter;
 
 /// Values of a run by variable, and texts in the user's names.
@@ -67,6 +68,37 @@ impl<'a> Reader<'a> {
         let mut graph = dae.graph.clone();
         let e = written_out(self.program, &mut graph, e);
         print(&graph, e, &|v| self.name(v))
+    }
+
+    /// The value of an expression of type String: what is known by value is, the rest as it is written.
+    pub fn message(&self, e: ExprId) -> String {
+        let dae = &self.program.blocks.dae;
+        let graph = &dae.graph;
+        let value = |e: ExprId| self.evaluate(e).get(&e).copied().filter(|v| !v.is_nan());
+        match graph.node(e) {
+            Node::Const(Const::String(text)) => text.to_string(),
+            Node::Binary(Binary::Add, a, b) => self.message(a) + &self.message(b),
+            Node::If(c, a, b) => match value(c) {
+                Some(c) => self.message(if c != 0.0 { a } else { b }),
+                None => self.text(e),
+            },
+            Node::NoEvent(a) => self.message(a),
+            Node::Unary(Unary::Text(form), a) => {
+                let known = value(a).and_then(|x| Const::of_type(graph.ty(a), x));
+                let text = known.and_then(|x| printf::text(graph, x, form));
+                text.unwrap_or_else(|| self.text(a))
+            }
+            Node::Var(v) => {
+                let open = dae.parameters.iter().chain(&dae.eliminated).find(|(p, _)| *p == v);
+                let chosen = self.program.texts.get((self.value(v) as usize).wrapping_sub(1));
+                match (chosen, open) {
+                    (Some(text), _) => text.to_string(),
+                    (None, Some((_, definition))) => self.message(*definition),
+                    (None, None) => self.text(e),
+                }
+            }
+            _ => self.text(e),
+        }
     }
 
     /// The text of a relation.

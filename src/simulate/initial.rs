@@ -6,7 +6,7 @@ use crate::ir::expr::VarId;
 use crate::ir::program::Slot;
 
 use super::clock::Clocks;
-use super::events::{Settled, Unsettled, begin, remember, settle};
+use super::events::{Settled, Unsettled, begin, note_actions, remember, settle};
 use super::homotopy;
 use super::precondition;
 use super::selection::Selection;
@@ -68,6 +68,24 @@ fn from_model(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start,
     initialise_from(instance, settings, &[])
 }
 
+/// What assertions and terminations do that act `when initial()`.
+fn actions_at_start(instance: &mut Instance<'_>) -> Settled {
+    let mut settled = Settled::default();
+    instance.said.clear();
+    let program = instance.program;
+    if program.asserts.iter().all(|a| !a.at_events) && program.terminates.is_empty() {
+        return settled;
+    }
+    let kept = instance.keep();
+    remember(instance);
+    if instance.run(&program.event).is_ok() {
+        note_actions(instance, &mut settled);
+    }
+    instance.memory.copy_from_slice(&kept);
+    instance.release(kept);
+    settled
+}
+
 /// Gives every variable its value at the start, where iterations begin at the guesses for some cells.
 pub fn initialise_from(
     instance: &mut Instance<'_>,
@@ -117,9 +135,10 @@ pub fn initialise_from(
     }
     begin(instance)?;
     let selection = Selection::begin(instance).map_err(Unsettled::Fault)?;
+    let at_start = actions_at_start(instance);
     instance.set(program.layout.initial, 0.0);
     let mut clocks = Clocks::new(instance, settings.start);
     clocks.raise(instance, settings.start);
     let settled = settle(instance, &clocks, true)?;
-    Ok((clocks, selection, settled))
+    Ok((clocks, selection, at_start.before(settled)))
 }

@@ -112,6 +112,7 @@ impl Simulation<'_, '_> {
             }
             let passed = instance.transports.pass(&mut instance.memory);
             let before = self.model.instance.keep();
+            self.model.instance.said.clear();
             let may_wait = cause == Cause::State && t < self.stepper.t() && !passed;
             let settled = self.settle_readers(!may_wait || nudges >= PATIENCE, passed);
             if let Some(s) = &mut self.sensitivity {
@@ -161,12 +162,7 @@ impl Simulation<'_, '_> {
                 break;
             }
             let again = self.settle(true)?;
-            settled = Settled {
-                changed: true,
-                terminate: settled.terminate.or(again.terminate),
-                failed: settled.failed.or(again.failed),
-                acted: settled.acted | again.acted,
-            };
+            settled = Settled { changed: true, ..settled }.before(again);
         }
         Ok(settled)
     }

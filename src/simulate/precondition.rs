@@ -7,6 +7,7 @@ use crate::base::index::FastMap;
 use crate::codegen::interp::Instance;
 use crate::ir::dae::Kind;
 use crate::ir::expr::{ExprId, Node};
+use crate::ir::flat::Level;
 use crate::symbolic::eval;
 
 /// The first violated assertion of level error whose condition reads nothing but parameters, which
@@ -15,7 +16,7 @@ pub fn violated(instance: &Instance<'_>) -> Option<usize> {
     let mut values = Values { instance, known: FastMap::default() };
     let asserts = &instance.program.blocks.dae.asserts;
     asserts.iter().position(|a| {
-        let always = a.active.is_none() && !a.assert.warning;
+        let always = a.active.is_none() && a.assert.level == Level::Error;
         always && values.of(a.assert.condition) == Some(0.0)
     })
 }

@@ -47,6 +47,8 @@ pub trait Sink {
     fn slopes(&mut self, _slopes: &[f64]) {}
     /// Something happened.
     fn event(&mut self, event: Event);
+    /// The model prints a line: to the file of this name, to the terminal if it has none.
+    fn print(&mut self, _line: &str, _file: &str) {}
     /// Called after each step with the time that it reached, s. False ends the run there.
     fn goes_on(&mut self, _: f64) -> bool {
         true

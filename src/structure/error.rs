@@ -121,14 +121,17 @@ pub fn jumping_state(v: &Variable) -> Diagnostic {
 }
 
 /// MO0406: `stateSelect = never` can not be met.
-pub fn needed_as_state(v: &Variable) -> Diagnostic {
-    Diagnostic::warning(
-        "MO0406",
-        v.span,
-        format!("`{}` must be a state: nothing else determines it", v.name),
-    )
-    .label("declared with `stateSelect = StateSelect.never`")
-    .help("use `StateSelect.avoid`")
+///
+/// With a `substitute`, which is tied to it, the wish could be met by another choice: a warning.
+pub fn needed_as_state(v: &Variable, substitute: bool) -> Diagnostic {
+    let message = format!("`{}` must be a state: nothing else determines it", v.name);
+    let diagnostic = match substitute {
+        true => Diagnostic::warning("MO0406", v.span, message),
+        false => Diagnostic::error("MO0406", v.span, message),
+    };
+    diagnostic
+        .label("declared with `stateSelect = StateSelect.never`")
+        .help("use `StateSelect.avoid`")
 }
 
 /// MO0407: `reinit` of a variable that other states determine.

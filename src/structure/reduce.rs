@@ -170,6 +170,17 @@ fn coefficients(
     coefficients
 }
 
+/// True if an equation ties the variable to another one, which a modeller could have made the state.
+fn has_substitute(dae: &Dae, id: VarId) -> bool {
+    dae.equations.iter().any(|e| {
+        let reads = dae.graph.postorder([e.residual]);
+        let reads = |wanted: &dyn Fn(VarId) -> bool| {
+            reads.iter().any(|n| matches!(dae.graph.node(*n), Node::Var(v) if wanted(v)))
+        };
+        reads(&|v| v == id) && reads(&|v| v != id && dae.variables[v].kind == Kind::Algebraic)
+    })
+}
+
 /// Says where the choice of states goes against the modeller's wish, and refuses to reinitialise
 /// what is not a state.
 fn check_wishes(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Problems) {
@@ -182,7 +193,7 @@ fn check_wishes(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Prob
             problems.push(error::jumping_state(v));
         }
         if v.state_select == StateSelect::Never && is_state[id] {
-            problems.push(error::needed_as_state(v));
+            problems.push(error::needed_as_state(v, has_substitute(dae, id)));
         }
     }
     for reinit in &dae.reinits {

@@ -8,7 +8,7 @@ use crate::base::index::IndexVec;
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, GuardedAssert};
 use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
-use crate::ir::flat::{Assert, Origin};
+use crate::ir::flat::{Assert, Level, Origin};
 use crate::math::graph::bipartite::{Bipartite, Row};
 use crate::math::graph::matching::{self, Matching};
 
@@ -124,6 +124,6 @@ fn compared(dae: &mut Dae, source: Source, stated: &Statement) -> GuardedAssert 
         ),
     };
     let message = g.string(&text);
-    let assert = Assert { condition, message, warning: false };
+    let assert = Assert { condition, message, level: Level::Error };
     GuardedAssert { active: None, assert, origin }
 }

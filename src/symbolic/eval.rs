@@ -37,7 +37,7 @@ pub fn unary(op: Unary, a: f64) -> f64 {
         Unary::Ordinal => a,
         Unary::Native(f) => f.unary(a),
         // Only a run knows.
-        Unary::Carried(_) => f64::NAN,
+        Unary::Carried(_) | Unary::Text(_) => f64::NAN,
     }
 }
 

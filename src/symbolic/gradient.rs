@@ -142,7 +142,8 @@ fn unary_partial(g: &mut Graph, op: Unary, a: ExprId, e: ExprId) -> Option<ExprI
         | Unary::Floor
         | Unary::Ceil
         | Unary::ToInteger
-        | Unary::Ordinal => return None,
+        | Unary::Ordinal
+        | Unary::Text(_) => return None,
         Unary::Native(f) => {
             let derivative = f.derivative(0)?;
             g.unary(Unary::Native(derivative), a)

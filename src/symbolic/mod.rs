@@ -4,6 +4,7 @@ pub mod gradient;
 pub mod linear;
 pub mod partial;
 pub mod print;
+pub mod printf;
 pub mod rewrite;
 pub mod simplify;
 pub mod uses;

@@ -27,7 +27,8 @@ pub fn unary(op: Unary, a: f64, value: f64) -> f64 {
         | Unary::Floor
         | Unary::Ceil
         | Unary::ToInteger
-        | Unary::Ordinal => 0.0,
+        | Unary::Ordinal
+        | Unary::Text(_) => 0.0,
         Unary::Native(f) => f.slope(a),
         // A run that reads what was before is not differentiated.
         Unary::Carried(_) => f64::NAN,

@@ -2,7 +2,7 @@
 //! finite argument: neutral and absorbing elements, double negation, decided conditions.
 //! `0 * x = 0` is among them, as Modelica allows (section 3.1 of the specification).
 
-use super::eval;
+use super::{eval, printf};
 use crate::base::name::Name;
 use crate::ir::expr::{Binary, Const, ExprId, Graph, ListId, Node, Type, Unary, VarId};
 
@@ -74,6 +74,7 @@ impl Graph {
             Unary::Neg | Unary::Abs => self.ty(a),
             Unary::Not => Type::Boolean,
             Unary::ToInteger | Unary::Ordinal | Unary::Sign => Type::Integer,
+            Unary::Text(_) => Type::String,
             _ => Type::Real,
         };
         self.intern(Node::Unary(op, a), ty)
@@ -207,6 +208,10 @@ impl Graph {
             }
             // What stands there only a run knows.
             (Unary::Carried(_), _) => None,
+            (Unary::Text(form), _) => {
+                let text = printf::text(self, c, form)?;
+                Some(self.string(&text))
+            }
             _ => self.finite(eval::unary(op, c.number()?)),
         }
     }

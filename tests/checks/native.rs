@@ -1,6 +1,7 @@
 //! External functions that are computed without their C: random numbers, spectra, files of data.
 
 use super::door::{Case, Reading, Scratch, assert_close};
+use super::program::mocc;
 
 /// The halves of a word as a model holds them.
 fn halves(word: u64) -> [f64; 2] {
@@ -222,4 +223,111 @@ fn texts_are_scanned_from_a_position_on() {
     for (k, expected) in [8.0, 4.0, 6.0, 3.0, 1009890721.0].into_iter().enumerate() {
         assert_close(run.last(&format!("y[{}]", k + 1)), expected, 0.0);
     }
+}
+
+/// The generator that keeps its state to itself: of two when-clauses each draws the next numbers, those of
+/// one instant in order, after the one that is drawn at the start. By xorshift1024* itself.
+#[test]
+fn hidden_random_numbers_follow_each_other() {
+    let words: [i32; 32] = std::array::from_fn(|k| (k as i32 + 1) * 1_234_567 - 20_000_000);
+    let state = words.map(|w| w.to_string()).join(", ");
+    let text = format!(
+        "package P
+           function begin
+             input Integer seed[33];
+             output Integer id;
+           protected
+             function set
+               input Integer seed[33];
+               input Integer id;
+             external \"C\" ModelicaRandom_setInternalState_xorshift1024star(seed, 33, id);
+             end set;
+           algorithm
+             id := 7;
+             set(seed, id);
+           end begin;
+           impure function draw
+             input Integer id;
+             output Real y;
+           external \"C\" y = ModelicaRandom_impureRandom_xorshift1024star(id);
+           end draw;
+           model Draws
+             parameter Integer id(fixed = false);
+             parameter Real first = draw(id);
+             Real seen = first;
+             discrete Real a, b, c;
+           initial equation
+             id = begin({{{state}, 3}});
+           equation
+             when sample(0.1, 0.2) then
+               a = draw(id);
+               b = draw(id) + draw(id);
+             end when;
+             when sample(0.1, 0.1) then
+               c = draw(id);
+             end when;
+           end Draws;
+         end P;"
+    );
+    let mut word: [u64; 16] = std::array::from_fn(|k| {
+        u64::from(words[2 * k + 1] as u32) << 32 | u64::from(words[2 * k] as u32)
+    });
+    let mut at = 3;
+    let mut draw = || {
+        let (old, next) = (word[at], (at + 1) % 16);
+        let mut x = word[next] ^ word[next] << 31;
+        x ^= x >> 11 ^ old ^ old >> 30;
+        (word[next], at) = (x, next);
+        x.wrapping_mul(1_181_783_497_276_652_981) as i64 as f64 / 2.0_f64.powi(64) + 0.5
+    };
+    let first = draw();
+    // At 0.1 both clauses draw, at 0.2 the second one, at 0.3 both.
+    let _ = [draw(), draw(), draw(), draw(), draw()];
+    let (a, b, c) = (draw(), draw() + draw(), draw());
+    let run = Case::text(&text).stop(0.35).run();
+    for (name, expected) in [("seen", first), ("a", a), ("b", b), ("c", c)] {
+        assert_close(run.last(name), expected, 1e-15);
+    }
+}
+
+/// What a model prints appears as it runs, with the values of that instant.
+#[test]
+fn a_model_prints() {
+    let scratch = Scratch::new();
+    let file = scratch.file(
+        "printing.mo",
+        "model Printing
+           function print
+             input String string;
+             input String fileName = \"\";
+           external \"C\" ModelicaInternal_print(string, fileName);
+           end print;
+           Real x(start = 0, fixed = true);
+           Integer n(start = 0, fixed = true);
+         initial algorithm
+           print(\"begins at \" + String(x));
+         equation
+           der(x) = 2;
+           when sample(0.25, 0.5) then
+             n = pre(n) + 1;
+             print(String(n) + \": \" + String(x, format = \"6.3f\") + \" \" + String(n > 1));
+           end when;
+           when terminal() then
+             print(\"ends at \" + String(x, significantDigits = 3), \"log.txt\");
+           end when;
+           when time > 0.6 then
+             assert(x < 1, \"x has become \" + String(x), level = AssertionLevel.warning);
+           end when;
+         end Printing;",
+    );
+    let ended = mocc(scratch.path(), &["simulate", file.to_str().expect("UTF-8"), "--stop", "1"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert!(
+        ended.out.starts_with("begins at 0\n1:  0.500 false\n2:  1.500 true\n"),
+        "{}",
+        ended.out
+    );
+    assert!(ended.err.contains("at time 0.6 s: x has become 1.2\n"), "{}", ended.err);
+    let log = std::fs::read_to_string(scratch.path().join("log.txt")).expect("a file");
+    assert_eq!(log, "ends at 2\n");
 }

@@ -189,6 +189,14 @@ fn structure_of_a_chain_of_flows() {
 }
 
 #[test]
+fn structure_of_a_closed_end() {
+    let text = structure("resting");
+    assert_eq!(count(&text, "boundary.port.h := boundary.h * time"), 3);
+    let run = Case::file("tests/suite/structure/resting.mo").stop(2.0).run();
+    assert_eq!((run.last("boundary.port.h"), run.last("boundary.port.H_flow")), (6.0, 0.0));
+}
+
+#[test]
 fn structure_of_the_pendulum() {
     let text = structure("pendulum");
     // One position and one velocity (Mattsson, Olsson & Elmqvist 2000), whichever the angle allows.

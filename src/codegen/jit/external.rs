@@ -11,8 +11,8 @@ pub fn unary(op: Unary) -> usize {
             match op {
                 // Has a signature of its own.
                 Unary::Native(_) => native_unary(),
-                // Stands between pieces of machine code.
-                Unary::Carried(_) => native_unary(),
+                // Stand between pieces of machine code, and in messages.
+                Unary::Carried(_) | Unary::Text(_) => native_unary(),
                 $(Unary::$name => {
                     extern "C" fn compute(a: f64) -> f64 {
                         eval::unary(Unary::$name, a)

@@ -10,7 +10,7 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::instantiate::lookup::Found;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
-use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, Const, ExprId, Form, Node, Type, Unary, VarId};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
@@ -658,36 +658,34 @@ impl Context<'_> {
         {
             return Some(Value::Scalar(chosen));
         }
-        let real = self.graph.ty(e) == Type::Real;
-        let known = self.graph.as_const(e).is_some();
-        let text = match self.graph.as_const(e) {
-            Some(c @ (Const::Real(_) | Const::Integer(_)))
-                if matches!(given.get("format"), Some(Const::String(_))) =>
-            {
-                let Some(Const::String(format)) = given.get("format") else { return None };
-                let Some(text) = super::printf::formatted(c.number()?, format) else {
+        let format = match given.get("format") {
+            Some(Const::String(format)) => {
+                if crate::symbolic::printf::formatted(0.0, format).is_none() {
                     let message = format!("`{format}` is no format of a number");
                     self.problems.push(
                         Diagnostic::error("MO0219", span, message)
                             .help("write it as in C without the %: \"8.3f\", \".6g\", \"12.4e\""),
                     );
                     return None;
-                };
-                text
+                }
+                Some(*format)
             }
-            Some(c) if real => super::printf::general(c.number()?, number("significantDigits", 6)),
-            Some(Const::Real(bits)) => super::printf::general(f64::from_bits(bits), 6),
-            Some(Const::Integer(i)) => i.to_string(),
-            Some(Const::Boolean(b)) => b.to_string(),
-            Some(Const::String(s)) => s.to_string(),
-            Some(Const::Enumeration(t, k)) => {
-                self.graph.enumerations[t].literals[k as usize - 1].to_string()
-            }
-            None => self.sources.text(first.span).unwrap_or("?").to_string(),
+            _ => None,
         };
-        let text = super::printf::padded(text, number("minimumLength", 0), left);
-        let text = self.graph.string(&text);
-        if !known {
+        let form = Form {
+            digits: number("significantDigits", 6) as u16,
+            width: number("minimumLength", 0) as u16,
+            left,
+            format,
+        };
+        // What is declared Real is written as such, also if its value is whole.
+        let real = self.graph.ty(e) == Type::Real;
+        let e = match self.graph.as_const(e) {
+            Some(Const::Integer(i)) if real => self.graph.real(i as f64),
+            _ => e,
+        };
+        let text = self.graph.unary(Unary::Text(form), e);
+        if self.graph.as_const(text).is_none() {
             self.evaluation.unknown_texts.insert(text, span);
         }
         Some(Value::Scalar(text))

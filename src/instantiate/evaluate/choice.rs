@@ -8,6 +8,7 @@ use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::ComponentRef;
 use crate::ir::expr::{Binary, ExprId, Type, VarId};
+use crate::ir::flat::Level;
 use crate::ir::instance::{InstanceKind, Scope};
 
 /// A scalar that may be meant, and where it is; `None` for one that always is.
@@ -59,7 +60,7 @@ impl Context<'_> {
         let above = self.graph.binary(Binary::GreaterEqual, e, first);
         let below = self.graph.binary(Binary::LessEqual, e, last);
         let inside = self.graph.and(above, below);
-        self.assert_now_or_later(inside, message, false, span)
+        self.assert_now_or_later(inside, message, Level::Error, span)
     }
 
     /// `if e == 1 then parts[0] elseif ... else the last`.

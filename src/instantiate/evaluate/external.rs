@@ -5,12 +5,14 @@
 //! it passes through parameters, modifications and arguments like any other value.
 
 use super::Context;
+use super::draw::Place;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
+use crate::ir::flat::Level;
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::native::{Function, Native};
 use crate::math::numeric::table::curve::Curve;
@@ -38,7 +40,7 @@ pub(crate) enum Object {
 pub(crate) struct Asserted {
     pub(crate) condition: ExprId,
     pub(crate) message: ExprId,
-    pub(crate) warning: bool,
+    pub(crate) level: Level,
     pub(crate) span: Span,
 }
 
@@ -50,6 +52,14 @@ pub(super) enum Refusal {
     Reported,
     /// What is wrong with its arguments.
     Wrong(String),
+}
+
+/// The level that an `AssertionLevel` means.
+pub(crate) fn level_of(level: Option<Const>) -> Level {
+    match level {
+        Some(Const::Enumeration(_, 1)) => Level::Warning,
+        _ => Level::Error,
+    }
 }
 
 impl Context<'_> {
@@ -99,8 +109,7 @@ impl Context<'_> {
         let message = self.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
         let level = find(2, "level").and_then(|l| self.evaluate_scalar(l, scope));
         let level = level.and_then(|l| self.graph.as_const(l));
-        let warning = matches!(level, Some(Const::Enumeration(_, 1)));
-        self.assert_now_or_later(condition, message, warning, span)
+        self.assert_now_or_later(condition, message, level_of(level), span)
     }
 
     /// Reports what is false here and now; a run decides what only it knows.
@@ -108,12 +117,16 @@ impl Context<'_> {
         &mut self,
         condition: ExprId,
         message: ExprId,
-        warning: bool,
+        level: Level,
         span: Span,
     ) -> Option<()> {
         let left = [self.evaluation.broken, self.evaluation.returned];
-        let sure = self.evaluation.path.is_empty() && left == [None, None];
-        if sure && !warning && self.graph.as_const(condition) == Some(Const::Boolean(false)) {
+        let always = self.evaluation.draws.place != Place::When;
+        let sure = always && self.evaluation.path.is_empty() && left == [None, None];
+        if sure
+            && level == Level::Error
+            && self.graph.as_const(condition) == Some(Const::Boolean(false))
+        {
             let text = match self.graph.as_const(message) {
                 Some(Const::String(t)) => t.to_string(),
                 _ => "assertion failed".to_string(),
@@ -136,7 +149,7 @@ impl Context<'_> {
         if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
             return Some(());
         }
-        self.evaluation.asserts.push(Asserted { condition, message, warning, span });
+        self.evaluation.asserts.push(Asserted { condition, message, level, span });
         Some(())
     }
 
@@ -228,7 +241,7 @@ impl Context<'_> {
             return self.text_function(text, args);
         }
         if let Some(generator) = called.strip_prefix("ModelicaRandom_") {
-            return self.random_function(generator, args);
+            return self.random_function(generator, args, span);
         }
         if called == "ModelicaFFT_kiss_fftr" {
             return self.fourier_function(args, span);
@@ -413,7 +426,7 @@ impl Context<'_> {
             range.0, range.1
         );
         let message = self.graph.string(&text);
-        self.assert_now_or_later(condition, message, false, span).ok_or(Refusal::Reported)
+        self.assert_now_or_later(condition, message, Level::Error, span).ok_or(Refusal::Reported)
     }
 
     /// `fileName, tableName, table, rows, columns, columns to use, their number, smoothness,

@@ -1,5 +1,5 @@
 //! External functions on files, from their documentation: what they read is known before the model runs.
-//! Nothing is written; a function that says whether it could write says that it could not.
+//! What a model prints to a file is written by the run, line by line; nothing else is written: a function that says whether it could write says that it could not.
 
 use std::path::Path;
 
@@ -7,8 +7,10 @@ use super::Context;
 use super::external::Refusal;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
+use crate::base::name::name;
 use crate::base::source::Span;
 use crate::ir::expr::Const;
+use crate::ir::flat::Level;
 use crate::math::numeric::table::file::{self, Matrix};
 
 impl Context<'_> {
@@ -20,8 +22,16 @@ impl Context<'_> {
         span: Span,
     ) -> Result<Vec<Value>, Refusal> {
         match (called, args) {
-            // A message while a model is compiled is not for its user.
-            ("ModelicaInternal_print" | "ModelicaStreams_closeFile", _) => Ok(Vec::new()),
+            // What the run prints. A message while a model is compiled is not for its user.
+            ("ModelicaInternal_print", [text, file]) => {
+                let file = self.text_of(file)?;
+                let text = text.scalar().ok_or(Refusal::Unknown)?;
+                let never = self.graph.boolean(false);
+                let level = Level::Print(name(&file));
+                self.assert_now_or_later(never, text, level, span).ok_or(Refusal::Reported)?;
+                Ok(Vec::new())
+            }
+            ("ModelicaStreams_closeFile", _) => Ok(Vec::new()),
             ("ModelicaInternal_fullPathName", [name]) => {
                 let uri = self.text_of(name)?;
                 let path = self

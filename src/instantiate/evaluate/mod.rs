@@ -11,6 +11,7 @@ pub mod builtin;
 mod choice;
 pub mod deduce;
 mod derivative;
+pub mod draw;
 mod eventless;
 pub mod external;
 mod file;
@@ -20,7 +21,6 @@ pub mod operator;
 pub mod overload;
 mod partial;
 pub mod past;
-mod printf;
 mod random;
 pub mod reference;
 pub mod repeat;
@@ -98,6 +98,8 @@ pub struct State {
     pub(crate) path: Vec<ExprId>,
     /// What is read of the past.
     pub(crate) past: past::Past,
+    /// Random numbers whose generator keeps its state to itself.
+    pub(crate) draws: draw::Draws,
     /// Functions made of loops whose length only a run knows.
     pub(crate) functions: Vec<crate::ir::flat::Function>,
     /// How many symbols such loops have.
@@ -687,7 +689,7 @@ impl Context<'_> {
 
     fn variable_variability(&self, v: VarId) -> Variability {
         let Some((id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
-            return Variability::Continuous;
+            return self.made_variability(v);
         };
         let instance = &self.instances[*id];
         let discrete_type =

@@ -2,20 +2,33 @@
 //! (section 3.7.4.2 of the specification).
 
 use super::Context;
+use super::draw::Drawing;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, Ident, Variability};
 use crate::ir::expr::{Binary, Carried, Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::flat::Level;
 use crate::ir::instance::Scope;
 
 /// What is read of the past, as far as it was met.
 #[derive(Clone, Default)]
 pub(crate) struct Past {
-    /// Delayed expressions: what is read of the k-th stands for the k-th variable after all others.
-    pub delays: Vec<Delaying>,
+    /// The variables after all others, in their order.
+    pub made: Vec<Made>,
     /// Lines along which something is carried.
     pub lines: Vec<Carrying>,
+}
+
+/// A variable that is made for what equations read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Made {
+    /// A delayed expression.
+    Delay(Delaying),
+    /// How often a when-clause has drawn random numbers.
+    Counter(Span),
+    /// A random number.
+    Number(Drawing),
 }
 
 /// An expression that is delayed by a time that stays.
@@ -95,15 +108,34 @@ impl Context<'_> {
             if let Some(bound) = bound.filter(|_| varies) {
                 return Some(Value::Scalar(self.varying_delay(value, time, bound, span)));
             }
-            let delays = &mut self.evaluation.past.delays;
-            let at = delays.iter().position(|d| (d.value, d.time) == (value, time));
-            let k = at.unwrap_or_else(|| {
-                delays.push(Delaying { value, time, span });
-                delays.len() - 1
-            });
-            let v = VarId((self.evaluation.instance_of.len() + k) as u32);
+            let same = |m: &Made| matches!(m, Made::Delay(d) if (d.value, d.time) == (value, time));
+            let known = self.evaluation.past.made.iter().position(same);
+            let v = match known {
+                Some(k) => self.made_variable(k),
+                None => self.make(Made::Delay(Delaying { value, time, span })),
+            };
             Some(Value::Scalar(self.graph.intern(Node::Recorded(v, 0), Type::Real)))
         })
+    }
+
+    /// A variable after all others.
+    pub(super) fn make(&mut self, made: Made) -> VarId {
+        self.evaluation.past.made.push(made);
+        self.made_variable(self.evaluation.past.made.len() - 1)
+    }
+
+    /// How a variable changes that stands after all others.
+    pub(super) fn made_variability(&self, v: VarId) -> Variability {
+        let after = (v.0 as usize).checked_sub(self.evaluation.instance_of.len());
+        match after.and_then(|k| self.evaluation.past.made.get(k)) {
+            Some(Made::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
+            Some(Made::Number(_) | Made::Counter(_)) => Variability::Discrete,
+            Some(Made::Delay(_)) | None => Variability::Continuous,
+        }
+    }
+
+    fn made_variable(&self, k: usize) -> VarId {
+        VarId((self.evaluation.instance_of.len() + k) as u32)
     }
 
     /// The bound on a delay is known before the model runs, and is a bound.
@@ -132,10 +164,10 @@ impl Context<'_> {
         let zero = self.graph.real(0.0);
         let positive = self.graph.binary(Binary::GreaterEqual, time, zero);
         let message = self.graph.string("the time of `delay` is negative");
-        self.assert_now_or_later(positive, message, false, span)?;
+        self.assert_now_or_later(positive, message, Level::Error, span)?;
         let bounded = self.graph.binary(Binary::LessEqual, time, bound);
         let message = self.graph.string("the time of `delay` is longer than its bound");
-        self.assert_now_or_later(bounded, message, false, span)
+        self.assert_now_or_later(bounded, message, Level::Error, span)
     }
 
     /// Time itself is the line: the present enters at its high end.

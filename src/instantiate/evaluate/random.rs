@@ -8,6 +8,7 @@
 use super::Context;
 use super::external::Refusal;
 use super::value::Value;
+use crate::base::source::Span;
 use crate::ir::expr::{Binary, ExprId, Graph};
 use crate::ir::native::{Function, Native};
 use crate::math::numeric::words::{Half, Operation};
@@ -25,12 +26,16 @@ impl Context<'_> {
         &mut self,
         what: &str,
         args: &[Value],
+        span: Span,
     ) -> Result<Vec<Value>, Refusal> {
-        let graph = &mut self.graph;
-        // The state that only impure functions read, and there are none.
-        if what == "setInternalState_xorshift1024star" {
-            return Ok(Vec::new());
+        match (what, args) {
+            ("setInternalState_xorshift1024star", [state, ..]) => return self.set_generator(state),
+            ("impureRandom_xorshift1024star", _) => {
+                return Ok(vec![Value::Scalar(self.draw(span)?)]);
+            }
+            _ => {}
         }
+        let graph = &mut self.graph;
         let state = match args {
             [Value::Array(a)] => a.elements.iter().map(Value::scalar).collect(),
             _ => None,

@@ -24,6 +24,7 @@ pub mod root;
 pub mod sequence;
 pub mod small_lu;
 pub mod smoothing;
+pub mod stream;
 pub mod submatrix;
 pub mod table;
 pub mod words;

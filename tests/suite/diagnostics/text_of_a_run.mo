@@ -1,6 +1,7 @@
 // status: 1
-// error[MO0200] 7:37
-// error[MO0200] 9:26
+// error[MO0268] 8:28
+// error[MO0200] 8:37
+// error[MO0200] 10:26
 // A text that only a run knows is good for messages, and for nothing else.
 model Gauge
   Real p(start = 1, fixed = true);

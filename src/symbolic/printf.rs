@@ -1,8 +1,27 @@
 //! `String(...)`: numbers and choices as texts, as C's `printf` writes them (section 3.7.3.1 of the
 //! specification).
 
+use crate::ir::expr::{Const, Form, Graph};
+
+/// The text of a value; `None` if the form is none of numbers.
+pub fn text(graph: &Graph, value: Const, form: Form) -> Option<String> {
+    let text = match (value, form.format) {
+        (Const::Real(_) | Const::Integer(_), Some(format)) => {
+            formatted(value.number()?, format.as_str())?
+        }
+        (Const::Real(bits), None) => general(f64::from_bits(bits), usize::from(form.digits)),
+        (Const::Integer(i), None) => i.to_string(),
+        (Const::Boolean(b), _) => b.to_string(),
+        (Const::String(s), _) => s.to_string(),
+        (Const::Enumeration(t, k), _) => {
+            graph.enumerations[t].literals.get(k as usize - 1)?.to_string()
+        }
+    };
+    Some(padded(text, usize::from(form.width), form.left))
+}
+
 /// A number in the form of C's `%.<digits>g`.
-pub(super) fn general(x: f64, digits: usize) -> String {
+pub fn general(x: f64, digits: usize) -> String {
     let digits = digits.max(1);
     if x == 0.0 {
         return "0".to_string();
@@ -23,7 +42,7 @@ pub(super) fn general(x: f64, digits: usize) -> String {
 }
 
 /// A number in a format such as `2.6f`, `-10.3e` or `.4g`; `None` if it is no such format.
-pub(super) fn formatted(x: f64, format: &str) -> Option<String> {
+pub fn formatted(x: f64, format: &str) -> Option<String> {
     let format = format.strip_prefix('%').unwrap_or(format);
     let kind = format.chars().last().filter(|c| c.is_ascii_alphabetic())?;
     let rest = &format[..format.len() - 1];
@@ -53,7 +72,7 @@ pub(super) fn formatted(x: f64, format: &str) -> Option<String> {
 }
 
 /// At least `width` characters long.
-pub(super) fn padded(text: String, width: usize, left: bool) -> String {
+pub fn padded(text: String, width: usize, left: bool) -> String {
     if left { format!("{text:<width$}") } else { format!("{text:>width$}") }
 }
 
