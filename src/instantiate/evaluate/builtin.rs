@@ -5,12 +5,11 @@ use super::Context;
 use super::reference::Selection;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
-use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::instantiate::lookup::Found;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
-use crate::ir::expr::{Binary, Const, ExprId, Form, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
@@ -606,114 +605,5 @@ impl Context<'_> {
         let (a, b) = (self.graph.mul(p, x), self.graph.mul(n, x));
         let e = self.graph.if_then_else(c, a, b);
         self.graph.smooth(0, e)
-    }
-
-    /// `String(record, ...)` of an operator record.
-    fn overloaded_string(
-        &mut self,
-        value: Value,
-        args: &[Expr],
-        named: &[(Ident, Expr)],
-        span: Span,
-        scope: Scope,
-    ) -> Option<Value> {
-        let mut operands = vec![value];
-        operands.extend(self.evaluate_all(&args[1..], scope)?);
-        if let Some((name, _)) = named.first() {
-            self.unsupported(name.span, "named arguments of `String` for an operator record");
-            return None;
-        }
-        self.overloaded("'String'", &operands, span)
-    }
-
-    /// Texts of what is known; for messages, what only a run knows is written as its expression.
-    fn string_call(
-        &mut self,
-        args: &[Expr],
-        named: &[(Ident, Expr)],
-        span: Span,
-        scope: Scope,
-    ) -> Option<Value> {
-        let Some(first) = args.first() else {
-            self.wrong_arguments(span, "one is");
-            return None;
-        };
-        let value = self.evaluate(first, scope)?;
-        if self.is_overloaded(&value) {
-            return self.overloaded_string(value, args, named, span, scope);
-        }
-        let mut given: FastMap<&str, Const> = FastMap::default();
-        for (name, e) in named {
-            let value = self.fold(e, scope)?.scalar().and_then(|e| self.graph.as_const(e));
-            given.insert(name.name.as_str(), value?);
-        }
-        let number = |name: &str, otherwise: usize| match given.get(name) {
-            Some(Const::Integer(n)) => usize::try_from(*n).map_or(0, |n| n.min(1000)),
-            _ => otherwise,
-        };
-        let left = given.get("leftJustified") != Some(&Const::Boolean(false));
-        let e = self.scalar_of(value, first.span)?;
-        if let Some(chosen) = self.text_of_choice(e)
-            && given.is_empty()
-        {
-            return Some(Value::Scalar(chosen));
-        }
-        let format = match given.get("format") {
-            Some(Const::String(format)) => {
-                if crate::symbolic::printf::formatted(0.0, format).is_none() {
-                    let message = format!("`{format}` is no format of a number");
-                    self.problems.push(
-                        Diagnostic::error("MO0219", span, message)
-                            .help("write it as in C without the %: \"8.3f\", \".6g\", \"12.4e\""),
-                    );
-                    return None;
-                }
-                Some(*format)
-            }
-            _ => None,
-        };
-        let form = Form {
-            digits: number("significantDigits", 6) as u16,
-            width: number("minimumLength", 0) as u16,
-            left,
-            format,
-        };
-        // What is declared Real is written as such, also if its value is whole.
-        let real = self.graph.ty(e) == Type::Real;
-        let e = match self.graph.as_const(e) {
-            Some(Const::Integer(i)) if real => self.graph.real(i as f64),
-            _ => e,
-        };
-        let text = self.graph.unary(Unary::Text(form), e);
-        if self.graph.as_const(text).is_none() {
-            self.evaluation.unknown_texts.insert(text, span);
-        }
-        Some(Value::Scalar(text))
-    }
-
-    /// The text of a truth value or of an enumeration that only a run knows.
-    fn text_of_choice(&mut self, e: ExprId) -> Option<ExprId> {
-        if self.graph.as_const(e).is_some() {
-            return None;
-        }
-        match self.graph.ty(e) {
-            Type::Boolean => {
-                let (yes, no) = (self.graph.string("true"), self.graph.string("false"));
-                Some(self.graph.if_then_else(e, yes, no))
-            }
-            Type::Enumeration(t) => {
-                let literals = self.graph.enumerations[t].literals.clone();
-                let (last, firsts) = literals.split_last()?;
-                let mut text = self.graph.string(last);
-                for (k, literal) in firsts.iter().enumerate().rev() {
-                    let value = self.graph.constant(Const::Enumeration(t, k as u32 + 1));
-                    let is_it = self.graph.binary(Binary::Equal, e, value);
-                    let this = self.graph.string(literal);
-                    text = self.graph.if_then_else(is_it, this, text);
-                }
-                Some(text)
-            }
-            _ => None,
-        }
     }
 }

@@ -3,7 +3,8 @@
 //! leaves it as it was elsewhere.
 
 use super::Context;
-use super::reference::{Selection, Selector};
+use super::reference::Selection;
+use super::subscript::Selector;
 use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::ComponentRef;

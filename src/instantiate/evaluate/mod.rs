@@ -7,8 +7,10 @@
 
 pub mod algorithm;
 mod array;
+mod binding;
 pub mod builtin;
 mod choice;
+mod collection;
 pub mod deduce;
 mod derivative;
 pub mod draw;
@@ -22,25 +24,29 @@ pub mod overload;
 mod partial;
 pub mod past;
 mod random;
+mod record;
 pub mod reference;
 pub mod repeat;
+mod string;
+mod subscript;
 pub mod text;
 pub mod value;
+mod variability;
 
 use std::rc::Rc;
 
 use super::Context;
-use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::ir::ast::{self, Expr, ExprKind, Variability};
-use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
-use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
+use crate::ir::ast::{self, Expr, ExprKind};
+use crate::ir::expr::{Const, ExprId, VarId};
+use crate::ir::instance::{ClassId, InstanceId, Scope};
 use value::Value;
 
 /// Elements of the largest array.
-const MAX_ELEMENTS: usize = 10_000_000;
+pub(super) const MAX_ELEMENTS: usize = 10_000_000;
 /// How many calls of functions may be open at once.
 const MAX_DEPTH: usize = 200;
 
@@ -338,286 +344,6 @@ impl Context<'_> {
         }
     }
 
-    /// The value of a parameter or constant; reported if it has none.
-    pub(crate) fn parameter_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
-        if let Some(known) = self.evaluation.folded.get(&id) {
-            return known.clone();
-        }
-        // Met again before it has a value, it depends on itself.
-        self.evaluation.folded.insert(id, None);
-        let before = std::mem::replace(&mut self.evaluation.folding, true);
-        let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
-        let constant = is_constant.then_some(id);
-        let constant = std::mem::replace(&mut self.evaluation.constant, constant);
-        let shaping = std::mem::replace(&mut self.evaluation.shaping, false);
-        let saved = self.enter_frame(false);
-        let mut value = self.binding_value(id);
-        if value.is_none() && self.binding(id).is_none() {
-            value = self.start_or_children(id, span);
-        }
-        self.leave_frame(saved);
-        (self.evaluation.folding, self.evaluation.shaping) = (before, shaping);
-        self.evaluation.constant = constant;
-        if let InstanceKind::Variable { ty: Type::Real, .. } = self.instances[id].kind
-            && let Some(found) = &value
-        {
-            let real = found.each_scalar(&mut |e| self.graph.as_real(e));
-            value = Some(real);
-        }
-        self.evaluation.folded.insert(id, value.clone());
-        self.evaluation.structural.push(id);
-        value
-    }
-
-    /// A parameter without a binding: its start value, or the values of its components.
-    fn start_or_children(&mut self, id: InstanceId, span: Span) -> Option<Value> {
-        self.complete(id);
-        match self.instances[id].kind.clone() {
-            InstanceKind::Variable { ty, dims, .. } => {
-                if let Some(start) = self.attribute(id, crate::base::name::name("start")) {
-                    let value = self.evaluate(&start.value, start.scope)?;
-                    return self.spread(value, &dims, &start.subscripts, start.value.span);
-                }
-                let path = self.path(id);
-                let declared = self.declared_at(id);
-                let constant = self.instances[id].prefix.variability == Some(Variability::Constant);
-                let what = if constant { "constant" } else { "parameter" };
-                self.problems.push(
-                    Diagnostic::error("MO0214", span, format!("{what} `{path}` has no value"))
-                        .label("needed here before the model runs")
-                        .also(declared, "declared here")
-                        .help(format!("give it one: `{path} = ...`")),
-                );
-                let _ = ty;
-                None
-            }
-            InstanceKind::Object(_) | InstanceKind::Array { .. } => self.instance_value(id, span),
-            InstanceKind::Outer(inner) => self.parameter_value(inner, span),
-            _ => None,
-        }
-    }
-
-    /// The value that the declaration or a modification binds to an instance: its own, or the field of
-    /// the record around it that is bound as a whole.
-    pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
-        if let Some(binding) = self.binding(id).filter(|_| !self.outranked(id)) {
-            // A record is asked for by each of its fields.
-            let record = matches!(self.instances[id].kind, InstanceKind::Object(_));
-            let keep =
-                !binding.subscripts.is_empty() || (record && self.evaluation.assigned.is_empty());
-            let value = self.cached(&binding.value, binding.scope, keep, id)?;
-            let dims = binding.subscripts.clone();
-            if !binding.setting {
-                self.check_extent(id, &value, &dims, binding.value.span);
-            }
-            return self.taken_apart(value, &dims, binding.setting, binding.value.span);
-        }
-        let parent = self.instances[id].parent?;
-        if !self.bound(parent) {
-            return None;
-        }
-        match self.instances[parent].kind {
-            InstanceKind::Object(_) => {
-                let name = self.instances[id].name;
-                self.binding_value(parent)?.field(name)
-            }
-            InstanceKind::Array { .. } => {
-                let subscripts = self.instances[id].subscripts.clone();
-                self.binding_value(parent)?.select(&subscripts)
-            }
-            _ => None,
-        }
-    }
-
-    /// True if the binding of a record around an instance comes from further out than its own: the
-    /// record as a whole takes the place of what its class says of its fields (section 7.2.4).
-    fn outranked(&self, id: InstanceId) -> bool {
-        let Some(parent) = self.instances[id].parent else { return false };
-        // A constant that its class gives a value is no field that a constructor could give another.
-        if self.instances[id].declaration.as_ref().is_some_and(function::is_constant) {
-            return false;
-        }
-        match self.instances[parent].kind {
-            InstanceKind::Object(_) => {}
-            // An element is what its array is.
-            InstanceKind::Array { .. } => return self.outranked(parent),
-            _ => return false,
-        }
-        let name = self.instances[id].name;
-        let mut own = Vec::new();
-        for layer in self.instances[parent].layers.iter() {
-            layer.child(name, &mut own);
-            if own.iter().any(|l| l.binding().is_some()) {
-                return false;
-            }
-            if layer.binding().is_some() {
-                return true;
-            }
-        }
-        self.outranked(parent)
-    }
-
-    /// True if the instance or a record around it has a binding.
-    pub fn bound(&self, id: InstanceId) -> bool {
-        if self.binding(id).is_some() {
-            return true;
-        }
-        match self.instances[id].parent {
-            Some(p) => match self.instances[p].kind {
-                InstanceKind::Object(_) | InstanceKind::Array { .. } => self.bound(p),
-                _ => false,
-            },
-            None => false,
-        }
-    }
-
-    fn cached(
-        &mut self,
-        e: &std::sync::Arc<Expr>,
-        scope: Scope,
-        keep: bool,
-        target: InstanceId,
-    ) -> Option<Value> {
-        let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.evaluation.folding);
-        let keep = keep && !self.evaluation.shaping;
-        if keep && let Some(known) = self.evaluation.bindings.get(&key) {
-            return known.clone();
-        }
-        let saved = self.enter_frame(false);
-        let value = match self.bare_literal(e, target) {
-            Some(literal) => literal,
-            None => self.evaluate(e, scope),
-        };
-        self.leave_frame(saved);
-        if keep {
-            self.evaluation.bindings.insert(key, value.clone());
-        }
-        value
-    }
-
-    /// A setting from outside may name an enumeration literal without its type. `Some(None)` if the
-    /// type has no such literal, which is reported.
-    fn bare_literal(&mut self, e: &Expr, target: InstanceId) -> Option<Option<Value>> {
-        let ExprKind::Ref(r) = &e.kind else { return None };
-        if !self.binding(target)?.setting {
-            return None;
-        }
-        let InstanceKind::Variable { ty: Type::Enumeration(id), .. } = self.instances[target].kind
-        else {
-            return None;
-        };
-        let wanted = r.simple()?;
-        let ty = &self.graph.enumerations[id];
-        if let Some(at) = ty.literals.iter().position(|l| *l == wanted) {
-            let literal = Const::Enumeration(id, at as u32 + 1);
-            return Some(Some(Value::Scalar(self.graph.constant(literal))));
-        }
-        let names: Vec<&str> = ty.literals.iter().map(|l| l.as_str()).collect();
-        let message = format!("`{}` has no literal `{wanted}`", ty.name);
-        let help = match did_you_mean(&wanted, names.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("it has {}", crate::instantiate::error::listed(&names)),
-        };
-        self.problems.push(Diagnostic::error("MO0240", e.span, message).help(help));
-        Some(None)
-    }
-
-    /// Reports a value with more elements than the array of components that it modifies. Too few are
-    /// noticed where one is missing.
-    pub(crate) fn check_extent(
-        &mut self,
-        id: InstanceId,
-        value: &Value,
-        subscripts: &[usize],
-        span: Span,
-    ) {
-        let depth = subscripts.len();
-        // Once is enough: for the first element.
-        if depth == 0 || value.dims().len() < depth || subscripts.iter().any(|s| *s != 1) {
-            return;
-        }
-        let mut extents: Vec<usize> = Vec::new();
-        let mut at = Some(id);
-        while let Some(i) = at {
-            at = self.instances[i].parent;
-            if !self.instances[i].subscripts.is_empty()
-                && let Some(InstanceKind::Array { dims, .. }) = at.map(|p| &self.instances[p].kind)
-            {
-                extents.splice(0..0, dims.iter().copied());
-            }
-        }
-        let Some(first) = extents.len().checked_sub(depth) else { return };
-        let wanted = &extents[first..];
-        let found = &value.dims()[..depth];
-        if found.iter().zip(wanted).any(|(a, b)| a > b) {
-            let message = format!(
-                "this has size {found:?}, too many for the array of components of size {wanted:?} that it modifies"
-            );
-            self.problems.push(
-                Diagnostic::error("MO0215", span, message)
-                    .help("give one value for each element, or write `each` before the modification if all get the same"),
-            );
-        }
-    }
-
-    /// The part of a value for one element of an array of components.
-    fn taken_apart(
-        &mut self,
-        value: Value,
-        subscripts: &[usize],
-        setting: bool,
-        span: Span,
-    ) -> Option<Value> {
-        if subscripts.is_empty() || (setting && value.dims().is_empty()) {
-            return Some(value);
-        }
-        if let Some(part) = value.select(subscripts) {
-            return Some(part);
-        }
-        let dims = value.dims();
-        let d = if dims.is_empty() {
-            let message = "this is one value, and it modifies an array of components";
-            Diagnostic::error("MO0215", span, message)
-        } else {
-            let message = format!(
-                "this has size {dims:?}, too few for the array of components that it modifies"
-            );
-            Diagnostic::error("MO0215", span, message)
-        };
-        self.problems.push(d.help(
-            "write `each` before the modification if all get the same, else one value for each",
-        ));
-        None
-    }
-
-    /// A value of the sizes `dims`: a scalar is spread over all elements where `each` allows it.
-    pub(crate) fn spread(
-        &mut self,
-        value: Value,
-        dims: &[usize],
-        subscripts: &Rc<[usize]>,
-        span: Span,
-    ) -> Option<Value> {
-        let value = self.taken_apart_softly(value, subscripts);
-        if value.dims() == dims {
-            return Some(value);
-        }
-        if value.dims().is_empty() {
-            let n: usize = dims.iter().product();
-            return Some(Value::array(dims.to_vec(), vec![value; n]));
-        }
-        let message = format!("sizes differ: {:?} is needed and this is {:?}", dims, value.dims());
-        self.error("MO0215", span, message);
-        None
-    }
-
-    fn taken_apart_softly(&self, value: Value, subscripts: &[usize]) -> Value {
-        if value.dims().is_empty() {
-            return value;
-        }
-        value.select(subscripts).unwrap_or(value)
-    }
-
     /// Opens a scope of locals that hides those of callers.
     pub(crate) fn enter_frame(&mut self, in_function: bool) -> (usize, bool) {
         let saved = (self.evaluation.frame, self.evaluation.in_function);
@@ -630,153 +356,5 @@ impl Context<'_> {
     pub(crate) fn leave_frame(&mut self, saved: (usize, bool)) {
         self.evaluation.locals.truncate(self.evaluation.frame);
         (self.evaluation.frame, self.evaluation.in_function) = saved;
-    }
-
-    /// The slowest class of change of what an expression reads.
-    pub fn variability(&self, e: ExprId) -> Variability {
-        let mut most = Variability::Constant;
-        for n in self.graph.postorder([e]) {
-            let v = match self.graph.node(n) {
-                Node::Var(v) => self.variable_variability(v),
-                Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
-                Node::Pre(_) | Node::Initial | Node::Terminal | Node::Sample(..) => {
-                    Variability::Discrete
-                }
-                _ => Variability::Constant,
-            };
-            most = most.max(v);
-        }
-        most
-    }
-
-    /// Whether a value may change between events: relations and what counts in steps change at events
-    /// only, unless they stand in a function (section 3.8.3). Who writes `noEvent` knows what that does.
-    pub fn changes_between_events(&self, e: ExprId) -> bool {
-        let mut moving: FastMap<ExprId, bool> = FastMap::default();
-        for n in self.graph.postorder([e]) {
-            let mut moves = false;
-            self.graph.for_each_operand(n, |a| moves |= moving[&a]);
-            let moves = match self.graph.node(n) {
-                _ if self.evaluation.moving.contains(&n) => true,
-                Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
-                Node::Time | Node::Der(_) | Node::Recorded(..) => true,
-                Node::Unary(Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Sign, _) => {
-                    false
-                }
-                Node::Binary(op, ..) if op.is_relation() || op == Binary::Quotient => false,
-                _ => moves,
-            };
-            moving.insert(n, moves);
-        }
-        moving[&e]
-    }
-
-    /// Reports a value that changes between events for a variable that does not.
-    pub(crate) fn report_continuous(&mut self, ty: Type, span: Span) {
-        let name = crate::symbolic::print::type_name(&self.graph, ty);
-        self.problems.push(
-            Diagnostic::error(
-                "MO0247",
-                span,
-                format!(
-                    "a value of type {name} changes at events only, and this changes between them"
-                ),
-            )
-            .help("write the relation where the function is called, or compute it in a when-clause")
-            .note("section 3.8.3 of the specification"),
-        );
-    }
-
-    fn variable_variability(&self, v: VarId) -> Variability {
-        let Some((id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
-            return self.made_variability(v);
-        };
-        let instance = &self.instances[*id];
-        let discrete_type =
-            matches!(&instance.kind, InstanceKind::Variable { ty, .. } if *ty != Type::Real);
-        match instance.prefix.variability {
-            Some(v) => v,
-            None if discrete_type => Variability::Discrete,
-            None => Variability::Continuous,
-        }
-    }
-
-    /// The value of an expression that reads parameters of discrete type only (truth values, whole
-    /// numbers, choices): such parameters fix the structure, as conditions of components do.
-    pub(crate) fn structural_value(&mut self, e: ExprId) -> Option<Const> {
-        self.parameter_expression(e, false)
-    }
-
-    /// The value of an expression that reads parameters only; `reals` says whether Real ones count.
-    pub(crate) fn parameter_expression(&mut self, e: ExprId, reals: bool) -> Option<Const> {
-        if let Some(c) = self.graph.as_const(e) {
-            return Some(c);
-        }
-        // Most of what has no value shows it on the first way down, whatever stands beside.
-        if !self.may_be_known(self.first_leaf(e), reals) {
-            return None;
-        }
-        let order = self.graph.postorder([e]);
-        if !order.iter().all(|n| self.may_be_known(*n, reals)) {
-            return None;
-        }
-        let mut values: FastMap<VarId, ExprId> = FastMap::default();
-        for &n in &order {
-            if let Node::Var(v) = self.graph.node(n) {
-                let (id, k) = self.evaluation.instance_of[v.0 as usize];
-                if !self.bound(id) {
-                    return None;
-                }
-                let span = self.declared_at(id);
-                let value = self.parameter_value(id, span)?;
-                values.insert(v, value.elements().get(k)?.scalar()?);
-            }
-        }
-        let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
-        let folded = rewriter.apply(&mut self.graph, e, &mut |g, n| match g.node(n) {
-            Node::Var(v) => values.get(&v).copied(),
-            _ => None,
-        });
-        self.graph.as_const(folded)
-    }
-
-    /// A leaf of an expression that is no literal: the one that is reached by first operands.
-    fn first_leaf(&self, mut e: ExprId) -> ExprId {
-        loop {
-            let mut next = None;
-            self.graph.for_each_operand(e, |a| {
-                if next.is_none() && self.graph.as_const(a).is_none() {
-                    next = Some(a);
-                }
-            });
-            match next {
-                Some(operand) => e = operand,
-                None => return e,
-            }
-        }
-    }
-
-    /// False for a node that only a run knows; `reals` says whether Real parameters are known.
-    fn may_be_known(&self, n: ExprId, reals: bool) -> bool {
-        match self.graph.node(n) {
-            Node::Var(v) => {
-                let Some(&(id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
-                    return false;
-                };
-                let kind = &self.instances[id].kind;
-                let real = matches!(kind, InstanceKind::Variable { ty: Type::Real, .. });
-                (reals || !real) && self.variable_variability(v) <= Variability::Parameter
-            }
-            Node::Time
-            | Node::Der(_)
-            | Node::Pre(_)
-            | Node::Initial
-            | Node::Terminal
-            | Node::Sample(..)
-            | Node::Call { .. }
-            | Node::Recorded(..)
-            | Node::Relation(_) => false,
-            _ => true,
-        }
     }
 }

@@ -1,0 +1,294 @@
+//! The values that variables are bound to: declared, modified, or taken apart from the value of what holds
+//! them (section 7.2 of the specification).
+
+use std::rc::Rc;
+
+use super::Context;
+use super::function;
+use super::value::Value;
+use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::source::Span;
+use crate::ir::ast::{Expr, ExprKind, Variability};
+use crate::ir::expr::{Const, Type};
+use crate::ir::instance::{InstanceId, InstanceKind, Scope};
+impl Context<'_> {
+    /// The value of a parameter or constant; reported if it has none.
+    pub(crate) fn parameter_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
+        if let Some(known) = self.evaluation.folded.get(&id) {
+            return known.clone();
+        }
+        // Met again before it has a value, it depends on itself.
+        self.evaluation.folded.insert(id, None);
+        let before = std::mem::replace(&mut self.evaluation.folding, true);
+        let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
+        let constant = is_constant.then_some(id);
+        let constant = std::mem::replace(&mut self.evaluation.constant, constant);
+        let shaping = std::mem::replace(&mut self.evaluation.shaping, false);
+        let saved = self.enter_frame(false);
+        let mut value = self.binding_value(id);
+        if value.is_none() && self.binding(id).is_none() {
+            value = self.start_or_children(id, span);
+        }
+        self.leave_frame(saved);
+        (self.evaluation.folding, self.evaluation.shaping) = (before, shaping);
+        self.evaluation.constant = constant;
+        if let InstanceKind::Variable { ty: Type::Real, .. } = self.instances[id].kind
+            && let Some(found) = &value
+        {
+            let real = found.each_scalar(&mut |e| self.graph.as_real(e));
+            value = Some(real);
+        }
+        self.evaluation.folded.insert(id, value.clone());
+        self.evaluation.structural.push(id);
+        value
+    }
+
+    /// A parameter without a binding: its start value, or the values of its components.
+    pub(super) fn start_or_children(&mut self, id: InstanceId, span: Span) -> Option<Value> {
+        self.complete(id);
+        match self.instances[id].kind.clone() {
+            InstanceKind::Variable { ty, dims, .. } => {
+                if let Some(start) = self.attribute(id, crate::base::name::name("start")) {
+                    let value = self.evaluate(&start.value, start.scope)?;
+                    return self.spread(value, &dims, &start.subscripts, start.value.span);
+                }
+                let path = self.path(id);
+                let declared = self.declared_at(id);
+                let constant = self.instances[id].prefix.variability == Some(Variability::Constant);
+                let what = if constant { "constant" } else { "parameter" };
+                self.problems.push(
+                    Diagnostic::error("MO0214", span, format!("{what} `{path}` has no value"))
+                        .label("needed here before the model runs")
+                        .also(declared, "declared here")
+                        .help(format!("give it one: `{path} = ...`")),
+                );
+                let _ = ty;
+                None
+            }
+            InstanceKind::Object(_) | InstanceKind::Array { .. } => self.instance_value(id, span),
+            InstanceKind::Outer(inner) => self.parameter_value(inner, span),
+            _ => None,
+        }
+    }
+
+    /// The value that the declaration or a modification binds to an instance: its own, or the field of
+    /// the record around it that is bound as a whole.
+    pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
+        if let Some(binding) = self.binding(id).filter(|_| !self.outranked(id)) {
+            // A record is asked for by each of its fields.
+            let record = matches!(self.instances[id].kind, InstanceKind::Object(_));
+            let keep =
+                !binding.subscripts.is_empty() || (record && self.evaluation.assigned.is_empty());
+            let value = self.cached(&binding.value, binding.scope, keep, id)?;
+            let dims = binding.subscripts.clone();
+            if !binding.setting {
+                self.check_extent(id, &value, &dims, binding.value.span);
+            }
+            return self.taken_apart(value, &dims, binding.setting, binding.value.span);
+        }
+        let parent = self.instances[id].parent?;
+        if !self.bound(parent) {
+            return None;
+        }
+        match self.instances[parent].kind {
+            InstanceKind::Object(_) => {
+                let name = self.instances[id].name;
+                self.binding_value(parent)?.field(name)
+            }
+            InstanceKind::Array { .. } => {
+                let subscripts = self.instances[id].subscripts.clone();
+                self.binding_value(parent)?.select(&subscripts)
+            }
+            _ => None,
+        }
+    }
+
+    /// True if the binding of a record around an instance comes from further out than its own: the
+    /// record as a whole takes the place of what its class says of its fields (section 7.2.4).
+    pub(super) fn outranked(&self, id: InstanceId) -> bool {
+        let Some(parent) = self.instances[id].parent else { return false };
+        // A constant that its class gives a value is no field that a constructor could give another.
+        if self.instances[id].declaration.as_ref().is_some_and(function::is_constant) {
+            return false;
+        }
+        match self.instances[parent].kind {
+            InstanceKind::Object(_) => {}
+            // An element is what its array is.
+            InstanceKind::Array { .. } => return self.outranked(parent),
+            _ => return false,
+        }
+        let name = self.instances[id].name;
+        let mut own = Vec::new();
+        for layer in self.instances[parent].layers.iter() {
+            layer.child(name, &mut own);
+            if own.iter().any(|l| l.binding().is_some()) {
+                return false;
+            }
+            if layer.binding().is_some() {
+                return true;
+            }
+        }
+        self.outranked(parent)
+    }
+
+    /// True if the instance or a record around it has a binding.
+    pub fn bound(&self, id: InstanceId) -> bool {
+        if self.binding(id).is_some() {
+            return true;
+        }
+        match self.instances[id].parent {
+            Some(p) => match self.instances[p].kind {
+                InstanceKind::Object(_) | InstanceKind::Array { .. } => self.bound(p),
+                _ => false,
+            },
+            None => false,
+        }
+    }
+
+    pub(super) fn cached(
+        &mut self,
+        e: &std::sync::Arc<Expr>,
+        scope: Scope,
+        keep: bool,
+        target: InstanceId,
+    ) -> Option<Value> {
+        let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.evaluation.folding);
+        let keep = keep && !self.evaluation.shaping;
+        if keep && let Some(known) = self.evaluation.bindings.get(&key) {
+            return known.clone();
+        }
+        let saved = self.enter_frame(false);
+        let value = match self.bare_literal(e, target) {
+            Some(literal) => literal,
+            None => self.evaluate(e, scope),
+        };
+        self.leave_frame(saved);
+        if keep {
+            self.evaluation.bindings.insert(key, value.clone());
+        }
+        value
+    }
+
+    /// A setting from outside may name an enumeration literal without its type. `Some(None)` if the
+    /// type has no such literal, which is reported.
+    pub(super) fn bare_literal(&mut self, e: &Expr, target: InstanceId) -> Option<Option<Value>> {
+        let ExprKind::Ref(r) = &e.kind else { return None };
+        if !self.binding(target)?.setting {
+            return None;
+        }
+        let InstanceKind::Variable { ty: Type::Enumeration(id), .. } = self.instances[target].kind
+        else {
+            return None;
+        };
+        let wanted = r.simple()?;
+        let ty = &self.graph.enumerations[id];
+        if let Some(at) = ty.literals.iter().position(|l| *l == wanted) {
+            let literal = Const::Enumeration(id, at as u32 + 1);
+            return Some(Some(Value::Scalar(self.graph.constant(literal))));
+        }
+        let names: Vec<&str> = ty.literals.iter().map(|l| l.as_str()).collect();
+        let message = format!("`{}` has no literal `{wanted}`", ty.name);
+        let help = match did_you_mean(&wanted, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("it has {}", crate::instantiate::error::listed(&names)),
+        };
+        self.problems.push(Diagnostic::error("MO0240", e.span, message).help(help));
+        Some(None)
+    }
+
+    /// Reports a value with more elements than the array of components that it modifies. Too few are
+    /// noticed where one is missing.
+    pub(crate) fn check_extent(
+        &mut self,
+        id: InstanceId,
+        value: &Value,
+        subscripts: &[usize],
+        span: Span,
+    ) {
+        let depth = subscripts.len();
+        // Once is enough: for the first element.
+        if depth == 0 || value.dims().len() < depth || subscripts.iter().any(|s| *s != 1) {
+            return;
+        }
+        let mut extents: Vec<usize> = Vec::new();
+        let mut at = Some(id);
+        while let Some(i) = at {
+            at = self.instances[i].parent;
+            if !self.instances[i].subscripts.is_empty()
+                && let Some(InstanceKind::Array { dims, .. }) = at.map(|p| &self.instances[p].kind)
+            {
+                extents.splice(0..0, dims.iter().copied());
+            }
+        }
+        let Some(first) = extents.len().checked_sub(depth) else { return };
+        let wanted = &extents[first..];
+        let found = &value.dims()[..depth];
+        if found.iter().zip(wanted).any(|(a, b)| a > b) {
+            let message = format!(
+                "this has size {found:?}, too many for the array of components of size {wanted:?} that it modifies"
+            );
+            self.problems.push(
+                Diagnostic::error("MO0215", span, message)
+                    .help("give one value for each element, or write `each` before the modification if all get the same"),
+            );
+        }
+    }
+
+    /// The part of a value for one element of an array of components.
+    pub(super) fn taken_apart(
+        &mut self,
+        value: Value,
+        subscripts: &[usize],
+        setting: bool,
+        span: Span,
+    ) -> Option<Value> {
+        if subscripts.is_empty() || (setting && value.dims().is_empty()) {
+            return Some(value);
+        }
+        if let Some(part) = value.select(subscripts) {
+            return Some(part);
+        }
+        let dims = value.dims();
+        let d = if dims.is_empty() {
+            let message = "this is one value, and it modifies an array of components";
+            Diagnostic::error("MO0215", span, message)
+        } else {
+            let message = format!(
+                "this has size {dims:?}, too few for the array of components that it modifies"
+            );
+            Diagnostic::error("MO0215", span, message)
+        };
+        self.problems.push(d.help(
+            "write `each` before the modification if all get the same, else one value for each",
+        ));
+        None
+    }
+
+    /// A value of the sizes `dims`: a scalar is spread over all elements where `each` allows it.
+    pub(crate) fn spread(
+        &mut self,
+        value: Value,
+        dims: &[usize],
+        subscripts: &Rc<[usize]>,
+        span: Span,
+    ) -> Option<Value> {
+        let value = self.taken_apart_softly(value, subscripts);
+        if value.dims() == dims {
+            return Some(value);
+        }
+        if value.dims().is_empty() {
+            let n: usize = dims.iter().product();
+            return Some(Value::array(dims.to_vec(), vec![value; n]));
+        }
+        let message = format!("sizes differ: {:?} is needed and this is {:?}", dims, value.dims());
+        self.error("MO0215", span, message);
+        None
+    }
+
+    pub(super) fn taken_apart_softly(&self, value: Value, subscripts: &[usize]) -> Value {
+        if value.dims().is_empty() {
+            return value;
+        }
+        value.select(subscripts).unwrap_or(value)
+    }
+}

@@ -1,0 +1,134 @@
+//! Records as functions see them: made by constructors, and without a value yet (section 12.6 of the
+//! specification).
+
+use std::rc::Rc;
+
+use super::Context;
+use super::function::is_settled;
+use super::value::{Record, Value};
+use crate::base::index::FastSet;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::Ident;
+use crate::ir::expr::{Const, Type};
+use crate::ir::instance::{ClassId, Declaration, Entry};
+impl Context<'_> {
+    /// Zero, false, empty, the first literal.
+    pub(super) fn zero_of_type(&mut self, ty: Type) -> Value {
+        Value::Scalar(match ty {
+            Type::Real => self.graph.real(0.0),
+            Type::Integer => self.graph.integer(0),
+            Type::Boolean => self.graph.boolean(false),
+            Type::String => self.graph.string(""),
+            Type::Enumeration(t) => self.graph.constant(Const::Enumeration(t, 1)),
+        })
+    }
+
+    /// A value of a class before anything is assigned: zero, false, empty, first literal.
+    pub(super) fn zero_of_class(&mut self, class: ClassId, span: Span) -> Option<Value> {
+        let table = self.table(class);
+        if let Some(ty) = table.scalar {
+            return Some(self.zero_of_type(ty));
+        }
+        let components = self.components(class);
+        let given = vec![None; components.len()];
+        let saved = self.enter_frame(true);
+        let fields = self.fields(&components, given);
+        self.leave_frame(saved);
+        let _ = span;
+        Some(Value::Record(Rc::new(Record { class: Some(class), fields: fields.ok()? })))
+    }
+
+    /// The fields of a record in order. What a default reads of other fields is computed before it;
+    /// an error is the place of the field without a value.
+    pub(super) fn fields(
+        &mut self,
+        components: &[(Entry, Declaration)],
+        given: Vec<Option<Value>>,
+    ) -> Result<Vec<(Name, Value)>, usize> {
+        let mut order = Vec::with_capacity(components.len());
+        let mut met = vec![false; components.len()];
+        for k in 0..components.len() {
+            self.order_of_fields(components, &given, k, &mut met, &mut order);
+        }
+        let mut values: Vec<Option<Value>> = given;
+        for k in order {
+            let (entry, declaration) = &components[k];
+            let value = match values[k].take() {
+                Some(value) => value,
+                None => self.local_start(entry, declaration).ok_or(k)?,
+            };
+            self.evaluation.locals.push((entry.name.name, value.clone()));
+            values[k] = Some(value);
+        }
+        let names = components.iter().map(|(e, _)| e.name.name);
+        Ok(names.zip(values.into_iter().flatten()).collect())
+    }
+
+    pub(super) fn order_of_fields(
+        &self,
+        components: &[(Entry, Declaration)],
+        given: &[Option<Value>],
+        k: usize,
+        met: &mut [bool],
+        order: &mut Vec<usize>,
+    ) {
+        if std::mem::replace(&mut met[k], true) {
+            return;
+        }
+        let (entry, declaration) = &components[k];
+        let read = match given[k] {
+            None => self.read_by(entry, declaration),
+            Some(_) => Vec::new(),
+        };
+        for name in read {
+            if let Some(other) = components.iter().position(|(e, _)| e.name.name == name) {
+                self.order_of_fields(components, given, other, met, order);
+            }
+        }
+        order.push(k);
+    }
+
+    /// A record constructor (section 12.6).
+    pub(super) fn construct(
+        &mut self,
+        class: ClassId,
+        args: Vec<Value>,
+        named: Vec<(Ident, Value)>,
+        span: Span,
+    ) -> Option<Value> {
+        let components = self.components(class);
+        let full_name = self.classes[class].full_name;
+        let fields: Vec<&(Entry, Declaration)> =
+            components.iter().filter(|(_, d)| !is_settled(d)).collect();
+        let mut given = self.matched(full_name, &fields, args, named, span)?.into_iter();
+        let given: Vec<Option<Value>> = components
+            .iter()
+            .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
+            .collect();
+        let saved = self.enter_frame(true);
+        let outermost = !saved.1;
+        let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
+        let built = self.fields(&components, given);
+        self.leave_frame(saved);
+        let built = match built {
+            Ok(built) => built,
+            Err(k) => {
+                let name = components[k].0.name.name;
+                let message = format!("field `{name}` of `{full_name}` has no value");
+                if !self.problems.has_errors() {
+                    self.error("MO0219", span, message);
+                }
+                return None;
+            }
+        };
+        let made = Value::Record(Rc::new(Record { class: Some(class), fields: built }));
+        if !outermost {
+            return Some(made);
+        }
+        // What the class says of the fields that nobody gives stands in the constructor.
+        let made = self.without_events(&made, &events);
+        self.note_moving(&made);
+        Some(made)
+    }
+}

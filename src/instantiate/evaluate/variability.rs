@@ -1,0 +1,158 @@
+//! How fast values change, and which are known before the model runs (section 3.8 of the specification).
+
+use super::Context;
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastMap;
+use crate::base::source::Span;
+use crate::ir::ast::Variability;
+use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::instance::InstanceKind;
+impl Context<'_> {
+    /// The slowest class of change of what an expression reads.
+    pub fn variability(&self, e: ExprId) -> Variability {
+        let mut most = Variability::Constant;
+        for n in self.graph.postorder([e]) {
+            let v = match self.graph.node(n) {
+                Node::Var(v) => self.variable_variability(v),
+                Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
+                Node::Pre(_) | Node::Initial | Node::Terminal | Node::Sample(..) => {
+                    Variability::Discrete
+                }
+                _ => Variability::Constant,
+            };
+            most = most.max(v);
+        }
+        most
+    }
+
+    /// Whether a value may change between events: relations and what counts in steps change at events
+    /// only, unless they stand in a function (section 3.8.3). Who writes `noEvent` knows what that does.
+    pub fn changes_between_events(&self, e: ExprId) -> bool {
+        let mut moving: FastMap<ExprId, bool> = FastMap::default();
+        for n in self.graph.postorder([e]) {
+            let mut moves = false;
+            self.graph.for_each_operand(n, |a| moves |= moving[&a]);
+            let moves = match self.graph.node(n) {
+                _ if self.evaluation.moving.contains(&n) => true,
+                Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
+                Node::Time | Node::Der(_) | Node::Recorded(..) => true,
+                Node::Unary(Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Sign, _) => {
+                    false
+                }
+                Node::Binary(op, ..) if op.is_relation() || op == Binary::Quotient => false,
+                _ => moves,
+            };
+            moving.insert(n, moves);
+        }
+        moving[&e]
+    }
+
+    /// Reports a value that changes between events for a variable that does not.
+    pub(crate) fn report_continuous(&mut self, ty: Type, span: Span) {
+        let name = crate::symbolic::print::type_name(&self.graph, ty);
+        self.problems.push(
+            Diagnostic::error(
+                "MO0247",
+                span,
+                format!(
+                    "a value of type {name} changes at events only, and this changes between them"
+                ),
+            )
+            .help("write the relation where the function is called, or compute it in a when-clause")
+            .note("section 3.8.3 of the specification"),
+        );
+    }
+
+    pub(super) fn variable_variability(&self, v: VarId) -> Variability {
+        let Some((id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
+            return self.made_variability(v);
+        };
+        let instance = &self.instances[*id];
+        let discrete_type =
+            matches!(&instance.kind, InstanceKind::Variable { ty, .. } if *ty != Type::Real);
+        match instance.prefix.variability {
+            Some(v) => v,
+            None if discrete_type => Variability::Discrete,
+            None => Variability::Continuous,
+        }
+    }
+
+    /// The value of an expression that reads parameters of discrete type only (truth values, whole
+    /// numbers, choices): such parameters fix the structure, as conditions of components do.
+    pub(crate) fn structural_value(&mut self, e: ExprId) -> Option<Const> {
+        self.parameter_expression(e, false)
+    }
+
+    /// The value of an expression that reads parameters only; `reals` says whether Real ones count.
+    pub(crate) fn parameter_expression(&mut self, e: ExprId, reals: bool) -> Option<Const> {
+        if let Some(c) = self.graph.as_const(e) {
+            return Some(c);
+        }
+        // Most of what has no value shows it on the first way down, whatever stands beside.
+        if !self.may_be_known(self.first_leaf(e), reals) {
+            return None;
+        }
+        let order = self.graph.postorder([e]);
+        if !order.iter().all(|n| self.may_be_known(*n, reals)) {
+            return None;
+        }
+        let mut values: FastMap<VarId, ExprId> = FastMap::default();
+        for &n in &order {
+            if let Node::Var(v) = self.graph.node(n) {
+                let (id, k) = self.evaluation.instance_of[v.0 as usize];
+                if !self.bound(id) {
+                    return None;
+                }
+                let span = self.declared_at(id);
+                let value = self.parameter_value(id, span)?;
+                values.insert(v, value.elements().get(k)?.scalar()?);
+            }
+        }
+        let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
+        let folded = rewriter.apply(&mut self.graph, e, &mut |g, n| match g.node(n) {
+            Node::Var(v) => values.get(&v).copied(),
+            _ => None,
+        });
+        self.graph.as_const(folded)
+    }
+
+    /// A leaf of an expression that is no literal: the one that is reached by first operands.
+    pub(super) fn first_leaf(&self, mut e: ExprId) -> ExprId {
+        loop {
+            let mut next = None;
+            self.graph.for_each_operand(e, |a| {
+                if next.is_none() && self.graph.as_const(a).is_none() {
+                    next = Some(a);
+                }
+            });
+            match next {
+                Some(operand) => e = operand,
+                None => return e,
+            }
+        }
+    }
+
+    /// False for a node that only a run knows; `reals` says whether Real parameters are known.
+    pub(super) fn may_be_known(&self, n: ExprId, reals: bool) -> bool {
+        match self.graph.node(n) {
+            Node::Var(v) => {
+                let Some(&(id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
+                    return false;
+                };
+                let kind = &self.instances[id].kind;
+                let real = matches!(kind, InstanceKind::Variable { ty: Type::Real, .. });
+                (reals || !real) && self.variable_variability(v) <= Variability::Parameter
+            }
+            Node::Time
+            | Node::Der(_)
+            | Node::Pre(_)
+            | Node::Initial
+            | Node::Terminal
+            | Node::Sample(..)
+            | Node::Call { .. }
+            | Node::Recorded(..)
+            | Node::Relation(_) => false,
+            _ => true,
+        }
+    }
+}
