@@ -17,12 +17,15 @@ const PNG_SCALE: u32 = 2;
 
 /// Prints the flat model.
 pub fn flatten(options: &Model) -> Status {
-    let mut session = Session::default();
+    let mut session = Session { is_last: true, ..Session::default() };
     let flat = session.flatten(&options.request());
     say(&session);
     match flat {
         Ok(flat) => {
-            let status = print(&crate::flatten::print::print(&flat));
+            let mut status = Status::Done;
+            for piece in crate::flatten::print::pieces(&flat) {
+                status = print(&piece);
+            }
             // The process ends: a large model need not be given back piece by piece.
             std::mem::forget(flat);
             status
@@ -33,7 +36,7 @@ pub fn flatten(options: &Model) -> Status {
 
 /// Prints states, blocks, what was differentiated and what is torn; or draws the blocks.
 pub fn structure(options: &Structure) -> Status {
-    let mut session = Session::default();
+    let mut session = Session { is_last: true, ..Session::default() };
     let request = options.model.request();
     let blocks = session.flatten(&request).and_then(|flat| session.sort(flat));
     say(&session);

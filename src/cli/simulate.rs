@@ -25,7 +25,7 @@ pub fn run(options: &Simulate) -> Status {
         return Status::Usage;
     }
     let begun = Instant::now();
-    let mut session = Session::default();
+    let mut session = Session { is_last: true, ..Session::default() };
     let request = running::request(&options.model, &options.running);
     let program = match options.measures.as_slice() {
         [] => session.compile(&request).map(|program| (program, None)),

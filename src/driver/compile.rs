@@ -64,6 +64,8 @@ pub struct Session {
     pub sources: SourceMap,
     /// Errors and warnings so far.
     pub problems: Problems,
+    /// The process ends after what is compiled: nothing large is given back piece by piece.
+    pub is_last: bool,
     /// How long each stage took, in order.
     pub times: Vec<(&'static str, Duration)>,
 }
@@ -105,6 +107,9 @@ impl Session {
         let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
         let class = model(&mut cx, request, file.as_deref())?;
         let flat = by(&mut cx, class, &settings);
+        if self.is_last {
+            std::mem::forget(cx);
+        }
         self.times.push(("flatten", begun.elapsed()));
         let sources = &self.sources;
         let of_setting = |d: &Diagnostic| {

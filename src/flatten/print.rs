@@ -10,13 +10,49 @@ use crate::ir::flat::{
 };
 use crate::symbolic::print::{Printer, type_name};
 
+/// Variables and equations of a model whose text is long.
+const LONG: usize = 50_000;
+
 /// Prints the model. What a long text would write again and again has a variable of its own there.
 pub fn print(flat: &FlatModel) -> String {
+    pieces(flat).concat()
+}
+
+/// As [`print`], in pieces that follow each other: a long text is written by two threads.
+pub fn pieces(flat: &FlatModel) -> Vec<String> {
     let shared = super::share::shared(flat);
     let flat = shared.as_ref().unwrap_or(flat);
-    let mut text = Text { flat, unsaid: unsaid(flat), out: String::new() };
-    text.model();
-    text.out
+    let unsaid = unsaid(flat);
+    let write = |act: &dyn Fn(&mut Text<'_>)| {
+        let mut text = Text { flat, unsaid: &unsaid, out: String::new() };
+        act(&mut text);
+        text.out
+    };
+    if flat.variables.len() + flat.equations.len() < LONG {
+        return vec![write(&|text| {
+            text.declarations();
+            text.equations(&flat.equations);
+            text.end();
+        })];
+    }
+    // A declaration is about as long as an equation.
+    let (near, far) = flat.equations.split_at(flat.equations.len() / 4);
+    std::thread::scope(|scope| {
+        let rest = scope.spawn(|| {
+            write(&|text| {
+                text.list(far);
+                text.end();
+            })
+        });
+        let first = write(&|text| {
+            text.declarations();
+            text.equations(near);
+        });
+        match rest.join() {
+            Ok(rest) => vec![first, rest],
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
 }
 
 /// The variables that calls of `delay` and `spatialDistribution` say without words.
@@ -61,6 +97,11 @@ fn push_quoted(name: &str, out: &mut String) {
         return;
     }
     out.push('\'');
+    if !name.contains('\'') {
+        out.push_str(name);
+        out.push('\'');
+        return;
+    }
     for (k, part) in name.split('\'').enumerate() {
         if k > 0 {
             out.push_str("\\'");
@@ -88,12 +129,13 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
 /// The text so far.
 struct Text<'a> {
     flat: &'a FlatModel,
-    unsaid: FastSet<VarId>,
+    unsaid: &'a FastSet<VarId>,
     out: String,
 }
 
 impl Text<'_> {
-    fn model(&mut self) {
+    /// Everything before the equations.
+    fn declarations(&mut self) {
         let flat = self.flat;
         let title = quoted(&flat.name);
         self.push(&["model ", &title]);
@@ -115,8 +157,23 @@ impl Text<'_> {
                 self.push(&["  Real ", &reading(k, reader), ";\n"]);
             }
         }
-        self.section("initial equation", &flat.initial_equations);
-        self.section("equation", &flat.equations);
+        if !flat.initial_equations.is_empty() {
+            self.out.push_str("initial equation\n");
+            self.list(&flat.initial_equations);
+        }
+    }
+
+    /// The first equations.
+    fn equations(&mut self, list: &[Equation]) {
+        if !self.flat.equations.is_empty() {
+            self.out.push_str("equation\n");
+            self.list(list);
+        }
+    }
+
+    /// Everything after the equations.
+    fn end(&mut self) {
+        let flat = self.flat;
         for (k, line) in flat.transports.iter().enumerate() {
             for reader in 0..line.readers.len() {
                 self.reader(line, &reading(k, reader), reader);
@@ -125,7 +182,7 @@ impl Text<'_> {
         if let Some(text) = experiment(flat) {
             self.push(&["  annotation(experiment(", &text, "));\n"]);
         }
-        self.push(&["end ", &title, ";\n"]);
+        self.push(&["end ", &quoted(&flat.name), ";\n"]);
     }
 
     fn push(&mut self, parts: &[&str]) {
@@ -143,7 +200,7 @@ impl Text<'_> {
     }
 
     fn expression(&mut self, e: ExprId) {
-        let flat = self.flat;
+        let (flat, unsaid) = (self.flat, self.unsaid);
         Printer {
             graph: &flat.graph,
             variable: &|v: VarId, out: &mut String| push_quoted(&flat.variables[v].name, out),
@@ -154,7 +211,7 @@ impl Text<'_> {
                     let Some(delay) = flat.delays.iter().find(|d| d.variable == v) else {
                         return false;
                     };
-                    let mut call = Text { flat, unsaid: FastSet::default(), out: String::new() };
+                    let mut call = Text { flat, unsaid, out: String::new() };
                     call.out.push_str("delay(");
                     call.name(v);
                     call.out.push_str(", ");
@@ -267,11 +324,7 @@ impl Text<'_> {
         }
     }
 
-    fn section(&mut self, title: &str, list: &[Equation]) {
-        if list.is_empty() {
-            return;
-        }
-        self.push(&[title, "\n"]);
+    fn list(&mut self, list: &[Equation]) {
         for e in list {
             match &e.kind {
                 EquationKind::Equal(a, _) if matches!(self.flat.graph.node(*a), Node::Var(v) if self.unsaid.contains(&v)) =>
