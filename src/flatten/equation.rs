@@ -7,6 +7,7 @@ use super::connect::Connections;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::instantiate::Context;
+use crate::instantiate::evaluate::builtin::argument;
 use crate::instantiate::evaluate::deduce::Body;
 use crate::instantiate::evaluate::draw::Place;
 use crate::instantiate::evaluate::external::{Asserted, level_of};
@@ -473,9 +474,7 @@ pub(super) fn assertion(
     span: Span,
     scope: Scope,
 ) -> Option<Assert> {
-    let find = |k: usize, n: &str| {
-        args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
-    };
+    let find = |k: usize, name: &str| argument(args, named, k, name);
     let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
         cx.error("MO0219", span, "`assert` takes a condition and a message");
         return None;

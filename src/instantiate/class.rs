@@ -168,12 +168,16 @@ impl Context<'_> {
             }
             ClassBody::Short(short) => {
                 let scope = self.outside(class);
-                let Some(base) = self.class_or_report(&short.base, scope) else { return };
+                let Some(base) = self.class_or_report(&short.base, scope) else {
+                    table.broken = true;
+                    return;
+                };
                 self.restrict_short(text, base, short.base.span);
                 let layers: Rc<[_]> =
                     short.modification.iter().map(|m| (m.clone(), class)).collect();
                 let inherited = self.base_with_redeclarations(class, base, &short.modification);
                 self.inherit(table, inherited, &layers, false);
+                table.broken |= self.table(inherited).broken;
                 if !short.dims.is_empty() {
                     table.dims.insert(0, (short.dims.clone(), class));
                 }

@@ -108,6 +108,9 @@ impl Context<'_> {
         let class = self.with_redeclarations(class, redeclared);
         self.instances[id].class = Some(class);
         let table = self.table(class);
+        if table.broken {
+            return None;
+        }
 
         self.restrict_prefix(clause.prefix, class, table.scalar, component.name);
         let mut prefix = clause.prefix;

@@ -77,6 +77,8 @@ pub struct Redeclaration {
 pub struct ClassTable {
     /// The predefined type or enumeration that it specialises.
     pub scalar: Option<Type>,
+    /// What it is short for is not there, which was reported: nothing is known of it.
+    pub broken: bool,
     /// Dimensions that short classes add, each with the class whose text holds it.
     pub dims: Vec<(Vec<ast::Subscript>, ClassId)>,
     /// Prefixes that short classes add.

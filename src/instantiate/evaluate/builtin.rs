@@ -115,6 +115,17 @@ const LATER: &[(&str, &[&str])] = &[
     ),
 ];
 
+/// An argument by its position, counted from 0, or by its name.
+pub(crate) fn argument<'e>(
+    args: &'e [Expr],
+    named: &'e [(Ident, Expr)],
+    k: usize,
+    name: &str,
+) -> Option<&'e Expr> {
+    let by_name = || named.iter().find(|(n, _)| n.name == name).map(|(_, e)| e);
+    args.get(k).or_else(by_name)
+}
+
 impl Context<'_> {
     /// A call in an expression.
     pub(crate) fn call(
@@ -293,6 +304,11 @@ impl Context<'_> {
             }),
             "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
             "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
+            // Of one argument, or with a clock, it belongs to clocks.
+            "sample" if args.len() == 1 => {
+                self.unsupported(span, "clocks");
+                None
+            }
             "sample" => self
                 .two(args, span, scope)
                 .map(|(a, b)| Value::Scalar(self.graph.intern(Node::Sample(a, b), Type::Boolean))),
@@ -503,9 +519,7 @@ impl Context<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<Value> {
-        let find = |k: usize, n: &str| {
-            args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
-        };
+        let find = |k: usize, name: &str| argument(args, named, k, name);
         let (Some(actual), Some(simplified)) = (find(0, "actual"), find(1, "simplified")) else {
             self.wrong_arguments(span, "two are");
             return None;

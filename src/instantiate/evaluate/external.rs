@@ -5,6 +5,7 @@
 //! it passes through parameters, modifications and arguments like any other value.
 
 use super::Context;
+use super::builtin::argument;
 use super::draw::Place;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
@@ -93,9 +94,7 @@ impl Context<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<()> {
-        let find = |k: usize, n: &str| {
-            args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
-        };
+        let find = |k: usize, name: &str| argument(args, named, k, name);
         let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
             self.error("MO0219", span, "`assert` takes a condition and a message");
             return None;

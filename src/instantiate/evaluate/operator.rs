@@ -225,6 +225,11 @@ impl Context<'_> {
             (BinaryOp::Or, Some(c)) => self.graph.not(c),
             _ => return self.evaluate(right, scope),
         };
+        // While a function is run on what is known, what does not count is not even read.
+        if self.evaluation.in_function && self.graph.as_const(counts) == Some(Const::Boolean(false))
+        {
+            return Some(Value::Scalar(self.graph.boolean(false)));
+        }
         self.under(counts, |cx| cx.evaluate(right, scope))
     }
 

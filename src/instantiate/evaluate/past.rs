@@ -2,6 +2,7 @@
 //! (section 3.7.4.2 of the specification).
 
 use super::Context;
+use super::builtin::argument;
 use super::draw::Drawing;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
@@ -189,9 +190,7 @@ impl Context<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<Value> {
-        let find = |k: usize, n: &str| {
-            args.get(k).or_else(|| named.iter().find(|(i, _)| i.name == n).map(|(_, e)| e))
-        };
+        let find = |k: usize, name: &str| argument(args, named, k, name);
         let needed = [find(0, "in0"), find(1, "in1"), find(2, "x"), find(3, "positiveVelocity")];
         let [Some(in0), Some(in1), Some(x), Some(forward)] = needed else {
             self.wrong_arguments(span, "what enters at both ends, a place and a direction are");
