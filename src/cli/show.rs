@@ -22,10 +22,9 @@ pub fn flatten(options: &Model) -> Status {
     say(&session);
     match flat {
         Ok(flat) => {
-            let mut status = Status::Done;
-            for piece in crate::flatten::print::pieces(&flat) {
-                status = print(&piece);
-            }
+            let pieces = crate::flatten::print::pieces(&flat);
+            let failed = pieces.iter().map(|piece| print(piece)).find(|s| *s != Status::Done);
+            let status = failed.unwrap_or(Status::Done);
             // The process ends: a large model need not be given back piece by piece.
             std::mem::forget(flat);
             status

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::interrupt;
+use super::print;
 use super::progress::Progress;
 use super::writer::Writer;
 use crate::ir::trajectory::{Column, Constant, Course, Event, Kind, Trajectory};
@@ -137,7 +138,7 @@ impl Sink for Stream {
 
     fn print(&mut self, line: &str, file: &str) {
         if file.is_empty() {
-            println!("{line}");
+            print(&format!("{line}\n"));
             return;
         }
         if let Err(why) = append(Path::new(file), line) {

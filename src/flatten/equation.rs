@@ -106,7 +106,7 @@ fn expand(
                 cx.error("MO0231", e.span, "`when` cannot stand in an initial section");
                 return None;
             }
-            let branches = super::when::branches(cx, branches, scope)?;
+            let branches = cx.in_when(|cx| super::when::branches(cx, branches, scope))?;
             target.push(EquationKind::When(branches), e.span);
             Some(())
         }
@@ -529,7 +529,8 @@ fn algorithm(
     let mut whens = Vec::new();
     for s in list {
         if let StatementKind::When { branches } = &s.kind
-            && let Some(branches) = super::when::statement_branches(cx, branches, scope)
+            && let Some(branches) =
+                cx.in_when(|cx| super::when::statement_branches(cx, branches, scope))
         {
             target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(s.span));
             whens.push((branches, s.span));

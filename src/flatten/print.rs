@@ -208,9 +208,11 @@ impl Text<'_> {
             relation: &|_| None,
             past: &|node: Node, out: &mut String| match node {
                 Node::Recorded(v, 0) => {
-                    let Some(delay) = flat.delays.iter().find(|d| d.variable == v) else {
+                    // They stand in the order of their variables.
+                    let Ok(k) = flat.delays.binary_search_by_key(&v, |d| d.variable) else {
                         return false;
                     };
+                    let delay = &flat.delays[k];
                     let mut call = Text { flat, unsaid, out: String::new() };
                     call.out.push_str("delay(");
                     call.name(v);

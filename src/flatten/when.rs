@@ -17,7 +17,6 @@ pub(super) fn branches(
     scope: Scope,
 ) -> Option<Vec<WhenBranch>> {
     let mut out = Vec::with_capacity(list.len());
-    let around = cx.enter_when();
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
@@ -29,7 +28,6 @@ pub(super) fn branches(
         actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
         out.push(WhenBranch { conditions, actions });
     }
-    cx.leave_when(around);
     Some(out)
 }
 
@@ -327,7 +325,6 @@ pub(super) fn statement_branches(
     scope: Scope,
 ) -> Option<Vec<WhenBranch>> {
     let mut out = Vec::with_capacity(list.len());
-    let around = cx.enter_when();
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
@@ -343,7 +340,6 @@ pub(super) fn statement_branches(
         actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
         out.push(WhenBranch { conditions, actions });
     }
-    cx.leave_when(around);
     Some(out)
 }
 

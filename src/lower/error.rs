@@ -110,10 +110,12 @@ pub fn equality_of_reals(op: &str, origin: &Origin) -> Diagnostic {
 
 // MO0310 is reserved: it was said of functions with jumps before they made events.
 
-/// MO0317: what a delay or a distribution begins with changes while the model runs.
+// MO0317 is reserved: it was said of delays that change before they were supported.
+
+/// MO0321: what a distribution begins with changes while the model runs.
 pub fn varying_distribution(origin: &Origin) -> Diagnostic {
     let message = "the distribution in the beginning changes while the model runs";
-    Diagnostic::error("MO0317", origin.span, message)
+    Diagnostic::error("MO0321", origin.span, message)
         .help("give parameters as `initialPoints` and `initialValues`")
         .note("section 3.7.4.2 of the specification")
 }

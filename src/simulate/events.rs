@@ -348,7 +348,16 @@ pub fn settle(
     clocks: &Clocks,
     thoroughly: bool,
 ) -> Result<Settled, Unsettled> {
-    by_any_way(instance, thoroughly, |instance, way| settle_in(instance, clocks, way))
+    // What a failed attempt has said was never said.
+    let said = instance.said.len();
+    let outcome = by_any_way(instance, thoroughly, |instance, way| {
+        instance.said.truncate(said);
+        settle_in(instance, clocks, way)
+    });
+    if outcome.is_err() {
+        instance.said.truncate(said);
+    }
+    outcome
 }
 
 fn settle_in(instance: &mut Instance<'_>, clocks: &Clocks, way: Way) -> Result<Settled, Unsettled> {

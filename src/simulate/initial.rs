@@ -76,13 +76,15 @@ fn actions_at_start(instance: &mut Instance<'_>) -> Settled {
     if program.asserts.iter().all(|a| !a.at_events) && program.terminates.is_empty() {
         return settled;
     }
-    let kept = instance.keep();
+    // Looked at only: neither values nor their derivatives come from here.
+    let (kept, tangents) = (instance.keep(), instance.tangents.take());
     remember(instance);
     if instance.run(&program.event).is_ok() {
         note_actions(instance, &mut settled);
     }
     instance.memory.copy_from_slice(&kept);
     instance.release(kept);
+    instance.tangents = tangents;
     settled
 }
 

@@ -107,10 +107,13 @@ impl Context<'_> {
         self.graph.unary(Unary::Native(stream), number)
     }
 
-    /// A when-clause begins; gives the place around it.
-    pub(crate) fn enter_when(&mut self) -> Place {
-        self.evaluation.draws.counter = None;
-        std::mem::replace(&mut self.evaluation.draws.place, Place::When)
+    /// Looks at a when-clause.
+    pub(crate) fn in_when<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        (self.evaluation.draws.counter, self.evaluation.draws.in_branch) = (None, 0);
+        let around = std::mem::replace(&mut self.evaluation.draws.place, Place::When);
+        let result = act(self);
+        self.evaluation.draws.place = around;
+        result
     }
 
     /// A branch of a when-clause ends: its counter, if it draws, and the value that this has from then on.
@@ -120,10 +123,5 @@ impl Context<'_> {
         let before = self.graph.intern(Node::Pre(counter), Type::Integer);
         let drawn = self.graph.integer(drawn);
         Some((counter, self.graph.add(before, drawn)))
-    }
-
-    /// A when-clause ends.
-    pub(crate) fn leave_when(&mut self, around: Place) {
-        self.evaluation.draws.place = around;
     }
 }

@@ -186,6 +186,17 @@ mod tests {
         assert!((piece.at(-1.0, 0, Beyond::GoesOn) - (f(0.0) - slope)).abs() < 1e-13);
     }
 
+    /// Two points of an event that differ by rounding alone would give any slope.
+    #[test]
+    fn what_rounding_adds_to_a_place_does_no_harm() {
+        let mut piece = Piece::default();
+        for t in [0.0_f64, 0.25, 0.5, 0.5 + 1e-15, 0.75, 1.0] {
+            piece.push_last(t, t.sin() + if t == 0.5 { 1e-14 } else { 0.0 });
+        }
+        assert_eq!(piece.points(), 5);
+        assert!((piece.at(0.6, 0, Beyond::Rests) - f64::sin(0.6)).abs() < 1e-3);
+    }
+
     #[test]
     fn a_piece_is_cut_at_both_ends() {
         let mut piece = Piece::default();
