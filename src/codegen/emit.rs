@@ -7,10 +7,9 @@
 
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, Id};
-use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::dae::{Dae, Kind};
-use crate::ir::expr::{Binary, Const, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
 use crate::ir::program::{
     AssertCells, CallSite, Clock, FunctionCode, Implicit, Instr, Layout, Loop, Op, ReinitCells,
     Slot, Solver, Tape, Watch,
@@ -18,6 +17,7 @@ use crate::ir::program::{
 
 use super::error;
 use super::guard::{guards, long_functions};
+use super::text;
 
 /// How often something is computed: the index of a layer.
 pub type Level = usize;
@@ -66,10 +66,6 @@ pub struct Emitter {
     pub implicits: Vec<Implicit>,
     /// Mixed blocks so far.
     pub loops: Vec<Loop>,
-    /// Texts, each numbered from 1 by its place.
-    pub texts: Vec<Name>,
-    /// Texts that are for messages only: they are more than one of several literals.
-    pub open_texts: FastSet<VarId>,
     /// Calls so far.
     pub calls: Vec<CallSite>,
     /// Functions.
@@ -125,8 +121,6 @@ impl Emitter {
             solvers: Vec::new(),
             implicits: Vec::new(),
             loops: Vec::new(),
-            texts: Vec::new(),
-            open_texts: FastSet::default(),
             calls: Vec::new(),
             functions: Vec::new(),
             partials: Vec::new(),
@@ -322,7 +316,7 @@ impl Emitter {
 
     fn lookup(&mut self, e: ExprId) -> Option<(Slot, Level)> {
         match self.dae.graph.node(e) {
-            Node::Const(c) => Some((self.constant(c), PARAMETER)),
+            Node::Const(c) => Some((self.literal(c.register()), PARAMETER)),
             Node::Time => Some((self.layout.time, self.moving)),
             Node::Var(v) if !self.replaced.contains_key(&v) => Some(self.variable(v)),
             Node::Pre(v) => Some((self.pre_cell(v), HELD)),
@@ -350,42 +344,7 @@ impl Emitter {
         found.map_or(0, |(.., slot)| *slot)
     }
 
-    fn constant(&mut self, c: Const) -> Slot {
-        let value = match c {
-            // Texts that a run chooses between are known before it: each stands for its number.
-            Const::String(text) => {
-                let known = self.texts.iter().position(|t| *t == text);
-                let at = known.unwrap_or_else(|| {
-                    self.texts.push(text);
-                    self.texts.len() - 1
-                });
-                at as f64 + 1.0
-            }
-            other => other.register().unwrap_or(0.0),
-        };
-        self.literal(value)
-    }
-
-    /// Whether a run can tell the value of an expression of type String: it is one of several literals.
-    pub fn is_chosen_text(&self, e: ExprId) -> bool {
-        match self.dae.graph.node(e) {
-            Node::Const(_) => true,
-            Node::Var(v) | Node::Pre(v) => !self.open_texts.contains(&v),
-            Node::If(_, a, b) => self.is_chosen_text(a) && self.is_chosen_text(b),
-            Node::NoEvent(a) => self.is_chosen_text(a),
-            _ => false,
-        }
-    }
-
-    fn refuse_text(&mut self, e: ExprId) {
-        self.unsupported(e, "a text that is put together while the simulation runs");
-    }
-
     fn variable(&mut self, v: VarId) -> (Slot, Level) {
-        if self.open_texts.contains(&v) {
-            let what = "a text that is put together while the simulation runs";
-            self.problems.push(error::not_supported(self.span, what));
-        }
         let level = self.levels[v.idx()].unwrap_or_else(|| {
             let name = self.dae.variables.get(v).map_or("", |x| x.name.as_str());
             self.problems.push(error::undetermined(name, self.span));
@@ -401,8 +360,8 @@ impl Emitter {
 
     fn emit_node(&mut self, e: ExprId) {
         match self.dae.graph.node(e) {
-            Node::Unary(Unary::Text(_), _) => self.refuse_text(e),
             Node::Unary(op, a) => {
+                let op = text::unary(op, self.dae.graph.ty(a));
                 let (a, level) = self.operand(a);
                 match op {
                     Unary::Ordinal => self.alias(e, (a, level)),
@@ -413,11 +372,19 @@ impl Emitter {
                     _ => self.make(e, Op::Unary(op), level, a, a),
                 }
             }
-            Node::Binary(op, a, _)
-                if self.dae.graph.ty(a) == Type::String
-                    && !matches!(op, Binary::Equal | Binary::NotEqual) =>
-            {
-                self.refuse_text(e);
+            Node::Binary(op, a, b) if self.dae.graph.ty(a) == Type::String => {
+                let ((a, la), (b, lb)) = (self.operand(a), self.operand(b));
+                let text::Operation { op, swapped, negated } = text::binary(op);
+                let (a, b) = if swapped { (b, a) } else { (a, b) };
+                let level = la.max(lb);
+                if negated {
+                    let home = self.home(level);
+                    let truth = self.cell(0.0);
+                    self.push(home, op, truth, a, b);
+                    self.make(e, Op::Unary(Unary::Not), level, truth, truth);
+                } else {
+                    self.make(e, op, level, a, b);
+                }
             }
             Node::Binary(op, a, b) => {
                 let ((a, la), (b, lb)) = (self.operand(a), self.operand(b));

@@ -5,13 +5,14 @@
 
 use crate::base::index::{FastMap, Id};
 use crate::ir::dae::Dae;
-use crate::ir::expr::{ExprId, FunctionId, Node, Unary};
+use crate::ir::expr::{ExprId, FunctionId, Node, Type, Unary};
 use crate::ir::flat::{Function, Level, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 use crate::symbolic::print::print;
 
 use super::emit::Emitter;
 use super::error;
+use super::text;
 
 /// Compiles all functions of the model.
 pub fn compile_all(e: &mut Emitter) {
@@ -194,18 +195,24 @@ impl<'a> Body<'a> {
 
     fn node(&mut self, e: &mut Emitter, n: ExprId, known: &FastMap<ExprId, Slot>) -> Slot {
         match e.dae.graph.node(n) {
-            Node::Const(c) => match c.register() {
-                Some(value) => e.literal(value),
-                None => self.unsupported(e, "a text inside of a function"),
-            },
+            Node::Const(c) => e.literal(c.register()),
             Node::Var(v) => match self.locals.get(v.idx()) {
                 Some(slot) => *slot,
                 None => self.unsupported(e, "a variable of the model inside of a function"),
             },
             Node::Unary(op, a) => match op {
                 Unary::Ordinal => known[&a],
-                _ => self.make(e, Op::Unary(op), known[&a], known[&a]),
+                _ => {
+                    let op = text::unary(op, e.dae.graph.ty(a));
+                    self.make(e, Op::Unary(op), known[&a], known[&a])
+                }
             },
+            Node::Binary(op, a, b) if e.dae.graph.ty(a) == Type::String => {
+                let text::Operation { op, swapped, negated } = text::binary(op);
+                let (a, b) = if swapped { (b, a) } else { (a, b) };
+                let result = self.make(e, op, known[&a], known[&b]);
+                if negated { self.make(e, Op::Unary(Unary::Not), result, result) } else { result }
+            }
             Node::Binary(op, a, b) => self.make(e, Op::Binary(op), known[&a], known[&b]),
             Node::If(c, a, b) => {
                 let dst = self.make(e, Op::Copy, known[&b], known[&b]);

@@ -28,6 +28,7 @@ pub mod selection;
 pub mod sequence;
 pub mod solve;
 pub mod tangent;
+pub mod text;
 
 #[cfg(test)]
 mod tests;
@@ -73,12 +74,10 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
         return Err(emitter.problems);
     }
     let literals = emitter.literal_cells();
-    let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, texts, .. } =
-        emitter;
+    let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, algebraics, initial, event, continuous } = order;
     let mut program = Program {
-        texts,
         recorded: record::all(&dae),
         constants: record::constants(&dae),
         blocks: Blocks {

@@ -48,12 +48,8 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         e.span = e.dae.variables[v].span;
         e.levels[v.idx()] = Some(PARAMETER);
         if e.dae.variables[v].ty == Type::String {
-            if e.is_chosen_text(value) {
-                let (dst, (from, _)) = (e.slot(v), e.emit(value));
-                e.push(PARAMETER, Op::Copy, dst, from, from);
-            } else {
-                e.open_texts.insert(v);
-            }
+            let (dst, (from, _)) = (e.slot(v), e.emit(value));
+            e.push(PARAMETER, Op::Copy, dst, from, from);
         } else {
             let (default, _) = parameter_value(e, value);
             let dst = e.slot(v);

@@ -71,28 +71,6 @@ fn derivatives_do_not_wait_for_what_is_only_shown() {
 }
 
 #[test]
-fn texts_are_not_put_together_at_run_time() {
-    let (mut flat, _) = model("Real x;\nequation\nder(x) = 1;\n");
-    let mut problems = Problems::new();
-    let a = flat.graph.string("a");
-    let joined = flat.graph.intern(
-        crate::ir::expr::Node::Binary(crate::ir::expr::Binary::Add, a, a),
-        crate::ir::expr::Type::String,
-    );
-    let compared = flat.graph.intern(
-        crate::ir::expr::Node::Binary(crate::ir::expr::Binary::Equal, joined, a),
-        crate::ir::expr::Type::Boolean,
-    );
-    let dae = lower(flat, &mut problems).unwrap();
-    let mut blocks = structure(dae, &mut problems).unwrap();
-    if let crate::ir::blocks::Block::Assign(assignment) = &mut blocks.continuous[0] {
-        assignment.value = compared;
-    }
-    let problems = compile(blocks).err().unwrap();
-    assert_eq!(problems.sorted()[0].code, "MO0801");
-}
-
-#[test]
 fn a_program_can_be_read() {
     let program = compiled(
         "parameter Real k = 2;

@@ -588,7 +588,11 @@ fn start_values_of_loop(
     let Some((first, rest)) = iterators.split_first() else {
         return start_values(cx, body, scope, target, outputs);
     };
-    for value in cx.values_of(first, scope)? {
+    let values = match cx.unknown_turn(first, scope)? {
+        Some(value) => vec![value],
+        None => cx.values_of(first, scope)?,
+    };
+    for value in values {
         cx.evaluation.locals.push((first.name.name, value));
         let done = start_values_of_loop(cx, rest, body, scope, target, outputs);
         cx.evaluation.locals.pop();

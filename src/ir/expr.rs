@@ -10,9 +10,10 @@ use hashbrown::HashTable;
 use std::hash::{BuildHasher, Hash};
 
 use crate::base::index::{FastMap, IndexVec};
-use crate::base::name::Name;
+use crate::base::name::{self, Name};
 use crate::define_id;
 use crate::ir::native::Native;
+pub use crate::math::numeric::printf::Form;
 
 define_id! {
     /// A node of the [`Graph`].
@@ -98,19 +99,6 @@ pub enum Unary {
     Carried(Carried),
     /// `String(x)` in this form.
     Text(Form),
-}
-
-/// The form of a number as a text.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub struct Form {
-    /// Significant digits of a Real.
-    pub digits: u16,
-    /// Characters at least.
-    pub width: u16,
-    /// What is shorter stands at the left.
-    pub left: bool,
-    /// A format as in C, which counts more than the digits.
-    pub format: Option<Name>,
 }
 
 /// A reader of what is carried along a line.
@@ -428,24 +416,26 @@ impl Const {
         }
     }
 
-    /// The literal of a type that stands in a register as `x`; `None` for texts.
-    pub fn of_type(ty: Type, x: f64) -> Option<Const> {
+    /// The literal of a type that stands in a register as `x`.
+    pub fn of_type(ty: Type, x: f64) -> Const {
         match ty {
-            Type::Real => Some(Const::Real(x.to_bits())),
-            Type::Integer => Some(Const::Integer(x as i64)),
-            Type::Boolean => Some(Const::Boolean(x != 0.0)),
-            Type::Enumeration(t) => Some(Const::Enumeration(t, x as u32)),
-            Type::String => None,
+            Type::Real => Const::Real(x.to_bits()),
+            Type::Integer => Const::Integer(x as i64),
+            Type::Boolean => Const::Boolean(x != 0.0),
+            Type::Enumeration(t) => Const::Enumeration(t, x as u32),
+            Type::String => Const::String(name::numbered(x as u32)),
         }
     }
 
     /// How the literal stands in a register at run time: truth values are 0 and 1, enumeration
-    /// literals their number. Texts have no run-time value.
-    pub fn register(self) -> Option<f64> {
+    /// literals and texts their number.
+    pub fn register(self) -> f64 {
         match self {
-            Const::Boolean(b) => Some(f64::from(u8::from(b))),
-            Const::Enumeration(_, k) => Some(f64::from(k)),
-            other => other.number(),
+            Const::Real(bits) => f64::from_bits(bits),
+            Const::Integer(i) => i as f64,
+            Const::Boolean(b) => f64::from(u8::from(b)),
+            Const::Enumeration(_, k) => f64::from(k),
+            Const::String(text) => f64::from(name::number(text)),
         }
     }
 }

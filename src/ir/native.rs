@@ -7,6 +7,8 @@
 
 use std::sync::RwLock;
 
+use crate::base::name::{name, number, numbered};
+use crate::math::numeric::printf::Form;
 use crate::math::numeric::stream::Stream;
 use crate::math::numeric::table::curve::Curve;
 use crate::math::numeric::table::surface::Surface;
@@ -32,6 +34,12 @@ pub enum Function {
     Word(Operation),
     /// A random number by its number: one argument.
     Drawn(Stream),
+    /// A number, which may be a whole one, as the number of a text: one argument.
+    Written(Form, bool),
+    /// Two texts as one: two arguments, numbers of texts as the result.
+    Joined,
+    /// Whether a text stands before another one in the order of their characters: two arguments.
+    Precedes,
 }
 
 /// All functions so far. They are few, and stay for as long as the process does.
@@ -69,7 +77,11 @@ impl Native {
             Function::Curve(order, curve) => curve.at(a, *order),
             Function::NextStop(table) => table.next_stop(a),
             Function::Drawn(stream) => stream.number(a),
-            Function::TimeTable(..) | Function::Surface(..) | Function::Word(_) => f64::NAN,
+            Function::Written(form, whole) => {
+                let text = form.of(a, *whole).unwrap_or_default();
+                f64::from(number(name(&text)))
+            }
+            _ => f64::NAN,
         }
     }
 
@@ -79,7 +91,15 @@ impl Native {
             Function::TimeTable(order, table) => table.at(a, b, *order),
             Function::Surface(orders, surface) => surface.at(a, b, *orders),
             Function::Word(operation) => operation.at(a, b),
-            Function::Curve(..) | Function::NextStop(_) | Function::Drawn(_) => f64::NAN,
+            Function::Joined => {
+                let (a, b) = (numbered(a as u32), numbered(b as u32));
+                f64::from(number(name(&format!("{a}{b}"))))
+            }
+            Function::Precedes => {
+                let (a, b) = (numbered(a as u32), numbered(b as u32));
+                f64::from(u8::from(a.as_str() < b.as_str()))
+            }
+            _ => f64::NAN,
         }
     }
 
@@ -121,7 +141,10 @@ impl Native {
 
     /// False for what steps from one value to the next.
     pub fn has_slope(self) -> bool {
-        !matches!(self.function(), Function::NextStop(_) | Function::Word(_) | Function::Drawn(_))
+        matches!(
+            self.function(),
+            Function::Curve(..) | Function::TimeTable(..) | Function::Surface(..)
+        )
     }
 
     /// True if the values are whole numbers.
@@ -138,6 +161,9 @@ impl Native {
             Function::NextStop(_) => "nextTimeEvent",
             Function::Word(_) => "word",
             Function::Drawn(_) => "randomNumber",
+            Function::Written(..) => "String",
+            Function::Joined => "joinedTexts",
+            Function::Precedes => "precedes",
             Function::Curve(..) | Function::TimeTable(..) | Function::Surface(..) => {
                 "derivativeOfTable"
             }

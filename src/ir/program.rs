@@ -7,7 +7,7 @@
 //! [`Program::blocks`], which is kept for messages only.
 //! *Made by:* `codegen`. *Read by:* `codegen::interp`, `simulate`.
 //!
-//! Truth values are 0 and 1, enumeration literals their number. Every temporary has a cell of its
+//! Truth values are 0 and 1, enumeration literals and texts their number. Every temporary has a cell of its
 //! own: what a tape computed stays readable until the same tape runs again.
 //!
 //! Order of running, from rare to frequent: `parameters` once; `initial` once; `event` in each event
@@ -19,7 +19,6 @@ use std::ops::{Deref, DerefMut};
 use super::blocks::{Blocks, Source};
 use super::dae::Dae;
 use super::expr::{Binary, ExprId, Unary, VarId};
-use crate::base::name::Name;
 use crate::base::source::Span;
 
 /// A cell of the memory.
@@ -389,8 +388,6 @@ pub struct ReaderCells {
 /// A compiled model.
 #[derive(Clone)]
 pub struct Program {
-    /// The texts that variables of type String choose from; their values number them from 1.
-    pub texts: Vec<Name>,
     /// What it was compiled from, for messages and names.
     pub blocks: Blocks,
     /// The memory before a run: literals, and NaN in the inputs.

@@ -2,6 +2,7 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::name::numbered;
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Source};
 use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Unary, VarId};
@@ -84,19 +85,14 @@ impl<'a> Reader<'a> {
             },
             Node::NoEvent(a) => self.message(a),
             Node::Unary(Unary::Text(form), a) => {
-                let known = value(a).and_then(|x| Const::of_type(graph.ty(a), x));
+                let known = value(a).map(|x| Const::of_type(graph.ty(a), x));
                 let text = known.and_then(|x| printf::text(graph, x, form));
                 text.unwrap_or_else(|| self.text(a))
             }
-            Node::Var(v) => {
-                let open = dae.parameters.iter().chain(&dae.eliminated).find(|(p, _)| *p == v);
-                let chosen = self.program.texts.get((self.value(v) as usize).wrapping_sub(1));
-                match (chosen, open) {
-                    (Some(text), _) => text.to_string(),
-                    (None, Some((_, definition))) => self.message(*definition),
-                    (None, None) => self.text(e),
-                }
-            }
+            Node::Var(v) => match dae.eliminated.iter().find(|(p, _)| *p == v) {
+                Some((_, definition)) => self.message(*definition),
+                None => numbered(self.value(v) as u32).to_string(),
+            },
             _ => self.text(e),
         }
     }
@@ -257,7 +253,7 @@ impl<'a> Reader<'a> {
         for e in graph.postorder([root]) {
             let of = |a: &ExprId| values.get(a).copied().unwrap_or(f64::NAN);
             let value = match graph.node(e) {
-                Node::Const(c) => c.register().unwrap_or(0.0),
+                Node::Const(c) => c.register(),
                 Node::Time => cell(layout.time),
                 Node::Var(v) | Node::Der(v) => self.value(v),
                 Node::Pre(v) => {

@@ -40,7 +40,7 @@ impl Values<'_, '_> {
     fn compute(&mut self, e: ExprId) -> Option<f64> {
         let dae = &self.instance.program.blocks.dae;
         match dae.graph.node(e) {
-            Node::Const(c) => c.register(),
+            Node::Const(c) => Some(c.register()),
             Node::Var(v) => {
                 (dae.variables[v].kind == Kind::Parameter).then(|| self.instance.value(v))
             }

@@ -155,9 +155,9 @@ fn zeros(graph: &Graph, values: &FastMap<VarId, ExprId>) -> FastSet<ExprId> {
     for e in graph.ids() {
         let of = |a: ExprId| known.get(a.idx()).copied().flatten();
         let value = match graph.node(e) {
-            Node::Const(c) => c.register(),
+            Node::Const(c) => Some(c.register()),
             Node::Var(v) => {
-                values.get(&v).and_then(|value| graph.as_const(*value)).and_then(Const::register)
+                values.get(&v).and_then(|value| graph.as_const(*value)).map(Const::register)
             }
             Node::Unary(op, a) => of(a).map(|a| eval::unary(op, a)),
             Node::Binary(op, a, b) => match (of(a), of(b)) {

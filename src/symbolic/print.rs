@@ -1,6 +1,6 @@
 //! Expressions as Modelica text, with no more parentheses than needed.
 
-use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, Const, ExprId, Form, Graph, Node, Type, Unary, VarId};
 
 /// Prints `e`; `names` gives each variable its name.
 pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> String {
@@ -100,7 +100,12 @@ impl Printer<'_> {
                 out.push_str("not ");
                 self.write(a, RELATION, out);
             }
-            Node::Unary(op, a) => call(out, op.name(), |out| self.write(a, 0, out)),
+            Node::Unary(op, a) => call(out, op.name(), |out| {
+                self.write(a, 0, out);
+                if let Unary::Text(form) = op {
+                    push_form(form, g.ty(a), out);
+                }
+            }),
             Node::Binary(op, a, b) => match operator_strengths(op) {
                 Some((_, left, right)) => {
                     self.write(a, left, out);
@@ -239,6 +244,23 @@ fn operator_strengths(op: Binary) -> Option<(u8, u8, u8)> {
         _ if op.is_relation() => (RELATION, SUM, SUM),
         _ => return None,
     })
+}
+
+/// The arguments of `String` after the value, where they are not what they are without being said.
+fn push_form(form: Form, ty: Type, out: &mut String) {
+    if let Some(format) = form.format {
+        out.push_str(&format!(", format = \"{format}\""));
+        return;
+    }
+    if form.digits != Form::default().digits && ty == Type::Real {
+        out.push_str(&format!(", significantDigits = {}", form.digits));
+    }
+    if form.width > 0 {
+        out.push_str(&format!(", minimumLength = {}", form.width));
+    }
+    if !form.left {
+        out.push_str(", leftJustified = false");
+    }
 }
 
 /// The name of a scalar type in flat Modelica.

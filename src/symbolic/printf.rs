@@ -1,114 +1,16 @@
-//! `String(...)`: numbers and choices as texts, as C's `printf` writes them (section 3.7.3.1 of the
-//! specification).
+//! `String(...)`: values as texts (section 3.7.3.1 of the specification).
 
 use crate::ir::expr::{Const, Form, Graph};
 
 /// The text of a value; `None` if the form is none of numbers.
 pub fn text(graph: &Graph, value: Const, form: Form) -> Option<String> {
-    let text = match (value, form.format) {
-        (Const::Real(_) | Const::Integer(_), Some(format)) => {
-            formatted(value.number()?, format.as_str())?
-        }
-        (Const::Real(bits), None) => general(f64::from_bits(bits), usize::from(form.digits)),
-        (Const::Integer(i), None) => i.to_string(),
-        (Const::Boolean(b), _) => b.to_string(),
-        (Const::String(s), _) => s.to_string(),
-        (Const::Enumeration(t, k), _) => {
-            graph.enumerations[t].literals.get(k as usize - 1)?.to_string()
-        }
+    let text = match value {
+        Const::Real(bits) => return form.of(f64::from_bits(bits), false),
+        Const::Integer(i) if form.format.is_none() => i.to_string(),
+        Const::Integer(i) => return form.of(i as f64, true),
+        Const::Boolean(b) => b.to_string(),
+        Const::String(s) => s.to_string(),
+        Const::Enumeration(t, k) => graph.enumerations[t].literals.get(k as usize - 1)?.to_string(),
     };
-    Some(padded(text, usize::from(form.width), form.left))
-}
-
-/// A number in the form of C's `%.<digits>g`.
-pub fn general(x: f64, digits: usize) -> String {
-    let digits = digits.max(1);
-    if x == 0.0 {
-        return "0".to_string();
-    }
-    let (mantissa, exponent) = scientific(x, digits - 1);
-    let trimmed = |text: &str| {
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_string()
-        } else {
-            text.to_string()
-        }
-    };
-    if exponent < -4 || exponent >= digits as i32 {
-        return with_exponent(&trimmed(&mantissa), exponent);
-    }
-    let places = (digits as i32 - 1 - exponent).max(0) as usize;
-    trimmed(&format!("{x:.places$}"))
-}
-
-/// A number in a format such as `2.6f`, `-10.3e` or `.4g`; `None` if it is no such format.
-pub fn formatted(x: f64, format: &str) -> Option<String> {
-    let format = format.strip_prefix('%').unwrap_or(format);
-    let kind = format.chars().last().filter(|c| c.is_ascii_alphabetic())?;
-    let rest = &format[..format.len() - 1];
-    let (flags, rest) = rest.split_at(rest.find(|c| !"-+ 0#".contains(c)).unwrap_or(rest.len()));
-    let (width, places) = match rest.split_once('.') {
-        Some((width, places)) => (width, places.parse::<usize>().ok()?.min(60)),
-        None => (rest, 6),
-    };
-    let width = if width.is_empty() { 0 } else { width.parse::<usize>().ok()?.min(200) };
-    let mut text = match kind {
-        'f' | 'F' => format!("{x:.places$}"),
-        'e' | 'E' => {
-            let (mantissa, exponent) = scientific(x, places);
-            with_exponent(&mantissa, exponent)
-        }
-        'g' | 'G' => general(x, places),
-        'd' | 'i' => format!("{x:.0}"),
-        _ => return None,
-    };
-    if kind.is_ascii_uppercase() {
-        text = text.to_uppercase();
-    }
-    if flags.contains('+') && x >= 0.0 {
-        text.insert(0, '+');
-    }
-    Some(padded(text, width, flags.contains('-')))
-}
-
-/// At least `width` characters long.
-pub fn padded(text: String, width: usize, left: bool) -> String {
-    if left { format!("{text:<width$}") } else { format!("{text:>width$}") }
-}
-
-/// Mantissa with `places` digits behind the point, and exponent of ten.
-fn scientific(x: f64, places: usize) -> (String, i32) {
-    let text = format!("{x:.places$e}");
-    match text.split_once('e') {
-        Some((mantissa, exponent)) => (mantissa.to_string(), exponent.parse().unwrap_or(0)),
-        None => (text, 0),
-    }
-}
-
-fn with_exponent(mantissa: &str, exponent: i32) -> String {
-    let sign = if exponent < 0 { '-' } else { '+' };
-    format!("{mantissa}e{sign}{:02}", exponent.abs())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_written_as_c_writes_them() {
-        // From the C standard's rules for `%g`, `%f` and `%e` (C17, section 7.21.6.1).
-        assert_eq!(general(111.222, 6), "111.222");
-        assert_eq!(general(std::f64::consts::PI, 4), "3.142");
-        assert_eq!(general(1e6, 6), "1e+06");
-        assert_eq!(general(123_456.0, 6), "123456");
-        assert_eq!(general(-0.000_05, 6), "-5e-05");
-        assert_eq!(general(0.0001, 6), "0.0001");
-        assert_eq!(general(0.1 + 0.2, 6), "0.3");
-        assert_eq!(formatted(5.235_353_534_5, "2.6f").as_deref(), Some("5.235354"));
-        assert_eq!(formatted(6565.35, "2.0e").as_deref(), Some("7e+03"));
-        assert_eq!(formatted(1.5, "8.2f").as_deref(), Some("    1.50"));
-        assert_eq!(formatted(1.5, "-8.2f").as_deref(), Some("1.50    "));
-        assert_eq!(formatted(1.5, "+.1f").as_deref(), Some("+1.5"));
-        assert_eq!(formatted(1.5, "what"), None);
-    }
+    Some(form.padded(text))
 }

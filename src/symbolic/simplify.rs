@@ -250,7 +250,7 @@ impl Graph {
                 return None;
             }
         }
-        let value = eval::binary(op, a.register()?, b.register()?);
+        let value = eval::binary(op, a.register(), b.register());
         if op.is_relation() || matches!(op, Binary::And | Binary::Or) {
             return Some(self.boolean(value != 0.0));
         }

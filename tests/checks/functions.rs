@@ -130,6 +130,131 @@ fn texts_follow_what_a_run_chooses() {
 }
 
 #[test]
+fn texts_are_put_together_while_the_model_runs() {
+    let text = "model Texts
+           function list
+             input Integer n;
+             output String s = \"\";
+           algorithm
+             for i in 1:n loop
+               s := s + String(i) + \";\";
+             end for;
+           end list;
+           type Size = enumeration(small, large);
+           discrete Integer n(start = 0, fixed = true);
+           parameter Integer p = 4;
+           String s = \"n = \" + String(n);
+           String last(start = \"none\");
+           String form = String(n/3.0, significantDigits = 3) + String(n/3.0, format = \".1f\");
+           Size size = if n > 2 then Size.large else Size.small;
+           Boolean is_four = s == \"n = \" + String(p);
+           Boolean before = s < \"n = 2\" and not s > \"n = 2\";
+           Boolean after = s >= \"n = 2\" and not s <= \"n = 2\";
+           Boolean listed = list(n) == \"1;2;3;4;\";
+           Boolean formed = form == \"1.331.3\";
+           Boolean padded = String(size, minimumLength = 7, leftJustified = false) == \"  large\";
+           Boolean was_three = last == \"n = 3\";
+           discrete Integer changes(start = 0, fixed = true);
+         equation
+           when sample(0.1, 0.1) then
+             n = pre(n) + 1;
+             last = pre(s);
+           end when;
+           when change(s) then
+             changes = pre(changes) + 1;
+           end when;
+         end Texts;";
+    let names = ["is_four", "before", "after", "listed", "formed", "padded", "was_three"];
+    let after = |n: u32| {
+        let run = Case::text(text).stop(0.1 * f64::from(n) + 0.05).run();
+        assert_eq!(run.last("changes"), f64::from(n));
+        names.map(|name| run.last(name))
+    };
+    assert_eq!(after(1), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(after(2), [0.0; 7]);
+    assert_eq!(after(4), [1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+    // \"n = 10\" stands before \"n = 2\".
+    assert_eq!(after(10), [0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn what_a_for_loop_runs_over_a_run_may_say() {
+    let run = Case::text(
+        "model Loops
+           function total
+             input Integer n;
+             input Real x;
+             output Real s = 0;
+             output Integer squares = 0;
+           protected
+             Real v[5] = {1, 2, 3, 4, 5};
+           algorithm
+             for i in 1:n, j in 1:i loop
+               s := s + x*i*j;
+               if i == j then
+                 squares := squares + 1;
+                 v[i] := 0;
+               end if;
+             end for;
+             for k in 5:-1:n loop
+               if v[k] < 0.5 then
+                 break;
+               end if;
+               s := s + v[k];
+             end for;
+             for r in 0:0.1*x:0.3*x loop
+               s := s + r;
+             end for;
+           end total;
+           function first
+             input Real x[:];
+             input Real limit;
+             input Integer n;
+             output Integer at = 0;
+           algorithm
+             for i in 1:n loop
+               if x[i] > limit then
+                 at := i;
+                 return;
+               end if;
+             end for;
+             at := -1;
+           end first;
+           discrete Integer n(start = 1, fixed = true);
+           Real s;
+           Real squares;
+           Real at;
+           Integer m;
+           Integer w[4];
+         equation
+           (s, squares) = total(n, 2*time);
+           at = first({1, 2, 3, 4}, 2.5, n);
+           when sample(0.5, 0.5) then
+             n = pre(n) + 1;
+           end when;
+         algorithm
+           m := 0;
+           for i in 2:2:n loop
+             m := m + i;
+             w[i] := i;
+           end for;
+         end Loops;",
+    )
+    .stop(1.5)
+    .interval(0.25)
+    .run();
+    let at = |t| ["s", "squares", "at", "m", "w[2]", "w[4]"].map(|name| run.at(name, t));
+    // With x = 2 t: x (1 + 2 + 4) for two rows, 5 + 4 + 3 behind them, and 0.6 x.
+    for (found, expected) in at(0.75).into_iter().zip([23.4, 2.0, -1.0, 2.0, 2.0, 0.0]) {
+        assert_close(found, expected, 1e-12);
+    }
+    for (found, expected) in at(1.25).into_iter().zip([73.0, 3.0, 3.0, 2.0, 2.0, 0.0]) {
+        assert_close(found, expected, 1e-12);
+    }
+    assert_eq!((run.last("m"), run.last("w[4]")), (6.0, 4.0));
+}
+
+#[test]
 fn only_initial_itself_is_a_condition_at_the_start() {
     let run = Case::text(
         "model Start

@@ -200,7 +200,7 @@ impl Context<'_> {
         Some(())
     }
 
-    fn run_for(
+    pub(super) fn run_for(
         &mut self,
         iterators: &[crate::ir::ast::Iterator],
         body: &[Statement],
@@ -211,6 +211,10 @@ impl Context<'_> {
         };
         let outer = self.evaluation.broken.take();
         let mut end = Flow::Next;
+        if !self.evaluation.folding && self.repeat_for(iterators, body, scope)?.is_some() {
+            self.evaluation.broken = outer;
+            return Some(Flow::Next);
+        }
         for value in self.values_of(first, scope)? {
             self.evaluation.locals.push((first.name.name, value));
             let flow = self.run_for(rest, body, scope);
@@ -270,7 +274,7 @@ impl Context<'_> {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
                 Some(Const::Boolean(true)) if !left => {}
                 _ => {
-                    self.repeat(condition, body, scope, condition.span)?;
+                    self.repeat_while(condition, body, scope)?;
                     return Some(Flow::Next);
                 }
             }

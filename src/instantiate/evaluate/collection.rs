@@ -10,6 +10,9 @@ use crate::ir::ast::{self, ComponentRef, Expr};
 use crate::ir::expr::{Binary, Const, ExprId, Type};
 use crate::ir::instance::Scope;
 
+/// Part of a step by which a range of Reals may miss its bound and still have it as an element.
+pub(super) const MARGIN: f64 = 1e-10;
+
 impl Context<'_> {
     /// `{a, b}`: parts of one shape under a new first dimension.
     pub(crate) fn stack(&mut self, parts: Vec<Value>, span: Span) -> Option<Value> {
@@ -123,7 +126,7 @@ impl Context<'_> {
                 .collect(),
             _ => match (a.number(), step.number(), b.number()) {
                 (Some(a), Some(s), Some(b)) if s != 0.0 => {
-                    let n = ((b - a) / s + 1e-10).floor();
+                    let n = ((b - a) / s + MARGIN).floor();
                     let n = if n < 0.0 { 0 } else { (n as usize).saturating_add(1) };
                     self.check_count(&[n], span)?;
                     (0..n).map(|i| Value::Scalar(self.graph.real(a + i as f64 * s))).collect()

@@ -530,16 +530,13 @@ impl Context<'_> {
     }
 
     fn numbers(&mut self, value: &Value) -> Result<Vec<f64>, Refusal> {
-        let all = self.known(value)?;
-        let numbers: Option<Vec<f64>> = all.into_iter().map(Const::register).collect();
-        numbers.ok_or(Refusal::Unknown)
+        Ok(self.known(value)?.into_iter().map(Const::register).collect())
     }
 
     /// The values of all scalars of a value, which must be known before the model runs.
     pub(super) fn known(&mut self, value: &Value) -> Result<Vec<Const>, Refusal> {
         let mut scalars = Vec::new();
         value.for_each_scalar(&mut |e| scalars.push(e));
-        self.refuse_unknown_texts(&scalars).ok_or(Refusal::Reported)?;
         let mut known = Vec::with_capacity(scalars.len());
         for e in scalars {
             known.push(self.parameter_expression(e, true).ok_or_else(|| {

@@ -71,9 +71,6 @@ pub struct State {
     pub(crate) bindings: FastMap<(usize, Scope, bool), Option<Value>>,
     /// Assigned variables of the algorithm section being read.
     pub(crate) assigned: FastMap<VarId, ExprId>,
-    /// Texts that stand for those of values that only a run knows, and the places of their calls of
-    /// `String`: good for messages alone.
-    pub(crate) unknown_texts: FastMap<ExprId, Span>,
     /// Functions whose calls are open, the innermost last.
     pub(crate) calls: Vec<ClassId>,
     /// The condition under which the loop, or the function, being run was left already.

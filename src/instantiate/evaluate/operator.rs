@@ -7,7 +7,7 @@ use super::value::{Record, Value};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::{BinaryOp, Expr, UnaryOp};
-use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary};
+use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
 use crate::ir::instance::Scope;
 
 impl Context<'_> {
@@ -108,44 +108,11 @@ impl Context<'_> {
             self.report_types(span, "compared", self.graph.ty(x), self.graph.ty(y));
             return None;
         }
-        if s == Type::String {
-            self.refuse_unknown_texts(&[x, y])?;
-            return Some(Value::Scalar(self.relation_of_texts(op, x, y)));
+        if s == Type::String && (self.changes_between_events(x) || self.changes_between_events(y)) {
+            self.report_continuous(Type::String, span);
+            return None;
         }
         Some(Value::Scalar(self.graph.binary(op, x, y)))
-    }
-
-    /// A relation between texts that a run chooses is chosen with them.
-    fn relation_of_texts(&mut self, op: Binary, x: ExprId, y: ExprId) -> ExprId {
-        if let Some((c, a, b)) = self.chosen_text(x) {
-            let (a, b) = (self.relation_of_texts(op, a, y), self.relation_of_texts(op, b, y));
-            return self.graph.if_then_else(c, a, b);
-        }
-        if let Some((c, a, b)) = self.chosen_text(y) {
-            let (a, b) = (self.relation_of_texts(op, x, a), self.relation_of_texts(op, x, b));
-            return self.graph.if_then_else(c, a, b);
-        }
-        self.graph.binary(op, x, y)
-    }
-
-    /// A text that a run chooses, or that is put together with one: the condition and both texts.
-    fn chosen_text(&mut self, text: ExprId) -> Option<(ExprId, ExprId, ExprId)> {
-        match self.graph.node(text) {
-            Node::If(c, a, b) => Some((c, a, b)),
-            // What a function gives.
-            Node::NoEvent(inner) => {
-                let (c, a, b) = self.chosen_text(inner)?;
-                Some((self.graph.no_event(c), a, b))
-            }
-            Node::Binary(Binary::Add, p, q) => {
-                if let Some((c, a, b)) = self.chosen_text(p) {
-                    return Some((c, self.joined_texts(a, q), self.joined_texts(b, q)));
-                }
-                let (c, a, b) = self.chosen_text(q)?;
-                Some((c, self.joined_texts(p, a), self.joined_texts(p, b)))
-            }
-            _ => None,
-        }
     }
 
     pub(crate) fn report_types(&mut self, span: Span, what: &str, s: Type, t: Type) {
@@ -247,7 +214,7 @@ impl Context<'_> {
                 && cx.graph.ty(s) == Type::String
                 && cx.graph.ty(t) == Type::String
             {
-                return Some(Value::Scalar(cx.joined_texts(s, t)));
+                return Some(Value::Scalar(cx.graph.binary(Binary::Add, s, t)));
             }
             if let (Value::Record(_), _) | (_, Value::Record(_)) = (x, y) {
                 let operator = format!("'{}'", op.name());

@@ -10,8 +10,8 @@ use super::value::Value;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::ir::ast::{Expr, Statement};
-use crate::ir::expr::{ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
+use crate::ir::ast::{Expr, ExprKind, Iterator as Loop, Statement};
+use crate::ir::expr::{Binary, ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
 use crate::ir::flat::{Function, LocalId, Statement as Step};
 use crate::ir::instance::Scope;
 use crate::symbolic::rewrite::Rewriter;
@@ -42,18 +42,117 @@ impl Turn {
     }
 }
 
+/// A range whose bounds only a run knows.
+struct Range {
+    start: ExprId,
+    step: ExprId,
+    stop: ExprId,
+}
+
 impl Context<'_> {
     /// Makes a function of `while condition loop body` and assigns its outputs.
-    pub(super) fn repeat(
+    pub(super) fn repeat_while(
         &mut self,
         condition: &Expr,
         body: &[Statement],
         scope: Scope,
+    ) -> Option<()> {
+        let mut names = FastSet::default();
+        super::deduce::assigned(body, &mut names);
+        self.repeat(&names, condition.span, |cx| {
+            let value = cx.evaluate(condition, scope)?;
+            let holds = cx.truth(&value, condition.span)?;
+            let flow = cx.under(holds, |cx| cx.run_statements(body, scope))?;
+            Some((holds, flow))
+        })
+    }
+
+    /// Makes a function of a loop over `iterators` whose first range has bounds that only a run knows, and
+    /// assigns its outputs; `None` inside if the bounds are known.
+    pub(super) fn repeat_for(
+        &mut self,
+        iterators: &[Loop],
+        body: &[Statement],
+        scope: Scope,
+    ) -> Option<Option<()>> {
+        let Some((first, rest)) = iterators.split_first() else { return Some(None) };
+        let Some(range) = self.open_range(first, scope)? else { return Some(None) };
+        let span = first.range.as_ref().map_or(first.name.span, |r| r.span);
+        // The iterator is computed from the number of the turn: a sum of steps would round.
+        let turns = crate::base::name::name("$turn");
+        let mut names: FastSet<Name> = std::iter::once(turns).collect();
+        super::deduce::assigned(body, &mut names);
+        let zero = self.graph.integer(0);
+        self.evaluation.locals.push((turns, Value::Scalar(zero)));
+        let at = self.evaluation.locals.len() - 1;
+        let done = self.repeat(&names, span, |cx| {
+            let turn = cx.evaluation.locals[at].1.scalar()?;
+            let holds = cx.is_within(turn, &range);
+            let passed = cx.graph.binary(Binary::Mul, turn, range.step);
+            let value = cx.graph.binary(Binary::Add, range.start, passed);
+            cx.evaluation.locals.push((first.name.name, Value::Scalar(value)));
+            let flow = cx.under(holds, |cx| cx.run_for(rest, body, scope));
+            cx.evaluation.locals.pop();
+            let one = cx.graph.integer(1);
+            let next = cx.graph.binary(Binary::Add, turn, one);
+            cx.evaluation.locals[at].1 = Value::Scalar(next);
+            Some((holds, flow?))
+        });
+        self.evaluation.locals.pop();
+        done.map(Some)
+    }
+
+    /// What stands for every value of an iterator whose range only a run knows.
+    pub(crate) fn unknown_turn(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Value>> {
+        let Some(range) = self.open_range(iterator, scope)? else { return Some(None) };
+        let ty = self.graph.common_type(range.start, range.step);
+        let any = symbol(self.evaluation.symbols);
+        self.evaluation.symbols += 1;
+        Some(Some(Value::Scalar(self.graph.var(any, ty))))
+    }
+
+    /// The bounds of a range that only a run knows.
+    fn open_range(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Range>> {
+        let Some(range) = &iterator.range else { return Some(None) };
+        let ExprKind::Range { start, step, stop } = &range.kind else { return Some(None) };
+        let mut bound = |e: &Expr| {
+            let value = self.evaluate(e, scope)?;
+            self.number(&value, e.span)
+        };
+        let (start, stop) = (bound(start)?, bound(stop)?);
+        let step = match step {
+            Some(step) => bound(step)?,
+            None => self.graph.integer(1),
+        };
+        let parts = self.graph.postorder([start, step, stop]);
+        let known = parts.into_iter().all(|n| self.may_be_known(n, true));
+        Some((!known).then_some(Range { start, step, stop }))
+    }
+
+    /// Whether there is a turn of this number, counted from 0 (as many as a vector of the range has elements).
+    fn is_within(&mut self, turn: ExprId, range: &Range) -> ExprId {
+        let way = self.graph.sub(range.stop, range.start);
+        let whole = [way, range.step].into_iter().all(|e| self.graph.ty(e) == Type::Integer);
+        let mut last = self.graph.div(way, range.step);
+        if !whole {
+            let margin = self.graph.real(super::collection::MARGIN);
+            last = self.graph.add(last, margin);
+        }
+        self.graph.binary(Binary::LessEqual, turn, last)
+    }
+
+    /// Makes a function of a loop in which locals of these names change, and assigns its outputs. `turn` runs
+    /// one: the condition for it, and how it ends.
+    fn repeat(
+        &mut self,
+        names: &FastSet<Name>,
         span: Span,
+        run: impl FnOnce(&mut Self) -> Option<(ExprId, Flow)>,
     ) -> Option<()> {
         let frame = self.evaluation.frame;
         let before: Vec<(Name, Value)> = self.evaluation.locals[frame..].to_vec();
-        let changed = changed(body, &before);
+        let changed: Vec<usize> =
+            (0..before.len()).filter(|k| names.contains(&before[*k].0)).collect();
         let mut turn = Turn::default();
         for &k in &changed {
             let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
@@ -74,9 +173,7 @@ impl Context<'_> {
         }
         let asserted = self.evaluation.asserts.len();
         let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
-        let condition = self.evaluate(condition, scope)?;
-        let condition = self.truth(&condition, span)?;
-        let flow = self.under(condition, |cx| cx.run_statements(body, scope))?;
+        let (condition, flow) = run(self)?;
         // An assertion about a turn has no place outside of the loop.
         self.evaluation.asserts.truncate(asserted);
         for &k in &changed {
@@ -169,13 +266,6 @@ impl Context<'_> {
         });
         calls.collect()
     }
-}
-
-/// Positions of the locals that a turn may change.
-fn changed(body: &[Statement], locals: &[(Name, Value)]) -> Vec<usize> {
-    let mut names: FastSet<Name> = FastSet::default();
-    super::deduce::assigned(body, &mut names);
-    (0..locals.len()).filter(|k| names.contains(&locals[*k].0)).collect()
 }
 
 /// The function of a loop over symbols, and what it reads besides them.

@@ -28,7 +28,7 @@ impl Context<'_> {
         self.overloaded("'String'", &operands, span)
     }
 
-    /// Texts of what is known; for messages, what only a run knows is written as its expression.
+    /// Texts of values, which a run may know alone.
     pub(super) fn string_call(
         &mut self,
         args: &[Expr],
@@ -55,14 +55,9 @@ impl Context<'_> {
         };
         let left = given.get("leftJustified") != Some(&Const::Boolean(false));
         let e = self.scalar_of(value, first.span)?;
-        if let Some(chosen) = self.text_of_choice(e)
-            && given.is_empty()
-        {
-            return Some(Value::Scalar(chosen));
-        }
         let format = match given.get("format") {
             Some(Const::String(format)) => {
-                if crate::symbolic::printf::formatted(0.0, format).is_none() {
+                if crate::math::numeric::printf::formatted(0.0, format).is_none() {
                     let message = format!("`{format}` is no format of a number");
                     self.problems.push(
                         Diagnostic::error("MO0219", span, message)
@@ -70,47 +65,47 @@ impl Context<'_> {
                     );
                     return None;
                 }
-                Some(*format)
+                Some(format.as_str())
             }
             _ => None,
         };
         let form = Form {
-            digits: number("significantDigits", 6) as u16,
+            digits: number("significantDigits", usize::from(Form::default().digits)) as u16,
             width: number("minimumLength", 0) as u16,
             left,
             format,
         };
+        if let Some(chosen) = self.text_of_choice(e, form) {
+            return Some(Value::Scalar(chosen));
+        }
         // What is declared Real is written as such, also if its value is whole.
         let real = self.graph.ty(e) == Type::Real;
         let e = match self.graph.as_const(e) {
             Some(Const::Integer(i)) if real => self.graph.real(i as f64),
             _ => e,
         };
-        let text = self.graph.unary(Unary::Text(form), e);
-        if self.graph.as_const(text).is_none() {
-            self.evaluation.unknown_texts.insert(text, span);
-        }
-        Some(Value::Scalar(text))
+        Some(Value::Scalar(self.graph.unary(Unary::Text(form), e)))
     }
 
     /// The text of a truth value or of an enumeration that only a run knows.
-    fn text_of_choice(&mut self, e: ExprId) -> Option<ExprId> {
+    fn text_of_choice(&mut self, e: ExprId, form: Form) -> Option<ExprId> {
         if self.graph.as_const(e).is_some() {
             return None;
         }
         match self.graph.ty(e) {
             Type::Boolean => {
-                let (yes, no) = (self.graph.string("true"), self.graph.string("false"));
+                let [yes, no] =
+                    ["true", "false"].map(|t| self.graph.string(&form.padded(t.to_string())));
                 Some(self.graph.if_then_else(e, yes, no))
             }
             Type::Enumeration(t) => {
                 let literals = self.graph.enumerations[t].literals.clone();
                 let (last, firsts) = literals.split_last()?;
-                let mut text = self.graph.string(last);
+                let mut text = self.graph.string(&form.padded(last.to_string()));
                 for (k, literal) in firsts.iter().enumerate().rev() {
                     let value = self.graph.constant(Const::Enumeration(t, k as u32 + 1));
                     let is_it = self.graph.binary(Binary::Equal, e, value);
-                    let this = self.graph.string(literal);
+                    let this = self.graph.string(&form.padded(literal.to_string()));
                     text = self.graph.if_then_else(is_it, this, text);
                 }
                 Some(text)

@@ -5,38 +5,9 @@
 use super::Context;
 use super::external::Refusal;
 use super::value::Value;
-use crate::ir::expr::{Binary, Const, EnumId, ExprId, Node, Type};
+use crate::ir::expr::{Const, EnumId};
 
 impl Context<'_> {
-    /// `s + t` of texts: as little known as they are.
-    pub(super) fn joined_texts(&mut self, s: ExprId, t: ExprId) -> ExprId {
-        let joined = self.graph.binary(Binary::Add, s, t);
-        let unknown = &mut self.evaluation.unknown_texts;
-        if let Some(span) = unknown.get(&s).or(unknown.get(&t)).copied() {
-            unknown.insert(joined, span);
-        }
-        joined
-    }
-
-    /// Reports texts of which something depends and that only a run knows.
-    pub(super) fn refuse_unknown_texts(&mut self, texts: &[ExprId]) -> Option<()> {
-        for n in self.graph.postorder(texts.iter().copied()) {
-            let mut text = n;
-            if let Node::Var(v) = self.graph.node(n)
-                && let Some(&(id, k)) = self.evaluation.instance_of.get(v.0 as usize)
-                && self.bound(id)
-                && self.graph.ty(n) == Type::String
-            {
-                text = self.binding_value(id)?.elements().get(k)?.scalar()?;
-            }
-            if let Some(&span) = self.evaluation.unknown_texts.get(&text) {
-                self.unsupported(span, "texts of values that only a run knows, but for messages");
-                return None;
-            }
-        }
-        Some(())
-    }
-
     /// A function of the family `ModelicaStrings_`.
     pub(super) fn text_function(
         &mut self,

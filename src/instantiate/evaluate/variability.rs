@@ -50,16 +50,16 @@ impl Context<'_> {
     /// Reports a value that changes between events for a variable that does not.
     pub(crate) fn report_continuous(&mut self, ty: Type, span: Span) {
         let name = crate::symbolic::print::type_name(&self.graph, ty);
+        let help = match ty {
+            Type::String => "put the text together in a when-clause",
+            _ => "write the relation where the function is called, or compute it in a when-clause",
+        };
+        let message =
+            format!("a value of type {name} changes at events only, and this changes between them");
         self.problems.push(
-            Diagnostic::error(
-                "MO0247",
-                span,
-                format!(
-                    "a value of type {name} changes at events only, and this changes between them"
-                ),
-            )
-            .help("write the relation where the function is called, or compute it in a when-clause")
-            .note("section 3.8.3 of the specification"),
+            Diagnostic::error("MO0247", span, message)
+                .help(help)
+                .note("section 3.8.3 of the specification"),
         );
     }
 

@@ -19,6 +19,7 @@ pub mod newton;
 pub mod norm;
 pub mod pattern;
 pub mod piece;
+pub mod printf;
 pub mod pseudo_inverse;
 pub mod root;
 pub mod sequence;
