@@ -146,7 +146,7 @@ pub fn nominal(e: &mut Emitter, v: VarId) -> Slot {
 }
 
 /// The cells of the least and the greatest value of a variable; infinite where it has none.
-fn bounds(e: &mut Emitter, v: VarId) -> (Slot, Slot) {
+pub fn bounds(e: &mut Emitter, v: VarId) -> (Slot, Slot) {
     let variable = &e.dae.variables[v];
     let (min, max) = (variable.min, variable.max);
     let mut cell = |bound: Option<ExprId>, none: f64| match bound {

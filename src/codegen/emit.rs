@@ -11,8 +11,8 @@ use crate::base::source::Span;
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
 use crate::ir::program::{
-    AssertCells, CallSite, Clock, FunctionCode, Implicit, Instr, Layout, Loop, Op, ReinitCells,
-    Slot, Solver, Tape, Watch,
+    AssertCells, Bounds, CallSite, Clock, FunctionCode, Implicit, Instr, Layout, Loop, Op,
+    ReinitCells, Slot, Solver, Tape, Watch,
 };
 
 use super::error;
@@ -83,6 +83,8 @@ pub struct Emitter {
     pub reinits: Vec<ReinitCells>,
     /// Assertions.
     pub asserts: Vec<AssertCells>,
+    /// See [`crate::ir::program::Program::bounds`].
+    pub bounds: Vec<Bounds>,
     /// Terminates.
     pub terminates: Vec<Slot>,
     /// `terminal()` is read somewhere.
@@ -129,6 +131,7 @@ impl Emitter {
             late_clocks: Vec::new(),
             reinits: Vec::new(),
             asserts: Vec::new(),
+            bounds: Vec::new(),
             terminates: Vec::new(),
             reads_terminal: false,
             problems: Problems::new(),

@@ -116,6 +116,7 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
         clocks: emitter.clocks,
         reinits: emitter.reinits,
         asserts: emitter.asserts,
+        bounds: emitter.bounds,
         terminates: emitter.terminates,
         reads_terminal: emitter.reads_terminal,
         continuation: None,

@@ -3,13 +3,13 @@
 use crate::base::index::{FastMap, Id};
 use crate::ir::blocks::Block;
 use crate::ir::dae::{Dae, Kind, Trigger};
-use crate::ir::expr::{ExprId, Type, VarId};
+use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::{
     AssertCells, BlockPlace, Clock, Entry, Op, ReinitCells, Sequence, Slot, Tape,
 };
-use crate::ir::program::{DelayCells, ReaderCells, TransportCells};
+use crate::ir::program::{Bounds, DelayCells, ReaderCells, TransportCells};
 
-use super::block::{compile_block, compile_mixed};
+use super::block::{self, compile_block, compile_mixed};
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
 use super::layout::{block_unknowns, block_values, resting_value};
 use super::relation::{evaluate_relation, relations_in, watch_relations};
@@ -94,11 +94,34 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         e.layout.transports.push(TransportCells { ends, entering, initial, readers });
     }
     e.layout.nominals = scale::of_components(e, &blocks.components());
+    bounds(e);
     for k in 0..e.dae.samples.len() {
         let sample = e.dae.samples[k].clone();
         let start = clock_value(e, sample.start);
         let interval = clock_value(e, sample.interval);
         e.clocks.push(Clock { start, interval, flag: e.slot(sample.flag) });
+    }
+}
+
+/// The cells of what has bounds.
+fn bounds(e: &mut Emitter) {
+    let mut stands_for_itself = vec![true; e.dae.variables.len()];
+    for (v, value) in &e.dae.eliminated {
+        let is_alias = match e.dae.graph.node(*value) {
+            Node::Unary(Unary::Neg, a) => matches!(e.dae.graph.node(a), Node::Var(_)),
+            node => matches!(node, Node::Var(_)),
+        };
+        stands_for_itself[v.idx()] = !is_alias;
+    }
+    for v in e.dae.variables.ids() {
+        let variable = &e.dae.variables[v];
+        let is_bounded = variable.min.is_some() || variable.max.is_some();
+        if is_bounded && stands_for_itself[v.idx()] && variable.ty != Type::String {
+            let (min, max) = block::bounds(e, v);
+            let bounds =
+                Bounds { variable: v, value: e.slot(v), min, max, nominal: block::nominal(e, v) };
+            e.bounds.push(bounds);
+        }
     }
 }
 

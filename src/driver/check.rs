@@ -158,6 +158,7 @@ fn component(cx: &mut Context<'_>, class: ClassId) {
     cx.report_modified_absent(class);
     if !cx.problems.has_errors() {
         crate::units::check(&mut flat, cx.problems);
+        crate::flatten::bounds::check(&flat, cx.problems);
     }
     if !cx.problems.has_errors()
         && let Some(balance) = balance
@@ -174,6 +175,7 @@ fn whole(mut cx: Context<'_>, class: ClassId) {
         return;
     }
     crate::units::check(&mut flat, problems);
+    crate::flatten::bounds::check(&flat, problems);
     let mut own = Problems::new();
     let dae = crate::lower::lower(flat, &mut own);
     for d in own.iter() {

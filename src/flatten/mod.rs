@@ -2,6 +2,7 @@
 //! connections turned into equations (section 5.6 of the specification).
 pub mod assembly;
 pub mod balance;
+pub mod bounds;
 mod cardinality;
 pub mod connect;
 mod connector;

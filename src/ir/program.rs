@@ -272,6 +272,21 @@ pub struct AssertCells {
     pub at_events: bool,
 }
 
+/// The cells of a variable that has a `min` or a `max`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Bounds {
+    /// The variable.
+    pub variable: VarId,
+    /// Its value.
+    pub value: Slot,
+    /// The least value, infinite where there is none.
+    pub min: Slot,
+    /// The greatest one.
+    pub max: Slot,
+    /// The typical size.
+    pub nominal: Slot,
+}
+
 /// States that are chosen while the model runs.
 #[derive(Clone, Debug)]
 pub struct StateSetCells {
@@ -446,6 +461,8 @@ pub struct Program {
     pub reinits: Vec<ReinitCells>,
     /// Assertions.
     pub asserts: Vec<AssertCells>,
+    /// What has a `min` or a `max`, of variables that are the same the one that stands for all.
+    pub bounds: Vec<Bounds>,
     /// Activation of each `terminate`.
     pub terminates: Vec<Slot>,
     /// `terminal()` is read somewhere: the run ends with an event.

@@ -17,6 +17,7 @@ pub mod explain;
 pub mod extremes;
 pub mod homotopy;
 pub mod initial;
+pub mod limits;
 pub mod instant;
 pub mod meeting;
 pub mod method;

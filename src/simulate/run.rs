@@ -19,6 +19,7 @@ use super::explain::{Reader, relation_text};
 use super::extremes::Extremes;
 use super::initial::initialise;
 use super::instant::Cause;
+use super::limits::Limits;
 use super::meeting::Recent;
 use super::method::{Choice, Integrator};
 use super::options::options;
@@ -178,6 +179,7 @@ pub struct Simulation<'p, 's> {
     pub(super) t: f64,
     pub(super) y: Vec<f64>,
     pub(super) warned: Vec<bool>,
+    pub(super) limits: Limits,
     pub(super) texts: Vec<Option<String>>,
     pub(super) recent: Recent,
     /// Where events have piled up, as long as nothing says how it goes on from there.
@@ -248,6 +250,7 @@ impl<'p, 's> Simulation<'p, 's> {
             t,
             y,
             warned: vec![false; program.asserts.len()],
+            limits: Limits::new(program, settings.tolerance),
             texts: vec![None; program.watches.len()],
             recent: Recent::new(settings.stop - settings.start),
             pile: None,
@@ -258,6 +261,7 @@ impl<'p, 's> Simulation<'p, 's> {
         };
         simulation.model.instance.undetermined = None;
         simulation.record(t)?;
+        simulation.limits.settle(program);
         simulation.warn_of_undetermined(t);
         simulation.recorder.flush_first(simulation.sink);
         simulation.check_assertions(t)?;
@@ -552,6 +556,8 @@ impl<'p, 's> Simulation<'p, 's> {
             taken = self.recorder.take(&self.model.instance);
         }
         if taken.is_ok() {
+            let (memory, said) = (&self.model.instance.memory, &mut self.statistics.warnings);
+            self.limits.look(self.program, memory, t, said);
             self.look_at_row(t)?;
         }
         taken.map_err(|v| {

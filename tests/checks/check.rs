@@ -140,3 +140,12 @@ fn units_that_do_not_match_are_warnings_or_errors() {
     // The share, the force, and the exponent; nothing of what is right.
     assert_eq!(lines, [("error", 14), ("error", 20), ("error", 37)]);
 }
+
+#[test]
+fn values_beyond_their_bounds_are_warned_of() {
+    let said = checked("bounds", 0);
+    for beyond in ["`bore` is -0.01, below its `min` of 0", "`seals` is 12, above its `max` of 8"] {
+        assert!(said.contains(beyond), "{said}");
+    }
+    assert!(!said.contains("`land`"), "{said}");
+}

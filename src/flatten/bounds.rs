@@ -1,0 +1,27 @@
+//! Parameters and constants whose values lie beyond their `min` and `max` as they are written: `mocc
+//! check` says so without a run (section 4.9.1 of the specification).
+
+use crate::base::diag::{Diagnostic, Problems};
+use crate::ir::ast::Variability;
+use crate::ir::expr::ExprId;
+use crate::ir::flat::FlatModel;
+
+/// Warns of each.
+pub fn check(flat: &FlatModel, problems: &mut Problems) {
+    let number = |e: Option<ExprId>| flat.graph.as_const(e?)?.number();
+    for v in flat.variables.iter() {
+        if v.variability > Variability::Parameter {
+            continue;
+        }
+        let Some(value) = number(v.binding) else { continue };
+        let min = number(v.min).filter(|min| value < *min).map(|min| ("below", "min", min));
+        let max = number(v.max).filter(|max| value > *max).map(|max| ("above", "max", max));
+        if let Some((side, attribute, bound)) = min.or(max) {
+            let message = format!("`{}` is {value}, {side} its `{attribute}` of {bound}", v.name);
+            problems.push(
+                Diagnostic::warning("MO0273", v.span, message)
+                    .help("give it another value, or another bound"),
+            );
+        }
+    }
+}

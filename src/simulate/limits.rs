@@ -1,0 +1,125 @@
+//! Values beyond the `min` and `max` of their variables (section 4.9.1 of the specification).
+//!
+//! The specification has them as assertions. They are looked at in every row, and violations are
+//! warnings: many published models touch a bound on their way.
+
+use crate::base::diag::Diagnostic;
+use crate::base::index::Id;
+use crate::ir::dae::{Dae, Kind};
+use crate::ir::expr::{Const, ExprId, Node, Unary, VarId};
+use crate::ir::program::{Bounds, Program};
+
+/// A value beyond a bound of its variable.
+const BEYOND: &str = "MO0919";
+
+/// Variables that are named before the rest is left unsaid.
+const NAMED: usize = 8;
+
+/// The variables that are looked at.
+pub struct Limits {
+    watched: Vec<(Bounds, f64)>,
+    named: usize,
+}
+
+impl Limits {
+    /// Watches what is recorded. What is less than `tolerance` beyond a bound, relative to the bound and to the
+    /// typical size, is not.
+    pub fn new(program: &Program, tolerance: f64) -> Limits {
+        let mut recorded = vec![false; program.blocks.dae.variables.len()];
+        for v in program.recorded.iter().chain(&program.constants) {
+            recorded[v.idx()] = true;
+        }
+        let watched = program.bounds.iter().filter(|b| recorded[b.variable.idx()]);
+        let margin = |b: &Bounds| match program.blocks.dae.variables[b.variable].kind {
+            Kind::Parameter => 0.0,
+            _ => tolerance,
+        };
+        Limits { watched: watched.map(|b| (*b, margin(b))).collect(), named: 0 }
+    }
+
+    /// Looks at the values of an instant; each variable is named once.
+    #[inline]
+    pub fn look(&mut self, program: &Program, memory: &[f64], t: f64, said: &mut Vec<Diagnostic>) {
+        let mut k = 0;
+        while let Some((bounds, margin)) = self.watched.get(k) {
+            if is_within(bounds, *margin, memory) {
+                k += 1;
+                continue;
+            }
+            if self.named < NAMED {
+                said.push(beyond(program, memory, bounds, t));
+            } else if self.named == NAMED {
+                let place = program.blocks.dae.variables[bounds.variable].span;
+                let message = format!("at time {t} s more variables lie beyond their bounds");
+                said.push(Diagnostic::warning(BEYOND, place, message));
+                self.watched.clear();
+                return;
+            }
+            self.named += 1;
+            self.watched.swap_remove(k);
+        }
+    }
+
+    /// Does not look at parameters any more.
+    pub fn settle(&mut self, program: &Program) {
+        let variables = &program.blocks.dae.variables;
+        self.watched.retain(|(b, _)| variables[b.variable].kind != Kind::Parameter);
+    }
+}
+
+fn is_within(bounds: &Bounds, margin: f64, memory: &[f64]) -> bool {
+    let [value, min, max] =
+        [bounds.value, bounds.min, bounds.max].map(|slot| memory[slot as usize]);
+    value >= min && value <= max || {
+        let nominal = memory[bounds.nominal as usize].abs();
+        let room = |bound: f64| margin * bound.abs().max(nominal);
+        value >= min - room(min) && value <= max + room(max)
+    }
+}
+
+fn beyond(program: &Program, memory: &[f64], bounds: &Bounds, t: f64) -> Diagnostic {
+    let dae = &program.blocks.dae;
+    let [value, min, max] =
+        [bounds.value, bounds.min, bounds.max].map(|slot| memory[slot as usize]);
+    let is_low = value < min;
+    let (named, negative) =
+        declaring(dae, bounds.variable, is_low).unwrap_or((bounds.variable, false));
+    // No bound is a negative zero.
+    let signed = |x: f64| if negative { 0.0 - x } else { x };
+    let (value, bound) = (signed(value), signed(if is_low { min } else { max }));
+    let (side, attribute) = if is_low == negative { ("above", "max") } else { ("below", "min") };
+    let v = &dae.variables[named];
+    let what = format!("{value}, {side} its `{attribute}` of {bound}");
+    let (message, help) = match v.kind {
+        Kind::Parameter => {
+            (format!("parameter `{}` is {what}", v.name), "give it another value, or another bound")
+        }
+        _ => (
+            format!("at time {t} s `{}` is {what}", v.name),
+            "check the parameters and start values that lead there, or the bound",
+        ),
+    };
+    Diagnostic::warning(BEYOND, v.span, message).help(help)
+}
+
+/// Which of the variables that are the same has the bound, and whether it has the other sign.
+fn declaring(dae: &Dae, v: VarId, is_low: bool) -> Option<(VarId, bool)> {
+    let bound = |v: VarId, low: bool| {
+        let variable = &dae.variables[v];
+        if low { variable.min } else { variable.max }
+    };
+    let wanted = bound(v, is_low)?;
+    let same = |&(other, value): &(VarId, ExprId)| match dae.graph.node(value) {
+        // The representative has the bounds of all.
+        Node::Var(of) if of == v && bound(other, is_low) == Some(wanted) => Some((other, false)),
+        Node::Unary(Unary::Neg, of) if dae.graph.node(of) == Node::Var(v) => {
+            let number = |e: ExprId| dae.graph.as_const(e).and_then(Const::number);
+            let own = bound(other, !is_low)?;
+            let is_it = dae.graph.node(wanted) == Node::Unary(Unary::Neg, own)
+                || number(wanted).is_some_and(|w| number(own).is_some_and(|n| n == -w));
+            is_it.then_some((other, true))
+        }
+        _ => None,
+    };
+    dae.eliminated.iter().find_map(same)
+}

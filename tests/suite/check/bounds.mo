@@ -1,0 +1,11 @@
+// Values beyond the bounds of their parameters, as far as the text says them.
+model Bounds
+  type Length = Real(final unit = "m", min = 0);
+  parameter Length bore = -0.01;
+  parameter Integer seals(min = 1, max = 8) = 12;
+  parameter Length land(max = 0.5) = 0.5;
+  parameter Length stroke(max = bore) = 2*land;
+  Real x(start = 1, fixed = true);
+equation
+  der(x) = -x;
+end Bounds;
