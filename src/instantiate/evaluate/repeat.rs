@@ -115,15 +115,17 @@ impl Context<'_> {
     fn open_range(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Range>> {
         let Some(range) = &iterator.range else { return Some(None) };
         let ExprKind::Range { start, step, stop } = &range.kind else { return Some(None) };
-        let mut bound = |e: &Expr| {
-            let value = self.evaluate(e, scope)?;
-            self.number(&value, e.span)
-        };
-        let (start, stop) = (bound(start)?, bound(stop)?);
+        let start = self.evaluate(start, scope)?.scalar();
+        let stop = self.evaluate(stop, scope)?.scalar();
         let step = match step {
-            Some(step) => bound(step)?,
-            None => self.graph.integer(1),
+            Some(step) => self.evaluate(step, scope)?.scalar(),
+            None => Some(self.graph.integer(1)),
         };
+        let (Some(start), Some(step), Some(stop)) = (start, step, stop) else { return Some(None) };
+        let is_number = |e: &ExprId| matches!(self.graph.ty(*e), Type::Integer | Type::Real);
+        if ![start, step, stop].iter().all(is_number) {
+            return Some(None);
+        }
         let parts = self.graph.postorder([start, step, stop]);
         let known = parts.into_iter().all(|n| self.may_be_known(n, true));
         Some((!known).then_some(Range { start, step, stop }))
