@@ -3,15 +3,16 @@
 //! A function owns the cells of its locals, so calls need no stack; therefore functions must not
 //! call themselves, directly or through others.
 
-use crate::base::index::{FastMap, Id};
+use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::dae::Dae;
-use crate::ir::expr::{ExprId, FunctionId, Node, Type, Unary};
-use crate::ir::flat::{Function, Level, Statement};
+use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node, Type, Unary, VarId};
+use crate::ir::flat::{Function, Level, LocalId, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 use crate::symbolic::print::print;
 
 use super::emit::Emitter;
 use super::error;
+use super::lazy::Plan;
 use super::text;
 
 /// Compiles all functions of the model.
@@ -46,9 +47,7 @@ pub fn reached(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
 
 /// The functions that the body of `f` calls.
 fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
-    let mut values = Vec::new();
-    statement_values(&dae.functions[f].body, &mut values);
-    let nodes = dae.graph.postorder(values);
+    let nodes = dae.graph.postorder(dae.functions[f].values());
     let calls = nodes.into_iter().filter_map(|n| match dae.graph.node(n) {
         Node::Call { function, .. } => Some(function),
         _ => None,
@@ -56,23 +55,36 @@ fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
     calls.collect()
 }
 
-fn statement_values(body: &[Statement], out: &mut Vec<ExprId>) {
-    for statement in body {
-        match statement {
-            Statement::Assign(_, value) => out.push(*value),
-            Statement::If(c, a, b) => {
-                out.push(*c);
-                statement_values(a, out);
-                statement_values(b, out);
-            }
-            Statement::While(c, a) => {
-                out.push(*c);
-                statement_values(a, out);
-            }
-            Statement::Assert(a) => out.push(a.condition),
-            Statement::Break | Statement::Return => {}
+/// The assignments that follow one to `local` and read nothing that it or another one of them assigns: all
+/// can be computed at once.
+fn independent(graph: &Graph, local: LocalId, next: &[Statement]) -> Vec<(LocalId, ExprId)> {
+    let mut assigned: FastSet<VarId> = std::iter::once(VarId(local.0)).collect();
+    let mut all = Vec::new();
+    for statement in next {
+        let Statement::Assign(local, value) = statement else { break };
+        let reads = |n: &ExprId| matches!(graph.node(*n), Node::Var(v) if assigned.contains(&v));
+        if graph.postorder([*value]).iter().any(reads) || !assigned.insert(VarId(local.0)) {
+            break;
         }
+        all.push((*local, *value));
     }
+    all
+}
+
+/// A branch of so few operations costs less than a jump over it.
+const SHORT: usize = 4;
+
+fn is_short(graph: &Graph, list: &[ExprId]) -> bool {
+    let costs = |n: &&ExprId| !matches!(graph.node(**n), Node::Const(_) | Node::Var(_));
+    let calls = |n: &ExprId| matches!(graph.node(*n), Node::Call { .. });
+    !list.iter().any(calls) && list.iter().filter(costs).count() <= SHORT
+}
+
+/// The cells of what is computed, and those of the first results of calls.
+#[derive(Default)]
+struct Known {
+    slots: FastMap<ExprId, Slot>,
+    calls: FastMap<(FunctionId, ListId), Slot>,
 }
 
 /// A function in the making.
@@ -91,8 +103,7 @@ impl<'a> Body<'a> {
     fn compile(e: &mut Emitter, function: &'a Function) -> FunctionCode {
         let first = e.cells(function.locals.len(), 0.0);
         let locals: Vec<Slot> = (0..function.locals.len() as Slot).map(|i| first + i).collect();
-        let cells =
-            |ids: &[crate::ir::flat::LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
+        let cells = |ids: &[LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
         let (inputs, outputs) = (cells(&function.inputs), cells(&function.outputs));
         let mut body = Body {
             function,
@@ -116,12 +127,21 @@ impl<'a> Body<'a> {
     }
 
     fn statements(&mut self, e: &mut Emitter, body: &[Statement]) {
-        for statement in body {
+        let mut rest = body;
+        while let Some((statement, next)) = rest.split_first() {
+            rest = next;
             match statement {
                 Statement::Assign(local, value) => {
-                    let value = self.value(e, *value);
-                    let dst = self.locals[local.idx()];
-                    self.push(Op::Copy, dst, value, value);
+                    let more = independent(&e.dae.graph, *local, next);
+                    let mut all = vec![(*local, *value)];
+                    all.extend(more);
+                    rest = &next[all.len() - 1..];
+                    let roots: Vec<ExprId> = all.iter().map(|(_, value)| *value).collect();
+                    let known = self.values(e, &roots);
+                    for (local, value) in all {
+                        let (dst, value) = (self.locals[local.idx()], known[&value]);
+                        self.push(Op::Copy, dst, value, value);
+                    }
                 }
                 Statement::If(condition, a, b) => {
                     let c = self.value(e, *condition);
@@ -154,7 +174,7 @@ impl<'a> Body<'a> {
                 }
                 Statement::Assert(assert) if assert.level == Level::Error => {
                     let c = self.value(e, assert.condition);
-                    let names = |v: crate::ir::expr::VarId| self.local_name(v.idx());
+                    let names = |v: VarId| self.local_name(v.idx());
                     self.messages.push(print(&e.dae.graph, assert.message, &names));
                     let message = (self.messages.len() - 1) as Slot;
                     self.push(Op::Assert, 0, c, message);
@@ -183,16 +203,83 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Computes an expression over the locals. Nothing is kept from one statement to the next.
+    /// Computes an expression over the locals.
     fn value(&mut self, e: &mut Emitter, root: ExprId) -> Slot {
-        let mut known: FastMap<ExprId, Slot> = FastMap::default();
-        for n in e.dae.graph.postorder([root]) {
-            let slot = self.node(e, n, &known);
-            known.insert(n, slot);
-        }
-        known.get(&root).copied().unwrap_or_default()
+        self.values(e, &[root])[&root]
     }
 
+    /// Computes expressions over the locals. Nothing is kept for the statements behind them.
+    fn values(&mut self, e: &mut Emitter, roots: &[ExprId]) -> FastMap<ExprId, Slot> {
+        let plan = Plan::of(&e.dae.graph, roots);
+        let mut known = Known::default();
+        self.planned(e, &plan, plan.always(), &mut known);
+        known.slots
+    }
+
+    fn planned(&mut self, e: &mut Emitter, plan: &Plan, list: &[ExprId], known: &mut Known) {
+        for &n in list {
+            let slot = match e.dae.graph.node(n) {
+                Node::If(c, a, b) => self.choice(e, plan, n, [c, a, b], known),
+                Node::Call { function, output, args } => {
+                    let base = match known.calls.get(&(function, args)) {
+                        Some(base) => *base,
+                        None => self.call(e, function, args, known),
+                    };
+                    base + output
+                }
+                _ => self.node(e, n, &known.slots),
+            };
+            known.slots.insert(n, slot);
+        }
+    }
+
+    /// What is computed in one branch alone is jumped over where it is long.
+    fn choice(
+        &mut self,
+        e: &mut Emitter,
+        plan: &Plan,
+        n: ExprId,
+        [c, a, b]: [ExprId; 3],
+        known: &mut Known,
+    ) -> Slot {
+        let dst = e.cell(0.0);
+        let branches = [true, false].map(|holds| plan.in_branch(n, holds));
+        if branches.iter().all(|list| is_short(&e.dae.graph, list)) {
+            branches.into_iter().for_each(|list| self.planned(e, plan, list, known));
+            self.push(Op::Copy, dst, known.slots[&b], known.slots[&b]);
+            self.push(Op::CopyIf, dst, known.slots[&c], known.slots[&a]);
+            return dst;
+        }
+        let unless = self.push(Op::JumpUnless, 0, known.slots[&c], 0);
+        self.planned(e, plan, branches[0], known);
+        self.push(Op::Copy, dst, known.slots[&a], known.slots[&a]);
+        let over = self.push(Op::Jump, 0, 0, 0);
+        self.land(unless);
+        self.planned(e, plan, branches[1], known);
+        self.push(Op::Copy, dst, known.slots[&b], known.slots[&b]);
+        self.land(over);
+        dst
+    }
+
+    /// Calls a function: the cell of its first result.
+    fn call(&mut self, e: &mut Emitter, f: FunctionId, args: ListId, known: &mut Known) -> Slot {
+        let slots = e.dae.graph.list(args).iter().map(|a| known.slots[a]).collect();
+        let count = e.dae.functions[f].outputs.len();
+        let base = e.cells(count.max(1), 0.0);
+        e.calls.push(CallSite {
+            function: f.idx(),
+            args: slots,
+            results: (base..base + count as Slot).collect(),
+            partial: None,
+            guard: None,
+            last: None,
+        });
+        self.push(Op::Call, base, (e.calls.len() - 1) as Slot, 0);
+        known.calls.insert((f, args), base);
+        base
+    }
+
+    /// What is neither a choice nor a call.
     fn node(&mut self, e: &mut Emitter, n: ExprId, known: &FastMap<ExprId, Slot>) -> Slot {
         match e.dae.graph.node(n) {
             Node::Const(c) => e.literal(c.register()),
@@ -214,29 +301,7 @@ impl<'a> Body<'a> {
                 if negated { self.make(e, Op::Unary(Unary::Not), result, result) } else { result }
             }
             Node::Binary(op, a, b) => self.make(e, Op::Binary(op), known[&a], known[&b]),
-            Node::If(c, a, b) => {
-                let dst = self.make(e, Op::Copy, known[&b], known[&b]);
-                self.push(Op::CopyIf, dst, known[&c], known[&a]);
-                dst
-            }
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => known[&a],
-            Node::Call { function, output, args } => {
-                let slots = e.dae.graph.list(args).iter().map(|a| known[a]).collect();
-                let count = e.dae.functions[function].outputs.len();
-                let base = e.cells(count.max(1), 0.0);
-                let results = (base..base + count as Slot).collect();
-                let function = function.idx();
-                e.calls.push(CallSite {
-                    function,
-                    args: slots,
-                    results,
-                    partial: None,
-                    guard: None,
-                    last: None,
-                });
-                self.push(Op::Call, base, (e.calls.len() - 1) as Slot, 0);
-                base + output
-            }
             _ => self.unsupported(e, "an expression that depends on time inside of a function"),
         }
     }

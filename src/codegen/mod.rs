@@ -16,6 +16,7 @@ pub mod interp;
 pub mod jacobian;
 pub mod jit;
 pub mod layout;
+mod lazy;
 pub mod mixed;
 pub mod carried;
 pub mod delayed;

@@ -11,6 +11,7 @@ pub mod expandable;
 pub mod inventory;
 mod past;
 pub mod print;
+mod print_function;
 pub mod setting;
 mod share;
 pub mod variable;

@@ -85,7 +85,7 @@ pub fn quoted(name: &str) -> String {
     out
 }
 
-fn push_quoted(name: &str, out: &mut String) {
+pub(super) fn push_quoted(name: &str, out: &mut String) {
     let plain = name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
         && name.bytes().next().is_some_and(|c| !c.is_ascii_digit());
     let already = name.starts_with('\'')
@@ -147,6 +147,7 @@ impl Text<'_> {
             let literals = literals.join(", ");
             self.push(&["  type ", &quoted(&ty.name), " = enumeration(", &literals, ");\n"]);
         }
+        self.out.push_str(&super::print_function::functions(flat));
         for (id, v) in flat.variables.enumerate() {
             if !self.unsaid.contains(&id) {
                 self.declaration(v);

@@ -290,6 +290,34 @@ pub struct Function {
     pub body: Vec<Statement>,
 }
 
+impl Function {
+    /// The expressions of the statements, but for messages.
+    pub fn values(&self) -> Vec<ExprId> {
+        let mut out = Vec::new();
+        values_of(&self.body, &mut out);
+        out
+    }
+}
+
+fn values_of(body: &[Statement], out: &mut Vec<ExprId>) {
+    for statement in body {
+        match statement {
+            Statement::Assign(_, value) => out.push(*value),
+            Statement::If(c, a, b) => {
+                out.push(*c);
+                values_of(a, out);
+                values_of(b, out);
+            }
+            Statement::While(c, a) => {
+                out.push(*c);
+                values_of(a, out);
+            }
+            Statement::Assert(a) => out.push(a.condition),
+            Statement::Break | Statement::Return => {}
+        }
+    }
+}
+
 crate::define_id! {
     /// A scalar local of a [`Function`].
     pub struct LocalId
@@ -313,6 +341,46 @@ pub enum Statement {
 }
 
 impl FlatModel {
+    /// Calls `visit` with every expression of the model but those of its functions.
+    pub fn for_each_expression(&self, visit: &mut dyn FnMut(ExprId)) {
+        for v in self.variables.iter() {
+            let attributes = [v.binding, v.start, v.min, v.max, v.nominal];
+            attributes.into_iter().flatten().for_each(&mut *visit);
+        }
+        let assert = |a: &Assert, visit: &mut dyn FnMut(ExprId)| {
+            [a.condition, a.message].into_iter().for_each(visit);
+        };
+        for e in self.equations.iter().chain(&self.initial_equations) {
+            match &e.kind {
+                EquationKind::Equal(a, b) => [*a, *b].into_iter().for_each(&mut *visit),
+                EquationKind::Algorithm { values, .. } => {
+                    values.iter().copied().for_each(&mut *visit);
+                }
+                EquationKind::Assert(a) => assert(a, visit),
+                EquationKind::When(branches) => {
+                    for branch in branches {
+                        branch.conditions.iter().copied().for_each(&mut *visit);
+                        for action in &branch.actions {
+                            match action {
+                                Action::Assign(_, e) | Action::Terminate(e) => visit(*e),
+                                Action::Reinit { value, guard, .. } => {
+                                    visit(*value);
+                                    guard.iter().copied().for_each(&mut *visit);
+                                }
+                                Action::Assert(a) => assert(a, visit),
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        self.delays.iter().for_each(|d| visit(d.time));
+        for line in &self.transports {
+            line.initial.iter().flat_map(|(p, v)| [*p, *v]).for_each(&mut *visit);
+            line.longest.iter().copied().for_each(&mut *visit);
+        }
+    }
+
     /// An empty model.
     pub fn new(name: impl Into<String>, span: Span) -> Self {
         FlatModel {

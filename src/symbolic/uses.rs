@@ -6,6 +6,9 @@ use crate::ir::expr::{Binary, ExprId, Graph, Node};
 /// An expression, and the condition under which it is computed.
 pub type Root = (ExprId, Option<ExprId>);
 
+/// Guards beyond which none is made that stands for either of two: their conditions grow with each.
+const MOST: usize = 10_000;
+
 /// Whether what stands below a node is not looked at.
 pub type Closed<'c> = dyn Fn(&Graph, ExprId) -> bool + 'c;
 
@@ -91,7 +94,7 @@ impl Uses {
     /// The guard of what is computed under one guard or under another.
     fn either(&mut self, graph: &mut Graph, a: usize, b: usize) -> usize {
         let around = self.common(a, b);
-        if around == a || around == b {
+        if around == a || around == b || self.guards.len() > MOST {
             return around;
         }
         let [a, b] = [a, b].map(|guard| self.all(graph, guard, around));

@@ -179,7 +179,7 @@ fn texts_are_put_together_while_the_model_runs() {
 
 #[test]
 fn what_a_for_loop_runs_over_a_run_may_say() {
-    let run = Case::text(
+    let case = Case::text(
         "model Loops
            function total
              input Integer n;
@@ -241,8 +241,13 @@ fn what_a_for_loop_runs_over_a_run_may_say() {
          end Loops;",
     )
     .stop(1.5)
-    .interval(0.25)
-    .run();
+    .interval(0.25);
+    // The text of the flat model has the loops as functions.
+    let again = Case::text(&case.flat()).stop(1.5).interval(0.25).run();
+    let run = case.run();
+    for name in ["s", "squares", "at", "m"] {
+        assert_eq!(run.last(name), again.last(name), "{name}");
+    }
     let at = |t| ["s", "squares", "at", "m", "w[2]", "w[4]"].map(|name| run.at(name, t));
     // With x = 2 t: x (1 + 2 + 4) for two rows, 5 + 4 + 3 behind them, and 0.6 x.
     for (found, expected) in at(0.75).into_iter().zip([23.4, 2.0, -1.0, 2.0, 2.0, 0.0]) {
