@@ -1,5 +1,5 @@
-//! Conditions under which long calls are needed: what stands in a branch of a when-clause, or of an `if` in
-//! it, is not computed where the branch is not taken.
+//! Conditions under which long calls are needed: what stands in a branch of an `if`, or of a when-clause, is not
+//! computed where the branch is not taken.
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::dae::Dae;
@@ -15,12 +15,20 @@ const MANY: usize = 100;
 /// A call.
 pub type Called = (FunctionId, ListId);
 
-/// The conditions of calls that stand in equations of discrete variables alone. What stands in others too is
-/// computed always: those are differentiated and taken apart.
+/// The conditions of calls that stand in equations and assertions. What stands in relations or clocks too is
+/// computed always.
 pub fn guards(dae: &mut Dae, long: &FastSet<FunctionId>) -> FastMap<Called, ExprId> {
-    let roots: Vec<Root> = dae.discrete.iter().map(|d| (d.value, None)).collect();
-    let discrete = calls(dae, roots.iter().map(|r| r.0).collect());
-    let long: FastSet<Called> = discrete.filter(|(f, _)| long.contains(f)).collect();
+    if long.is_empty() {
+        return FastMap::default();
+    }
+    let mut all: Vec<ExprId> = dae.discrete.iter().map(|d| d.value).collect();
+    for e in dae.equations.iter().chain(&dae.initial) {
+        all.extend([e.lhs, e.rhs, e.residual]);
+    }
+    all.extend(dae.eliminated.iter().map(|(_, e)| *e));
+    all.extend(dae.asserts.iter().map(|a| a.assert.condition));
+    let roots: Vec<Root> = all.iter().map(|e| (*e, None)).collect();
+    let long: FastSet<Called> = calls(dae, all).filter(|(f, _)| long.contains(f)).collect();
     if long.is_empty() {
         return FastMap::default();
     }
@@ -74,20 +82,13 @@ fn calls(dae: &Dae, roots: Vec<ExprId>) -> impl Iterator<Item = Called> {
     })
 }
 
-/// All expressions of the system but those of discrete variables.
+/// All expressions of the system but those of its equations and assertions.
 fn others(dae: &Dae) -> Vec<ExprId> {
-    let mut all: Vec<ExprId> = Vec::new();
-    for e in dae.equations.iter().chain(&dae.initial) {
-        all.extend([e.lhs, e.rhs, e.residual]);
-    }
-    all.extend(dae.parameters.iter().chain(&dae.eliminated).map(|(_, e)| *e));
+    let mut all: Vec<ExprId> = dae.parameters.iter().map(|(_, e)| *e).collect();
     all.extend(dae.relations.iter().flat_map(|r| [r.lhs, r.rhs]));
     all.extend(dae.samples.iter().flat_map(|s| [s.start, s.interval]));
     all.extend(dae.reinits.iter().flat_map(|r| [r.active, r.value]));
-    for a in &dae.asserts {
-        all.extend([a.assert.condition, a.assert.message]);
-        all.extend(a.active);
-    }
+    all.extend(dae.asserts.iter().filter_map(|a| a.active));
     all.extend(dae.terminates.iter().flat_map(|t| [t.active, t.message]));
     all.extend(dae.delays.iter().map(|(_, e)| *e));
     all.extend(dae.transports.iter().flat_map(|t| &t.initial).flat_map(|(p, v)| [*p, *v]));

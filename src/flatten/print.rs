@@ -8,7 +8,8 @@ use crate::ir::flat::{
     Action, Assert, Equation, EquationKind, FlatModel, Level, StateSelect, Transport, Variable,
     WhenBranch,
 };
-use crate::symbolic::print::{Printer, type_name};
+use crate::ir::native::{Function, Native};
+use crate::symbolic::print::{Printer, real_literal, type_name};
 
 /// Variables and equations of a model whose text is long.
 const LONG: usize = 50_000;
@@ -22,9 +23,9 @@ pub fn print(flat: &FlatModel) -> String {
 pub fn pieces(flat: &FlatModel) -> Vec<String> {
     let shared = super::share::shared(flat);
     let flat = shared.as_ref().unwrap_or(flat);
-    let unsaid = unsaid(flat);
+    let (unsaid, tables) = (unsaid(flat), tables(flat));
     let write = |act: &dyn Fn(&mut Text<'_>)| {
-        let mut text = Text { flat, unsaid: &unsaid, out: String::new() };
+        let mut text = Text { flat, unsaid: &unsaid, tables: &tables, out: String::new() };
         act(&mut text);
         text.out
     };
@@ -71,6 +72,25 @@ fn unsaid(flat: &FlatModel) -> FastSet<VarId> {
         }
     }
     found
+}
+
+/// The tables whose elements are chosen while the model runs.
+fn tables(flat: &FlatModel) -> Vec<Native> {
+    let mut found = Vec::new();
+    for e in flat.graph.ids() {
+        if let Node::Unary(Unary::Native(f), _) = flat.graph.node(e)
+            && matches!(f.function(), Function::Elements(..))
+            && !found.contains(&f)
+        {
+            found.push(f);
+        }
+    }
+    found
+}
+
+/// The constant of the text that is a table.
+fn table(k: usize) -> String {
+    format!("'$table{}'", k + 1)
 }
 
 /// The variable of the text that has what a reader of a line reads.
@@ -130,7 +150,24 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
 struct Text<'a> {
     flat: &'a FlatModel,
     unsaid: &'a FastSet<VarId>,
+    tables: &'a [Native],
     out: String,
+}
+
+/// Writes an element of a table, by a printer of its subscript.
+pub(super) fn element(
+    tables: &[Native],
+    node: Node,
+    out: &mut String,
+    subscript: &mut dyn FnMut(ExprId, &mut String),
+) -> bool {
+    let Node::Unary(Unary::Native(f), a) = node else { return false };
+    let Some(k) = tables.iter().position(|t| *t == f) else { return false };
+    out.push_str(&table(k));
+    out.push('[');
+    subscript(a, out);
+    out.push(']');
+    true
 }
 
 impl Text<'_> {
@@ -147,7 +184,15 @@ impl Text<'_> {
             let literals = literals.join(", ");
             self.push(&["  type ", &quoted(&ty.name), " = enumeration(", &literals, ");\n"]);
         }
-        self.out.push_str(&super::print_function::functions(flat));
+        for (k, f) in self.tables.iter().enumerate() {
+            let Function::Elements(all, whole) = f.function() else { continue };
+            let literal = |x: &f64| if *whole { format!("{x}") } else { real_literal(*x) };
+            let ty = if *whole { "Integer" } else { "Real" };
+            let list: Vec<String> = all.iter().map(literal).collect();
+            let (size, list) = (all.len().to_string(), list.join(", "));
+            self.push(&["  constant ", ty, " ", &table(k), "[", &size, "] = {", &list, "};\n"]);
+        }
+        self.out.push_str(&super::print_function::functions(flat, self.tables));
         for (id, v) in flat.variables.enumerate() {
             if !self.unsaid.contains(&id) {
                 self.declaration(v);
@@ -201,20 +246,20 @@ impl Text<'_> {
     }
 
     fn expression(&mut self, e: ExprId) {
-        let (flat, unsaid) = (self.flat, self.unsaid);
+        let (flat, unsaid, tables) = (self.flat, self.unsaid, self.tables);
         Printer {
             graph: &flat.graph,
             variable: &|v: VarId, out: &mut String| push_quoted(&flat.variables[v].name, out),
             enumeration: &quoted,
             relation: &|_| None,
-            past: &|node: Node, out: &mut String| match node {
+            special: &|node: Node, out: &mut String| match node {
                 Node::Recorded(v, 0) => {
                     // They stand in the order of their variables.
                     let Ok(k) = flat.delays.binary_search_by_key(&v, |d| d.variable) else {
                         return false;
                     };
                     let delay = &flat.delays[k];
-                    let mut call = Text { flat, unsaid, out: String::new() };
+                    let mut call = Text { flat, unsaid, tables, out: String::new() };
                     call.out.push_str("delay(");
                     call.name(v);
                     call.out.push_str(", ");
@@ -227,7 +272,11 @@ impl Text<'_> {
                     out.push_str(&reading(usize::from(what.line), usize::from(what.reader)));
                     true
                 }
-                _ => false,
+                _ => element(tables, node, out, &mut |e, out: &mut String| {
+                    let mut subscript = Text { flat, unsaid, tables, out: String::new() };
+                    subscript.expression(e);
+                    out.push_str(&subscript.out);
+                }),
             },
             longest: usize::MAX,
         }
@@ -430,9 +479,7 @@ fn experiment(flat: &FlatModel) -> Option<String> {
     ];
     let list: Vec<String> = entries
         .iter()
-        .filter_map(|(n, v)| {
-            v.map(|v| format!("{n} = {}", crate::symbolic::print::real_literal(v)))
-        })
+        .filter_map(|(n, v)| v.map(|v| format!("{n} = {}", real_literal(v))))
         .collect();
     (!list.is_empty()).then(|| list.join(", "))
 }

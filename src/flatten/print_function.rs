@@ -4,6 +4,7 @@ use super::print::push_quoted;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::expr::{ExprId, FunctionId, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Function, LocalId, Statement};
+use crate::ir::native::Native;
 use crate::symbolic::print::{Printer, type_name};
 
 /// What a function that gives one output is called: as [`Printer`] writes its calls.
@@ -12,7 +13,7 @@ fn title(function: FunctionId, output: u32) -> String {
 }
 
 /// The definitions of all functions of the model.
-pub(super) fn functions(flat: &FlatModel) -> String {
+pub(super) fn functions(flat: &FlatModel, tables: &[Native]) -> String {
     let mut out = String::new();
     if flat.functions.is_empty() {
         return out;
@@ -37,7 +38,8 @@ pub(super) fn functions(flat: &FlatModel) -> String {
     for ((id, output), inputs) in all {
         let function = &flat.functions[id];
         let types = types(flat, function, &inputs);
-        Definition { flat, function, types, out: &mut out }.write(&title(id, output), output);
+        Definition { flat, function, tables, types, out: &mut out }
+            .write(&title(id, output), output);
     }
     out
 }
@@ -72,6 +74,7 @@ fn types(flat: &FlatModel, function: &Function, inputs: &[Type]) -> Vec<Type> {
 struct Definition<'a> {
     flat: &'a FlatModel,
     function: &'a Function,
+    tables: &'a [Native],
     types: Vec<Type>,
     out: &'a mut String,
 }
@@ -164,7 +167,11 @@ impl Definition<'_> {
             },
             enumeration: &super::print::quoted,
             relation: &|_| None,
-            past: &|_, _| false,
+            special: &|node, out| {
+                super::print::element(self.tables, node, out, &mut |e, out: &mut String| {
+                    out.push_str(&self.expression(e));
+                })
+            },
             longest: usize::MAX,
         }
         .print(e)

@@ -189,6 +189,10 @@ impl Context<'_> {
                     value => value,
                 };
                 self.evaluation.shaping = before;
+                // Why a binding has no value was said.
+                if value.is_none() && self.bound(id) && self.problems.has_errors() {
+                    return None;
+                }
                 from_binding = Some(value.map(|v| v.dims().to_vec()).unwrap_or_default());
             }
             sizes[k] = match from_binding.as_ref().and_then(|d| d.get(k)) {

@@ -36,6 +36,9 @@ pub enum Function {
     Drawn(Stream),
     /// A number, which may be a whole one, as the number of a text: one argument.
     Written(Form, bool),
+    /// The element of this number, counted from 1, of some that are all whole or not: one argument. Beyond them
+    /// the first or the last.
+    Elements(Vec<f64>, bool),
     /// Two texts as one: two arguments, numbers of texts as the result.
     Joined,
     /// Whether a text stands before another one in the order of their characters: two arguments.
@@ -77,6 +80,10 @@ impl Native {
             Function::Curve(order, curve) => curve.at(a, *order),
             Function::NextStop(table) => table.next_stop(a),
             Function::Drawn(stream) => stream.number(a),
+            Function::Elements(all, _) => {
+                let at = (a.max(1.0) as usize - 1).min(all.len().saturating_sub(1));
+                all.get(at).copied().unwrap_or(f64::NAN)
+            }
             Function::Written(form, whole) => {
                 let text = form.of(a, *whole).unwrap_or_default();
                 f64::from(number(name(&text)))
@@ -149,7 +156,11 @@ impl Native {
 
     /// True if the values are whole numbers.
     pub fn is_whole(self) -> bool {
-        matches!(self.function(), Function::Word(operation) if operation.is_whole())
+        match self.function() {
+            Function::Word(operation) => operation.is_whole(),
+            Function::Elements(_, whole) => *whole,
+            _ => false,
+        }
     }
 
     /// What it is called in texts.
@@ -161,6 +172,7 @@ impl Native {
             Function::NextStop(_) => "nextTimeEvent",
             Function::Word(_) => "word",
             Function::Drawn(_) => "randomNumber",
+            Function::Elements(..) => "element",
             Function::Written(..) => "String",
             Function::Joined => "joinedTexts",
             Function::Precedes => "precedes",

@@ -143,7 +143,7 @@ pub(super) fn shown(dae: &Dae, e: ExprId) -> String {
         variable: &|v: VarId, out: &mut String| out.push_str(&dae.variables[v].name),
         enumeration: &|name: &str| name.to_string(),
         relation: &relation,
-        past: &|_, _| false,
+        special: &|_, _| false,
         longest: LONGEST,
     }
     .print(e);

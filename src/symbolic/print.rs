@@ -7,8 +7,8 @@ pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> Strin
     let variable = |v: VarId, out: &mut String| out.push_str(&names(v));
     let enumeration = |name: &str| name.to_string();
     let longest = usize::MAX;
-    let (relation, past) = (&|_| None, &|_, _: &mut String| false);
-    Printer { graph, variable: &variable, enumeration: &enumeration, relation, past, longest }
+    let (relation, special) = (&|_| None, &|_, _: &mut String| false);
+    Printer { graph, variable: &variable, enumeration: &enumeration, relation, special, longest }
         .print(e)
 }
 
@@ -23,8 +23,8 @@ pub struct Printer<'a> {
     pub enumeration: &'a dyn Fn(&str) -> String,
     /// What a numbered relation compares, if it is to be written out.
     pub relation: &'a dyn Fn(u32) -> Option<(Binary, ExprId, ExprId)>,
-    /// Writes what is read of the past, if it knows how.
-    pub past: &'a dyn Fn(Node, &mut String) -> bool,
+    /// Writes what is read of the past, or of tables, if it knows how.
+    pub special: &'a dyn Fn(Node, &mut String) -> bool,
     /// What comes after so many bytes may be left out: what is shared may be long as a text.
     pub longest: usize,
 }
@@ -77,8 +77,8 @@ impl Printer<'_> {
         match g.node(e) {
             Node::Const(c) => self.literal(c, out),
             Node::Time => out.push_str("time"),
-            node @ (Node::Recorded(..) | Node::Unary(Unary::Carried(_), _))
-                if (self.past)(node, out) => {}
+            node @ (Node::Recorded(..) | Node::Unary(Unary::Carried(_) | Unary::Native(_), _))
+                if (self.special)(node, out) => {}
             Node::Recorded(v, order) => {
                 let mut of = String::new();
                 names(v, &mut of);

@@ -75,6 +75,7 @@ impl Graph {
             Unary::Not => Type::Boolean,
             Unary::ToInteger | Unary::Ordinal | Unary::Sign => Type::Integer,
             Unary::Text(_) => Type::String,
+            Unary::Native(f) if f.is_whole() => Type::Integer,
             _ => Type::Real,
         };
         self.intern(Node::Unary(op, a), ty)
@@ -211,6 +212,9 @@ impl Graph {
             (Unary::Text(form), _) => {
                 let text = printf::text(self, c, form)?;
                 Some(self.string(&text))
+            }
+            (Unary::Native(f), _) if f.is_whole() => {
+                Some(self.integer(eval::unary(op, c.number()?) as i64))
             }
             _ => self.finite(eval::unary(op, c.number()?)),
         }

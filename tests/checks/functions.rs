@@ -259,6 +259,57 @@ fn what_a_for_loop_runs_over_a_run_may_say() {
     assert_eq!((run.last("m"), run.last("w[4]")), (6.0, 4.0));
 }
 
+/// Elements of what is known are looked up, not chosen one by one: a straight line between squares.
+#[test]
+fn elements_of_tables_are_looked_up() {
+    let case = Case::text(
+        "model Lookup
+             function lookup
+               input Real x;
+               output Real y;
+             protected
+               constant Real nodes[:] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+               constant Real values[:, 2] = [0, 10; 1, 11; 4, 14; 9, 19; 16, 26; 25, 35; 36, 46; 49, 59; 64, 74; 81, 91];
+               constant Integer places[10] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+               Integer low;
+               Integer high;
+               Integer mid;
+             algorithm
+               low := 1;
+               high := 10;
+               while high - low > 1 loop
+                 mid := div(low + high, 2);
+                 if nodes[mid] > x then
+                   high := mid;
+                 else
+                   low := mid;
+                 end if;
+               end while;
+               y := values[places[low], 1] + (values[high, 1] - values[low, 1])*(x - nodes[low]);
+             end lookup;
+             parameter Real p[9] = {3, 1, 4, 1, 5, 9, 2, 6, 5};
+             constant Real c[9] = {3, 1, 4, 1, 5, 9, 2, 6, 5};
+             Integer i = integer(4*time) + 1;
+             Real y = lookup(9*time);
+             Real z = c[i];
+             Real w = p[i];
+           end Lookup;",
+    )
+    .stop(1.0)
+    .interval(0.125);
+    let flat = case.flat();
+    assert!(flat.contains("'$table3'['$table2'[") && flat.contains("z = '$table4'[i]"), "{flat}");
+    let (run, again) = (case.run(), Case::text(&flat).stop(1.0).interval(0.125).run());
+    for k in 0..=8 {
+        let t = 0.125 * f64::from(k);
+        let low = (9.0 * t).floor().min(8.0);
+        let line = low * low + (2.0 * low + 1.0) * (9.0 * t - low);
+        assert_close(run.at("y", t), line, 1e-12);
+        assert_close(again.at("y", t), line, 1e-12);
+    }
+    assert_eq!((run.at("z", 0.6), run.at("w", 0.6), run.at("z", 0.8)), (4.0, 4.0, 1.0));
+}
+
 #[test]
 fn only_initial_itself_is_a_condition_at_the_start() {
     let run = Case::text(

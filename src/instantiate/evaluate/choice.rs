@@ -8,9 +8,13 @@ use super::subscript::Selector;
 use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::ComponentRef;
-use crate::ir::expr::{Binary, ExprId, Type, VarId};
+use crate::ir::expr::{Binary, Const, ExprId, Type, Unary, VarId};
 use crate::ir::flat::Level;
 use crate::ir::instance::{InstanceKind, Scope};
+use crate::ir::native::{Function, Native};
+
+/// So many numbers are looked up in a table.
+const MANY: usize = 8;
 
 /// A scalar that may be meant, and where it is; `None` for one that always is.
 type Alternative = (Option<ExprId>, VarId);
@@ -66,6 +70,9 @@ impl Context<'_> {
 
     /// `if e == 1 then parts[0] elseif ... else the last`.
     pub(super) fn choose(&mut self, e: ExprId, parts: &[Value], span: Span) -> Option<Value> {
+        if let Some(value) = self.chosen_number(e, parts) {
+            return Some(value);
+        }
         let (last, firsts) = parts.split_last()?;
         let mut result = last.clone();
         for (k, part) in firsts.iter().enumerate().rev() {
@@ -73,6 +80,34 @@ impl Context<'_> {
             result = self.if_values(condition, part.clone(), result, span)?;
         }
         Some(result)
+    }
+
+    /// As `choose`, of many that are known numbers: a table of them.
+    fn chosen_number(&mut self, e: ExprId, parts: &[Value]) -> Option<Value> {
+        if parts.len() < MANY || self.graph.ty(e) != Type::Integer {
+            return None;
+        }
+        let first = &parts[0];
+        let width = first.elements().len();
+        let mut columns = vec![Vec::with_capacity(parts.len()); width];
+        let mut whole = vec![true; width];
+        for part in parts {
+            if part.dims() != first.dims() || part.elements().len() != width {
+                return None;
+            }
+            for (k, element) in part.elements().iter().enumerate() {
+                let number = self.graph.as_const(element.scalar()?)?;
+                whole[k] &= matches!(number, Const::Integer(_));
+                columns[k].push(number.number()?);
+            }
+        }
+        let mut chosen = columns.into_iter().zip(whole).map(|(column, whole)| {
+            let elements = Native::of(Function::Elements(column, whole));
+            self.graph.unary(Unary::Native(elements), e)
+        });
+        let all: Vec<ExprId> = chosen.by_ref().collect();
+        let mut next = all.into_iter();
+        Some(first.each_scalar(&mut |e| next.next().unwrap_or(e)))
     }
 
     /// What may be meant by selectors: where, and selectors that are all known.

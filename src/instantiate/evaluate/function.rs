@@ -263,6 +263,12 @@ impl Context<'_> {
         Scope { instance: self.classes[entry.class].holder, class: entry.class }
     }
 
+    /// Whether a value is a number other than 0.
+    fn is_number(&self, value: &Value) -> bool {
+        let number = value.scalar().and_then(|e| self.graph.as_const(e)).and_then(Const::number);
+        number.is_some_and(|x| x != 0.0)
+    }
+
     /// Reads the body of a function that nobody may call, with unknown arguments. Open sizes are taken
     /// to be [`OPEN_SIZE`], so that what is said of sizes need not hold for others.
     pub fn read_function(&mut self, class: ClassId) {
@@ -331,6 +337,8 @@ impl Context<'_> {
                     }
                 },
             };
+            // A number in place of a quantity has its unit, which is not seen any more.
+            self.evaluation.lost_unit |= !is_plain(declaration) && self.is_number(&value);
             self.evaluation.locals.push((name, value));
         }
         let table = self.table(class);
@@ -495,6 +503,13 @@ impl Context<'_> {
         let elements = vec![zero; n];
         Some(Value::array(dims, elements))
     }
+}
+
+/// Whether the type of a component is predefined, and says nothing of a unit.
+fn is_plain(declaration: &Declaration) -> bool {
+    let parts = &declaration.clause().type_name.parts;
+    let first = parts.last().map_or("", |p| p.name.as_str());
+    parts.len() == 1 && matches!(first, "Real" | "Integer" | "Boolean" | "String")
 }
 
 /// Constants and final fields that have a value are no inputs of the constructor (section 12.6).

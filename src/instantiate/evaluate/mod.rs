@@ -41,7 +41,7 @@ use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{self, Expr, ExprKind};
-use crate::ir::expr::{Const, ExprId, VarId};
+use crate::ir::expr::{Const, ExprId, FunctionId, VarId};
 use crate::ir::instance::{ClassId, InstanceId, Scope};
 use value::Value;
 
@@ -105,6 +105,8 @@ pub struct State {
     pub(crate) draws: draw::Draws,
     /// Functions made of loops whose length only a run knows.
     pub(crate) functions: Vec<crate::ir::flat::Function>,
+    /// Their numbers, by how many arguments they have and by their expressions: equal loops are one.
+    loops: FastMap<(usize, Vec<ExprId>), FunctionId>,
     /// How many symbols such loops have.
     pub(crate) symbols: u32,
     /// Assertions of functions that only a run can decide.

@@ -257,8 +257,12 @@ impl Context<'_> {
         let name = format!("loop {}", self.evaluation.functions.len() + 1);
         let (function, captured) =
             function(&mut self.graph, name, span, &turn.symbols, condition, &turn.turned);
-        self.evaluation.functions.push(function);
-        let id = FunctionId::from_usize(self.evaluation.functions.len() - 1);
+        let key = (function.inputs.len(), function.values());
+        let next = FunctionId::from_usize(self.evaluation.functions.len());
+        let id = *self.evaluation.loops.entry(key).or_insert(next);
+        if id == next {
+            self.evaluation.functions.push(function);
+        }
         let mut arguments = turn.initial;
         arguments.extend(captured);
         let args = self.graph.intern_list(&arguments);
