@@ -468,9 +468,12 @@ impl Emitter {
         let outputs = if partial.is_some() { 1 } else { self.dae.functions[called].outputs.len() };
         let base = self.cells(outputs.max(1), 0.0);
         let results = (base..base + outputs as Slot).collect();
-        let guard = self.guards.get(&(function, args)).copied().map(|g| self.emit(g));
-        // What changes more rarely than the condition is computed whether it holds or not.
-        let guard = guard.and_then(|(slot, l)| (l <= level).then_some(slot));
+        let guard = self.guards.get(&(called, args)).copied().map(|g| self.emit(g));
+        // What moves is computed where its condition is; what changes more rarely than the condition, whether
+        // it holds or not.
+        let guard = guard.filter(|(_, l)| *l <= level || level >= MOVING);
+        level = guard.map_or(level, |(_, l)| level.max(l));
+        let guard = guard.map(|(slot, _)| slot);
         let remembers = !slots.is_empty() && self.long_functions.contains(&called);
         let last = remembers.then(|| self.cells(slots.len(), f64::NAN));
         self.calls.push(CallSite {

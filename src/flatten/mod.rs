@@ -14,6 +14,7 @@ pub mod print;
 mod print_function;
 pub mod setting;
 mod share;
+mod share_function;
 pub mod variable;
 pub mod when;
 

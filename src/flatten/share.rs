@@ -7,7 +7,9 @@
 use crate::base::index::FastMap;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
-use crate::ir::flat::{Action, Equation, EquationKind, FlatModel, Origin, Variable, WhenBranch};
+use crate::ir::flat::{
+    Action, Equation, EquationKind, FlatModel, Function, Origin, Variable, WhenBranch,
+};
 use crate::symbolic::rewrite::Rewriter;
 use crate::symbolic::uses::{Guard, Root, Uses};
 
@@ -35,6 +37,9 @@ pub(super) fn shared(flat: &FlatModel) -> Option<FlatModel> {
     let sizes = sizes(&flat.graph);
     let mut total = 0_u64;
     for_each_root(flat, &mut |e| total = total.saturating_add(sizes[e.0 as usize]));
+    for e in flat.functions.iter().flat_map(Function::values) {
+        total = total.saturating_add(sizes[e.0 as usize]);
+    }
     if total <= SHORT.max(FACTOR * flat.graph.len() as u64) {
         return None;
     }
@@ -47,6 +52,9 @@ pub(super) fn shared(flat: &FlatModel) -> Option<FlatModel> {
     }
     in_equations(&mut flat, &mut equations, &sizes);
     flat.equations = equations;
+    for function in flat.functions.iter_mut() {
+        super::share_function::in_function(&mut flat.graph, function, &sizes);
+    }
     Some(flat)
 }
 
@@ -72,7 +80,7 @@ fn for_each_root(flat: &FlatModel, visit: &mut dyn FnMut(ExprId)) {
                 let actions = branches.iter().flat_map(|b| &b.actions);
                 actions.filter_map(value).for_each(|(e, _)| visit(e));
             }
-            EquationKind::Assert(_) => {}
+            EquationKind::Assert(a) => [a.condition, a.message].into_iter().for_each(&mut *visit),
         }
     }
 }
@@ -107,7 +115,8 @@ fn in_equations(flat: &mut FlatModel, equations: &mut Vec<Equation>, sizes: &[u6
             EquationKind::Algorithm { values, .. } => {
                 roots.extend(values.iter().map(|e| (*e, None)))
             }
-            EquationKind::When(_) | EquationKind::Assert(_) => {}
+            EquationKind::Assert(a) => roots.extend([(a.condition, None), (a.message, None)]),
+            EquationKind::When(_) => {}
         }
     }
     let moving = |v: &Variable| v.variability > Variability::Parameter;
@@ -125,7 +134,12 @@ fn in_equations(flat: &mut FlatModel, equations: &mut Vec<Equation>, sizes: &[u6
             EquationKind::Algorithm { values, .. } => {
                 values.iter_mut().for_each(|e| *e = naming.named(&mut flat.graph, *e));
             }
-            EquationKind::When(_) | EquationKind::Assert(_) => {}
+            EquationKind::Assert(a) => {
+                [&mut a.condition, &mut a.message]
+                    .into_iter()
+                    .for_each(|e| *e = naming.named(&mut flat.graph, *e));
+            }
+            EquationKind::When(_) => {}
         }
     }
     for v in bound {

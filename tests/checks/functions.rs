@@ -310,6 +310,54 @@ fn elements_of_tables_are_looked_up() {
     assert_eq!((run.at("z", 0.6), run.at("w", 0.6), run.at("z", 0.8)), (4.0, 4.0, 1.0));
 }
 
+/// A loop that would never end is not run where its branch is not taken: in an equation, in an assertion, and
+/// in the loop of another function.
+#[test]
+fn loops_of_branches_that_are_not_taken_do_not_run() {
+    let run = Case::text(
+        "model Doublings
+           function doublings
+             input Real x;
+             output Real n = 0;
+           protected
+             Real z = x;
+           algorithm
+             while z < 1 loop
+               z := 2*z;
+               n := n + 1;
+             end while;
+           end doublings;
+           function total
+             input Real x[2];
+             input Integer turns;
+             output Real sum = 0;
+           protected
+             Integer k = 0;
+           algorithm
+             while k < turns loop
+               sum := sum + (if x[1] > 0 then doublings(x[1]) else 100) + (if x[2] > 0 then doublings(x[2]) else 10);
+               k := k + 1;
+             end while;
+           end total;
+           Real x = time - 0.5;
+           Real s(start = 0, fixed = true);
+           Integer turns = if time > 2 then 4 else 3;
+           Real n = if x > 0 then doublings(x) else -1;
+           Real sums = total({x, 0.25}, turns);
+         equation
+           der(s) = if noEvent(x > 0) then 1 + 0*doublings(x) else 0;
+           assert(noEvent(x <= 0 or doublings(x) < 1000), \"too small\");
+         end Doublings;",
+    )
+    .stop(0.9)
+    .interval(0.1)
+    .run();
+    assert_eq!((run.at("n", 0.2), run.at("sums", 0.2)), (-1.0, 306.0));
+    // 0.4 is doubled twice, 0.25 too.
+    assert_eq!((run.last("n"), run.last("sums")), (2.0, 12.0));
+    assert_close(run.last("s"), 0.4, 1e-6);
+}
+
 #[test]
 fn only_initial_itself_is_a_condition_at_the_start() {
     let run = Case::text(

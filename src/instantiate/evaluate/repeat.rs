@@ -274,6 +274,23 @@ impl Context<'_> {
     }
 }
 
+/// What is computed whatever branches are taken.
+fn always(graph: &Graph, roots: &[ExprId]) -> FastSet<ExprId> {
+    let mut found: FastSet<ExprId> = FastSet::default();
+    let mut pending = roots.to_vec();
+    while let Some(n) = pending.pop() {
+        if !found.insert(n) {
+            continue;
+        }
+        match graph.node(n) {
+            Node::If(c, ..) => pending.push(c),
+            Node::Binary(Binary::And | Binary::Or, a, _) => pending.push(a),
+            _ => graph.for_each_operand(n, |a| pending.push(a)),
+        }
+    }
+    found
+}
+
 /// The function of a loop over symbols, and what it reads besides them.
 fn function(
     graph: &mut Graph,
@@ -287,13 +304,23 @@ fn function(
     for (k, v) in symbols.iter().enumerate() {
         locals.insert(*v, k as u32);
     }
-    // What reads a symbol is computed inside; the largest parts that do not are arguments.
+    // What reads a symbol is computed inside, and so are calls in branches that may not be taken; the largest
+    // parts that are not are arguments.
     let mut inside: FastSet<ExprId> = FastSet::default();
+    let mut calls: FastSet<ExprId> = FastSet::default();
     let roots: Vec<ExprId> = std::iter::once(condition).chain(turned.iter().copied()).collect();
+    let always = always(graph, &roots);
     for n in graph.postorder(roots.iter().copied()) {
         let mut reads = matches!(graph.node(n), Node::Var(v) if locals.contains_key(&v));
-        graph.for_each_operand(n, |a| reads |= inside.contains(&a));
-        if reads {
+        let mut has_call = matches!(graph.node(n), Node::Call { .. });
+        graph.for_each_operand(n, |a| {
+            reads |= inside.contains(&a);
+            has_call |= calls.contains(&a);
+        });
+        if has_call {
+            calls.insert(n);
+        }
+        if reads || has_call && !always.contains(&n) {
             inside.insert(n);
         }
     }
