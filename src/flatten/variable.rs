@@ -6,6 +6,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::instantiate::component::advance;
+use crate::instantiate::evaluate::draw::Place;
 use crate::instantiate::evaluate::value::Value;
 use crate::instantiate::{Context, subscript_text};
 use crate::ir::ast::Variability;
@@ -220,7 +221,15 @@ fn binding(
     // A constant is known, and so are parameters that have fixed the structure: one value serves all.
     let constant = cx.instances[id].prefix.variability == Some(Variability::Constant);
     let outside = std::mem::take(&mut cx.evaluation.lost_unit);
+    // What a variable is bound to holds all the time.
+    let varies = !matches!(
+        cx.instances[id].prefix.variability,
+        Some(Variability::Constant | Variability::Parameter)
+    );
+    let place = if varies { Place::Always } else { Place::Start };
+    let around = std::mem::replace(&mut cx.evaluation.draws.place, place);
     let value = if constant { cx.parameter_value(id, span) } else { cx.binding_value(id) };
+    cx.evaluation.draws.place = around;
     if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
         flat.lost_units.insert(flat.variables[first].span);
     }
