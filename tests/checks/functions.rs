@@ -293,6 +293,8 @@ fn elements_of_tables_are_looked_up() {
              Real y = lookup(9*time);
              Real z = c[i];
              Real w = p[i];
+           parameter Real many[1000] = {k^2 for k in 1:1000};
+           Real square = many[100*i + 51];
            end Lookup;",
     )
     .stop(1.0)
@@ -308,6 +310,7 @@ fn elements_of_tables_are_looked_up() {
         assert_close(again.at("y", t), line, 1e-12);
     }
     assert_eq!((run.at("z", 0.6), run.at("w", 0.6), run.at("z", 0.8)), (4.0, 4.0, 1.0));
+    assert_eq!((run.first("square"), run.at("square", 0.6)), (151.0 * 151.0, 351.0 * 351.0));
 }
 
 /// A loop that would never end is not run where its branch is not taken: in an equation, in an assertion, and

@@ -16,6 +16,9 @@ use crate::ir::native::{Function, Native};
 /// So many numbers are looked up in a table.
 const MANY: usize = 8;
 
+/// Elements that are chosen one after the other.
+const DEEP: usize = 64;
+
 /// A scalar that may be meant, and where it is; `None` for one that always is.
 type Alternative = (Option<ExprId>, VarId);
 
@@ -70,13 +73,33 @@ impl Context<'_> {
 
     /// `if e == 1 then parts[0] elseif ... else the last`.
     pub(super) fn choose(&mut self, e: ExprId, parts: &[Value], span: Span) -> Option<Value> {
-        if let Some(value) = self.chosen_number(e, parts) {
-            return Some(value);
+        match self.chosen_number(e, parts) {
+            Some(value) => Some(value),
+            None => self.choose_from(e, 1, parts, span),
+        }
+    }
+
+    /// As `choose`, with subscripts that begin at `first`: many are halved, so that neither the text nor
+    /// the search is deep.
+    fn choose_from(
+        &mut self,
+        e: ExprId,
+        first: usize,
+        parts: &[Value],
+        span: Span,
+    ) -> Option<Value> {
+        if parts.len() > DEEP && self.graph.ty(e) == Type::Integer {
+            let (low, high) = parts.split_at(parts.len() / 2);
+            let last = self.graph.integer((first + low.len()) as i64 - 1);
+            let is_low = self.graph.binary(Binary::LessEqual, e, last);
+            let low_value = self.choose_from(e, first, low, span)?;
+            let high_value = self.choose_from(e, first + low.len(), high, span)?;
+            return self.if_values(is_low, low_value, high_value, span);
         }
         let (last, firsts) = parts.split_last()?;
         let mut result = last.clone();
         for (k, part) in firsts.iter().enumerate().rev() {
-            let condition = self.is_subscript(e, k + 1);
+            let condition = self.is_subscript(e, first + k);
             result = self.if_values(condition, part.clone(), result, span)?;
         }
         Some(result)
