@@ -12,6 +12,8 @@ use crate::base::name::{Name, name};
 use crate::base::source::{SourceMap, Span};
 use crate::ir::ast;
 
+use super::version::{self, Use};
+
 /// A tree of folders that holds packages: a folder on disk or the library in the binary.
 pub trait Folder {
     /// Names in a folder, sorted; empty if there is no such folder. Folders end with `/`.
@@ -32,6 +34,8 @@ pub struct Library {
     /// Where a package stands that is a folder: full name to (folder, path).
     packages: FastMap<Name, (usize, PathBuf)>,
     children: FastMap<(Name, Name), Option<Arc<ast::Class>>>,
+    /// Versions of libraries that were asked for: the first to ask counts.
+    uses: FastMap<Name, Use>,
 }
 
 impl Library {
@@ -43,6 +47,7 @@ impl Library {
             tops: FastMap::default(),
             packages: FastMap::default(),
             children: FastMap::default(),
+            uses: FastMap::default(),
         }
     }
 
@@ -62,6 +67,7 @@ impl Library {
                 );
                 continue;
             }
+            self.note_uses(class);
             if let Some(within) = &file.within
                 && !within.parts.is_empty()
             {
@@ -102,22 +108,65 @@ impl Library {
             return known.clone();
         }
         let mut found = None;
-        for k in 0..self.folders.len() {
-            let plain = wanted.to_string();
-            let versioned = self.folders[k]
-                .entries(Path::new(""))
-                .into_iter()
-                .filter_map(|e| e.strip_suffix('/').map(str::to_string))
-                .find(|e| e.split(' ').next() == Some(&plain));
-            let folder = versioned.unwrap_or(plain.clone());
-            if let Some(c) = self.open(k, Path::new(""), &folder, &plain, wanted, sources, problems)
-            {
-                found = Some(c);
+        for (k, version) in self.candidates(wanted) {
+            let stem = match version.is_empty() {
+                true => wanted.to_string(),
+                false => format!("{wanted} {version}"),
+            };
+            let opened = self.open(k, Path::new(""), &stem, &wanted, wanted, sources, problems);
+            if let Some(class) = opened {
+                self.check_version(&class, &version, problems);
+                self.note_uses(&class);
+                found = Some(class);
                 break;
             }
         }
         self.tops.insert(wanted, found.clone());
         found
+    }
+
+    /// Where a library may stand, by folder and version, the best place first: the version that was asked
+    /// for, else in the first folder that has any the newest one.
+    fn candidates(&self, library: Name) -> Vec<(usize, String)> {
+        let mut all = Vec::new();
+        for (k, folder) in self.folders.iter().enumerate() {
+            let entries = folder.entries(Path::new(""));
+            let of = |e: &String| version::of_entry(e, &library).map(str::to_string);
+            let mut versions: Vec<String> = entries.iter().filter_map(of).collect();
+            versions.sort_by(|a, b| version::order(b, a));
+            versions.dedup();
+            all.extend(versions.into_iter().map(|v| (k, v)));
+        }
+        if let Some(wanted) = self.uses.get(&library) {
+            all.sort_by_key(|(_, v)| match v.as_str() {
+                v if *v == *wanted.version => 0,
+                // It may be that version, and says so in its text.
+                "" => 1,
+                _ => 2,
+            });
+        }
+        all
+    }
+
+    fn note_uses(&mut self, class: &ast::Class) {
+        for one in version::uses(class) {
+            self.uses.entry(one.library).or_insert(one);
+        }
+    }
+
+    /// Warns of a library in another version than the one that was asked for, unless it says that it serves.
+    fn check_version(&self, class: &ast::Class, of_entry: &str, problems: &mut Problems) {
+        let Some(wanted) = self.uses.get(&class.name.name) else { return };
+        let found = version::of(class).unwrap_or_else(|| of_entry.into());
+        if found.is_empty() || found == wanted.version || version::serves(class, &wanted.version) {
+            return;
+        }
+        let library = wanted.library;
+        let message =
+            format!("`{library}` {} is asked for, and {found} is what there is", wanted.version);
+        problems.push(Diagnostic::warning("MO0105", wanted.span, message).help(
+            "name a folder with that version by `--lib`, or write the version that is meant",
+        ));
     }
 
     /// A class that stands in the folder of package `full_name`, in a file of its own.
@@ -183,13 +232,13 @@ impl Library {
         &mut self,
         folder: usize,
         parent: &Path,
-        folder_name: &str,
+        stem: &str,
         class_name: &str,
         full_name: Name,
         sources: &mut SourceMap,
         problems: &mut Problems,
     ) -> Option<Arc<ast::Class>> {
-        let as_folder = parent.join(folder_name);
+        let as_folder = parent.join(stem);
         let package = as_folder.join("package.mo");
         let (path, text) = match self.folders[folder].read(&package) {
             Some(text) => {
@@ -197,7 +246,7 @@ impl Library {
                 (package, text)
             }
             None => {
-                let file = parent.join(format!("{class_name}.mo"));
+                let file = parent.join(format!("{stem}.mo"));
                 let text = self.folders[folder].read(&file)?;
                 (file, text)
             }

@@ -251,6 +251,48 @@ fn libraries_are_found_by_option_and_by_environment() {
     assert_eq!(mocc(folder.path(), &arguments).status, 0);
 }
 
+/// The version that `uses` asks for is taken, else the newest; another one is warned of unless it serves.
+#[test]
+fn libraries_come_in_the_version_that_is_asked_for() {
+    let folder = Scratch::new();
+    let library = |version: &str, more: &str| {
+        let annotation = format!("annotation(version = \"{version}\"{more})");
+        format!("package Hall\n  constant String v = \"{version}\";\n  {annotation};\nend Hall;\n")
+    };
+    for version in ["2.0.0", "10.0.0"] {
+        folder.file(&format!("libraries/Hall {version}/package.mo"), &library(version, ""));
+    }
+    folder.file("libraries/Hall 9.1.mo", &library("9.1", ""));
+    let serving = library("3.1.0", ", conversion(noneFromVersion = \"3.0.0\")");
+    folder.file("libraries/Hall/package.mo", &serving);
+    let asked = |version: Option<&str>| {
+        let uses = version.map(|v| format!("  annotation(uses(Hall(version = \"{v}\")));\n"));
+        let text = format!(
+            "model Use\n  parameter String v = Hall.v;\n  Real x = 1;\n{}end Use;\n",
+            uses.unwrap_or_default()
+        );
+        folder.file("use.mo", &text);
+        let ended = mocc(folder.path(), &["flatten", "use.mo", "--lib", "libraries"]);
+        assert_eq!(ended.status, 0, "{}", ended.err);
+        let taken = ended.out.split("v = \"").nth(1).and_then(|rest| rest.split('"').next());
+        (taken.unwrap_or_default().to_string(), ended.err)
+    };
+    for (version, taken) in [
+        (None, "10.0.0"),
+        (Some("2.0.0"), "2.0.0"),
+        (Some("9.1"), "9.1"),
+        (Some("10.0.0"), "10.0.0"),
+        (Some("3.1.0"), "3.1.0"),
+        (Some("3.0.0"), "3.1.0"),
+    ] {
+        assert_eq!(asked(version), (taken.to_string(), String::new()));
+    }
+    let (taken, said) = asked(Some("4.0.0"));
+    assert_eq!(taken, "3.1.0");
+    assert!(said.contains("warning[MO0105]: `Hall` 4.0.0 is asked for, and 3.1.0"), "{said}");
+    assert!(said.contains("use.mo:4:"), "{said}");
+}
+
 #[test]
 fn flat_text_and_structure_go_to_the_standard_output() {
     let folder = shop();
