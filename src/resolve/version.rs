@@ -23,7 +23,7 @@ pub struct Use {
 pub fn uses(class: &Class) -> Vec<Use> {
     let Some(annotation) = &class.annotation else { return Vec::new() };
     let lists = elements(annotation).filter(|(what, _)| what == "uses").map(|(_, list)| list);
-    let entries = lists.flat_map(|list| elements(list));
+    let entries = lists.flat_map(elements);
     let of = |(library, entry): (String, &Modification)| {
         let (version, span) = text(entry, "version")?;
         Some(Use { library: name(&library), version, span })
