@@ -25,6 +25,13 @@ static NUMBERS: RwLock<Option<Numbers>> = RwLock::new(None);
 /// The number of a text, for what can hold nothing else: equal texts have equal numbers, and the empty
 /// text has 0.
 pub fn number(text: Name) -> u32 {
+    // A run asks for the same texts again and again.
+    let known = NUMBERS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let found = known.as_ref().and_then(|k| k.numbers.get(&text).copied());
+    drop(known);
+    if let Some(found) = found {
+        return found;
+    }
     let mut known = NUMBERS.write().unwrap_or_else(std::sync::PoisonError::into_inner);
     let known = known.get_or_insert_with(|| {
         let empty = name("");

@@ -375,21 +375,8 @@ impl Emitter {
                     _ => self.make(e, Op::Unary(op), level, a, a),
                 }
             }
-            Node::Binary(op, a, b) if self.dae.graph.ty(a) == Type::String => {
-                let ((a, la), (b, lb)) = (self.operand(a), self.operand(b));
-                let text::Operation { op, swapped, negated } = text::binary(op);
-                let (a, b) = if swapped { (b, a) } else { (a, b) };
-                let level = la.max(lb);
-                if negated {
-                    let home = self.home(level);
-                    let truth = self.cell(0.0);
-                    self.push(home, op, truth, a, b);
-                    self.make(e, Op::Unary(Unary::Not), level, truth, truth);
-                } else {
-                    self.make(e, op, level, a, b);
-                }
-            }
             Node::Binary(op, a, b) => {
+                let op = text::binary(op, self.dae.graph.ty(a));
                 let ((a, la), (b, lb)) = (self.operand(a), self.operand(b));
                 let op = match op {
                     Binary::Add => Op::Add,

@@ -5,7 +5,7 @@
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::dae::Dae;
-use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node, Type, Unary, VarId};
+use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node, Unary, VarId};
 use crate::ir::flat::{Function, Level, LocalId, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 use crate::symbolic::print::print;
@@ -294,13 +294,10 @@ impl<'a> Body<'a> {
                     self.make(e, Op::Unary(op), known[&a], known[&a])
                 }
             },
-            Node::Binary(op, a, b) if e.dae.graph.ty(a) == Type::String => {
-                let text::Operation { op, swapped, negated } = text::binary(op);
-                let (a, b) = if swapped { (b, a) } else { (a, b) };
-                let result = self.make(e, op, known[&a], known[&b]);
-                if negated { self.make(e, Op::Unary(Unary::Not), result, result) } else { result }
+            Node::Binary(op, a, b) => {
+                let op = text::binary(op, e.dae.graph.ty(a));
+                self.make(e, Op::Binary(op), known[&a], known[&b])
             }
-            Node::Binary(op, a, b) => self.make(e, Op::Binary(op), known[&a], known[&b]),
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => known[&a],
             _ => self.unsupported(e, "an expression that depends on time inside of a function"),
         }

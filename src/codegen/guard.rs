@@ -41,7 +41,7 @@ pub fn guards(dae: &mut Dae, long: &FastSet<FunctionId>) -> FastMap<Called, Expr
         let call = (function, args);
         if long.contains(&call) && !elsewhere.contains(&call) {
             let known = common.entry(call).or_insert(guard);
-            *known = uses.common(*known, guard);
+            *known = uses.nesting.common(*known, guard);
         }
     }
     let mut found: Vec<(Called, usize)> = common.into_iter().filter(|(_, g)| *g != 0).collect();

@@ -3,17 +3,12 @@
 
 use crate::base::index::FastMap;
 use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node};
-
-/// Where an expression is computed: a branch of an `if`, inside of another place. 0 is always.
-#[derive(Clone, Copy)]
-struct Place {
-    around: usize,
-    depth: usize,
-}
+use crate::symbolic::nesting::Nesting;
 
 /// The expressions below some roots by the place where they are computed.
 pub struct Plan {
-    places: Vec<Place>,
+    /// Always, and branches of an `if`.
+    places: Nesting,
     /// By place its expressions, operands first.
     expressions: Vec<Vec<ExprId>>,
     branches: FastMap<(ExprId, bool), usize>,
@@ -26,7 +21,7 @@ impl Plan {
     /// What stands below `roots`.
     pub fn of(graph: &Graph, roots: &[ExprId]) -> Plan {
         let mut plan = Plan {
-            places: vec![Place { around: 0, depth: 0 }],
+            places: Nesting::default(),
             expressions: Vec::new(),
             branches: FastMap::default(),
         };
@@ -44,7 +39,7 @@ impl Plan {
         for &e in below.iter().rev() {
             let Some(&place) = at.get(&e) else { continue };
             let mut used = |plan: &mut Plan, e: ExprId, place: usize| {
-                at.entry(e).and_modify(|p| *p = plan.common(*p, place)).or_insert(place);
+                at.entry(e).and_modify(|p| *p = plan.places.common(*p, place)).or_insert(place);
             };
             match graph.node(e) {
                 Node::If(c, a, b) => {
@@ -56,7 +51,7 @@ impl Plan {
                 }
                 Node::Call { function, args, .. } => {
                     let known = calls.entry((function, args)).or_insert(place);
-                    *known = plan.common(*known, place);
+                    *known = plan.places.common(*known, place);
                     let place = *known;
                     graph.list(args).iter().for_each(|a| used(&mut plan, *a, place));
                 }
@@ -68,7 +63,7 @@ impl Plan {
                 at.insert(*e, calls[call]);
             }
         }
-        plan.expressions = vec![Vec::new(); plan.places.len()];
+        plan.expressions = vec![Vec::new(); plan.places.count()];
         for e in below {
             plan.expressions[at[&e]].push(e);
         }
@@ -87,21 +82,6 @@ impl Plan {
 
     fn branch(&mut self, e: ExprId, holds: bool, around: usize) -> usize {
         let places = &mut self.places;
-        *self.branches.entry((e, holds)).or_insert_with(|| {
-            let depth = places[around].depth + 1;
-            places.push(Place { around, depth });
-            places.len() - 1
-        })
-    }
-
-    fn common(&self, mut a: usize, mut b: usize) -> usize {
-        while a != b {
-            if self.places[a].depth >= self.places[b].depth {
-                a = self.places[a].around;
-            } else {
-                b = self.places[b].around;
-            }
-        }
-        a
+        *self.branches.entry((e, holds)).or_insert_with(|| places.inside(around))
     }
 }

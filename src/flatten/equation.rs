@@ -56,14 +56,13 @@ pub fn of_object(
         let scope = Scope { instance: object, class: section.class };
         let mut target =
             Target { flat, connections, component: component.clone(), initial: section.initial };
-        cx.evaluation.draws.place = if section.initial { Place::Start } else { Place::Always };
-        match &section.kind {
+        let place = if section.initial { Place::Start } else { Place::Always };
+        cx.in_place(place, |cx| match &section.kind {
             SectionKind::Equations(list) => expand_all(cx, list, scope, &mut target),
             SectionKind::Algorithm(list, span) => algorithm(cx, list, *span, scope, &mut target),
-        }
+        });
         asserted(cx, &mut target);
     }
-    cx.evaluation.draws.place = Place::Start;
 }
 
 fn expand_all(cx: &mut Context<'_>, list: &[ast::Equation], scope: Scope, target: &mut Target<'_>) {

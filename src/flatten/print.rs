@@ -8,7 +8,7 @@ use crate::ir::flat::{
     Action, Assert, Equation, EquationKind, FlatModel, Level, StateSelect, Transport, Variable,
     WhenBranch,
 };
-use crate::ir::native::{Function, Native};
+use crate::ir::native::Native;
 use crate::symbolic::print::{Printer, real_literal, type_name};
 
 /// Variables and equations of a model whose text is long.
@@ -79,7 +79,7 @@ fn tables(flat: &FlatModel) -> Vec<Native> {
     let mut found = Vec::new();
     for e in flat.graph.ids() {
         if let Node::Unary(Unary::Native(f), _) = flat.graph.node(e)
-            && matches!(f.function(), Function::Elements(..))
+            && f.elements().is_some()
             && !found.contains(&f)
         {
             found.push(f);
@@ -185,9 +185,9 @@ impl Text<'_> {
             self.push(&["  type ", &quoted(&ty.name), " = enumeration(", &literals, ");\n"]);
         }
         for (k, f) in self.tables.iter().enumerate() {
-            let Function::Elements(all, whole) = f.function() else { continue };
-            let literal = |x: &f64| if *whole { format!("{x}") } else { real_literal(*x) };
-            let ty = if *whole { "Integer" } else { "Real" };
+            let Some((all, whole)) = f.elements() else { continue };
+            let literal = |x: &f64| if whole { format!("{x}") } else { real_literal(*x) };
+            let ty = if whole { "Integer" } else { "Real" };
             let list: Vec<String> = all.iter().map(literal).collect();
             let (size, list) = (all.len().to_string(), list.join(", "));
             self.push(&["  constant ", ty, " ", &table(k), "[", &size, "] = {", &list, "};\n"]);

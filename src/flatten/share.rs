@@ -18,7 +18,7 @@ const SHORT: u64 = 100_000;
 /// How many times as long as its expressions a text may be.
 const FACTOR: u64 = 8;
 /// Nodes of the smallest part that is worth a variable.
-const LARGE: u64 = 16;
+pub(super) const LARGE: u64 = 16;
 
 /// Where a part stands, and so what its variable is.
 #[derive(Clone, Copy, PartialEq, Eq)]

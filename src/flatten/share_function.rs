@@ -1,12 +1,10 @@
 //! Parts of expressions that become locals of a function where its text would write them again and again.
 
+use super::share::LARGE;
 use crate::base::index::{FastMap, Id};
 use crate::ir::expr::{ExprId, Graph, Node, VarId};
 use crate::ir::flat::{Function, LocalId, Statement};
 use crate::symbolic::rewrite::Rewriter;
-
-/// Nodes of the smallest part that is worth a local.
-const LARGE: u64 = 16;
 
 /// Gives a function locals for what its assignments share; `sizes` says how long expressions are as texts.
 pub(super) fn in_function(graph: &mut Graph, function: &mut Function, sizes: &[u64]) {

@@ -227,9 +227,10 @@ fn binding(
         Some(Variability::Constant | Variability::Parameter)
     );
     let place = if varies { Place::Always } else { Place::Start };
-    let around = std::mem::replace(&mut cx.evaluation.draws.place, place);
-    let value = if constant { cx.parameter_value(id, span) } else { cx.binding_value(id) };
-    cx.evaluation.draws.place = around;
+    let value = cx.in_place(place, |cx| match constant {
+        true => cx.parameter_value(id, span),
+        false => cx.binding_value(id),
+    });
     if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
         flat.lost_units.insert(flat.variables[first].span);
     }

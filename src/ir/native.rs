@@ -5,6 +5,7 @@
 //! *Never holds:* anything that a run changes.
 //! *Made by:* `instantiate`, from external objects. *Read by:* `symbolic::eval`, which calls them.
 
+use std::cmp::Ordering;
 use std::sync::RwLock;
 
 use crate::base::name::{name, number, numbered};
@@ -41,8 +42,8 @@ pub enum Function {
     Elements(Vec<f64>, bool),
     /// Two texts as one: two arguments, numbers of texts as the result.
     Joined,
-    /// Whether a text stands before another one in the order of their characters: two arguments.
-    Precedes,
+    /// Whether two texts stand as one of these says in the order of their characters: two arguments.
+    Ordered(Vec<Ordering>),
 }
 
 /// All functions so far. They are few, and stay for as long as the process does.
@@ -102,9 +103,9 @@ impl Native {
                 let (a, b) = (numbered(a as u32), numbered(b as u32));
                 f64::from(number(name(&format!("{a}{b}"))))
             }
-            Function::Precedes => {
+            Function::Ordered(wanted) => {
                 let (a, b) = (numbered(a as u32), numbered(b as u32));
-                f64::from(u8::from(a.as_str() < b.as_str()))
+                f64::from(u8::from(wanted.contains(&a.as_str().cmp(b.as_str()))))
             }
             _ => f64::NAN,
         }
@@ -163,6 +164,14 @@ impl Native {
         }
     }
 
+    /// What it chooses from, if it chooses elements.
+    pub fn elements(self) -> Option<(&'static [f64], bool)> {
+        match self.function() {
+            Function::Elements(all, whole) => Some((all, *whole)),
+            _ => None,
+        }
+    }
+
     /// What it is called in texts.
     pub fn name(self) -> &'static str {
         match self.function() {
@@ -175,7 +184,7 @@ impl Native {
             Function::Elements(..) => "element",
             Function::Written(..) => "String",
             Function::Joined => "joinedTexts",
-            Function::Precedes => "precedes",
+            Function::Ordered(_) => "ordered",
             Function::Curve(..) | Function::TimeTable(..) | Function::Surface(..) => {
                 "derivativeOfTable"
             }

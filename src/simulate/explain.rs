@@ -9,8 +9,8 @@ use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Unary, VarId};
 use crate::ir::program::{BlockPlace, Program, Sequence, Slot, source_span};
 use crate::symbolic::eval;
 use crate::symbolic::print::print;
-use crate::symbolic::printf;
 use crate::symbolic::rewrite::Rewriter;
+use crate::symbolic::string;
 
 /// Values of a run by variable, and texts in the user's names.
 pub struct Reader<'a> {
@@ -86,7 +86,7 @@ impl<'a> Reader<'a> {
             Node::NoEvent(a) => self.message(a),
             Node::Unary(Unary::Text(form), a) => {
                 let known = value(a).map(|x| Const::of_type(graph.ty(a), x));
-                let text = known.and_then(|x| printf::text(graph, x, form));
+                let text = known.and_then(|x| string::text(graph, x, form));
                 text.unwrap_or_else(|| self.text(a))
             }
             Node::Var(v) => match dae.eliminated.iter().find(|(p, _)| *p == v) {

@@ -72,8 +72,10 @@ fn is_within(bounds: &Bounds, margin: f64, memory: &[f64]) -> bool {
         [bounds.value, bounds.min, bounds.max].map(|slot| memory[slot as usize]);
     value >= min && value <= max || {
         let nominal = memory[bounds.nominal as usize].abs();
-        let room = |bound: f64| margin * bound.abs().max(nominal);
-        value >= min - room(min) && value <= max + room(max)
+        let is_near = |bound: f64| {
+            bound.is_finite() && (value - bound).abs() <= margin * bound.abs().max(nominal)
+        };
+        (value >= min || is_near(min)) && (value <= max || is_near(max))
     }
 }
 

@@ -2,9 +2,10 @@
 pub mod eval;
 pub mod gradient;
 pub mod linear;
+pub mod nesting;
 pub mod partial;
 pub mod print;
-pub mod printf;
 pub mod rewrite;
 pub mod simplify;
+pub mod string;
 pub mod uses;

@@ -51,6 +51,19 @@ pub fn real_literal(value: f64) -> String {
     })
 }
 
+/// The first elements of a table.
+fn push_elements(all: &[f64], whole: bool, out: &mut String) {
+    let literal = |x: &f64| if whole { format!("{x}") } else { real_literal(*x) };
+    let mut list: Vec<String> = all.iter().take(SHOWN).map(literal).collect();
+    if all.len() > SHOWN {
+        list.push("...".into());
+    }
+    out.push_str(&format!("{{{}}}", list.join(", ")));
+}
+
+/// Elements of a table that are shown.
+const SHOWN: usize = 3;
+
 // Binding strengths, loosest first (section 3.2 of the specification).
 const IF: u8 = 1;
 const OR: u8 = 2;
@@ -99,6 +112,12 @@ impl Printer<'_> {
             Node::Unary(Unary::Not, a) => {
                 out.push_str("not ");
                 self.write(a, RELATION, out);
+            }
+            Node::Unary(Unary::Native(f), a) if let Some((all, whole)) = f.elements() => {
+                push_elements(all, whole, out);
+                out.push('[');
+                self.write(a, 0, out);
+                out.push(']');
             }
             Node::Unary(op, a) => call(out, op.name(), |out| {
                 self.write(a, 0, out);

@@ -2,7 +2,7 @@
 //! finite argument: neutral and absorbing elements, double negation, decided conditions.
 //! `0 * x = 0` is among them, as Modelica allows (section 3.1 of the specification).
 
-use super::{eval, printf};
+use super::{eval, string};
 use crate::base::name::Name;
 use crate::ir::expr::{Binary, Const, ExprId, Graph, ListId, Node, Type, Unary, VarId};
 
@@ -210,7 +210,7 @@ impl Graph {
             // What stands there only a run knows.
             (Unary::Carried(_), _) => None,
             (Unary::Text(form), _) => {
-                let text = printf::text(self, c, form)?;
+                let text = string::text(self, c, form)?;
                 Some(self.string(&text))
             }
             (Unary::Native(f), _) if f.is_whole() => {

@@ -1,5 +1,6 @@
 //! Where expressions stand: how often, and under which conditions alone they are computed.
 
+use super::nesting::Nesting;
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::expr::{Binary, ExprId, Graph, Node};
 
@@ -12,11 +13,9 @@ const MOST: usize = 10_000;
 /// Whether what stands below a node is not looked at.
 pub type Closed<'c> = dyn Fn(&Graph, ExprId) -> bool + 'c;
 
-/// A condition that must hold, or must not, inside of another one.
+/// A condition that must hold, or must not.
 #[derive(Clone, Copy)]
 pub struct Guard {
-    /// The guard around it, by number.
-    around: usize,
     /// Guards around it.
     pub depth: usize,
     /// The condition.
@@ -29,7 +28,8 @@ pub struct Guard {
 pub struct Uses {
     /// How often each stands somewhere, and the guard under which it does.
     pub of: FastMap<ExprId, (u32, usize)>,
-    /// Guards by number; 0 is none.
+    /// How guards stand in each other, by number; 0 is none.
+    pub nesting: Nesting,
     guards: Vec<Guard>,
     numbers: FastMap<(usize, ExprId, bool), usize>,
 }
@@ -37,9 +37,13 @@ pub struct Uses {
 impl Uses {
     /// What stands below these roots.
     pub fn of(graph: &mut Graph, roots: &[Root], closed: &Closed<'_>) -> Uses {
-        let none = Guard { around: 0, depth: 0, condition: ExprId(0), holds: true };
-        let mut uses =
-            Uses { of: FastMap::default(), guards: vec![none], numbers: FastMap::default() };
+        let none = Guard { depth: 0, condition: ExprId(0), holds: true };
+        let mut uses = Uses {
+            of: FastMap::default(),
+            nesting: Nesting::default(),
+            guards: vec![none],
+            numbers: FastMap::default(),
+        };
         let mut below = below(graph, roots, closed);
         for &(root, condition) in roots {
             let guard = condition.map_or(0, |c| uses.inside(0, c, true));
@@ -83,18 +87,18 @@ impl Uses {
     }
 
     fn inside(&mut self, around: usize, condition: ExprId, holds: bool) -> usize {
-        let guards = &mut self.guards;
+        let (nesting, guards) = (&mut self.nesting, &mut self.guards);
         *self.numbers.entry((around, condition, holds)).or_insert_with(|| {
-            let depth = guards[around].depth + 1;
-            guards.push(Guard { around, depth, condition, holds });
-            guards.len() - 1
+            let number = nesting.inside(around);
+            guards.push(Guard { depth: nesting.depth(number), condition, holds });
+            number
         })
     }
 
     /// The guard of what is computed under one guard or under another.
     fn either(&mut self, graph: &mut Graph, a: usize, b: usize) -> usize {
-        let around = self.common(a, b);
-        if around == a || around == b || self.guards.len() > MOST {
+        let around = self.nesting.common(a, b);
+        if around == a || around == b || self.nesting.count() > MOST {
             return around;
         }
         let [a, b] = [a, b].map(|guard| self.all(graph, guard, around));
@@ -106,24 +110,12 @@ impl Uses {
     pub fn all(&self, graph: &mut Graph, mut guard: usize, around: usize) -> ExprId {
         let mut all = graph.boolean(true);
         while guard != around {
-            let Guard { condition, holds, around: next, .. } = self.guards[guard];
+            let Guard { condition, holds, .. } = self.guards[guard];
             let this = if holds { condition } else { graph.not(condition) };
             all = graph.and(this, all);
-            guard = next;
+            guard = self.nesting.around(guard);
         }
         all
-    }
-
-    /// The innermost guard around two.
-    pub fn common(&self, mut a: usize, mut b: usize) -> usize {
-        while a != b {
-            if self.guards[a].depth >= self.guards[b].depth {
-                a = self.guards[a].around;
-            } else {
-                b = self.guards[b].around;
-            }
-        }
-        a
     }
 
     /// The guards of an expression, the innermost first.
@@ -132,7 +124,7 @@ impl Uses {
         let mut at = self.of[&e].1;
         while at != 0 {
             all.push(self.guards[at]);
-            at = self.guards[at].around;
+            at = self.nesting.around(at);
         }
         all
     }

@@ -137,8 +137,8 @@ fn units_that_do_not_match_are_warnings_or_errors() {
         .iter()
         .map(|p| (p["severity"].as_str().expect("a word"), p["line"].as_u64().expect("a line")))
         .collect();
-    // The share, the force, and the exponent; nothing of what is right.
-    assert_eq!(lines, [("error", 14), ("error", 20), ("error", 37)]);
+    // The share, the force, the speed taken for a pressure, and the exponent; nothing of what is right.
+    assert_eq!(lines, [("error", 14), ("error", 20), ("error", 50), ("error", 55)]);
 }
 
 #[test]

@@ -175,6 +175,10 @@ fn texts_are_put_together_while_the_model_runs() {
     assert_eq!(after(4), [1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
     // \"n = 10\" stands before \"n = 2\".
     assert_eq!(after(10), [0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    // The text of `flatten` says the same.
+    let flat = Case::text(text).flat();
+    let run = Case::text(&flat).stop(0.45).run();
+    assert_eq!(names.map(|name| run.last(name)), after(4), "{flat}");
 }
 
 #[test]

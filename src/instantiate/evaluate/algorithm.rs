@@ -211,7 +211,7 @@ impl Context<'_> {
         };
         let outer = self.evaluation.broken.take();
         let mut end = Flow::Next;
-        if !self.evaluation.folding && self.repeat_for(iterators, body, scope)?.is_some() {
+        if !self.evaluation.folding && self.repeat_for(iterators, body, scope)? {
             self.evaluation.broken = outer;
             return Some(Flow::Next);
         }

@@ -128,9 +128,7 @@ impl Context<'_> {
             let elements = Native::of(Function::Elements(column, whole));
             self.graph.unary(Unary::Native(elements), e)
         });
-        let all: Vec<ExprId> = chosen.by_ref().collect();
-        let mut next = all.into_iter();
-        Some(first.each_scalar(&mut |e| next.next().unwrap_or(e)))
+        Some(first.each_scalar(&mut |e| chosen.next().unwrap_or(e)))
     }
 
     /// What may be meant by selectors: where, and selectors that are all known.

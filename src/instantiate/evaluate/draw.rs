@@ -107,13 +107,18 @@ impl Context<'_> {
         self.graph.unary(Unary::Native(stream), number)
     }
 
-    /// Looks at a when-clause.
-    pub(crate) fn in_when<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        (self.evaluation.draws.counter, self.evaluation.draws.in_branch) = (None, 0);
-        let around = std::mem::replace(&mut self.evaluation.draws.place, Place::When);
+    /// Looks at what stands in a place.
+    pub(crate) fn in_place<T>(&mut self, place: Place, act: impl FnOnce(&mut Self) -> T) -> T {
+        let around = std::mem::replace(&mut self.evaluation.draws.place, place);
         let result = act(self);
         self.evaluation.draws.place = around;
         result
+    }
+
+    /// Looks at a when-clause.
+    pub(crate) fn in_when<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        (self.evaluation.draws.counter, self.evaluation.draws.in_branch) = (None, 0);
+        self.in_place(Place::When, act)
     }
 
     /// A branch of a when-clause ends: its counter, if it draws, and the value that this has from then on.

@@ -105,8 +105,9 @@ pub struct State {
     pub(crate) draws: draw::Draws,
     /// Functions made of loops whose length only a run knows.
     pub(crate) functions: Vec<crate::ir::flat::Function>,
-    /// Their numbers, by how many arguments they have and by their expressions: equal loops are one.
-    loops: FastMap<(usize, Vec<ExprId>), FunctionId>,
+    /// Their numbers, by place, by how many arguments they have and by their expressions: a loop that is
+    /// met again is the same.
+    loops: FastMap<(Span, usize, Vec<ExprId>), FunctionId>,
     /// How many symbols such loops have.
     pub(crate) symbols: u32,
     /// Assertions of functions that only a run can decide.

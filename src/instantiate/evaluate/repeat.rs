@@ -68,15 +68,15 @@ impl Context<'_> {
     }
 
     /// Makes a function of a loop over `iterators` whose first range has bounds that only a run knows, and
-    /// assigns its outputs; `None` inside if the bounds are known.
+    /// assigns its outputs; false if the bounds are known.
     pub(super) fn repeat_for(
         &mut self,
         iterators: &[Loop],
         body: &[Statement],
         scope: Scope,
-    ) -> Option<Option<()>> {
-        let Some((first, rest)) = iterators.split_first() else { return Some(None) };
-        let Some(range) = self.open_range(first, scope)? else { return Some(None) };
+    ) -> Option<bool> {
+        let Some((first, rest)) = iterators.split_first() else { return Some(false) };
+        let Some(range) = self.open_range(first, scope)? else { return Some(false) };
         let span = first.range.as_ref().map_or(first.name.span, |r| r.span);
         // The iterator is computed from the number of the turn: a sum of steps would round.
         let turns = crate::base::name::name("$turn");
@@ -99,7 +99,7 @@ impl Context<'_> {
             Some((holds, flow?))
         });
         self.evaluation.locals.pop();
-        done.map(Some)
+        done.map(|()| true)
     }
 
     /// What stands for every value of an iterator whose range only a run knows.
@@ -257,7 +257,7 @@ impl Context<'_> {
         let name = format!("loop {}", self.evaluation.functions.len() + 1);
         let (function, captured) =
             function(&mut self.graph, name, span, &turn.symbols, condition, &turn.turned);
-        let key = (function.inputs.len(), function.values());
+        let key = (span, function.inputs.len(), function.values());
         let next = FunctionId::from_usize(self.evaluation.functions.len());
         let id = *self.evaluation.loops.entry(key).or_insert(next);
         if id == next {

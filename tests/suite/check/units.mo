@@ -32,6 +32,24 @@ package Units
     parameter Real T(unit = "s") = 2;
   end Right;
 
+  // Numbers that are given for quantities of a function have their units.
+  function excess
+    input Real p(unit = "Pa");
+    input Real p_0(unit = "Pa");
+    output Real dp(unit = "Pa");
+  algorithm
+    dp := p - p_0;
+  end excess;
+
+  model Given
+    Real p(unit = "Pa") = excess(2e5, 1e5) + excess(p_0 = 1e5, p = 3e5);
+  end Given;
+
+  model Taken
+    Real v(unit = "m/s") = 1;
+    Real p(unit = "Pa") = excess(v, 1e5);
+  end Taken;
+
   model Rising
     parameter Real T(unit = "kg") = 2;
     Real y = exp(-time/T);

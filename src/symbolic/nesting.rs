@@ -1,0 +1,48 @@
+//! Places inside of each other: branches of an `if`, or what stands under a condition.
+
+/// Places by number. 0 is around all others.
+pub struct Nesting {
+    /// By place the one around it, and how many are.
+    places: Vec<(usize, usize)>,
+}
+
+impl Default for Nesting {
+    fn default() -> Nesting {
+        Nesting { places: vec![(0, 0)] }
+    }
+}
+
+impl Nesting {
+    /// A new place directly inside of another one.
+    pub fn inside(&mut self, around: usize) -> usize {
+        self.places.push((around, self.depth(around) + 1));
+        self.places.len() - 1
+    }
+
+    /// The place around another one; 0 stands inside of itself.
+    pub fn around(&self, place: usize) -> usize {
+        self.places[place].0
+    }
+
+    /// How many places are around it.
+    pub fn depth(&self, place: usize) -> usize {
+        self.places[place].1
+    }
+
+    /// How many places there are.
+    pub fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The innermost place around two.
+    pub fn common(&self, mut a: usize, mut b: usize) -> usize {
+        while a != b {
+            if self.depth(a) >= self.depth(b) {
+                a = self.around(a);
+            } else {
+                b = self.around(b);
+            }
+        }
+        a
+    }
+}
