@@ -7,6 +7,7 @@
 
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::marks::Marks;
 use crate::base::source::Span;
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
@@ -511,22 +512,26 @@ impl Emitter {
     /// The variables below `roots` in order of first use, eliminated ones replaced by what they read.
     pub fn reads(&self, roots: &[ExprId]) -> Vec<VarId> {
         let graph = &self.dae.graph;
-        let mut found = Vec::new();
-        let mut pending = roots.to_vec();
-        let mut seen = FastSet::default();
-        while let Some(e) = pending.pop() {
-            if !seen.insert(e) {
-                continue;
+        Marks::walk(graph.len(), |seen| {
+            let mut found = Vec::new();
+            let mut pending = roots.to_vec();
+            // Calls for several outputs share their arguments, which may be many.
+            let mut lists = FastSet::default();
+            while let Some(e) = pending.pop() {
+                if !seen.insert(e.idx()) {
+                    continue;
+                }
+                match graph.node(e) {
+                    Node::Var(v) => match self.replaced.get(&v) {
+                        Some(r) => pending.push(*r),
+                        None => found.push(v),
+                    },
+                    Node::Call { args, .. } if !lists.insert(args) => {}
+                    _ => graph.for_each_operand(e, |a| pending.push(a)),
+                }
             }
-            match graph.node(e) {
-                Node::Var(v) => match self.replaced.get(&v) {
-                    Some(r) => pending.push(*r),
-                    None => found.push(v),
-                },
-                _ => graph.for_each_operand(e, |a| pending.push(a)),
-            }
-        }
-        found
+            found
+        })
     }
 
     /// The expression that reads `v`.

@@ -5,7 +5,7 @@
 //! class without them is a system: it goes through all stages before the run. Since each component
 //! is counted by itself, a file is checked locally and globally (Modelica specification, section 4.7).
 
-use super::compile::{Request, Session, Wrong, find, model, models};
+use super::compile::{Request, Session, Wrong, find_in, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::FastSet;
 use crate::instantiate::Context;
@@ -48,15 +48,12 @@ impl Session {
             self.problems.extend(problems);
             return if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) };
         };
-        let within = file.within.as_ref().map(|w| w.to_string()).filter(|w| !w.is_empty());
         let runs: FastSet<String> = models(file).into_iter().collect();
         let mut problems = Problems::new();
         let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
         let mut found = Vec::new();
         for name in classes(file) {
-            let full = within.as_ref().map(|package| format!("{package}.{name}"));
-            let class = full.and_then(|full| find(&mut cx, &full)).or_else(|| find(&mut cx, &name));
-            let Some(class) = class else { continue };
+            let Some(class) = find_in(&mut cx, file, &name) else { continue };
             // Of every class: what it extends, and what its kind may not have.
             cx.table(class);
             cx.report_hidden(class);
@@ -154,6 +151,7 @@ fn is_component(cx: &mut Context<'_>, class: ClassId) -> bool {
 
 fn component(cx: &mut Context<'_>, class: ClassId) {
     let mut balance = None;
+    cx.surrounded = true;
     let mut flat = crate::flatten::flatten_with_balance(cx, class, &mut balance);
     cx.report_modified_absent(class);
     if !cx.problems.has_errors() {

@@ -258,7 +258,7 @@ impl Session {
             let base = cx.classes[class].full_name.to_string();
             let annotation = cx.text(class).and_then(|t| t.annotation.clone());
             let file = extended::file(&read, &base, annotation, cx.sources);
-            cx.library.add_file(&file, cx.sources, cx.problems);
+            cx.library.add_file(&file, cx.problems);
             let extended = find(cx, extended::MODEL).unwrap_or(class);
             let mut flat = crate::flatten::flatten(cx, extended, settings);
             flat.name = base;
@@ -300,11 +300,18 @@ impl Session {
         };
         let id = self.sources.add(path, text.as_str());
         let file = crate::parse::grammar::parse(id, &text, &mut self.problems);
-        library.add_file(&file, &self.sources, &mut self.problems);
+        let within: Vec<&str> = match &file.within {
+            Some(within) => within.parts.iter().map(|p| p.name.as_str()).collect(),
+            None => Vec::new(),
+        };
+        if let Some(home) = super::files::home(path, &within) {
+            library.add_home(home.root, home.package, &file);
+        }
+        library.add_file(&file, &mut self.problems);
         if let Some(text) = &request.appended {
             let id = self.sources.add(Path::new("appended.mo"), text.as_str());
             let more = crate::parse::grammar::parse(id, text, &mut self.problems);
-            library.add_file(&more, &self.sources, &mut self.problems);
+            library.add_file(&more, &mut self.problems);
         }
         Ok(Some(Arc::new(file)))
     }
@@ -385,7 +392,10 @@ pub(super) fn model(
             return Err(Wrong::Request);
         }
     };
-    let found = find(cx, &wanted);
+    let found = match file {
+        Some(file) => find_in(cx, file, &wanted),
+        None => find(cx, &wanted),
+    };
     if let Some(class) = found {
         let text = cx.text(class).cloned();
         let kind = cx.kind(class);
@@ -417,6 +427,13 @@ pub(super) fn model(
         });
     }
     Err(Wrong::Model)
+}
+
+/// A class of a file, which may be named without the packages that the file stands in.
+pub(super) fn find_in(cx: &mut Context<'_>, file: &ast::File, wanted: &str) -> Option<ClassId> {
+    let within = file.within.as_ref().filter(|w| !w.parts.is_empty());
+    let full = within.and_then(|within| find(cx, &format!("{within}.{wanted}")));
+    full.or_else(|| find(cx, wanted))
 }
 
 pub(super) fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use include_dir::{Dir, include_dir};
 
 use crate::resolve::library::Folder;
+use crate::resolve::version::of_entry;
 
 /// The shipped library.
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
@@ -66,7 +67,10 @@ pub struct OnDisk(pub PathBuf);
 
 impl Folder for OnDisk {
     fn entries(&self, path: &Path) -> Vec<String> {
-        let Ok(list) = std::fs::read_dir(self.0.join(path)) else { return Vec::new() };
+        let folder = self.0.join(path);
+        // The working directory has no name here.
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+        let Ok(list) = std::fs::read_dir(folder) else { return Vec::new() };
         let mut all: Vec<String> = list
             .flatten()
             .map(|e| {
@@ -102,6 +106,41 @@ pub fn read(path: &Path) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|e| {
         format!("byte {} is not UTF-8; save the file as UTF-8", e.utf8_error().valid_up_to())
     })
+}
+
+/// Where the library of a file stands.
+pub struct Home {
+    /// The folder that the library is in.
+    pub root: Box<dyn Folder>,
+    /// The folder in it whose `package.mo` the file is.
+    pub package: Option<PathBuf>,
+}
+
+/// The library of a file that is a `package.mo`, or that stands in the folders which its `within` clause
+/// names (section 13.4.1 of the specification).
+pub fn home(file: &Path, within: &[&str]) -> Option<Home> {
+    let full = file.canonicalize().ok()?;
+    let own = full.parent()?;
+    let is_package = full.file_name()? == "package.mo";
+    if within.is_empty() && !is_package {
+        return None;
+    }
+    // The folder of a library by itself may be called otherwise: it was copied, or has a version.
+    let mut root = if is_package { own.parent()? } else { own };
+    for (k, package) in within.iter().enumerate().rev() {
+        let folder = root.file_name()?.to_string_lossy().into_owned() + "/";
+        let named = of_entry(&folder, package).is_some_and(|version| k == 0 || version.is_empty());
+        if !named || !root.join("package.mo").is_file() {
+            return None;
+        }
+        root = root.parent()?;
+    }
+    let package =
+        is_package.then(|| own.strip_prefix(root).map(Path::to_path_buf)).transpose().ok()?;
+    // Messages name files as the user does.
+    let here = std::env::current_dir().ok();
+    let shown = here.and_then(|here| root.strip_prefix(here).ok());
+    Some(Home { root: Box::new(OnDisk(shown.unwrap_or(root).to_path_buf())), package })
 }
 
 /// Folders to search: those named, then those of `MODELICAPATH`, then the shipped library.

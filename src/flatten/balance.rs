@@ -109,7 +109,8 @@ pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Op
 
 /// An input of the component: declared in it, or in one of its connectors.
 fn is_input(cx: &mut Context<'_>, id: InstanceId, root: InstanceId) -> bool {
-    if cx.instances[id].prefix.causality != Some(Causality::Input) {
+    // What is protected has its equations inside.
+    if cx.instances[id].prefix.causality != Some(Causality::Input) || cx.instances[id].protected {
         return false;
     }
     let mut at = cx.instances[id].parent;

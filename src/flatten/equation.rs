@@ -32,11 +32,12 @@ impl Target<'_> {
 
     fn push(&mut self, kind: EquationKind, span: Span) {
         let equation = Equation { kind, origin: self.origin(span) };
-        if self.initial {
-            self.flat.initial_equations.push(equation);
-        } else {
-            self.flat.equations.push(equation);
-        }
+        self.list().push(equation);
+    }
+
+    /// The equations of the model, or those of its start.
+    fn list(&mut self) -> &mut Vec<Equation> {
+        if self.initial { &mut self.flat.initial_equations } else { &mut self.flat.equations }
     }
 }
 
@@ -199,7 +200,8 @@ fn equate(
                 return None;
             }
             let discrete = |t: Type| !matches!(t, Type::Real | Type::String);
-            if discrete(s) && discrete(t) {
+            // At the start there is nothing between events.
+            if discrete(s) && discrete(t) && !target.initial {
                 for e in [*a, *b] {
                     if cx.changes_between_events(e) {
                         cx.report_continuous(s, span);
@@ -290,15 +292,24 @@ fn if_equation(
     if unknowns(cx, &first) != unknowns(cx, &second)
         && let Some(Const::Boolean(chosen)) = cx.parameter_expression(c, true)
     {
-        let list = if target.initial {
-            &mut target.flat.initial_equations
-        } else {
-            &mut target.flat.equations
-        };
-        list.extend(if chosen { first } else { second });
+        target.list().extend(if chosen { first } else { second });
         return Some(());
     }
+    // A parameter that has no value yet decides by its start value, where one of the branches has to be chosen.
+    if count(&first) != count(&second) && cx.variability(c) <= ast::Variability::Parameter {
+        let known = cx.fold(condition, scope)?;
+        let known = cx.truth(&known, condition.span)?;
+        if let Some(Const::Boolean(chosen)) = cx.graph.as_const(known) {
+            target.list().extend(if chosen { first } else { second });
+            return Some(());
+        }
+    }
     merge(cx, c, first, second, span, target)
+}
+
+/// How many equations there are, without assertions.
+fn count(list: &[Equation]) -> usize {
+    list.iter().filter(|e| matches!(e.kind, EquationKind::Equal(..))).count()
 }
 
 /// Whether there is a `connect` among equations.
@@ -336,16 +347,9 @@ fn unknowns(cx: &mut Context<'_>, equations: &[Equation]) -> Vec<(VarId, bool)> 
 
 /// The equations that `act` adds, taken out again.
 fn collected(target: &mut Target<'_>, act: impl FnOnce(&mut Target<'_>)) -> Vec<Equation> {
-    let list = |t: &mut Target<'_>| {
-        if t.initial { t.flat.initial_equations.len() } else { t.flat.equations.len() }
-    };
-    let before = list(target);
+    let before = target.list().len();
     act(target);
-    if target.initial {
-        target.flat.initial_equations.split_off(before)
-    } else {
-        target.flat.equations.split_off(before)
-    }
+    target.list().split_off(before)
 }
 
 /// `if c then first else second`, equation by equation (section 8.3.4).

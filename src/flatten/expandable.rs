@@ -117,7 +117,7 @@ pub(super) fn elaborate(cx: &mut Context<'_>, root: InstanceId) {
             break;
         }
     }
-    presence::settle(cx, &written, &buses);
+    presence::settle(cx, &written, &buses, root);
 }
 
 /// The connections of a list of equations that stand under conditions which hold.

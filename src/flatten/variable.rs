@@ -164,6 +164,11 @@ fn attributes(
     ];
     for (text, slot) in numeric {
         let Some((all, span)) = value(cx, text, false) else { continue };
+        let mut scalars = all.elements().iter().filter_map(Value::scalar);
+        if scalars.any(|e| cx.variability(e) > Variability::Parameter) {
+            cx.report_moving_attribute(id, text, span);
+            continue;
+        }
         for (k, e) in all.elements().iter().enumerate() {
             let v = VarId(first.0 + k as u32);
             let Some(e) = e.scalar() else { continue };

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::Context;
 use crate::base::name::{Name, name};
+use crate::base::source::Span;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::expr::{EnumId, Enumeration, Type};
 use crate::ir::instance::{
@@ -458,28 +459,34 @@ impl Context<'_> {
 
     /// Whether two declarations of one name say the same: type, sizes and modification, as written.
     fn identical(&self, a: &Entry, b: &Entry) -> bool {
+        let words = |span: Span| {
+            let text = self.sources.text(span).unwrap_or_default();
+            text.split_whitespace().collect::<String>()
+        };
+        let written = |m: Option<&ast::Modification>| m.map(|m| words(m.span)).unwrap_or_default();
         let (a, b) = match (&a.kind, &b.kind) {
             (EntryKind::Component(a), EntryKind::Component(b)) => (a, b),
             (EntryKind::Class(a), EntryKind::Class(b)) => {
-                let words = |class: &ast::Class| {
-                    let text = self.sources.text(class.span).unwrap_or_default();
-                    text.split_whitespace().collect::<String>()
-                };
-                return words(a) == words(b);
+                // What a short one is defined as; descriptions and annotations may differ.
+                if let (ClassBody::Short(of_a), ClassBody::Short(of_b)) = (&a.body, &b.body) {
+                    return a.kind == b.kind
+                        && of_a.base.to_string() == of_b.base.to_string()
+                        && of_a.prefix == of_b.prefix
+                        && of_a.dims.len() == of_b.dims.len()
+                        && written(of_a.modification.as_deref())
+                            == written(of_b.modification.as_deref());
+                }
+                return words(a.span) == words(b.span);
             }
             _ => return false,
-        };
-        let written = |d: &Declaration| {
-            let text = d.component().modification.as_ref().and_then(|m| self.sources.text(m.span));
-            let words = text.unwrap_or_default().split_whitespace();
-            words.collect::<String>()
         };
         let (of_a, of_b) = (a.clause(), b.clause());
         of_a.type_name.to_string() == of_b.type_name.to_string()
             && of_a.prefix == of_b.prefix
             && of_a.type_dims.len() + a.component().dims.len()
                 == of_b.type_dims.len() + b.component().dims.len()
-            && written(a) == written(b)
+            && written(a.component().modification.as_deref())
+                == written(b.component().modification.as_deref())
     }
 
     fn enumeration(

@@ -211,6 +211,24 @@ impl Context<'_> {
         );
     }
 
+    /// An attribute that only a run knows.
+    pub(crate) fn report_moving_attribute(&mut self, id: InstanceId, attribute: Name, span: Span) {
+        let path = self.path(id);
+        let help = match attribute.as_str() {
+            "start" => "use parameters and constants, or write an initial equation",
+            _ => "use parameters and constants, or an `assert`",
+        };
+        let message =
+            format!("`{attribute}` of `{path}` is given a value that changes while the model runs");
+        self.problems.push(
+            Diagnostic::error("MO0274", span, message)
+                .label("changes while the model runs")
+                .also(self.declared_at(id), "declared here")
+                .help(help)
+                .note("attributes are as constant as parameters (section 4.9)"),
+        );
+    }
+
     pub(crate) fn report_conditional(&mut self, id: InstanceId, span: Span) {
         let path = self.path(id);
         self.problems.push(

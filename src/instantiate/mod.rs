@@ -76,6 +76,8 @@ pub struct Context<'a> {
     pub(crate) no_layers: Rc<[Layer]>,
     pub(crate) no_sizes: Rc<[usize]>,
     pub(crate) evaluation: evaluate::State,
+    /// The model is a component by itself: what surrounds it is not there.
+    pub surrounded: bool,
 }
 
 impl<'a> Context<'a> {

@@ -79,6 +79,7 @@ impl<'a> Context<'a> {
             no_layers: Rc::from([]),
             no_sizes: Rc::from([]),
             evaluation: evaluate::State::default(),
+            surrounded: false,
         }
     }
 

@@ -9,7 +9,8 @@
 use hashbrown::HashTable;
 use std::hash::{BuildHasher, Hash};
 
-use crate::base::index::{FastMap, IndexVec};
+use crate::base::index::{FastMap, Id, IndexVec};
+use crate::base::marks::Marks;
 use crate::base::name::{self, Name};
 use crate::define_id;
 use crate::ir::native::Native;
@@ -367,31 +368,32 @@ impl Graph {
 
     /// All nodes below `roots`, operands before users, each once. Iterative: depth costs no stack.
     pub fn postorder(&self, roots: impl IntoIterator<Item = ExprId>) -> Vec<ExprId> {
-        let mut seen = crate::base::index::FastSet::default();
-        let mut order = Vec::new();
-        // Calls for several outputs share their arguments, which may be many.
-        let mut lists = crate::base::index::FastSet::default();
-        let mut stack: Vec<(ExprId, bool)> = Vec::new();
-        for root in roots {
-            stack.push((root, false));
-            while let Some((e, done)) = stack.pop() {
-                if done {
-                    order.push(e);
-                } else if seen.insert(e) {
-                    if let Node::Call { args, .. } = self.nodes[e]
-                        && !lists.insert(args)
-                    {
+        Marks::walk(self.nodes.len(), |seen| {
+            let mut order = Vec::new();
+            // Calls for several outputs share their arguments, which may be many.
+            let mut lists = crate::base::index::FastSet::default();
+            let mut stack: Vec<(ExprId, bool)> = Vec::new();
+            for root in roots {
+                stack.push((root, false));
+                while let Some((e, done)) = stack.pop() {
+                    if done {
                         order.push(e);
-                        continue;
+                    } else if seen.insert(e.idx()) {
+                        if let Node::Call { args, .. } = self.nodes[e]
+                            && !lists.insert(args)
+                        {
+                            order.push(e);
+                            continue;
+                        }
+                        stack.push((e, true));
+                        let first = stack.len();
+                        self.for_each_operand(e, |a| stack.push((a, false)));
+                        stack[first..].reverse();
                     }
-                    stack.push((e, true));
-                    let first = stack.len();
-                    self.for_each_operand(e, |a| stack.push((a, false)));
-                    stack[first..].reverse();
                 }
             }
-        }
-        order
+            order
+        })
     }
 
     /// The variables (not `der`, not `pre`) below `e`, in order of first use.

@@ -51,8 +51,22 @@ impl Library {
         }
     }
 
+    /// Adds the library that a file of the user belongs to, before all others: the folder that it is in, and
+    /// the one in it that the file is the `package.mo` of.
+    pub fn add_home(&mut self, root: Box<dyn Folder>, package: Option<PathBuf>, file: &ast::File) {
+        self.folders.insert(0, root);
+        self.packages.values_mut().for_each(|(folder, _)| *folder += 1);
+        if let (Some(path), Some(class)) = (package, file.classes.first()) {
+            let full_name = match file.within.as_ref().filter(|w| !w.parts.is_empty()) {
+                Some(within) => format!("{within}.{}", class.name.name),
+                None => class.name.name.to_string(),
+            };
+            self.packages.insert(name(&full_name), (0, path));
+        }
+    }
+
     /// Adds the classes of a file that the user named; they hide libraries of the same name.
-    pub fn add_file(&mut self, file: &ast::File, sources: &SourceMap, problems: &mut Problems) {
+    pub fn add_file(&mut self, file: &ast::File, problems: &mut Problems) {
         for class in &file.classes {
             if let Some(before) = self.files.iter().find(|c| c.name.name == class.name.name) {
                 problems.push(
@@ -72,21 +86,11 @@ impl Library {
                 && !within.parts.is_empty()
             {
                 // A class of a package, opened by itself: it is also reachable by its short name.
-                self.open_enclosing(file, class, within, sources);
+                self.children
+                    .insert((name(&within.to_string()), class.name.name), Some(class.clone()));
             }
             self.files.push(class.clone());
         }
-    }
-
-    fn open_enclosing(
-        &mut self,
-        _file: &ast::File,
-        class: &Arc<ast::Class>,
-        within: &ast::Path,
-        _sources: &SourceMap,
-    ) {
-        let package = name(&within.to_string());
-        self.children.insert((package, class.name.name), Some(class.clone()));
     }
 
     /// Classes of the user's files, in order.

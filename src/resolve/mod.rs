@@ -2,4 +2,4 @@
 //!
 //! In: syntax trees and folders. Out: the class of a full name. Modelica specification, chapter 13.
 pub mod library;
-mod version;
+pub mod version;

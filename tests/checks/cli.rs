@@ -251,6 +251,41 @@ fn libraries_are_found_by_option_and_by_environment() {
     assert_eq!(mocc(folder.path(), &arguments).status, 0);
 }
 
+/// A file of a library sees the packages that it stands in, and a `package.mo` the files beside it.
+#[test]
+fn files_of_a_library_belong_to_it() {
+    let folder = Scratch::new();
+    let root = "within;\npackage Hall\n  constant Real u = 230;\nend Hall;\n";
+    folder.file("copies/Hall-main/package.mo", root);
+    folder.file("Hall 2.0/package.mo", root);
+    for place in ["copies/Hall-main", "Hall 2.0"] {
+        let parts = "within Hall;\npackage Parts\n  model Pair\n    Lamp a, b(P = u);\n  end Pair;\nend Parts;\n";
+        folder.file(&format!("{place}/Parts/package.mo"), parts);
+        folder.file(
+            &format!("{place}/Parts/Lamp.mo"),
+            "within Hall.Parts;\nmodel Lamp\n  parameter Real P = 60;\n  Real i = P/u;\nend Lamp;\n",
+        );
+    }
+    let good = |from: &str, arguments: &[&str]| {
+        let ended = mocc(&folder.path().join(from), arguments);
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{arguments:?}");
+        ended.out
+    };
+    good(".", &["check", "Hall 2.0/package.mo"]);
+    good(".", &["check", "Hall 2.0/Parts/package.mo"]);
+    good("Hall 2.0/Parts", &["check", "package.mo"]);
+    let lamp = good("Hall 2.0/Parts", &["flatten", "Lamp.mo"]);
+    assert!(lamp.contains("model 'Hall.Parts.Lamp'") && lamp.contains("i = P / 230"), "{lamp}");
+    let pair =
+        good("Hall 2.0", &["flatten", "./Parts/../Parts/package.mo", "--model", "Parts.Pair"]);
+    assert!(pair.contains("'b.P' = 230"), "{pair}");
+    let pair = good("copies", &["flatten", "Hall-main/package.mo", "--model", "Hall.Parts.Pair"]);
+    assert!(pair.contains("'b.P' = 230"), "{pair}");
+    // In no folder of its packages a file stands for itself.
+    folder.file("Lamp.mo", "within Hall.Parts;\nmodel Lamp\n  Real i = 1;\nend Lamp;\n");
+    assert!(good(".", &["flatten", "Lamp.mo"]).contains("model Lamp"));
+}
+
 /// The version that `uses` asks for is taken, else the newest; another one is warned of unless it serves.
 #[test]
 fn libraries_come_in_the_version_that_is_asked_for() {

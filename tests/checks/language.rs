@@ -834,3 +834,128 @@ fn functions_of_components_read_their_parameters() {
         assert_eq!(Case::text(field).model(model).run().last(name), 10.0);
     }
 }
+
+/// What comprehensions, reductions and loops run over may change while the model runs; what are subscripts
+/// is known.
+#[test]
+fn iterators_run_over_what_changes() {
+    let run = Case::text(
+        "model Over
+           record Tank Real level; end Tank;
+           parameter Integer chosen[:] = {3, 1};
+           Integer k = if time > 0.5 then 1 else 2;
+           Real v[3] = {time, 2*time, 3};
+           Tank low(level = time), high(level = 2);
+           Real squares = sum(e^2 for e in v);
+           Real most = max(e for e in v[1:2]);
+           Real levels[:] = {t.level for t in {low, high}};
+           Real some[:] = {v[i] for i in chosen};
+           Real now[:] = {v[i] for i in {k, 3}};
+           Real table[2, 2] = {x*y for x in {1.5, 2.5}, y in v[2:3]};
+           Boolean large[3] = {x > 1.5 for x in v};
+           Real total;
+         algorithm
+           total := 0;
+           for e in v loop
+             total := total + e;
+           end for;
+         end Over;",
+    )
+    .run();
+    let last = |name: &str, n: usize| -> Vec<f64> {
+        (1..=n).map(|k| run.last(&format!("{name}[{k}]"))).collect()
+    };
+    assert_eq!([run.last("squares"), run.last("most"), run.last("total")], [14.0, 2.0, 6.0]);
+    assert_eq!(last("levels", 2), [1.0, 2.0]);
+    assert_eq!(last("some", 2), [3.0, 1.0]);
+    assert_eq!(last("now", 2), [1.0, 3.0]);
+    assert_eq!(last("large", 3), [0.0, 1.0, 1.0]);
+    let table = ["1,1", "1,2", "2,1", "2,2"].map(|k| run.last(&format!("table[{k}]")));
+    assert_eq!(table, [3.0, 5.0, 4.5, 7.5]);
+}
+
+/// Types may be arrays: of locals, outputs and omitted inputs of functions, and of fields.
+#[test]
+fn types_that_are_arrays_have_their_sizes_in_functions() {
+    let run = Case::text(
+        "package Turns
+           constant Integer n = 2;
+           type Base = Real[3];
+           type Vector extends Base(each unit = \"m\"); end Vector;
+           type Pair = Vector[n];
+           function unit_vector
+             output Vector e;
+           algorithm
+             e[1] := 1;
+           end unit_vector;
+           function moved
+             input Vector a;
+             input Pair by;
+             input Vector more = unit_vector();
+             output Vector b;
+           protected
+             Vector t;
+             Integer n = 7;
+           algorithm
+             t[1] := 5;
+             for i in 2:3 loop
+               t[i] := i;
+             end for;
+             b := a + t + by[1] + by[n - 5, :] + more;
+           end moved;
+           model Test
+             Vector x = moved({time, 0, 0}, {{1, 2, 3}, {1, 1, 1}});
+             Real h[2] = homotopy(actual = {time, 2}, simplified = {1, 1});
+           end Test;
+         end Turns;",
+    )
+    .run();
+    let x = [1, 2, 3].map(|k| run.last(&format!("x[{k}]")));
+    assert_eq!(x, [9.0, 5.0, 7.0]);
+    assert_eq!([run.last("h[1]"), run.last("h[2]")], [1.0, 2.0]);
+}
+
+/// The same short class inherited twice is one, whatever its description.
+#[test]
+fn short_classes_inherited_twice_are_one() {
+    let run = Case::text(
+        "package Flow
+           package Medium constant Real d = 1; end Medium;
+           package Water extends Medium(d = 1000); end Water;
+           partial model In replaceable package M = Medium; Real m; end In;
+           partial model Out
+             replaceable package M = Medium \"what flows\" annotation (choicesAllMatching = true);
+             Real m \"mass\";
+           end Out;
+           model Pipe
+             extends In(redeclare package M = Water);
+             extends Out(redeclare package M = Water);
+           equation
+             m = M.d*time;
+           end Pipe;
+         end Flow;",
+    );
+    assert_eq!(run.run().last("m"), 1000.0);
+}
+
+/// At the start a truth value may follow from what is continuous later.
+#[test]
+fn initial_equations_choose_branches() {
+    let run = Case::text(
+        "model Branch
+           function is_high
+             input Real x;
+             output Boolean b;
+           algorithm
+             b := x > 0.5;
+           end is_high;
+           final parameter Boolean high(fixed = false);
+           Real x(start = 1, fixed = true);
+         initial equation
+           high = is_high(x);
+         equation
+           der(x) = if high then -1 else 1;
+         end Branch;",
+    );
+    assert_eq!(run.run().last("der(x)"), -1.0);
+}

@@ -4,7 +4,7 @@
 use super::ends::{At, End, Member, unfilled};
 use super::{Buses, Written, pairs};
 use crate::base::diag::Diagnostic;
-use crate::base::index::FastMap;
+use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::instantiate::Context;
 use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, Variability};
@@ -51,7 +51,7 @@ pub(super) fn check_declarations(cx: &mut Context<'_>, bus: InstanceId) {
 }
 
 /// Removes what no connection reaches, and reports what is read only.
-pub(super) fn settle(cx: &mut Context<'_>, written: &[Written], buses: &Buses) {
+pub(super) fn settle(cx: &mut Context<'_>, written: &[Written], buses: &Buses, model: InstanceId) {
     let mut uses: FastMap<Member, Use> = FastMap::default();
     let mut order: Vec<Member> = Vec::new();
     let root = |bus: InstanceId| buses.number.get(&bus).map(|k| buses.all[buses.root(*k)]);
@@ -75,8 +75,26 @@ pub(super) fn settle(cx: &mut Context<'_>, written: &[Written], buses: &Buses) {
             }
         }
     }
+    // What surrounds a component may give values to the buses that lead out of it.
+    let leads_out = |cx: &mut Context<'_>, mut bus: InstanceId| {
+        while let Some(around) = cx.instances[bus].parent.filter(|around| *around != model) {
+            let array = matches!(cx.instances[around].kind, InstanceKind::Array { .. });
+            if !array && !is_bus(cx, around) {
+                return false;
+            }
+            bus = around;
+        }
+        !cx.instances[bus].protected
+    };
+    let mut open: FastSet<InstanceId> = FastSet::default();
+    if cx.surrounded {
+        open.extend(buses.all.iter().filter(|b| leads_out(cx, **b)).filter_map(|b| root(*b)));
+    }
     for member in order {
         let (bus, name, index) = member;
+        if open.contains(&bus) {
+            continue;
+        }
         // What is connected as a whole somewhere is driven element by element, too.
         let whole = uses.get(&(bus, name, None)).is_some_and(|u| u.driven);
         let some = index.is_none()

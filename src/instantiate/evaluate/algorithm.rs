@@ -11,7 +11,7 @@ use crate::base::source::Span;
 use crate::instantiate::evaluate::reference::Selection;
 use crate::instantiate::evaluate::subscript::{one_by_one, positions};
 use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind};
-use crate::ir::expr::{Const, ExprId, VarId};
+use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
 
 /// No loop in a function that is evaluated here runs longer.
@@ -232,22 +232,34 @@ impl Context<'_> {
         Some(end)
     }
 
-    /// What a loop runs over: how often is known here, the values need not be.
+    /// What a loop in an algorithm, a comprehension or a reduction runs over: how often is known here, the
+    /// values need not be.
     pub(crate) fn values_of(
         &mut self,
         iterator: &crate::ir::ast::Iterator,
         scope: Scope,
     ) -> Option<Vec<Value>> {
         if let Some(range) = &iterator.range
-            && let ExprKind::Ref(_) | ExprKind::Array(_) = &range.kind
+            && !matches!(&range.kind, ExprKind::Range { .. })
             && !self.evaluation.folding
             && !matches!(&range.kind, ExprKind::Ref(r) if self.type_size(r, scope).is_some())
             && let Value::Array(a) = self.evaluate(range, scope)?
             && a.dims.len() == 1
+            && !self.may_be_subscripts(&a.elements)
         {
             return Some(a.elements.clone());
         }
         self.fold_range(iterator, scope)
+    }
+
+    /// Whether all of these are whole numbers and the like that may be known.
+    fn may_be_subscripts(&self, values: &[Value]) -> bool {
+        values.iter().all(|value| {
+            value.scalar().is_some_and(|e| {
+                self.graph.ty(e) != Type::Real
+                    && self.graph.postorder([e]).into_iter().all(|n| self.may_be_known(n, true))
+            })
+        })
     }
 
     fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {

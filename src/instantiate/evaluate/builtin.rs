@@ -261,6 +261,9 @@ impl Context<'_> {
 
     fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
         let name = path.to_string();
+        if path.parts.len() > 1 && path.parts[0].name == "Connections" {
+            return self.unsupported(path.span, "over-constrained connection graphs");
+        }
         if let Some((what, _)) = LATER.iter().find(|(_, names)| names.contains(&&*name)) {
             return self.unsupported(path.span, what);
         }
@@ -304,8 +307,8 @@ impl Context<'_> {
             }),
             "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
             "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
-            // Of one argument, or with a clock, it belongs to clocks.
-            "sample" if args.len() == 1 => {
+            // Of one argument, or of an array, it belongs to clocks.
+            "sample" if args.len() == 1 || self.is_array(args, scope) => {
                 self.unsupported(span, "clocks");
                 None
             }
@@ -365,6 +368,12 @@ impl Context<'_> {
                 None
             }
         }
+    }
+
+    /// Whether the first argument is the name of an array.
+    fn is_array(&mut self, args: &[Expr], scope: Scope) -> bool {
+        matches!(args.first().map(|a| &a.kind), Some(ExprKind::Ref(_)))
+            && self.evaluate(&args[0], scope).is_some_and(|value| !value.dims().is_empty())
     }
 
     fn two(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<(ExprId, ExprId)> {
@@ -524,9 +533,39 @@ impl Context<'_> {
             self.wrong_arguments(span, "two are");
             return None;
         };
-        let a = self.evaluate_scalar(actual, scope)?;
-        let b = self.evaluate_scalar(simplified, scope)?;
-        Some(Value::Scalar(self.graph.intern(Node::Homotopy(a, b), Type::Real)))
+        let values = [actual, simplified].map(|e| self.evaluate(e, scope));
+        let [Some(a), Some(b)] = values else { return None };
+        self.each_of([a, b], span, |cx, [a, b]| cx.graph.intern(Node::Homotopy(a, b), Type::Real))
+    }
+
+    /// What an operator makes of scalars. With arrays it is called for each element (section 12.4.6).
+    fn each_of<const N: usize>(
+        &mut self,
+        values: [Value; N],
+        span: Span,
+        act: impl Fn(&mut Self, [ExprId; N]) -> ExprId,
+    ) -> Option<Value> {
+        let shape = values.iter().find(|v| !v.dims().is_empty());
+        let (dims, count) = shape
+            .map_or_else(Default::default, |shape| (shape.dims().to_vec(), shape.elements().len()));
+        if values.iter().any(|v| !v.dims().is_empty() && v.dims() != dims) {
+            self.error("MO0215", span, "arrays of different sizes in one vectorised call");
+            return None;
+        }
+        let scalars = |k: usize| {
+            let part =
+                |v: &Value| v.elements().get(if v.dims().is_empty() { 0 } else { k })?.scalar();
+            let parts: Option<Vec<ExprId>> = values.iter().map(part).collect();
+            <[ExprId; N]>::try_from(parts?).ok()
+        };
+        if dims.is_empty() {
+            return Some(Value::Scalar(act(self, scalars(0)?)));
+        }
+        let mut elements = Vec::with_capacity(count);
+        for k in 0..count {
+            elements.push(Value::Scalar(act(self, scalars(k)?)));
+        }
+        Some(Value::array(dims, elements))
     }
 
     /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.2.3).
@@ -592,25 +631,7 @@ impl Context<'_> {
         };
         let values = [x, p, n].map(|e| self.evaluate(e, scope));
         let [Some(x), Some(p), Some(n)] = values else { return None };
-        let Some(shape) = [&x, &p, &n].into_iter().find(|v| !v.dims().is_empty()) else {
-            let (x, p, n) = (x.scalar()?, p.scalar()?, n.scalar()?);
-            return Some(Value::Scalar(self.semi_linear_scalar(x, p, n)));
-        };
-        // With arrays it is called for each element (section 12.4.6).
-        let (dims, count) = (shape.dims().to_vec(), shape.elements().len());
-        if [&x, &p, &n].iter().any(|v| !v.dims().is_empty() && v.dims() != dims) {
-            self.error("MO0215", span, "arrays of different sizes in one vectorised call");
-            return None;
-        }
-        let part = |v: &Value, k: usize| {
-            v.elements().get(if v.dims().is_empty() { 0 } else { k })?.scalar()
-        };
-        let mut elements = Vec::with_capacity(count);
-        for k in 0..count {
-            let (x, p, n) = (part(&x, k)?, part(&p, k)?, part(&n, k)?);
-            elements.push(Value::Scalar(self.semi_linear_scalar(x, p, n)));
-        }
-        Some(Value::array(dims, elements))
+        self.each_of([x, p, n], span, |cx, [x, p, n]| cx.semi_linear_scalar(x, p, n))
     }
 
     fn semi_linear_scalar(&mut self, x: ExprId, p: ExprId, n: ExprId) -> ExprId {

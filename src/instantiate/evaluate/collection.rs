@@ -165,7 +165,7 @@ impl Context<'_> {
         let Some((last, inner)) = iterators.split_last() else {
             return self.evaluate(body, scope);
         };
-        let values = self.fold_range(last, scope)?;
+        let values = self.values_of(last, scope)?;
         let mut parts = Vec::with_capacity(values.len());
         for value in values {
             self.evaluation.locals.push((last.name.name, value));

@@ -100,9 +100,17 @@ impl Context<'_> {
         if let Some(result) = self.vectorised(class, &inputs, &given, span) {
             return result;
         }
+        // What was too deep once is, on every other way down.
+        if self.evaluation.too_deep {
+            return None;
+        }
         if self.evaluation.calls.len() >= MAX_DEPTH {
             let message = format!("`{full_name}` calls itself more than {MAX_DEPTH} deep");
-            self.error("MO0221", span, message);
+            self.problems.push(
+                Diagnostic::error("MO0221", span, message)
+                    .help("let parameters and constants decide how deep it goes, or write a loop"),
+            );
+            self.evaluation.too_deep = true;
             return None;
         }
         self.evaluation.calls.push(class);
@@ -126,6 +134,9 @@ impl Context<'_> {
         (self.evaluation.broken, self.evaluation.returned) = left;
         self.leave_frame(saved);
         self.evaluation.calls.pop();
+        if self.evaluation.calls.is_empty() {
+            self.evaluation.too_deep = false;
+        }
         result
     }
 
@@ -287,8 +298,11 @@ impl Context<'_> {
             }
             let count = declaration.component().dims.len() + declaration.clause().type_dims.len();
             let Some(zero) = self.zero_of_class(of, entry.name.span) else { return };
-            let zeros = vec![zero; OPEN_SIZE.pow(count as u32)];
-            let zero = Value::array(vec![OPEN_SIZE; count], zeros);
+            let Some(inner) = self.sizes_of_type(of) else { return };
+            let mut dims = vec![OPEN_SIZE; count];
+            dims.extend(inner.into_iter().map(|size| size.unwrap_or(OPEN_SIZE)));
+            let zeros = vec![zero; dims.iter().product()];
+            let zero = Value::array(dims, zeros);
             let graph = &mut self.graph;
             let symbols = &mut self.evaluation.symbols;
             let unknown = zero.each_scalar(&mut |e| {
@@ -450,6 +464,48 @@ impl Context<'_> {
         value
     }
 
+    /// The sizes of a local or a field, those of its type last; `None` for one that is left open.
+    fn declared_sizes(
+        &mut self,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> Option<Vec<Option<usize>>> {
+        let scope = self.declaration_scope(entry);
+        let clause = declaration.clause();
+        let written: Vec<_> =
+            declaration.component().dims.iter().chain(&clause.type_dims).collect();
+        let mut sizes = self.written_sizes(written, scope)?;
+        if let Some(class) = self.find_class(&clause.type_name, scope) {
+            sizes.extend(self.sizes_of_type(class)?);
+        }
+        Some(sizes)
+    }
+
+    /// The sizes that a type has of its own. It sees what is around it, and not the variables of a function.
+    fn sizes_of_type(&mut self, class: ClassId) -> Option<Vec<Option<usize>>> {
+        let mut sizes = Vec::new();
+        for (list, holder) in self.table(class).dims.clone() {
+            let around = self.outside(holder);
+            let saved = self.enter_frame(false);
+            let found = self.written_sizes(&list, around);
+            self.leave_frame(saved);
+            sizes.extend(found?);
+        }
+        Some(sizes)
+    }
+
+    fn written_sizes<'s>(
+        &mut self,
+        list: impl IntoIterator<Item = &'s Subscript>,
+        scope: Scope,
+    ) -> Option<Vec<Option<usize>>> {
+        let size = |s: &Subscript| match s {
+            Subscript::Expr(e) => Some(Some(self.fold_size(e, scope)?)),
+            Subscript::Colon(_) => Some(None),
+        };
+        list.into_iter().map(size).collect()
+    }
+
     /// What a local variable, an output or an omitted input starts with.
     pub(super) fn local_start(
         &mut self,
@@ -461,25 +517,17 @@ impl Context<'_> {
         let input = self.causality(entry, declaration) == Some(Causality::Input);
         if let Some((binding, written_in)) = self.declared_value(entry, declaration) {
             let value = self.evaluate_declared(&binding, written_in)?;
-            let mut dims = Vec::new();
-            for s in component.dims.iter().chain(&declaration.clause().type_dims) {
-                match s {
-                    Subscript::Expr(e) => dims.push(self.fold_size(e, scope)?),
-                    Subscript::Colon(_) => return Some(value),
-                }
-            }
+            let sizes = self.declared_sizes(entry, declaration)?;
+            let Some(dims) = sizes.into_iter().collect::<Option<Vec<usize>>>() else {
+                return Some(value);
+            };
             return self.spread(value, &dims, &Rc::from([]), binding.span);
         }
         if input {
             return None;
         }
-        let mut dims = Vec::new();
-        for s in component.dims.iter().chain(&declaration.clause().type_dims) {
-            match s {
-                Subscript::Expr(e) => dims.push(self.fold_size(e, scope)?),
-                Subscript::Colon(_) => dims.push(0),
-            }
-        }
+        let sizes = self.declared_sizes(entry, declaration)?;
+        let dims: Vec<usize> = sizes.into_iter().map(Option::unwrap_or_default).collect();
         self.check_count(&dims, component.name.span)?;
         let class = self.class_or_report(&declaration.clause().type_name, scope)?;
         let mut zero = self.zero_of_class(class, component.name.span)?;

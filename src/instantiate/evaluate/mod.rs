@@ -73,6 +73,8 @@ pub struct State {
     pub(crate) assigned: FastMap<VarId, ExprId>,
     /// Functions whose calls are open, the innermost last.
     pub(crate) calls: Vec<ClassId>,
+    /// These are deeper than any that end: all are left.
+    too_deep: bool,
     /// The condition under which the loop, or the function, being run was left already.
     pub(crate) broken: Option<ExprId>,
     /// See `broken`.

@@ -148,8 +148,8 @@ impl Context<'_> {
             }
         };
         if i < 1 || i as usize > size {
-            // What does not count may be any of them.
-            if size > 0 && self.is_unreached() {
+            // What does not count may be any of them, and where shapes alone do all serve.
+            if size > 0 && (self.is_unreached() || self.evaluation.shaping) {
                 return Some(1);
             }
             let message = format!("subscript {i} is outside 1 to {size}");

@@ -1,14 +1,17 @@
 // status: 1
-// error[MO0200] 9:3
-// error[MO0200] 16:9
-// error[MO0200] 23:7
-// error[MO0200] 24:7
-// error[MO0200] 25:3
-// error[MO0200] 26:3
+// error[MO0200] 11:3
+// error[MO0200] 19:9
+// error[MO0200] 26:7
+// error[MO0200] 27:7
+// error[MO0200] 28:3
+// error[MO0200] 29:3
+// error[MO0200] 30:6
+// error[MO0200] 33:7
 model NotNow
   Clock c = Clock(0.1);
   Real x(start = 0), y, z, u;
   Boolean b;
+  Real w[2] = {1, 2}, v[2];
   inner Integer i(start = 0);
   model A
     outer output Integer i;
@@ -24,4 +27,8 @@ equation
   z = inStream(y);
   initialState(a1);
   transition(a1, a2, i > 10, immediate = false);
+  if Connections.isRoot(a1) then
+    u = 1;
+  end if;
+  v = sample(w, c);
 end NotNow;
