@@ -300,11 +300,7 @@ impl Session {
         };
         let id = self.sources.add(path, text.as_str());
         let file = crate::parse::grammar::parse(id, &text, &mut self.problems);
-        let within: Vec<&str> = match &file.within {
-            Some(within) => within.parts.iter().map(|p| p.name.as_str()).collect(),
-            None => Vec::new(),
-        };
-        if let Some(home) = super::files::home(path, &within) {
+        if let Some(home) = super::files::home(path, file.package()) {
             library.add_home(home.root, home.package, &file);
         }
         library.add_file(&file, &mut self.problems);
@@ -431,8 +427,7 @@ pub(super) fn model(
 
 /// A class of a file, which may be named without the packages that the file stands in.
 pub(super) fn find_in(cx: &mut Context<'_>, file: &ast::File, wanted: &str) -> Option<ClassId> {
-    let within = file.within.as_ref().filter(|w| !w.parts.is_empty());
-    let full = within.and_then(|within| find(cx, &format!("{within}.{wanted}")));
+    let full = file.package().and_then(|package| find(cx, &format!("{package}.{wanted}")));
     full.or_else(|| find(cx, wanted))
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
+use crate::ir::ast;
 use crate::resolve::library::Folder;
 use crate::resolve::version::of_entry;
 
@@ -116,20 +117,21 @@ pub struct Home {
     pub package: Option<PathBuf>,
 }
 
-/// The library of a file that is a `package.mo`, or that stands in the folders which its `within` clause
-/// names (section 13.4.1 of the specification).
-pub fn home(file: &Path, within: &[&str]) -> Option<Home> {
+/// The library of a file that is a `package.mo`, or that stands in the folders of the package which its
+/// `within` clause names (section 13.4.1 of the specification).
+pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
     let full = file.canonicalize().ok()?;
     let own = full.parent()?;
     let is_package = full.file_name()? == "package.mo";
-    if within.is_empty() && !is_package {
+    if within.is_none() && !is_package {
         return None;
     }
     // The folder of a library by itself may be called otherwise: it was copied, or has a version.
     let mut root = if is_package { own.parent()? } else { own };
-    for (k, package) in within.iter().enumerate().rev() {
+    for (k, package) in within.map_or(&[][..], |w| &w.parts).iter().enumerate().rev() {
         let folder = root.file_name()?.to_string_lossy().into_owned() + "/";
-        let named = of_entry(&folder, package).is_some_and(|version| k == 0 || version.is_empty());
+        let version = of_entry(&folder, &package.name);
+        let named = version.is_some_and(|version| k == 0 || version.is_empty());
         if !named || !root.join("package.mo").is_file() {
             return None;
         }

@@ -25,6 +25,13 @@ pub struct File {
     pub comments: Vec<Comment>,
 }
 
+impl File {
+    /// The package that the file says it stands in; `None` at the top.
+    pub fn package(&self) -> Option<&Path> {
+        self.within.as_ref().filter(|within| !within.parts.is_empty())
+    }
+}
+
 /// A comment, kept for the formatter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Comment {

@@ -57,8 +57,8 @@ impl Library {
         self.folders.insert(0, root);
         self.packages.values_mut().for_each(|(folder, _)| *folder += 1);
         if let (Some(path), Some(class)) = (package, file.classes.first()) {
-            let full_name = match file.within.as_ref().filter(|w| !w.parts.is_empty()) {
-                Some(within) => format!("{within}.{}", class.name.name),
+            let full_name = match file.package() {
+                Some(package) => format!("{package}.{}", class.name.name),
                 None => class.name.name.to_string(),
             };
             self.packages.insert(name(&full_name), (0, path));
@@ -82,12 +82,10 @@ impl Library {
                 continue;
             }
             self.note_uses(class);
-            if let Some(within) = &file.within
-                && !within.parts.is_empty()
-            {
+            if let Some(package) = file.package() {
                 // A class of a package, opened by itself: it is also reachable by its short name.
-                self.children
-                    .insert((name(&within.to_string()), class.name.name), Some(class.clone()));
+                let place = (name(&package.to_string()), class.name.name);
+                self.children.insert(place, Some(class.clone()));
             }
             self.files.push(class.clone());
         }

@@ -307,14 +307,7 @@ impl Context<'_> {
             }),
             "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
             "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
-            // Of one argument, or of an array, it belongs to clocks.
-            "sample" if args.len() == 1 || self.is_array(args, scope) => {
-                self.unsupported(span, "clocks");
-                None
-            }
-            "sample" => self
-                .two(args, span, scope)
-                .map(|(a, b)| Value::Scalar(self.graph.intern(Node::Sample(a, b), Type::Boolean))),
+            "sample" => self.sample_call(args, span, scope),
             "noEvent" => self
                 .one(args, span, scope)
                 .and_then(|v| v.map(|e| e.scalar().map(|e| Value::Scalar(self.graph.no_event(e))))),
@@ -370,23 +363,28 @@ impl Context<'_> {
         }
     }
 
-    /// Whether the first argument is the name of an array.
-    fn is_array(&mut self, args: &[Expr], scope: Scope) -> bool {
-        matches!(args.first().map(|a| &a.kind), Some(ExprKind::Ref(_)))
-            && self.evaluate(&args[0], scope).is_some_and(|value| !value.dims().is_empty())
-    }
-
-    fn two(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<(ExprId, ExprId)> {
-        match args {
-            [a, b] => {
-                let (a, b) = (self.evaluate_scalar(a, scope), self.evaluate_scalar(b, scope));
-                Some((a?, b?))
-            }
+    /// `sample(start, interval)`; of one argument, or of an array, it belongs to clocks.
+    fn sample_call(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let (start, interval) = match args {
+            [_] => return self.clocked(span),
+            [start, interval] => (start, interval),
             _ => {
                 self.wrong_arguments(span, "two are");
-                None
+                return None;
             }
+        };
+        let value = self.evaluate(start, scope);
+        if value.as_ref().is_some_and(|value| !value.dims().is_empty()) {
+            return self.clocked(span);
         }
+        let a = value.and_then(|value| self.scalar_of(value, start.span));
+        let b = self.evaluate_scalar(interval, scope);
+        Some(Value::Scalar(self.graph.intern(Node::Sample(a?, b?), Type::Boolean)))
+    }
+
+    fn clocked(&mut self, span: Span) -> Option<Value> {
+        self.unsupported(span, "clocks");
+        None
     }
 
     fn unary_call(&mut self, op: Unary, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {

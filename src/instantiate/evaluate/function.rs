@@ -472,8 +472,7 @@ impl Context<'_> {
     ) -> Option<Vec<Option<usize>>> {
         let scope = self.declaration_scope(entry);
         let clause = declaration.clause();
-        let written: Vec<_> =
-            declaration.component().dims.iter().chain(&clause.type_dims).collect();
+        let written = declaration.component().dims.iter().chain(&clause.type_dims);
         let mut sizes = self.written_sizes(written, scope)?;
         if let Some(class) = self.find_class(&clause.type_name, scope) {
             sizes.extend(self.sizes_of_type(class)?);
