@@ -41,19 +41,29 @@ pub(super) struct Noted {
 /// Sets of members that grow together (union-find with path halving), in order of first mention.
 #[derive(Default)]
 struct Sets {
-    number: FastMap<Member, usize>,
+    /// The number of each variable's member inside and outside, 0 for none.
+    number: Vec<[u32; 2]>,
     members: Vec<Member>,
     parent: Vec<usize>,
     origins: Vec<Origin>,
 }
 
 impl Sets {
+    fn number(&self, (v, outside): Member) -> Option<usize> {
+        let numbers = self.number.get(v.0 as usize)?;
+        (numbers[usize::from(outside)] as usize).checked_sub(1)
+    }
+
     fn add(&mut self, member: Member, origin: &Origin) -> usize {
-        if let Some(k) = self.number.get(&member) {
-            return *k;
+        if let Some(k) = self.number(member) {
+            return k;
         }
         let k = self.members.len();
-        self.number.insert(member, k);
+        let (v, outside) = (member.0.0 as usize, member.1);
+        if self.number.len() <= v {
+            self.number.resize(v + 1, [0; 2]);
+        }
+        self.number[v][usize::from(outside)] = k as u32 + 1;
         self.members.push(member);
         self.parent.push(k);
         self.origins.push(origin.clone());
@@ -101,7 +111,7 @@ impl Connections {
     /// own.
     pub(super) fn node(&mut self, v: VarId) -> Option<usize> {
         for (k, sets) in [&mut self.potentials, &mut self.flows].into_iter().enumerate() {
-            if let Some(&member) = sets.number.get(&(v, false)) {
+            if let Some(member) = sets.number((v, false)) {
                 return Some(2 * sets.root(member) + k);
             }
         }
@@ -378,15 +388,19 @@ impl Connections {
     /// Writes the sets out: equal potentials, sums of flows, and zero for flows of connectors that
     /// nothing is connected to.
     pub(super) fn equations(&mut self, cx: &mut Context<'_>, flat: &mut FlatModel) {
+        let (mut seen, mut seen_in) = (vec![0; self.potentials.number.len()], 0_u32);
         for (members, origin) in self.potentials.sets() {
             one_source(cx, flat, &members, origin.span);
-            let mut variables: Vec<VarId> = members.iter().map(|m| m.0).collect();
-            let mut seen = crate::base::index::FastSet::default();
-            variables.retain(|v| seen.insert(*v));
-            let Some((first, rest)) = variables.split_first() else { continue };
-            let a = read(cx, flat, *first);
-            for v in rest {
-                let b = read(cx, flat, *v);
+            // A variable may be there twice: seen from inside and from outside.
+            seen_in += 1;
+            let mut variables = members
+                .iter()
+                .map(|m| m.0)
+                .filter(|v| std::mem::replace(&mut seen[v.0 as usize], seen_in) != seen_in);
+            let Some(first) = variables.next() else { continue };
+            let a = read(cx, flat, first);
+            for v in variables {
+                let b = read(cx, flat, v);
                 let kind = EquationKind::Equal(a, b);
                 flat.equations.push(Equation { kind, origin: origin.clone() });
             }
@@ -411,10 +425,10 @@ impl Connections {
                 continue;
             }
             // What connections have added to a bus is open on the inside, too (section 9.2).
-            let inside = self.flows.number.contains_key(&(v, false));
-            let outside = self.flows.number.contains_key(&(v, true));
-            if !stands_in_connector(cx, instance, &mut in_connector)
-                || inside && (outside || !super::expandable::is_within(cx, instance))
+            let inside = self.flows.number((v, false)).is_some();
+            let outside = self.flows.number((v, true)).is_some();
+            if inside && (outside || !super::expandable::is_within(cx, instance))
+                || !stands_in_connector(cx, instance, &mut in_connector)
             {
                 continue;
             }

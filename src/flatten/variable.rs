@@ -145,7 +145,14 @@ fn attributes(
     (ty, dims): (Type, &Rc<[usize]>),
     names: &AttributeNames,
 ) {
+    let given = cx.attributes_given(id);
+    if given.is_empty() {
+        return;
+    }
     let value = |cx: &mut Context<'_>, attribute: Name, fold: bool| -> Option<(Value, Span)> {
+        if !given.contains(&attribute) {
+            return None;
+        }
         let binding = cx.attribute(id, attribute)?;
         let span = binding.value.span;
         let value = if fold {

@@ -45,18 +45,22 @@ impl Context<'_> {
     /// Finds out what an instance is, unless that is known.
     pub fn complete(&mut self, id: InstanceId) {
         match self.instances[id].kind {
-            InstanceKind::Pending => {}
-            InstanceKind::InProgress => {
-                self.report_component_cycle(id);
-                return;
-            }
-            _ => return,
+            InstanceKind::Pending => self.complete_pending(id),
+            InstanceKind::InProgress => self.report_component_cycle(id),
+            _ => {}
         }
+    }
+
+    #[inline(never)]
+    fn complete_pending(&mut self, id: InstanceId) {
         self.instances[id].kind = InstanceKind::InProgress;
         // Where a function reads a constant, its own variables are not those of the constant's package.
         let saved = self.enter_frame(false);
         let kind = match self.instances[id].declaration.clone() {
-            Some(declaration) => self.declared(id, &declaration),
+            Some(declaration) => match self.plain(id, &declaration) {
+                Some(kind) => Some(kind),
+                None => self.declared(id, &declaration),
+            },
             None => self.object(id),
         };
         self.leave_frame(saved);
@@ -68,6 +72,7 @@ impl Context<'_> {
 
     /// What a declared component is; `None` after an error.
     fn declared(&mut self, id: InstanceId, declaration: &Declaration) -> Option<InstanceKind> {
+        let said = self.problems.iter().len();
         let scope = self.instances[id].scope;
         let element = &declaration.element;
         let clause = declaration.clause();
@@ -118,6 +123,29 @@ impl Context<'_> {
         if table.scalar.is_none() {
             self.check_prefix_conflict(prefix, &table, component.name);
         }
+        self.merge_prefix_around(id, prefix);
+
+        let sizes = self.sizes(id, declaration, &table)?;
+        if table.scalar.is_some() {
+            self.check_attribute_names(id);
+        } else {
+            self.check_instantiable(id, class);
+        }
+        if self.problems.iter().len() == said {
+            self.note_plain(id, declaration, prefix);
+        }
+        match table.scalar {
+            Some(ty) => {
+                let dims = if sizes.is_empty() { self.no_sizes.clone() } else { sizes.into() };
+                Some(InstanceKind::Variable { ty, dims, first: None })
+            }
+            None if sizes.is_empty() => self.object(id),
+            None => Some(self.array_of_objects(id, class, sizes)),
+        }
+    }
+
+    /// Gives a component the prefixes of its declaration and class, with those of the components around it.
+    pub(super) fn merge_prefix_around(&mut self, id: InstanceId, mut prefix: ast::TypePrefix) {
         let around = self.instances[id].prefix;
         prefix.variability = match (prefix.variability, around.variability) {
             (Some(a), Some(b)) => Some(a.min(b)),
@@ -126,20 +154,6 @@ impl Context<'_> {
         prefix.connection = prefix.connection.or(around.connection);
         prefix.causality = prefix.causality.or(around.causality);
         self.instances[id].prefix = prefix;
-
-        let sizes = self.sizes(id, declaration, &table)?;
-        match table.scalar {
-            Some(ty) => {
-                self.check_attribute_names(id);
-                let dims = if sizes.is_empty() { self.no_sizes.clone() } else { sizes.into() };
-                Some(InstanceKind::Variable { ty, dims, first: None })
-            }
-            None if sizes.is_empty() => {
-                self.check_instantiable(id, class);
-                self.object(id)
-            }
-            None => Some(self.array_of_objects(id, class, sizes)),
-        }
     }
 
     /// Dimensions of a component, of its type as written, and of its short classes.
@@ -280,7 +294,6 @@ impl Context<'_> {
         class: ClassId,
         sizes: Vec<usize>,
     ) -> InstanceKind {
-        self.check_instantiable(id, class);
         let count: usize = sizes.iter().product();
         let template = self.instances[id].clone();
         let mut elements = Vec::with_capacity(count);
@@ -304,7 +317,7 @@ impl Context<'_> {
     }
 
     /// The children of a component with components.
-    fn object(&mut self, id: InstanceId) -> Option<InstanceKind> {
+    pub(super) fn object(&mut self, id: InstanceId) -> Option<InstanceKind> {
         let class = self.instances[id].class?;
         let table = self.table(class);
         self.check_modified_names(id, &table);
@@ -478,6 +491,24 @@ impl Context<'_> {
         self.attribute_layers_of_type(id, attribute).iter().find_map(Layer::binding)
     }
 
+    /// The attributes that an instance of predefined type is given, some of them more than once.
+    pub fn attributes_given(&mut self, id: InstanceId) -> Vec<Name> {
+        let mut found = Vec::new();
+        for layer in self.instances[id].layers.iter() {
+            match &layer.source {
+                LayerSource::Setting(s, depth) => {
+                    found.extend(s.parts.get(*depth).map(|(part, _)| *part));
+                }
+                _ => found.extend(layer.modified_names().map(|(part, _)| part)),
+            }
+        }
+        let table = self.table_of(id);
+        for (modification, _) in &table.layers {
+            found.extend(modification.names().map(|part| part.name));
+        }
+        found
+    }
+
     /// What modifications of the component say about an attribute, from the outermost inwards.
     fn attribute_layers(&self, id: InstanceId, attribute: Name) -> Vec<Layer> {
         let mut found = Vec::new();
@@ -555,7 +586,7 @@ impl Context<'_> {
                 s.used.set(true);
             }
             let redeclared = layer.redeclarations().flat_map(|(e, _)| e.names());
-            for (text, span) in layer.modified_names().into_iter().chain(redeclared) {
+            for (text, span) in layer.modified_names().chain(redeclared) {
                 match table.index.get(&text).map(|at| &table.entries[*at]) {
                     Some(entry) if entry.protected => {
                         let part = ast::Ident { name: text, span };

@@ -16,6 +16,7 @@ mod local;
 mod iterators;
 pub mod lookup;
 mod outer;
+mod plain;
 mod prefix;
 pub mod redeclare;
 pub mod restrict;
@@ -55,6 +56,8 @@ pub struct Context<'a> {
     pub graph: Graph,
     pub(crate) tables: IndexVec<ClassId, class::TableState>,
     pub(crate) class_cache: FastMap<(usize, ClassId, InstanceId), ClassId>,
+    /// Declarations that say the same of all their components.
+    pub(crate) plain: FastMap<plain::Key, plain::Plain>,
     /// Where the import clauses of classes stand.
     pub(crate) imports: FastMap<ClassId, Rc<[usize]>>,
     pub(crate) package_instances: FastMap<ClassId, InstanceId>,

@@ -66,6 +66,7 @@ impl<'a> Context<'a> {
             graph: seed.graph,
             tables: seed.tables,
             class_cache: seed.class_cache,
+            plain: FastMap::default(),
             imports: seed.imports,
             package_instances: seed.package_instances,
             enumerations: seed.enumerations,

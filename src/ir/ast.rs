@@ -343,6 +343,16 @@ pub struct Modification {
     pub span: Span,
 }
 
+impl Modification {
+    /// The names of the elements that it modifies.
+    pub fn names(&self) -> impl std::iter::Iterator<Item = &Ident> {
+        self.args.iter().filter_map(|arg| match &arg.kind {
+            ArgumentKind::Element { path, .. } => path.parts.first(),
+            ArgumentKind::Redeclare(_) | ArgumentKind::Removal(_) => None,
+        })
+    }
+}
+
 /// One argument of a modification.
 #[derive(Clone, Debug)]
 pub struct Argument {

@@ -161,24 +161,24 @@ impl Layer {
         })
     }
 
-    /// Names of elements that this layer modifies, with their places.
-    pub fn modified_names(&self) -> Vec<(Name, Span)> {
+    /// Whether this layer gives the component itself a binding.
+    pub fn binds(&self) -> bool {
         match &self.source {
-            LayerSource::Argument(m, k, depth) => match &m.args[*k].kind {
-                ArgumentKind::Element { path, .. } if path.parts.len() > depth + 1 => {
-                    let part = &path.parts[depth + 1];
-                    return vec![(part.name, part.span)];
-                }
-                _ => {}
-            },
-            LayerSource::Setting(..) => return Vec::new(),
-            LayerSource::Whole(_) => {}
+            LayerSource::Setting(s, depth) => s.parts.len() == *depth,
+            _ => self.inner().is_some_and(|m| m.binding.is_some()),
         }
-        let args = self.inner().into_iter().flat_map(|m| &m.args);
-        args.filter_map(|arg| match &arg.kind {
-            ArgumentKind::Element { path, .. } => path.parts.first().map(|p| (p.name, p.span)),
-            ArgumentKind::Redeclare(_) | ArgumentKind::Removal(_) => None,
-        })
-        .collect()
+    }
+
+    /// Names of elements that this layer modifies, with their places; those of settings have none.
+    pub fn modified_names(&self) -> impl Iterator<Item = (Name, Span)> {
+        let dotted = match &self.source {
+            LayerSource::Argument(m, k, depth) => match &m.args[*k].kind {
+                ArgumentKind::Element { path, .. } => path.parts.get(depth + 1),
+                _ => None,
+            },
+            _ => None,
+        };
+        let names = self.inner().into_iter().flat_map(|m| m.names());
+        dotted.into_iter().chain(names).map(|part| (part.name, part.span))
     }
 }

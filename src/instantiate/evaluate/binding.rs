@@ -11,6 +11,8 @@ use crate::base::source::Span;
 use crate::ir::ast::{Expr, ExprKind, Variability};
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
+use crate::ir::modification::Layer;
+
 impl Context<'_> {
     /// The value of a parameter or constant; reported if it has none.
     pub(crate) fn parameter_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
@@ -121,10 +123,10 @@ impl Context<'_> {
         let mut own = Vec::new();
         for layer in self.instances[parent].layers.iter() {
             layer.child(name, &mut own);
-            if own.iter().any(|l| l.binding().is_some()) {
+            if own.iter().any(Layer::binds) {
                 return false;
             }
-            if layer.binding().is_some() {
+            if layer.binds() {
                 return true;
             }
         }
@@ -133,7 +135,7 @@ impl Context<'_> {
 
     /// True if the instance or a record around it has a binding.
     pub fn bound(&self, id: InstanceId) -> bool {
-        if self.binding(id).is_some() {
+        if self.instances[id].layers.iter().any(Layer::binds) {
             return true;
         }
         match self.instances[id].parent {
