@@ -304,6 +304,39 @@ fn what_expressions_share_stays_short_as_text() {
     }
 }
 
+/// What a declaration says of one component may hold for all of them, or not: classes that are redeclared,
+/// types that are modified, conditions and sizes of each component are its own.
+#[test]
+fn components_of_a_model_are_what_they_are_by_themselves() {
+    let file = "tests/suite/flatten/siblings.mo";
+    flat("siblings");
+    let lines = |model: &str, holder: &str| -> Vec<String> {
+        let text = Case::file(file).model(model).flat();
+        let lines = text.lines().filter(|l| l.starts_with("  ")).map(str::trim);
+        let own = lines.filter(|l| l.contains(&format!("'{holder}")));
+        let mut own: Vec<String> = own.map(|l| l.replace(&format!("'{holder}"), "'")).collect();
+        own.sort();
+        own
+    };
+    let alone = lines("Siblings.Wrapped", "");
+    for line in [
+        "Real 'plain.d'(unit = \"kg/m3\", start = 1000.0);",
+        "Real 'airy.d'(unit = \"kg/m3\", start = 1.2);",
+        "Real 'airy.h'(unit = \"m\", min = 0.0, start = 2.0, fixed = true);",
+        "Real 'square.layers[3]'(unit = \"m\", min = 0.0, max = 9.0);",
+        "parameter Real 'square.loss.k' = 3.0;",
+    ] {
+        assert!(alone.iter().any(|l| l == line), "{line} is not in\n{}", alone.join("\n"));
+    }
+    assert!(!alone.iter().any(|l| l.contains("'airy.vent.")));
+    for holder in ["w[1].", "w[3].", "one."] {
+        assert_eq!(lines("Siblings.Many", holder), alone, "{holder}");
+    }
+    let other = lines("Siblings.Many", "other.");
+    assert!(other.iter().any(|l| l.starts_with("Real 'airy.h'") && l.contains("start = 5.0")));
+    assert!(other.iter().any(|l| l == "parameter Real 'square.loss.k' = 1.0;"));
+}
+
 #[test]
 fn runs_are_the_same_to_the_bit() {
     for model in MODELS {
