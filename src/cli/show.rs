@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::args::{Model, Structure};
 use super::{Status, print, say};
+use crate::base::diag::Diagnostic;
 use crate::driver::compile::Session;
 use crate::ir::diagram::Diagram;
 use crate::report::dot::dot;
@@ -18,18 +19,28 @@ const PNG_SCALE: u32 = 2;
 /// Prints the flat model.
 pub fn flatten(options: &Model) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
-    let flat = session.flatten(&options.request());
-    say(&session);
-    match flat {
+    let pieces = match session.flatten(&options.request()) {
         Ok(flat) => {
-            let pieces = crate::flatten::print::pieces(&flat);
-            let failed = pieces.iter().map(|piece| print(piece)).find(|s| *s != Status::Done);
-            let status = failed.unwrap_or(Status::Done);
+            let pieces = crate::flatten::print::pieces(&flat).map_err(|why| {
+                session.problems.push(
+                    Diagnostic::error("MO0275", flat.span, why.to_string())
+                        .help("`mocc simulate` runs it, and `mocc structure` shows its blocks"),
+                );
+                Status::Model
+            });
             // The process ends: a large model need not be given back piece by piece.
             std::mem::forget(flat);
-            status
+            pieces
         }
-        Err(wrong) => wrong.into(),
+        Err(wrong) => Err(wrong.into()),
+    };
+    say(&session);
+    match pieces {
+        Ok(pieces) => {
+            let failed = pieces.iter().map(|piece| print(piece)).find(|s| *s != Status::Done);
+            failed.unwrap_or(Status::Done)
+        }
+        Err(status) => status,
     }
 }
 

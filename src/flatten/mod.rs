@@ -13,7 +13,7 @@ mod past;
 pub mod print;
 mod print_function;
 pub mod setting;
-mod share;
+pub mod share;
 mod share_function;
 pub mod variable;
 pub mod when;

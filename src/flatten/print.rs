@@ -1,6 +1,7 @@
 //! The flat model as text that is itself valid Modelica: dotted names are written as quoted
 //! identifiers (section 2.3.1 of the specification), so that any Modelica tool reads it.
 
+use super::share::TooLong;
 use crate::base::index::FastSet;
 use crate::ir::ast::{Causality, Variability};
 use crate::ir::expr::{EnumId, ExprId, Node, Type, Unary, VarId};
@@ -14,14 +15,15 @@ use crate::symbolic::print::{Printer, real_literal, type_name};
 /// Variables and equations of a model whose text is long.
 const LONG: usize = 50_000;
 
-/// Prints the model. What a long text would write again and again has a variable of its own there.
-pub fn print(flat: &FlatModel) -> String {
-    pieces(flat).concat()
+/// Prints the model. What a long text would write again and again has a variable of its own there; some is
+/// too long even so.
+pub fn print(flat: &FlatModel) -> Result<String, TooLong> {
+    pieces(flat).map(|pieces| pieces.concat())
 }
 
 /// As [`print`], in pieces that follow each other: a long text is written by two threads.
-pub fn pieces(flat: &FlatModel) -> Vec<String> {
-    let shared = super::share::shared(flat);
+pub fn pieces(flat: &FlatModel) -> Result<Vec<String>, TooLong> {
+    let shared = super::share::shared(flat)?;
     let flat = shared.as_ref().unwrap_or(flat);
     let (unsaid, tables) = (unsaid(flat), tables(flat));
     let write = |act: &dyn Fn(&mut Text<'_>)| {
@@ -30,11 +32,11 @@ pub fn pieces(flat: &FlatModel) -> Vec<String> {
         text.out
     };
     if flat.variables.len() + flat.equations.len() < LONG {
-        return vec![write(&|text| {
+        return Ok(vec![write(&|text| {
             text.declarations();
             text.equations(&flat.equations);
             text.end();
-        })];
+        })]);
     }
     // A declaration is about as long as an equation.
     let (near, far) = flat.equations.split_at(flat.equations.len() / 4);
@@ -50,7 +52,7 @@ pub fn pieces(flat: &FlatModel) -> Vec<String> {
             text.equations(near);
         });
         match rest.join() {
-            Ok(rest) => vec![first, rest],
+            Ok(rest) => Ok(vec![first, rest]),
             Err(panic) => std::panic::resume_unwind(panic),
         }
     })

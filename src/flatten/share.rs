@@ -2,14 +2,16 @@
 //! model: expressions share what they have in common, and a text writes it out at each place.
 //!
 //! What stands in branches of an `if` alone is computed there alone: a root or a quotient may have no
-//! value where the branch is not taken.
+//! value where the branch is not taken. If the condition of such a branch needs the part itself, in a
+//! branch of its own, then the part is written out at each place.
 
-use crate::base::index::FastMap;
+use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::ast::Variability;
 use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
 use crate::ir::flat::{
     Action, Equation, EquationKind, FlatModel, Function, Origin, Variable, WhenBranch,
 };
+use crate::math::graph::scc::circular;
 use crate::symbolic::rewrite::Rewriter;
 use crate::symbolic::uses::{Guard, Root, Uses};
 
@@ -17,8 +19,15 @@ use crate::symbolic::uses::{Guard, Root, Uses};
 const SHORT: u64 = 100_000;
 /// How many times as long as its expressions a text may be.
 const FACTOR: u64 = 8;
+/// Nodes of the longest text, which has gigabytes.
+const LONGEST: u64 = 100_000_000;
 /// Nodes of the smallest part that is worth a variable.
 pub(super) const LARGE: u64 = 16;
+
+/// The text of a model has more than so many operators and names.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("the flat text of this model would have more than {LONGEST} operators and names")]
+pub struct TooLong;
 
 /// Where a part stands, and so what its variable is.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -33,29 +42,48 @@ enum Place {
 
 /// The model with variables for what its text would write again and again; `None` if the text is
 /// as good as it is.
-pub(super) fn shared(flat: &FlatModel) -> Option<FlatModel> {
+pub(super) fn shared(flat: &FlatModel) -> Result<Option<FlatModel>, TooLong> {
     let sizes = sizes(&flat.graph);
+    if length(flat, &sizes) <= SHORT.max(FACTOR * flat.graph.len() as u64) {
+        return Ok(None);
+    }
+    let mut apart = FastSet::default();
+    loop {
+        let mut shared = flat.clone();
+        let around = share(&mut shared, &sizes, &apart);
+        if around.is_empty() {
+            let sizes = self::sizes(&shared.graph);
+            return if length(&shared, &sizes) > LONGEST { Err(TooLong) } else { Ok(Some(shared)) };
+        }
+        apart.extend(around);
+    }
+}
+
+/// Gives parts variables, but not those `apart`. The result are parts that would need themselves.
+fn share(flat: &mut FlatModel, sizes: &[u64], apart: &FastSet<ExprId>) -> Vec<ExprId> {
+    let mut around = Vec::new();
+    let mut equations = std::mem::take(&mut flat.equations);
+    for e in &mut equations {
+        if let EquationKind::When(branches) = &mut e.kind {
+            branches.iter_mut().for_each(|b| around.extend(in_branch(flat, b, sizes, apart)));
+        }
+    }
+    around.extend(in_equations(flat, &mut equations, sizes, apart));
+    flat.equations = equations;
+    for function in flat.functions.iter_mut() {
+        super::share_function::in_function(&mut flat.graph, function, sizes);
+    }
+    around
+}
+
+/// How many nodes the text of a model has.
+fn length(flat: &FlatModel, sizes: &[u64]) -> u64 {
     let mut total = 0_u64;
     for_each_root(flat, &mut |e| total = total.saturating_add(sizes[e.0 as usize]));
     for e in flat.functions.iter().flat_map(Function::values) {
         total = total.saturating_add(sizes[e.0 as usize]);
     }
-    if total <= SHORT.max(FACTOR * flat.graph.len() as u64) {
-        return None;
-    }
-    let mut flat = flat.clone();
-    let mut equations = std::mem::take(&mut flat.equations);
-    for e in &mut equations {
-        if let EquationKind::When(branches) = &mut e.kind {
-            branches.iter_mut().for_each(|b| in_branch(&mut flat, b, &sizes));
-        }
-    }
-    in_equations(&mut flat, &mut equations, &sizes);
-    flat.equations = equations;
-    for function in flat.functions.iter_mut() {
-        super::share_function::in_function(&mut flat.graph, function, &sizes);
-    }
-    Some(flat)
+    total
 }
 
 /// How many nodes each expression has as a text; operands stand before their users.
@@ -94,10 +122,16 @@ fn value(action: &Action) -> Option<Root> {
     }
 }
 
-fn in_branch(flat: &mut FlatModel, branch: &mut WhenBranch, sizes: &[u64]) {
+fn in_branch(
+    flat: &mut FlatModel,
+    branch: &mut WhenBranch,
+    sizes: &[u64],
+    apart: &FastSet<ExprId>,
+) -> Vec<ExprId> {
     let roots: Vec<Root> = branch.actions.iter().filter_map(value).collect();
-    let mut naming = Naming::of(flat, &roots, Place::When, sizes);
+    let mut naming = Naming::of(flat, &roots, Place::When, sizes, apart);
     let parts = naming.definitions(flat);
+    let around = around(&flat.graph, &parts, &naming.parts);
     for action in &mut branch.actions {
         if let Action::Assign(_, e) | Action::Reinit { value: e, .. } = action {
             *e = naming.named(&mut flat.graph, *e);
@@ -105,9 +139,38 @@ fn in_branch(flat: &mut FlatModel, branch: &mut WhenBranch, sizes: &[u64]) {
     }
     let parts = parts.into_iter().map(|(v, e)| Action::Assign(v, e));
     branch.actions.splice(0..0, parts);
+    around
 }
 
-fn in_equations(flat: &mut FlatModel, equations: &mut Vec<Equation>, sizes: &[u64]) {
+/// Parts that need themselves, by what their variables are.
+fn around(
+    graph: &Graph,
+    definitions: &[(VarId, ExprId)],
+    parts: &[(VarId, ExprId)],
+) -> Vec<ExprId> {
+    let mut numbers: FastMap<VarId, usize> = FastMap::default();
+    numbers.extend(definitions.iter().enumerate().map(|(k, (v, _))| (*v, k)));
+    let mut needs = Vec::new();
+    for (k, (_, e)) in definitions.iter().enumerate() {
+        for n in graph.postorder([*e]) {
+            if let Node::Var(v) = graph.node(n)
+                && let Some(needed) = numbers.get(&v)
+            {
+                needs.push((VarId::from_usize(k), VarId::from_usize(*needed)));
+            }
+        }
+    }
+    let found = circular(definitions.len(), needs);
+    let found: FastSet<VarId> = found.into_iter().map(|k| definitions[k.idx()].0).collect();
+    parts.iter().filter(|(v, _)| found.contains(v)).map(|(_, part)| *part).collect()
+}
+
+fn in_equations(
+    flat: &mut FlatModel,
+    equations: &mut Vec<Equation>,
+    sizes: &[u64],
+    apart: &FastSet<ExprId>,
+) -> Vec<ExprId> {
     let mut roots = Vec::new();
     for e in equations.iter() {
         match &e.kind {
@@ -123,9 +186,10 @@ fn in_equations(flat: &mut FlatModel, equations: &mut Vec<Equation>, sizes: &[u6
     let bindings = flat.variables.iter().filter(|v| moving(v)).filter_map(|v| v.binding);
     roots.extend(bindings.map(|e| (e, None)));
     let bound: Vec<VarId> = flat.variables.ids().filter(|v| moving(&flat.variables[*v])).collect();
-    let mut naming = Naming::of(flat, &roots, Place::Equations, sizes);
-    let mut literal = naming.below_closed(flat, sizes);
+    let mut naming = Naming::of(flat, &roots, Place::Equations, sizes, apart);
+    let mut literal = naming.below_closed(flat, sizes, apart);
     let parts = [naming.definitions(flat), literal.definitions(flat)].concat();
+    let around = around(&flat.graph, &parts, &[&naming.parts[..], &literal.parts].concat());
     for e in equations.iter_mut() {
         match &mut e.kind {
             EquationKind::Equal(a, b) => {
@@ -152,6 +216,7 @@ fn in_equations(flat: &mut FlatModel, equations: &mut Vec<Equation>, sizes: &[u6
         let lhs = flat.graph.var(v, flat.variables[v].ty);
         equations.push(Equation { kind: EquationKind::Equal(lhs, e), origin });
     }
+    around
 }
 
 /// Parts that are variables now.
@@ -165,11 +230,18 @@ struct Naming {
 }
 
 impl Naming {
-    fn of(flat: &mut FlatModel, roots: &[Root], place: Place, sizes: &[u64]) -> Naming {
+    fn of(
+        flat: &mut FlatModel,
+        roots: &[Root],
+        place: Place,
+        sizes: &[u64],
+        apart: &FastSet<ExprId>,
+    ) -> Naming {
         let uses = Uses::of(&mut flat.graph, roots, &|graph, e| is_closed(graph, e, place));
         let mut parts = Vec::new();
         let mut names = FastMap::default();
-        for part in repeated(&uses, &flat.graph, place, sizes) {
+        let repeated = repeated(&uses, &flat.graph, place, sizes).into_iter();
+        for part in repeated.filter(|part| !apart.contains(part)) {
             let variable = variable(flat, part, place);
             let v = flat.variables.push(variable);
             names.insert(part, flat.graph.var(v, flat.graph.ty(part)));
@@ -179,7 +251,12 @@ impl Naming {
     }
 
     /// Names what stands below `noEvent` and `smooth`.
-    fn below_closed(&mut self, flat: &mut FlatModel, sizes: &[u64]) -> Naming {
+    fn below_closed(
+        &mut self,
+        flat: &mut FlatModel,
+        sizes: &[u64],
+        apart: &FastSet<ExprId>,
+    ) -> Naming {
         let closed =
             |e: &ExprId| matches!(flat.graph.node(*e), Node::NoEvent(_) | Node::Smooth(..));
         let mut closed: Vec<ExprId> = self.uses.of.keys().copied().filter(closed).collect();
@@ -190,7 +267,7 @@ impl Naming {
             let condition = self.uses.all(&mut flat.graph, guard, 0);
             flat.graph.for_each_operand(e, |a| roots.push((a, Some(condition))));
         }
-        let mut literal = Naming::of(flat, &roots, Place::Literal, sizes);
+        let mut literal = Naming::of(flat, &roots, Place::Literal, sizes, apart);
         for (&e, (root, _)) in closed.iter().zip(roots) {
             let inside = literal.named(&mut flat.graph, root);
             let new = flat.graph.rebuild(e, &[inside]);

@@ -93,7 +93,7 @@ impl Case {
     pub fn flat(&self) -> String {
         let mut session = Session::default();
         match session.flatten(&self.request) {
-            Ok(flat) => mocc::flatten::print::print(&flat),
+            Ok(flat) => mocc::flatten::print::print(&flat).expect("the text is not too long"),
             Err(_) => panic!("{}", said(&session)),
         }
     }

@@ -2,7 +2,8 @@
 
 use mocc::ir::trajectory::Trajectory;
 
-use super::door::{Case, Reading, assert_close, text_of};
+use super::door::{Case, Reading, Scratch, assert_close, text_of};
+use super::program::mocc;
 
 /// A snapshot beside the model; it holds the model and what was made of it.
 fn snapshot(stage: &str, name: &str, made: &str) {
@@ -302,6 +303,88 @@ fn what_expressions_share_stays_short_as_text() {
             assert_close(b.at(name, t), a.at(name, t), 1e-6);
         }
     }
+}
+
+/// A value in one branch that a condition needs in another: a variable for it would need itself. There it is
+/// written out, which stays short or is told.
+#[test]
+fn conditions_of_functions_as_text() {
+    let model = |steps: usize| {
+        format!(
+            "model Settled
+               function settled
+                 input Real x;
+                 output Real y;
+               protected
+                 Boolean high;
+                 Integer phase;
+               algorithm
+                 y := x;
+                 high := x > 0.2;
+                 phase := 1;
+                 for k in 1:{steps} loop
+                   high := if high then y*y + sin(y) > 0.1*k - 2 else y*y + cos(y) > 0.9;
+                   phase := if high and phase < 3 then phase + 1
+                            elseif y > phase/4 then 2 else 1;
+                   if high then
+                     // No logarithm where its branch is not taken.
+                     y := log(1 + y*y)/phase + y/2;
+                   elseif y < 0.3 then
+                     y := sqrt(0.3 - y) + y/(2 + phase);
+                   end if;
+                 end for;
+               end settled;
+               Real x(start = 1, fixed = true);
+               Real y;
+             equation
+               der(x) = -x;
+               y = settled(x);
+             end Settled;"
+        )
+    };
+    let original = Case::text(&model(3));
+    let text = original.flat();
+    assert!(text.len() > 100_000, "{}", text.len());
+    let run = |case: Case| case.stop(3.0).interval(0.1).run();
+    let (a, b) = (run(original), run(Case::text(&text)));
+    let mut seen = Vec::new();
+    for t in (0..=30).map(|k| 0.1 * f64::from(k)) {
+        assert_close(a.at("x", t), (-t).exp(), 1e-4);
+        let wanted = settled(a.at("x", t), 3);
+        assert_close(a.at("y", t), wanted, 1e-9);
+        assert_close(b.at("y", t), settled(b.at("x", t), 3), 1e-9);
+        seen.push(wanted);
+    }
+    assert!(seen.iter().any(|y| (y - seen[0]).abs() > 0.1));
+    // As a tree it has more than 2^40 leaves.
+    let scratch = Scratch::new();
+    scratch.file("settled.mo", &model(40));
+    let ended = mocc(scratch.path(), &["flatten", "settled.mo"]);
+    assert_eq!((ended.status, ended.out.as_str()), (1, ""));
+    assert!(ended.err.contains("error[MO0275]: the flat text of this model"), "{}", ended.err);
+    assert!(ended.err.contains("settled.mo:1:7"), "{}", ended.err);
+}
+
+/// The function of the model above.
+fn settled(x: f64, steps: u32) -> f64 {
+    let (mut y, mut high, mut phase) = (x, x > 0.2, 1);
+    for k in 1..=steps {
+        high = match high {
+            true => y * y + y.sin() > 0.1 * f64::from(k) - 2.0,
+            false => y * y + y.cos() > 0.9,
+        };
+        phase = match () {
+            () if high && phase < 3 => phase + 1,
+            () if y > f64::from(phase) / 4.0 => 2,
+            () => 1,
+        };
+        if high {
+            y = (1.0 + y * y).ln() / f64::from(phase) + y / 2.0;
+        } else if y < 0.3 {
+            y = (0.3 - y).sqrt() + y / f64::from(2 + phase);
+        }
+    }
+    y
 }
 
 /// What a declaration says of one component may hold for all of them, or not: classes that are redeclared,

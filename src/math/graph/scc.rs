@@ -78,13 +78,7 @@ pub fn order<I: Id>(
     count: usize,
     needs: impl IntoIterator<Item = (I, I)>,
 ) -> Result<Vec<I>, Vec<I>> {
-    let mut graph = DiGraph::<(), ()>::with_capacity(count, 0);
-    for _ in 0..count {
-        graph.add_node(());
-    }
-    for (thing, needed) in needs {
-        graph.add_edge(node(thing.idx()), node(needed.idx()), ());
-    }
+    let graph = needing(count, needs);
     let mut ordered = Vec::with_capacity(count);
     for component in petgraph::algo::kosaraju_scc(&graph) {
         match component[..] {
@@ -93,6 +87,26 @@ pub fn order<I: Id>(
         }
     }
     Ok(thing_ids(ordered))
+}
+
+/// The things that need each other all around, or themselves, given as pairs (thing, what it needs).
+pub fn circular<I: Id>(count: usize, needs: impl IntoIterator<Item = (I, I)>) -> Vec<I> {
+    let graph = needing(count, needs);
+    let components = petgraph::algo::kosaraju_scc(&graph).into_iter();
+    let around = components
+        .filter(|nodes| nodes.len() > 1 || nodes.iter().any(|n| graph.contains_edge(*n, *n)));
+    thing_ids(around.flatten().collect())
+}
+
+fn needing<I: Id>(count: usize, needs: impl IntoIterator<Item = (I, I)>) -> DiGraph<(), ()> {
+    let mut graph = DiGraph::with_capacity(count, 0);
+    for _ in 0..count {
+        graph.add_node(());
+    }
+    for (thing, needed) in needs {
+        graph.add_edge(node(thing.idx()), node(needed.idx()), ());
+    }
+    graph
 }
 
 /// Some cycle within a component, found by walking until a node comes again.
@@ -128,6 +142,15 @@ fn thing_ids<I: Id>(nodes: Vec<NodeIndex>) -> Vec<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_needs_itself_is_circular() {
+        let needs = [(0, 1), (1, 2), (2, 1), (2, 3), (4, 4), (5, 4)];
+        let mut found: Vec<Row> =
+            circular(6, needs.map(|(a, b)| (Row::from_usize(a), Row::from_usize(b))));
+        found.sort_unstable();
+        assert_eq!(found, [1, 2, 4].map(Row::from_usize));
+    }
     use crate::math::graph::matching::maximum;
     use crate::math::graph::samples::{Xorshift, graph_of, random_square};
 
