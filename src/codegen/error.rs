@@ -13,10 +13,3 @@ pub fn undetermined(name: &str, span: Span) -> Diagnostic {
     Diagnostic::error("MO0802", span, format!("`{name}` is used before it is computed"))
         .help("this is a bug in mocc, please report it with the model")
 }
-
-/// Functions that call each other in a circle.
-pub fn recursion(name: &str, span: Span) -> Diagnostic {
-    Diagnostic::error("MO0803", span, format!("function `{name}` calls itself"))
-        .help("replace the recursion by a loop")
-        .note("recursive functions that are called while the simulation runs are not supported yet")
-}

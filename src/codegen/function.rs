@@ -1,14 +1,14 @@
 //! Functions that are called at run time: statements to code with jumps over fixed cells.
 //!
-//! A function owns the cells of its locals, so calls need no stack; therefore functions must not
-//! call themselves, directly or through others.
+//! A function owns the cells of its locals, so calls need no stack. One that calls itself, directly or
+//! through others, puts aside what stands there for as long (`frames`).
 
 use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::source::Span;
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node, Unary, VarId};
 use crate::ir::flat::{Function, Level, LocalId, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
-use crate::symbolic::print::print;
 
 use super::emit::Emitter;
 use super::error;
@@ -18,15 +18,10 @@ use super::text;
 /// Compiles all functions of the model.
 pub fn compile_all(e: &mut Emitter) {
     for f in e.dae.functions.ids() {
-        if reached(&e.dae, f).contains(&f) {
-            let function = &e.dae.functions[f];
-            e.problems.push(error::recursion(&function.name, function.span));
-        }
-    }
-    for f in e.dae.functions.ids() {
         let function = e.dae.functions[f].clone();
         e.span = function.span;
-        let code = Body::compile(e, &function);
+        let recurs = reached(&e.dae, f).contains(&f);
+        let code = FunctionCode { recurs, ..Body::compile(e, &function) };
         e.functions.push(code);
     }
 }
@@ -88,25 +83,23 @@ struct Known {
 }
 
 /// A function in the making.
-struct Body<'a> {
-    function: &'a Function,
+struct Body {
     locals: Vec<Slot>,
     tape: Tape,
-    messages: Vec<String>,
+    messages: Vec<(Slot, Span)>,
     /// Jumps to the end of the loop that is being compiled.
     breaks: Vec<usize>,
     /// Jumps to the end of the function.
     returns: Vec<usize>,
 }
 
-impl<'a> Body<'a> {
-    fn compile(e: &mut Emitter, function: &'a Function) -> FunctionCode {
+impl Body {
+    fn compile(e: &mut Emitter, function: &Function) -> FunctionCode {
         let first = e.cells(function.locals.len(), 0.0);
         let locals: Vec<Slot> = (0..function.locals.len() as Slot).map(|i| first + i).collect();
         let cells = |ids: &[LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
         let (inputs, outputs) = (cells(&function.inputs), cells(&function.outputs));
         let mut body = Body {
-            function,
             locals,
             tape: Tape::default(),
             messages: Vec::new(),
@@ -123,6 +116,8 @@ impl<'a> Body<'a> {
             outputs,
             locals: body.locals,
             messages: body.messages,
+            frame: first..e.image.len() as Slot,
+            recurs: false,
         }
     }
 
@@ -172,20 +167,19 @@ impl<'a> Body<'a> {
                     let at = self.push(Op::Jump, 0, 0, 0);
                     self.returns.push(at);
                 }
-                Statement::Assert(assert) if assert.level == Level::Error => {
+                Statement::Assert(assert, span) if assert.level == Level::Error => {
                     let c = self.value(e, assert.condition);
-                    let names = |v: VarId| self.local_name(v.idx());
-                    self.messages.push(print(&e.dae.graph, assert.message, &names));
-                    let message = (self.messages.len() - 1) as Slot;
-                    self.push(Op::Assert, 0, c, message);
+                    // What it says is put together where it is said only.
+                    let no = self.make(e, Op::Unary(Unary::Not), c, c);
+                    let unless = self.push(Op::JumpUnless, 0, no, 0);
+                    let message = self.value(e, assert.message);
+                    self.messages.push((message, *span));
+                    self.push(Op::Assert, 0, c, (self.messages.len() - 1) as Slot);
+                    self.land(unless);
                 }
-                Statement::Assert(_) => {}
+                Statement::Assert(..) => {}
             }
         }
-    }
-
-    fn local_name(&self, i: usize) -> String {
-        self.function.locals.iter().nth(i).cloned().unwrap_or_default()
     }
 
     fn push(&mut self, op: Op, dst: Slot, a: Slot, b: Slot) -> usize {

@@ -5,6 +5,7 @@ use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, ListId, Node};
 use crate::ir::flat::Statement;
+use crate::math::graph::scc::circular;
 use crate::symbolic::uses::{Root, Uses};
 
 use super::function::reached;
@@ -46,13 +47,41 @@ pub fn guards(dae: &mut Dae, long: &FastSet<FunctionId>) -> FastMap<Called, Expr
     }
     let mut found: Vec<(Called, usize)> = common.into_iter().filter(|(_, g)| *g != 0).collect();
     found.sort_unstable_by_key(|((function, args), _)| (function.idx(), args.0));
-    found.into_iter().map(|(c, g)| (c, uses.all(&mut dae.graph, g, 0))).collect()
+    let found: Vec<(Called, ExprId)> =
+        found.into_iter().map(|(c, g)| (c, uses.all(&mut dae.graph, g, 0))).collect();
+    without_circles(dae, found)
 }
 
-/// The functions of which a call may take long: a body that is run has a loop, or all are large.
+crate::define_id! {
+    /// A call that has a guard.
+    struct Guarded
+}
+
+/// Calls that would be made only if they themselves said so are made always.
+fn without_circles(dae: &Dae, found: Vec<(Called, ExprId)>) -> FastMap<Called, ExprId> {
+    let number: FastMap<Called, Guarded> =
+        found.iter().enumerate().map(|(k, (call, _))| (*call, Guarded::from_usize(k))).collect();
+    let mut needs = Vec::new();
+    for (k, (_, guard)) in found.iter().enumerate() {
+        let read = calls(dae, vec![*guard]).filter_map(|call| number.get(&call).copied());
+        needs.extend(read.map(|other| (Guarded::from_usize(k), other)));
+    }
+    let mut guards: FastMap<Called, ExprId> = found.iter().copied().collect();
+    for k in circular(found.len(), needs) {
+        guards.remove(&found[k.idx()].0);
+    }
+    guards
+}
+
+/// The functions of which a call may take long: one calls itself, a body that is run has a loop, or all are
+/// large.
 pub fn long_functions(dae: &Dae) -> FastSet<FunctionId> {
     let takes_long = |f: &FunctionId| {
-        let all = reached(dae, *f).into_iter().filter(|g| g != f).chain([*f]);
+        let called = reached(dae, *f);
+        if called.contains(f) {
+            return true;
+        }
+        let all = called.into_iter().chain([*f]);
         let bodies: Vec<&[Statement]> = all.map(|g| &dae.functions[g].body[..]).collect();
         bodies.iter().any(|b| has_loop(b)) || bodies.iter().map(|b| count(b)).sum::<usize>() > MANY
     };

@@ -12,6 +12,7 @@ use crate::symbolic::eval;
 
 use super::carried::Transports;
 use super::delayed::Delayed;
+use super::frames::Frames;
 use super::jit::rent::{Code, Execution};
 use super::mixed::MixedWork;
 use super::played::Played;
@@ -75,7 +76,7 @@ pub enum Fault {
     },
 }
 
-/// One run of a program. Nothing is allocated after `new`.
+/// One run of a program. Nothing is allocated after `new`, but for functions that call themselves.
 pub struct Instance<'p> {
     /// What runs.
     pub program: &'p Program,
@@ -117,6 +118,8 @@ pub struct Instance<'p> {
     implicits: Vec<Option<Box<ImplicitWork>>>,
     mixed: Vec<Option<Box<MixedWork>>>,
     spare: Vec<Vec<f64>>,
+    /// Calls in which a function has called itself.
+    pub(super) frames: Frames,
 }
 
 /// What a failed attempt left.
@@ -156,6 +159,7 @@ impl<'p> Instance<'p> {
                 .collect(),
             confirmed: Vec::new(),
             spare: Vec::new(),
+            frames: Frames::default(),
         }
     }
 
@@ -452,8 +456,26 @@ impl<'p> Instance<'p> {
                 _ => self.memory[*from as usize],
             };
         }
+        let depth = self.frames.depth();
+        self.body(site.function, depth).inspect_err(|_| self.frames.give_up(depth))
+    }
+
+    /// Runs a function whose inputs have their values, and calls that it makes of itself: `depth` are open
+    /// before.
+    fn body(&mut self, mut function: usize, depth: usize) -> Result<(), Fault> {
+        let program = self.program;
+        let mut tape = &program.functions[function].tape;
         let (mut at, mut jumps) = (0, 0);
-        while let Some(i) = function.tape.get(at) {
+        loop {
+            let Some(i) = tape.get(at) else {
+                if self.frames.depth() == depth {
+                    return Ok(());
+                }
+                let back = self.frames.leave(program, &mut self.memory, 1);
+                (function, at) = back.unwrap_or((function, at));
+                tape = &program.functions[function].tape;
+                continue;
+            };
             at += 1;
             match i.op {
                 Op::Jump => at = i.a as usize,
@@ -461,9 +483,18 @@ impl<'p> Instance<'p> {
                 Op::JumpUnless => {}
                 Op::Assert => {
                     if self.memory[i.a as usize] == 0.0 {
-                        let (function, message) = (site.function, i.b as usize);
+                        let message = i.b as usize;
                         return Err(self.fail(Fault::Assertion { function, message }));
                     }
+                }
+                Op::Call if program.calls_itself(i.a as usize) => {
+                    let back = (function, at);
+                    if !self.frames.enter(program, i.a as usize, back, &mut self.memory, 1) {
+                        return Err(self.fail(Fault::Endless { function }));
+                    }
+                    (function, at) = (program.calls[i.a as usize].function, 0);
+                    tape = &program.functions[function].tape;
+                    jumps += 1;
                 }
                 Op::Call => self.call(i.a as usize)?,
                 _ if self.inside => step::<true>(&mut self.memory, i),
@@ -471,10 +502,9 @@ impl<'p> Instance<'p> {
             }
             jumps += u32::from(i.op == Op::Jump);
             if jumps > JUMP_LIMIT {
-                return Err(self.fail(Fault::Endless { function: site.function }));
+                return Err(self.fail(Fault::Endless { function }));
             }
         }
-        Ok(())
     }
 }
 

@@ -1,5 +1,7 @@
 //! The functions of a flat model as text: one for each output that is read.
 
+use std::collections::hash_map::Entry;
+
 use super::print::push_quoted;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::expr::{ExprId, FunctionId, Node, Type, VarId};
@@ -26,7 +28,19 @@ pub(super) fn functions(flat: &FlatModel, tables: &[Native]) -> String {
         for e in flat.graph.postorder(std::mem::take(&mut roots)) {
             if let Node::Call { function, output, args } = flat.graph.node(e) {
                 let types = flat.graph.list(args).iter().map(|a| flat.graph.ty(*a));
-                written.entry((function, output)).or_insert_with(|| types.collect());
+                match written.entry((function, output)) {
+                    Entry::Vacant(new) => {
+                        new.insert(types.collect());
+                    }
+                    // Whole numbers of one call may be real ones of another.
+                    Entry::Occupied(mut known) => {
+                        for (known, ty) in known.get_mut().iter_mut().zip(types) {
+                            if ty == Type::Real {
+                                *known = ty;
+                            }
+                        }
+                    }
+                }
                 if entered.insert(function) {
                     roots.extend(flat.functions[function].values());
                 }
@@ -64,7 +78,7 @@ fn types(flat: &FlatModel, function: &Function, inputs: &[Type]) -> Vec<Type> {
                 }
                 Statement::If(_, a, b) => lists.extend([a, b]),
                 Statement::While(_, body) => lists.push(body),
-                Statement::Break | Statement::Return | Statement::Assert(_) => {}
+                Statement::Break | Statement::Return | Statement::Assert(..) => {}
             }
         }
     }
@@ -150,7 +164,7 @@ impl Definition<'_> {
                 }
                 Statement::Break => self.line(depth, "break;"),
                 Statement::Return => self.line(depth, "return;"),
-                Statement::Assert(a) => {
+                Statement::Assert(a, _) => {
                     let (condition, message) =
                         (self.expression(a.condition), self.expression(a.message));
                     self.line(depth, &format!("assert({condition}, {message});"));

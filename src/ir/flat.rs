@@ -312,7 +312,7 @@ fn values_of(body: &[Statement], out: &mut Vec<ExprId>) {
                 out.push(*c);
                 values_of(a, out);
             }
-            Statement::Assert(a) => out.push(a.condition),
+            Statement::Assert(a, _) => out.push(a.condition),
             Statement::Break | Statement::Return => {}
         }
     }
@@ -336,8 +336,8 @@ pub enum Statement {
     Break,
     /// `return`
     Return,
-    /// `assert(...)`
-    Assert(Assert),
+    /// `assert(...)`, and where it stands.
+    Assert(Assert, Span),
 }
 
 impl FlatModel {

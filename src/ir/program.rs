@@ -213,7 +213,7 @@ pub struct CallSite {
     pub last: Option<Slot>,
 }
 
-/// A compiled function. Its locals have fixed cells: functions do not recur.
+/// A compiled function. Its locals have fixed cells.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct FunctionCode {
     /// The body.
@@ -224,8 +224,12 @@ pub struct FunctionCode {
     pub outputs: Vec<Slot>,
     /// Cells of all locals, set to zero on entry.
     pub locals: Vec<Slot>,
-    /// Texts of assertions.
-    pub messages: Vec<String>,
+    /// Cells of the numbers of what assertions say, and where they stand.
+    pub messages: Vec<(Slot, Span)>,
+    /// The cells of its locals and of what it computes.
+    pub frame: std::ops::Range<Slot>,
+    /// It calls itself, directly or through others: a call puts aside what stands in its cells.
+    pub recurs: bool,
 }
 
 /// What makes a relation switch.
@@ -566,6 +570,9 @@ impl Program {
             }
         }
         let exists = |slot: &Slot| (*slot as usize) < self.image.len();
+        if self.functions.iter().any(|f| f.frame.end as usize > self.image.len()) {
+            return Err("a function has a frame of cells that do not exist".into());
+        }
         for function in &self.functions {
             self.verify_tape("function", &function.tape)?;
             let mut cells = function.inputs.iter().chain(&function.outputs).chain(&function.locals);
@@ -589,6 +596,11 @@ impl Program {
             }
         }
         Ok(())
+    }
+
+    /// Whether a call is one of a function that calls itself.
+    pub fn calls_itself(&self, site: usize) -> bool {
+        self.functions[self.calls[site].function].recurs
     }
 
     fn verify_tape(&self, name: &str, tape: &Tape) -> Result<(), String> {

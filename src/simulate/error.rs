@@ -1,6 +1,7 @@
 //! Every way a run can fail, in the user's names.
 
 use crate::base::diag::{Diagnostic, Severity};
+use crate::base::name::numbered;
 use crate::base::source::Span;
 use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::outcome::Failure as Integration;
@@ -117,19 +118,21 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
         }
         Fault::Assertion { function, message } => {
             let function_info = &program.blocks.dae.functions;
-            let text = &program.functions[function].messages[message];
+            let (cell, place) = program.functions[function].messages[message];
+            let text = numbered(instance.fault_memory[cell as usize] as u32);
             let info = function_info.iter().nth(function);
             let name = info.map_or("", |f| f.name.as_str());
             let span = info.map_or(Span::NONE, |f| f.span);
             let message = format!("at time {time} s an assertion in `{name}` failed: {text}");
-            Diagnostic::error("MO0906", span, message)
+            Diagnostic::error("MO0906", place, message).also(span, "while this was computed")
         }
         Fault::Endless { function } => {
             let info = program.blocks.dae.functions.iter().nth(function);
             let name = info.map_or("", |f| f.name.as_str());
             let span = info.map_or(Span::NONE, |f| f.span);
             let message = format!("at time {time} s function `{name}` does not return");
-            Diagnostic::error("MO0907", span, message).help("check the condition of its loop")
+            Diagnostic::error("MO0907", span, message)
+                .help("check the condition that ends its loop, or its calls of itself")
         }
     };
     Failure::numerics(time, diagnostic)

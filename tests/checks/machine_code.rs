@@ -10,6 +10,7 @@ use mocc::simulate::initial::initialise;
 use mocc::simulate::settings::Settings;
 
 use super::door::Case;
+use super::recursion::INTEGRAL;
 
 /// The bits, where what is not a number is one value: Rust leaves its sign and payload open.
 fn bits(memory: &[f64]) -> Vec<u64> {
@@ -137,4 +138,10 @@ fn blocks_run_equally() {
         annotation(experiment(StopTime = 2));
         end M;";
     compare(&Case::text(text), "blocks");
+}
+
+/// Calls of functions that call themselves stand between the pieces of machine code.
+#[test]
+fn functions_that_call_themselves_run_equally() {
+    compare(&Case::text(INTEGRAL).model("P.Decay").stop(1.0), "recursion");
 }

@@ -231,6 +231,11 @@ impl Translator<'_> {
             self.functions.push(id);
         }
         for (k, function) in source.functions.iter().enumerate() {
+            if source.interpreted[k] {
+                // Nothing calls it here; it is declared to keep the numbers.
+                self.define(self.functions[k], |cells, _, _| cells.leave(0))?;
+                continue;
+            }
             self.define(self.functions[k], |cells, faults, call| {
                 body::emit(cells, k, function, faults, call);
             })?;
@@ -248,6 +253,7 @@ impl Translator<'_> {
         let is_between = |i: &Instr| match i.op {
             Op::Solve => source.quotients[i.a as usize].is_none(),
             Op::Implicit | Op::Repeat | Op::Unary(Unary::Carried(_)) => true,
+            Op::Call => source.interpreted[source.calls[i.a as usize].function],
             _ => false,
         };
         let mut rest = tape;

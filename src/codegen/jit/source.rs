@@ -26,6 +26,8 @@ pub struct Source {
     pub tapes: Vec<Vec<Instr>>,
     /// Functions.
     pub functions: Vec<FunctionCode>,
+    /// Which of them are interpreted: those that call themselves, and their callers.
+    pub interpreted: Vec<bool>,
     /// Calls.
     pub calls: Vec<CallSite>,
     /// Torn blocks, where they are quotients.
@@ -39,11 +41,13 @@ pub struct Source {
 impl Source {
     /// Of a program.
     pub fn of(program: &Program) -> Source {
+        let interpreted = interpreted(program);
         Source {
             tapes: program.tapes().into_iter().map(|(_, tape)| tape.to_vec()).collect(),
             functions: program.functions.clone(),
             calls: program.calls.clone(),
-            quotients: program.solvers.iter().map(quotient).collect(),
+            quotients: program.solvers.iter().map(|s| quotient(program, &interpreted, s)).collect(),
+            interpreted,
             literals: literals(program).collect(),
             cells: program.image.len(),
         }
@@ -56,7 +60,11 @@ impl Source {
             && tapes.iter().zip(&self.tapes).all(|((_, own), copy)| ***own == **copy)
             && program.functions == self.functions
             && program.calls == self.calls
-            && program.solvers.iter().map(quotient).eq(self.quotients.iter().copied())
+            && program
+                .solvers
+                .iter()
+                .map(|s| quotient(program, &self.interpreted, s))
+                .eq(self.quotients.iter().copied())
             && literals(program)
                 .map(|(slot, value)| (slot, value.to_bits()))
                 .eq(self.literals.iter().map(|(slot, value)| (*slot, value.to_bits())))
@@ -70,15 +78,32 @@ impl Source {
     }
 }
 
-fn quotient(solver: &Solver) -> Option<Quotient> {
+/// The functions that machine code does not call.
+fn interpreted(program: &Program) -> Vec<bool> {
+    let mut found: Vec<bool> = program.functions.iter().map(|f| f.recurs).collect();
+    loop {
+        let calls = |i: &Instr| i.op == Op::Call && found[program.calls[i.a as usize].function];
+        let next = |f: &FunctionCode| !f.recurs && f.tape.iter().any(calls);
+        let more: Vec<usize> =
+            (0..found.len()).filter(|k| !found[*k] && next(&program.functions[*k])).collect();
+        if more.is_empty() {
+            return found;
+        }
+        more.into_iter().for_each(|k| found[k] = true);
+    }
+}
+
+fn quotient(program: &Program, interpreted: &[bool], solver: &Solver) -> Option<Quotient> {
     let (&[unknown], &[residual], [entry]) =
         (&solver.slots[..], &solver.residuals[..], &solver.jacobian[..])
     else {
         return None;
     };
     let tapes = [&solver.residual_tape, &solver.jacobian_tape];
-    let straight = |i: &Instr| {
-        !matches!(i.op, Op::Solve | Op::Implicit | Op::Repeat | Op::Unary(Unary::Carried(_)))
+    let straight = |i: &Instr| match i.op {
+        Op::Solve | Op::Implicit | Op::Repeat | Op::Unary(Unary::Carried(_)) => false,
+        Op::Call => !interpreted[program.calls[i.a as usize].function],
+        _ => true,
     };
     let simple = solver.linear && tapes.iter().all(|tape| tape.iter().all(straight));
     simple.then_some(Quotient {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::rent::Execution;
 use super::{MachineCode, Untranslated};
 use crate::base::diag::Problems;
+use crate::base::source::Span;
 use crate::codegen::compile;
 use crate::codegen::interp::{Fault, Instance};
 use crate::ir::expr::{Binary, Unary};
@@ -264,7 +265,8 @@ fn random_functions_leave_equal_bits() {
                 inputs: locals[..3].to_vec(),
                 outputs: locals[20..22].to_vec(),
                 locals,
-                messages: vec![String::new(); 2],
+                messages: vec![(own, Span::NONE); 2],
+                ..FunctionCode::default()
             });
         }
         let mut tape = Vec::new();

@@ -193,6 +193,9 @@ pub(super) fn touch(program: &Program, tape: &[Instr], writes: &mut [bool], read
                 site.results.iter().for_each(|s| writes[*s as usize] = true);
                 let function = &program.functions[site.function];
                 let own = function.locals.iter().chain(&function.inputs).chain(&function.outputs);
+                if function.recurs && own.clone().all(|s| writes[*s as usize]) {
+                    continue;
+                }
                 own.for_each(|s| writes[*s as usize] = true);
                 touch(program, &function.tape, writes, reads);
             }

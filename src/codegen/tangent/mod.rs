@@ -13,6 +13,7 @@ use crate::symbolic::partial;
 pub mod forcing;
 pub mod outputs;
 
+use super::frames::Frames;
 use super::interp::{Fault, Instance, JUMP_LIMIT, step};
 use super::mixed::{LOOP_LIMIT, watched_slot};
 
@@ -26,13 +27,15 @@ pub struct Tangents {
     width: usize,
     /// Cell by cell, direction by direction.
     values: Vec<f64>,
+    /// Those of calls in which a function has called itself, as `Instance::frames`.
+    frames: Frames,
 }
 
 impl Tangents {
     /// No cell depends on any direction yet.
     pub fn new(cells: usize, directions: usize) -> Self {
         let width = directions.div_ceil(LANES) * LANES;
-        Tangents { directions, width, values: vec![0.0; cells * width] }
+        Tangents { directions, width, values: vec![0.0; cells * width], frames: Frames::default() }
     }
 
     /// Number of directions.
@@ -71,7 +74,9 @@ impl Tangents {
 
     /// A copy to return to.
     pub fn snapshot(&self) -> Tangents {
-        Tangents { directions: self.directions, width: self.width, values: self.values.clone() }
+        let frames = Frames::default();
+        let values = self.values.clone();
+        Tangents { directions: self.directions, width: self.width, values, frames }
     }
 
     /// `to := from`
@@ -282,22 +287,58 @@ impl Tangents {
             };
             self.copy(*to, *from);
         }
+        let depth = instance.frames.depth();
+        self.body(instance, site.function, depth).inspect_err(|_| {
+            instance.frames.give_up(depth);
+            self.frames.give_up(0);
+        })
+    }
+
+    /// As the body of a function is run by [`Instance`].
+    fn body(
+        &mut self,
+        instance: &mut Instance<'_>,
+        mut function: usize,
+        depth: usize,
+    ) -> Result<(), Fault> {
+        let program = instance.program;
+        let mut tape = &program.functions[function].tape;
         let (mut at, mut jumps) = (0, 0);
-        while let Some(i) = function.tape.get(at) {
+        loop {
+            let Some(i) = tape.get(at) else {
+                if instance.frames.depth() == depth {
+                    return Ok(());
+                }
+                self.frames.leave(program, &mut self.values, self.width);
+                let back = instance.frames.leave(program, &mut instance.memory, 1);
+                (function, at) = back.unwrap_or((function, at));
+                tape = &program.functions[function].tape;
+                continue;
+            };
             at += 1;
             match i.op {
                 Op::Jump => at = i.a as usize,
                 Op::JumpUnless if instance.get(i.a) == 0.0 => at = i.b as usize,
                 Op::JumpUnless | Op::Assert => {}
+                Op::Call if program.calls_itself(i.a as usize) => {
+                    let (site, back) = (i.a as usize, (function, at));
+                    let own = self.frames.enter(program, site, back, &mut self.values, self.width);
+                    let memory = &mut instance.memory;
+                    if !(own && instance.frames.enter(program, site, back, memory, 1)) {
+                        return Err(instance.fail(Fault::Endless { function }));
+                    }
+                    (function, at) = (program.calls[site].function, 0);
+                    tape = &program.functions[function].tape;
+                    jumps += 1;
+                }
                 Op::Call => self.call(instance, i.a as usize)?,
                 _ => self.step_anew(instance, i),
             }
             jumps += u32::from(i.op == Op::Jump);
             if jumps > JUMP_LIMIT {
-                return Err(instance.fail(Fault::Endless { function: site.function }));
+                return Err(instance.fail(Fault::Endless { function }));
             }
         }
-        Ok(())
     }
 
     /// Computes an instruction and follows it. A variable of a function may stand on both sides.

@@ -13,7 +13,7 @@ use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
-use crate::ir::flat::Level;
+use crate::ir::flat::{Assert, Level};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::native::{Function, Native};
 use crate::math::numeric::table::curve::Curve;
@@ -43,6 +43,14 @@ pub(crate) struct Asserted {
     pub(crate) message: ExprId,
     pub(crate) level: Level,
     pub(crate) span: Span,
+}
+
+impl Asserted {
+    /// As a statement of a function that the run calls; what does not let it fail has no place there.
+    pub(super) fn in_function(&self) -> Option<(Assert, Span)> {
+        let Asserted { condition, message, level, span } = *self;
+        (level == Level::Error).then_some((Assert { condition, message, level }, span))
+    }
 }
 
 /// Why an external function has no result.

@@ -4,8 +4,8 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::Context;
 use super::value::{Record, Value};
-use super::{Context, MAX_DEPTH};
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::name::Name;
@@ -13,8 +13,11 @@ use crate::base::source::Span;
 use crate::ir::ast::{
     ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Subscript, Variability,
 };
-use crate::ir::expr::{Const, ExprId};
+use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
+
+/// The components of a function.
+pub(super) type Components = [(Entry, Declaration)];
 
 /// The size of an array whose size nobody says, where a function is only read.
 const OPEN_SIZE: usize = 3;
@@ -96,47 +99,52 @@ impl Context<'_> {
                 inputs.push(c);
             }
         }
-        let mut given = self.matched(full_name, &inputs, args, named, span)?;
+        let given = self.matched(full_name, &inputs, args, named, span)?;
         if let Some(result) = self.vectorised(class, &inputs, &given, span) {
             return result;
         }
-        // What was too deep once is, on every other way down.
-        if self.evaluation.too_deep {
-            return None;
+        if let Some(result) = self.recursive(class, &components, &given, span) {
+            return result;
         }
-        if self.evaluation.calls.len() >= MAX_DEPTH {
-            let message = format!("`{full_name}` calls itself more than {MAX_DEPTH} deep");
-            self.problems.push(
-                Diagnostic::error("MO0221", span, message)
-                    .help("let parameters and constants decide how deep it goes, or write a loop"),
-            );
-            self.evaluation.too_deep = true;
-            return None;
-        }
-        self.evaluation.calls.push(class);
-        let saved = self.enter_frame(true);
+        let result = self.run_function(class, &components, given.clone(), span);
+        self.caught(class, &components, &given, span).unwrap_or(result)
+    }
+
+    /// Runs a function on its arguments.
+    pub(super) fn run_function(
+        &mut self,
+        class: ClassId,
+        components: &Components,
+        mut given: Vec<Option<Value>>,
+        span: Span,
+    ) -> Option<Value> {
         let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
-        // What is called in a function becomes part of it.
-        let outermost = !saved.1;
-        let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
-        let by = self.table(class).by.clone();
-        let mut result = match by.is_empty() {
-            true => self.run(class, &components, &mut given, span),
-            false => self.run_differentiated(class, &components, &mut given, &by, span),
-        };
-        if outermost && let Some(made) = &mut result {
-            *made = match events.is_empty() {
-                true => made.each_scalar(&mut |e| self.graph.no_event(e)),
-                false => self.without_events(made, &events),
+        // Where its caller was left before, it is not called.
+        let reached = self.neither(left.0, left.1);
+        let result = self.under(reached, |cx| {
+            cx.open_call(class, left);
+            let saved = cx.enter_frame(true);
+            // What is called in a function becomes part of it.
+            let outermost = !saved.1;
+            let events =
+                if outermost { cx.events_of_arguments(&given) } else { FastSet::default() };
+            let by = cx.table(class).by.clone();
+            let mut result = match by.is_empty() {
+                true => cx.run(class, components, &mut given, span),
+                false => cx.run_differentiated(class, components, &mut given, &by, span),
             };
-            self.note_moving(made);
-        }
+            if outermost && let Some(made) = &mut result {
+                *made = match events.is_empty() {
+                    true => made.each_scalar(&mut |e| cx.graph.no_event(e)),
+                    false => cx.without_events(made, &events),
+                };
+                cx.note_moving(made);
+            }
+            cx.leave_frame(saved);
+            cx.close_call();
+            result
+        });
         (self.evaluation.broken, self.evaluation.returned) = left;
-        self.leave_frame(saved);
-        self.evaluation.calls.pop();
-        if self.evaluation.calls.is_empty() {
-            self.evaluation.too_deep = false;
-        }
         result
     }
 
@@ -144,7 +152,7 @@ impl Context<'_> {
     /// know whether it will do so again, even if that fixes parameters that are real numbers.
     pub(super) fn decided(&mut self, condition: ExprId) -> Option<Const> {
         let recurs = match self.evaluation.calls.split_last() {
-            Some((last, before)) => before.contains(last),
+            Some((last, before)) => before.iter().any(|c| c.class == last.class),
             None => false,
         };
         self.parameter_expression(condition, recurs)
@@ -253,6 +261,21 @@ impl Context<'_> {
             None => 0,
         };
         declaration.component().dims.len() + clause.type_dims.len() + inner
+    }
+
+    /// The types of the scalars that a component is declared with, of one element if it is an array; none
+    /// if it is a function.
+    pub(super) fn scalar_types(&mut self, entry: &Entry, declaration: &Declaration) -> Vec<Type> {
+        let scope = self.declaration_scope(entry);
+        let mut types = Vec::new();
+        if let Some(of) = self.find_class(&declaration.clause().type_name, scope)
+            && !matches!(self.kind(of), ClassKind::Function { .. })
+            && !self.is_external_object(of)
+            && let Some(zero) = self.zero_of_class(of, entry.name.span)
+        {
+            zero.for_each_scalar(&mut |e| types.push(self.graph.ty(e)));
+        }
+        types
     }
 
     /// `input` or `output`, as declared or by the type.
@@ -391,22 +414,13 @@ impl Context<'_> {
         if let Some((binding, _)) = self.declared_value(entry, declaration) {
             super::deduce::in_expression(&binding, &mut see);
         }
-        let clause = declaration.clause();
-        for s in declaration.component().dims.iter().chain(&clause.type_dims) {
-            if let Subscript::Expr(e) = s {
-                super::deduce::in_expression(e, &mut see);
-            }
-        }
+        read.extend(read_by_sizes(declaration));
         read
     }
 
     /// The order in which the variables of a function get their first values: those that others read come
     /// before these, wherever they are declared (section 12.4.4).
-    fn initial_order(
-        &mut self,
-        class: ClassId,
-        components: &[(Entry, Declaration)],
-    ) -> Rc<[usize]> {
+    pub(super) fn initial_order(&mut self, class: ClassId, components: &Components) -> Rc<[usize]> {
         if let Some(known) = self.evaluation.initial_orders.get(&class) {
             return known.clone();
         }
@@ -511,8 +525,6 @@ impl Context<'_> {
         entry: &Entry,
         declaration: &Declaration,
     ) -> Option<Value> {
-        let scope = self.declaration_scope(entry);
-        let component = declaration.component();
         let input = self.causality(entry, declaration) == Some(Causality::Input);
         if let Some((binding, written_in)) = self.declared_value(entry, declaration) {
             let value = self.evaluate_declared(&binding, written_in)?;
@@ -525,6 +537,17 @@ impl Context<'_> {
         if input {
             return None;
         }
+        self.declared_zero(entry, declaration)
+    }
+
+    /// A zero of the sizes and the type that a local or a field is declared with; open sizes are 0.
+    pub(super) fn declared_zero(
+        &mut self,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> Option<Value> {
+        let scope = self.declaration_scope(entry);
+        let component = declaration.component();
         let sizes = self.declared_sizes(entry, declaration)?;
         let dims: Vec<usize> = sizes.into_iter().map(Option::unwrap_or_default).collect();
         self.check_count(&dims, component.name.span)?;
@@ -550,6 +573,17 @@ impl Context<'_> {
         let elements = vec![zero; n];
         Some(Value::array(dims, elements))
     }
+}
+
+/// What the sizes of a declaration read: the first names of all references.
+pub(super) fn read_by_sizes(declaration: &Declaration) -> Vec<Name> {
+    let mut read = Vec::new();
+    for s in declaration.component().dims.iter().chain(&declaration.clause().type_dims) {
+        if let Subscript::Expr(e) = s {
+            super::deduce::in_expression(e, &mut |r| read.push(r.parts[0].name.name));
+        }
+    }
+    read
 }
 
 /// Whether the type of a component is predefined, and says nothing of a unit.

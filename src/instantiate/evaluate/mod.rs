@@ -25,6 +25,7 @@ mod partial;
 pub mod past;
 mod random;
 mod record;
+mod recursion;
 pub mod reference;
 pub mod repeat;
 mod string;
@@ -71,10 +72,10 @@ pub struct State {
     pub(crate) bindings: FastMap<(usize, Scope, bool), Option<Value>>,
     /// Assigned variables of the algorithm section being read.
     pub(crate) assigned: FastMap<VarId, ExprId>,
-    /// Functions whose calls are open, the innermost last.
-    pub(crate) calls: Vec<ClassId>,
-    /// These are deeper than any that end: all are left.
-    too_deep: bool,
+    /// Calls of functions that are open, the innermost last.
+    calls: Vec<recursion::Call>,
+    /// Functions that call themselves.
+    recursions: recursion::Recursions,
     /// The condition under which the loop, or the function, being run was left already.
     pub(crate) broken: Option<ExprId>,
     /// See `broken`.

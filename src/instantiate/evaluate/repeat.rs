@@ -6,13 +6,14 @@
 
 use super::Context;
 use super::algorithm::Flow;
+use super::external::Asserted;
 use super::value::Value;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, ExprKind, Iterator as Loop, Statement};
-use crate::ir::expr::{Binary, ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
-use crate::ir::flat::{Function, LocalId, Statement as Step};
+use crate::ir::expr::{Binary, Const, ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
+use crate::ir::flat::{Assert, Function, LocalId, Statement as Step};
 use crate::ir::instance::Scope;
 use crate::symbolic::rewrite::Rewriter;
 
@@ -29,6 +30,10 @@ struct Turn {
     initial: Vec<ExprId>,
     /// What they stand for after a turn.
     turned: Vec<ExprId>,
+    /// What is asserted in a turn.
+    asserts: Vec<Asserted>,
+    /// The condition for it.
+    condition: Option<ExprId>,
 }
 
 impl Turn {
@@ -175,9 +180,11 @@ impl Context<'_> {
         }
         let asserted = self.evaluation.asserts.len();
         let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
-        let (condition, flow) = run(self)?;
+        let reached = self.neither(left.0, left.1);
+        let (condition, flow) = self.under(reached, run)?;
         // An assertion about a turn has no place outside of the loop.
-        self.evaluation.asserts.truncate(asserted);
+        turn.asserts = self.evaluation.asserts.split_off(asserted);
+        turn.condition = Some(condition);
         for &k in &changed {
             self.evaluation.locals[frame + k].1.for_each_scalar(&mut |e| turn.turned.push(e));
         }
@@ -240,7 +247,7 @@ impl Context<'_> {
     }
 
     /// `not (a or b)`, of conditions that are false where there is none.
-    fn neither(&mut self, a: Option<ExprId>, b: Option<ExprId>) -> ExprId {
+    pub(super) fn neither(&mut self, a: Option<ExprId>, b: Option<ExprId>) -> ExprId {
         let mut result = self.graph.boolean(true);
         for c in [a, b].into_iter().flatten() {
             let not_c = self.graph.not(c);
@@ -254,9 +261,11 @@ impl Context<'_> {
         // A whole number may become a real one in the loop.
         let both = turn.initial.iter().zip(&turn.turned);
         let types: Vec<Type> = both.map(|(a, b)| self.graph.common_type(*a, *b)).collect();
-        let name = format!("loop {}", self.evaluation.functions.len() + 1);
-        let (function, captured) =
-            function(&mut self.graph, name, span, &turn.symbols, condition, &turn.turned);
+        let name = match self.evaluation.calls.last() {
+            Some(call) => self.classes[call.class].full_name.to_string(),
+            None => "an algorithm".to_string(),
+        };
+        let (function, captured) = function(&mut self.graph, name, span, &turn, condition);
         let key = (span, function.inputs.len(), function.values());
         let next = FunctionId::from_usize(self.evaluation.functions.len());
         let id = *self.evaluation.loops.entry(key).or_insert(next);
@@ -296,10 +305,19 @@ fn function(
     graph: &mut Graph,
     name: String,
     span: Span,
-    symbols: &[VarId],
+    Turn { symbols, turned, asserts, condition: turns, .. }: &Turn,
     condition: ExprId,
-    turned: &[ExprId],
 ) -> (Function, Vec<ExprId>) {
+    let mut asserts: Vec<(Assert, Span)> =
+        asserts.iter().filter_map(Asserted::in_function).collect();
+    // In a turn its condition holds.
+    let mut rewriter = Rewriter::new();
+    for (assert, _) in &mut asserts {
+        assert.condition = rewriter.apply(graph, assert.condition, &mut |g, n| {
+            (Some(n) == *turns).then(|| g.boolean(true))
+        });
+    }
+    asserts.retain(|(a, _)| graph.as_const(a.condition) != Some(Const::Boolean(true)));
     let mut locals: FastMap<VarId, u32> = FastMap::default();
     for (k, v) in symbols.iter().enumerate() {
         locals.insert(*v, k as u32);
@@ -308,7 +326,9 @@ fn function(
     // parts that are not are arguments.
     let mut inside: FastSet<ExprId> = FastSet::default();
     let mut calls: FastSet<ExprId> = FastSet::default();
-    let roots: Vec<ExprId> = std::iter::once(condition).chain(turned.iter().copied()).collect();
+    let asserted = asserts.iter().flat_map(|(a, _)| [a.condition, a.message]);
+    let roots: Vec<ExprId> =
+        std::iter::once(condition).chain(turned.iter().copied()).chain(asserted).collect();
     let always = always(graph, &roots);
     for n in graph.postorder(roots.iter().copied()) {
         let mut reads = matches!(graph.node(n), Node::Var(v) if locals.contains_key(&v));
@@ -324,6 +344,9 @@ fn function(
             inside.insert(n);
         }
     }
+    // A message is put together where it is said.
+    let messages = graph.postorder(asserts.iter().map(|(a, _)| a.message));
+    inside.extend(messages.into_iter().filter(|n| graph.ty(*n) == Type::String));
     let mut captured: Vec<ExprId> = Vec::new();
     let mut rewriter = Rewriter::new();
     let mut local = |graph: &mut Graph, root: ExprId| {
@@ -347,13 +370,17 @@ fn function(
     };
     let condition = local(graph, condition);
     let turned: Vec<ExprId> = turned.iter().map(|e| local(graph, *e)).collect();
+    let mut turn: Vec<Step> = Vec::new();
+    for (a, span) in asserts {
+        let (condition, message) = (local(graph, a.condition), local(graph, a.message));
+        turn.push(Step::Assert(Assert { condition, message, ..a }, span));
+    }
     let (count, inputs) = (symbols.len(), symbols.len() + captured.len());
     let mut names: Vec<String> = (1..=inputs).map(|k| format!("x{k}")).collect();
     // All are assigned at once: new values first stand beside the old ones.
     names.extend((1..=count).map(|k| format!("next{k}")));
     let id = |k: usize| LocalId::from_usize(k);
-    let mut turn: Vec<Step> =
-        turned.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)).collect();
+    turn.extend(turned.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)));
     for (k, e) in turned.iter().enumerate().take(count) {
         let ty = graph.ty(*e);
         let next = graph.var(VarId((inputs + k) as u32), ty);

@@ -1,13 +1,14 @@
 // status: 1
-// error[MO0221] 9:31
-// A depth that only a run knows: each call makes two more, and one of them is told.
-model Numbers
-  function fibonacci
-    input Integer n;
-    output Integer f;
+// error[MO0221] 11:31
+// A depth that only a run knows, of vectors that get shorter: such a function has no sizes of its own.
+model Sums
+  function sum
+    input Real x;
+    input Real v[:];
+    output Real s;
   algorithm
-    f := if n < 2 then n else fibonacci(n - 1) + fibonacci(n - 2);
-  end fibonacci;
-  Integer n = integer(5*time);
-  Integer f = fibonacci(n);
-end Numbers;
+    // It never looks whether there are elements left.
+    s := if x < 0 then 0 else sum(x - 1, v[2:end]) + sum(x - 2, cat(1, v, {x}));
+  end sum;
+  Real s = sum(time, {1, 2, 3});
+end Sums;
