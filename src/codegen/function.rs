@@ -50,20 +50,41 @@ fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
     calls.collect()
 }
 
-/// The assignments that follow one to `local` and read nothing that it or another one of them assigns: all
-/// can be computed at once.
-fn independent(graph: &Graph, local: LocalId, next: &[Statement]) -> Vec<(LocalId, ExprId)> {
-    let mut assigned: FastSet<VarId> = std::iter::once(VarId(local.0)).collect();
-    let mut all = Vec::new();
-    for statement in next {
-        let Statement::Assign(local, value) = statement else { break };
-        let reads = |n: &ExprId| matches!(graph.node(*n), Node::Var(v) if assigned.contains(&v));
-        if graph.postorder([*value]).iter().any(reads) || !assigned.insert(VarId(local.0)) {
-            break;
-        }
-        all.push((*local, *value));
+/// What a statement computes if it only assigns or asserts.
+fn value_of(statement: &Statement) -> Option<ExprId> {
+    match statement {
+        Statement::Assign(_, value) => Some(*value),
+        Statement::Assert(assert, _) if assert.level == Level::Error => Some(assert.condition),
+        _ => None,
     }
-    all
+}
+
+/// The first assignments and assertions of a list that read nothing that one of them assigns: all can be
+/// computed at once.
+fn independent<'s>(graph: &Graph, list: &'s [Statement]) -> &'s [Statement] {
+    let mut assigned: FastSet<VarId> = FastSet::default();
+    let mut stands_alone = |statement: &Statement| {
+        let reads = |n: ExprId| matches!(graph.node(n), Node::Var(v) if assigned.contains(&v));
+        match statement {
+            Statement::Assign(local, value) => {
+                !graph.postorder([*value]).into_iter().any(reads) && assigned.insert(VarId(local.0))
+            }
+            Statement::Assert(a, _) => {
+                !graph.postorder([a.condition, a.message]).into_iter().any(reads)
+            }
+            _ => false,
+        }
+    };
+    let count = list.iter().position(|s| !stands_alone(s)).unwrap_or(list.len());
+    let list = &list[..count.max(1)];
+    // What is asserted may be what keeps calls from going on without an end.
+    let is_call = |n: &ExprId| matches!(graph.node(*n), Node::Call { .. });
+    let calls = |s: &Statement| graph.postorder(value_of(s)).iter().any(is_call);
+    let asserts = |s: &&Statement| matches!(s, Statement::Assert(..)) && !calls(s);
+    match list.iter().take_while(asserts).count() {
+        first if first > 0 && list[first..].iter().any(calls) => &list[..first],
+        _ => list,
+    }
 }
 
 /// A branch of so few operations costs less than a jump over it.
@@ -124,19 +145,12 @@ impl Body {
     fn statements(&mut self, e: &mut Emitter, body: &[Statement]) {
         let mut rest = body;
         while let Some((statement, next)) = rest.split_first() {
-            rest = next;
+            let from_here = std::mem::replace(&mut rest, next);
             match statement {
-                Statement::Assign(local, value) => {
-                    let more = independent(&e.dae.graph, *local, next);
-                    let mut all = vec![(*local, *value)];
-                    all.extend(more);
-                    rest = &next[all.len() - 1..];
-                    let roots: Vec<ExprId> = all.iter().map(|(_, value)| *value).collect();
-                    let known = self.values(e, &roots);
-                    for (local, value) in all {
-                        let (dst, value) = (self.locals[local.idx()], known[&value]);
-                        self.push(Op::Copy, dst, value, value);
-                    }
+                Statement::Assign(..) | Statement::Assert(..) => {
+                    let all = independent(&e.dae.graph, from_here);
+                    rest = &from_here[all.len()..];
+                    self.together(e, all);
                 }
                 Statement::If(condition, a, b) => {
                     let c = self.value(e, *condition);
@@ -167,17 +181,34 @@ impl Body {
                     let at = self.push(Op::Jump, 0, 0, 0);
                     self.returns.push(at);
                 }
-                Statement::Assert(assert, span) if assert.level == Level::Error => {
-                    let c = self.value(e, assert.condition);
+            }
+        }
+    }
+
+    /// Assignments and assertions that do not depend on each other: what they share is computed once.
+    fn together(&mut self, e: &mut Emitter, all: &[Statement]) {
+        let roots: Vec<ExprId> = all.iter().filter_map(value_of).collect();
+        let plan = Plan::of(&e.dae.graph, &roots);
+        let mut known = Known::default();
+        self.planned(e, &plan, plan.always(), &mut known);
+        for statement in all {
+            let Some(value) = value_of(statement) else { continue };
+            let value = known.slots[&value];
+            match statement {
+                Statement::Assign(local, _) => {
+                    self.push(Op::Copy, self.locals[local.idx()], value, value);
+                }
+                Statement::Assert(assert, span) => {
                     // What it says is put together where it is said only.
-                    let no = self.make(e, Op::Unary(Unary::Not), c, c);
+                    let no = self.make(e, Op::Unary(Unary::Not), value, value);
                     let unless = self.push(Op::JumpUnless, 0, no, 0);
-                    let message = self.value(e, assert.message);
+                    let always = plan.always().iter().map(|n| (*n, known.slots[n])).collect();
+                    let message = self.value_beside(e, assert.message, always);
                     self.messages.push((message, *span));
-                    self.push(Op::Assert, 0, c, (self.messages.len() - 1) as Slot);
+                    self.push(Op::Assert, 0, value, (self.messages.len() - 1) as Slot);
                     self.land(unless);
                 }
-                Statement::Assert(..) => {}
+                _ => {}
             }
         }
     }
@@ -199,19 +230,27 @@ impl Body {
 
     /// Computes an expression over the locals.
     fn value(&mut self, e: &mut Emitter, root: ExprId) -> Slot {
-        self.values(e, &[root])[&root]
+        self.value_beside(e, root, FastMap::default())
     }
 
-    /// Computes expressions over the locals. Nothing is kept for the statements behind them.
-    fn values(&mut self, e: &mut Emitter, roots: &[ExprId]) -> FastMap<ExprId, Slot> {
-        let plan = Plan::of(&e.dae.graph, roots);
-        let mut known = Known::default();
+    /// Computes an expression beside what is known.
+    fn value_beside(
+        &mut self,
+        e: &mut Emitter,
+        root: ExprId,
+        slots: FastMap<ExprId, Slot>,
+    ) -> Slot {
+        let plan = Plan::of(&e.dae.graph, &[root]);
+        let mut known = Known { slots, ..Known::default() };
         self.planned(e, &plan, plan.always(), &mut known);
-        known.slots
+        known.slots[&root]
     }
 
     fn planned(&mut self, e: &mut Emitter, plan: &Plan, list: &[ExprId], known: &mut Known) {
         for &n in list {
+            if known.slots.contains_key(&n) {
+                continue;
+            }
             let slot = match e.dae.graph.node(n) {
                 Node::If(c, a, b) => self.choice(e, plan, n, [c, a, b], known),
                 Node::Call { function, output, args } => {

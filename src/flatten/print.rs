@@ -4,7 +4,7 @@
 use super::share::TooLong;
 use crate::base::index::FastSet;
 use crate::ir::ast::{Causality, Variability};
-use crate::ir::expr::{EnumId, ExprId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, EnumId, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::{
     Action, Assert, Equation, EquationKind, FlatModel, Level, StateSelect, Transport, Variable,
     WhenBranch,
@@ -88,6 +88,30 @@ fn tables(flat: &FlatModel) -> Vec<Native> {
         }
     }
     found
+}
+
+/// The function that compares real numbers: an equality of them stands in functions only (section 3.5).
+const EQUAL: &str = "'$equal'";
+
+fn is_equality(graph: &Graph, op: Binary, a: ExprId, b: ExprId) -> bool {
+    let numbers = [a, b].map(|e| graph.ty(e));
+    matches!(op, Binary::Equal | Binary::NotEqual)
+        && numbers.contains(&Type::Real)
+        && numbers.iter().all(|ty| matches!(ty, Type::Real | Type::Integer))
+}
+
+/// Whether real numbers are compared that are not in functions.
+fn has_equalities(flat: &FlatModel) -> bool {
+    let found = |e: ExprId| match flat.graph.node(e) {
+        Node::Binary(op, a, b) => is_equality(&flat.graph, op, a, b),
+        _ => false,
+    };
+    if !flat.graph.ids().any(found) {
+        return false;
+    }
+    let mut roots = Vec::new();
+    flat.for_each_expression(&mut |e| roots.push(e));
+    flat.graph.postorder(roots).into_iter().any(found)
 }
 
 /// The constant of the text that is a table.
@@ -194,6 +218,10 @@ impl Text<'_> {
             let (size, list) = (all.len().to_string(), list.join(", "));
             self.push(&["  constant ", ty, " ", &table(k), "[", &size, "] = {", &list, "};\n"]);
         }
+        if has_equalities(flat) {
+            self.push(&["  function ", EQUAL, "\n    input Real a;\n    input Real b;\n"]);
+            self.push(&["    output Boolean c = a == b;\n  end ", EQUAL, ";\n"]);
+        }
         self.out.push_str(&super::print_function::functions(flat, self.tables));
         for (id, v) in flat.variables.enumerate() {
             if !self.unsaid.contains(&id) {
@@ -266,6 +294,18 @@ impl Text<'_> {
                     call.name(v);
                     call.out.push_str(", ");
                     call.expression(delay.time);
+                    out.push_str(&call.out);
+                    out.push(')');
+                    true
+                }
+                Node::Binary(op @ (Binary::Equal | Binary::NotEqual), a, b)
+                    if is_equality(&flat.graph, op, a, b) =>
+                {
+                    let mut call = Text { flat, unsaid, tables, out: String::new() };
+                    call.push(&[if op == Binary::Equal { "" } else { "not " }, EQUAL, "("]);
+                    call.expression(a);
+                    call.out.push_str(", ");
+                    call.expression(b);
                     out.push_str(&call.out);
                     out.push(')');
                     true

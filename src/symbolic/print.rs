@@ -23,7 +23,7 @@ pub struct Printer<'a> {
     pub enumeration: &'a dyn Fn(&str) -> String,
     /// What a numbered relation compares, if it is to be written out.
     pub relation: &'a dyn Fn(u32) -> Option<(Binary, ExprId, ExprId)>,
-    /// Writes what is read of the past, or of tables, if it knows how.
+    /// Writes what is read of the past, or of tables, or an equality, if it knows how.
     pub special: &'a dyn Fn(Node, &mut String) -> bool,
     /// What comes after so many bytes may be left out: what is shared may be long as a text.
     pub longest: usize,
@@ -90,7 +90,9 @@ impl Printer<'_> {
         match g.node(e) {
             Node::Const(c) => self.literal(c, out),
             Node::Time => out.push_str("time"),
-            node @ (Node::Recorded(..) | Node::Unary(Unary::Carried(_) | Unary::Native(_), _))
+            node @ (Node::Recorded(..)
+            | Node::Unary(Unary::Carried(_) | Unary::Native(_), _)
+            | Node::Binary(Binary::Equal | Binary::NotEqual, ..))
                 if (self.special)(node, out) => {}
             Node::Recorded(v, order) => {
                 let mut of = String::new();

@@ -563,3 +563,24 @@ fn a_long_function_is_called_where_its_branch_is_taken() {
         assert_close(run.last("calls"), (10.0 * stop).floor(), 0.0);
     }
 }
+
+/// Real numbers are equal in functions only, so a function of the flat text compares them.
+#[test]
+fn equalities_of_functions_are_read_again() {
+    let flat = Case::text(
+        "model Sinc
+           function sinc
+             input Real x;
+             output Real y;
+           algorithm
+             y := if x == 0 then 1 elseif x <> 1 then sin(x)/x else 2;
+           end sinc;
+           Real y = sinc(time - 1);
+         end Sinc;",
+    )
+    .flat();
+    assert!(flat.contains("'$equal'(time - 1.0, 0.0)") && flat.contains("not '$equal'"), "{flat}");
+    let run = Case::text(flat).stop(2.0).interval(0.25).run();
+    assert_eq!((run.at("y", 1.0), run.at("y", 2.0)), (1.0, 2.0));
+    assert_close(run.at("y", 1.5), 0.5_f64.sin() / 0.5, 1e-12);
+}

@@ -283,6 +283,45 @@ impl Context<'_> {
     }
 }
 
+/// What an assertion in a loop may compute beside what a turn always does. One that needs more, such as what is
+/// computed in one branch alone, would make each turn take longer: it is left out.
+const MOST_ASSERTED: usize = 32;
+
+/// A truth value that only an assertion reads may be computed from so many parts.
+const MOST_CAPTURED: usize = 8;
+
+/// Whether these are so few, and none is a call.
+fn costs_at_most(graph: &Graph, all: impl IntoIterator<Item = ExprId>, most: usize) -> bool {
+    let mut count = 0;
+    all.into_iter().all(|n| {
+        count += 1;
+        count <= most && !matches!(graph.node(n), Node::Call { .. })
+    })
+}
+
+/// The largest parts below these that are not computed `inside`, but for constants.
+fn outside(
+    graph: &Graph,
+    roots: impl IntoIterator<Item = ExprId>,
+    inside: &FastSet<ExprId>,
+) -> FastSet<ExprId> {
+    let mut seen: FastSet<ExprId> = FastSet::default();
+    let mut found = FastSet::default();
+    let mut pending: Vec<ExprId> = roots.into_iter().collect();
+    while let Some(n) = pending.pop() {
+        if graph.as_const(n).is_some() || !seen.insert(n) {
+            continue;
+        }
+        match inside.contains(&n) {
+            true => graph.for_each_operand(n, |a| pending.push(a)),
+            false => {
+                found.insert(n);
+            }
+        }
+    }
+    found
+}
+
 /// What is computed whatever branches are taken.
 fn always(graph: &Graph, roots: &[ExprId]) -> FastSet<ExprId> {
     let mut found: FastSet<ExprId> = FastSet::default();
@@ -317,7 +356,13 @@ fn function(
             (Some(n) == *turns).then(|| g.boolean(true))
         });
     }
-    asserts.retain(|(a, _)| graph.as_const(a.condition) != Some(Const::Boolean(true)));
+    let mut roots: Vec<ExprId> = std::iter::once(condition).chain(turned.iter().copied()).collect();
+    let always = always(graph, &roots);
+    asserts.retain(|(a, _)| {
+        let more = graph.postorder([a.condition]).into_iter().filter(|n| !always.contains(n));
+        let is_sure = graph.as_const(a.condition) == Some(Const::Boolean(true));
+        !is_sure && costs_at_most(graph, more, MOST_ASSERTED)
+    });
     let mut locals: FastMap<VarId, u32> = FastMap::default();
     for (k, v) in symbols.iter().enumerate() {
         locals.insert(*v, k as u32);
@@ -326,10 +371,7 @@ fn function(
     // parts that are not are arguments.
     let mut inside: FastSet<ExprId> = FastSet::default();
     let mut calls: FastSet<ExprId> = FastSet::default();
-    let asserted = asserts.iter().flat_map(|(a, _)| [a.condition, a.message]);
-    let roots: Vec<ExprId> =
-        std::iter::once(condition).chain(turned.iter().copied()).chain(asserted).collect();
-    let always = always(graph, &roots);
+    roots.extend(asserts.iter().flat_map(|(a, _)| [a.condition, a.message]));
     for n in graph.postorder(roots.iter().copied()) {
         let mut reads = matches!(graph.node(n), Node::Var(v) if locals.contains_key(&v));
         let mut has_call = matches!(graph.node(n), Node::Call { .. });
@@ -347,6 +389,21 @@ fn function(
     // A message is put together where it is said.
     let messages = graph.postorder(asserts.iter().map(|(a, _)| a.message));
     inside.extend(messages.into_iter().filter(|n| graph.ty(*n) == Type::String));
+    // Assertions have few arguments of their own: calls are differentiated by each.
+    let read = outside(graph, std::iter::once(condition).chain(turned.iter().copied()), &inside);
+    let is_cheap = |graph: &Graph, n: ExprId| {
+        graph.ty(n) == Type::Boolean && costs_at_most(graph, graph.postorder([n]), MOST_CAPTURED)
+    };
+    asserts.retain_mut(|(a, _)| {
+        let mut all = outside(graph, [a.condition], &inside).into_iter();
+        if !all.all(|n| read.contains(&n) || is_cheap(graph, n)) {
+            return false;
+        }
+        if !outside(graph, [a.message], &inside).is_subset(&read) {
+            a.message = graph.string("its condition is false");
+        }
+        true
+    });
     let mut captured: Vec<ExprId> = Vec::new();
     let mut rewriter = Rewriter::new();
     let mut local = |graph: &mut Graph, root: ExprId| {
