@@ -580,7 +580,7 @@ fn equalities_of_functions_are_read_again() {
     )
     .flat();
     assert!(flat.contains("'$equal'(time - 1.0, 0.0)") && flat.contains("not '$equal'"), "{flat}");
-    let run = Case::text(flat).stop(2.0).interval(0.25).run();
+    let run = Case::text(&flat).stop(2.0).interval(0.25).run();
     assert_eq!((run.at("y", 1.0), run.at("y", 2.0)), (1.0, 2.0));
     assert_close(run.at("y", 1.5), 0.5_f64.sin() / 0.5, 1e-12);
 }
