@@ -258,3 +258,87 @@ fn calls_stand_in_loops_and_carry_records_and_arrays() {
         assert_close(run.at("y", t), (-rate(t)).exp(), 1e-6);
     }
 }
+
+#[test]
+fn one_recursion_stands_in_another() {
+    let run = Case::text(
+        "model Nested
+           function rise
+             input Real x;
+             input Real step;
+             input Integer n;
+             output Real y;
+           algorithm
+             y := if x > n then x else rise(x + step, step, n + 0);
+           end rise;
+           function climb
+             input Real x;
+             input Integer n;
+             input Integer size;
+             output Real y;
+           protected
+             Real steps[size] = {rise(x, 0.5 + k, n) for k in 1:size};
+           algorithm
+             y := if x > 5 then x else climb(sum(steps)/size, n + 1, size);
+           end climb;
+           Integer n = integer(2*time);
+           Real y = noEvent(climb(time, n, 3));
+         end Nested;",
+    )
+    .stop(2.0)
+    .interval(0.125)
+    .run();
+    fn rise(x: f64, step: f64, n: f64) -> f64 {
+        if x > n { x } else { rise(x + step, step, n) }
+    }
+    fn climb(x: f64, n: f64) -> f64 {
+        let mean = (1..=3).map(|k| rise(x, 0.5 + f64::from(k), n)).sum::<f64>() / 3.0;
+        if x > 5.0 { x } else { climb(mean, n + 1.0) }
+    }
+    for (row, t) in run.time.iter().enumerate() {
+        assert_close(run.of("y")[row], climb(*t, run.of("n")[row]), 1e-12);
+    }
+}
+
+/// Each calls the other and itself, so that one is read while the other is.
+#[test]
+fn recursions_call_each_other() {
+    let run = Case::text(
+        "model Each
+           function first
+             input Integer n;
+             input Real x;
+             input Integer depth = 1;
+             output Real y;
+           algorithm
+             y := if n <= 0 then x else first(n - 1, x + depth, 1) + second(n - 2, x, depth + 1);
+           end first;
+           function second
+             input Integer n;
+             input Real x;
+             input Integer depth;
+             output Real y;
+           algorithm
+             y := if n <= 0 then -x else second(n - 1, x, depth)*0.5 + first(n - 3, 2*x, depth + 2);
+           end second;
+           Integer n = integer(3*time);
+           Real y = first(n, time);
+         end Each;",
+    )
+    .stop(3.0)
+    .interval(0.125)
+    .run();
+    fn first(n: f64, x: f64, depth: f64) -> f64 {
+        if n <= 0.0 { x } else { first(n - 1.0, x + depth, 1.0) + second(n - 2.0, x, depth + 1.0) }
+    }
+    fn second(n: f64, x: f64, depth: f64) -> f64 {
+        if n <= 0.0 {
+            -x
+        } else {
+            second(n - 1.0, x, depth) * 0.5 + first(n - 3.0, 2.0 * x, depth + 2.0)
+        }
+    }
+    for (row, t) in run.time.iter().enumerate() {
+        assert_close(run.of("y")[row], first(run.of("n")[row], *t, 1.0), 1e-12);
+    }
+}

@@ -52,8 +52,8 @@ pub(crate) struct Recursions {
     made: FastMap<ClassId, Vec<Recursive>>,
     /// Those that cannot be, and why.
     refused: FastMap<ClassId, String>,
-    /// Scalars of the arguments that turned out not to be the same in all calls, by number.
-    widened: FastSet<usize>,
+    /// Scalars of the arguments that turned out not to be the same in all calls, by function and number.
+    widened: FastSet<(ClassId, usize)>,
 }
 
 /// A function of the flat model that calls itself.
@@ -99,7 +99,8 @@ impl Context<'_> {
                 match self.fit(&function, &inputs) {
                     Fit::Fits(arguments) => return Some(Some(self.called(&function, arguments))),
                     Fit::Others(which) if function.open => {
-                        self.evaluation.recursions.widened.extend(which);
+                        let widened = which.into_iter().map(|k| (class, k));
+                        self.evaluation.recursions.widened.extend(widened);
                         self.evaluation.recursions.unwinding = Some(Unwinding::To(class));
                         return Some(None);
                     }
@@ -203,17 +204,25 @@ impl Context<'_> {
     ) -> Option<Value> {
         let inputs = self.all_inputs(class, components, given)?;
         let said = std::mem::take(self.problems);
-        self.evaluation.recursions.widened.clear();
+        self.evaluation.recursions.widened.retain(|(of, _)| *of != class);
         let made = loop {
-            let known = self.evaluation.recursions.widened.len();
+            let known = self.widened(class);
             let made = self.attempt(class, components, &inputs, span);
             let refused = self.evaluation.recursions.refused.contains_key(&class);
-            if made.is_some() || refused || self.evaluation.recursions.widened.len() == known {
+            if made.is_some() || refused || self.widened(class) == known {
                 break made;
             }
             self.evaluation.recursions.unwinding = None;
             *self.problems = Problems::new();
         };
+        if made.is_none()
+            && let Some(Unwinding::To(other)) = self.evaluation.recursions.unwinding
+            && other != class
+        {
+            // One around it is read anew.
+            *self.problems = said;
+            return None;
+        }
         let new = std::mem::replace(self.problems, said);
         if let Some(function) = made
             && let Fit::Fits(arguments) = self.fit(&function, &inputs)
@@ -229,6 +238,11 @@ impl Context<'_> {
         self.run_function(class, components, given.to_vec(), span)
     }
 
+    /// How many scalars of the arguments of a function are not the same in all calls.
+    fn widened(&self, class: ClassId) -> usize {
+        self.evaluation.recursions.widened.iter().filter(|(of, _)| *of == class).count()
+    }
+
     /// Reads the body of a function with symbols for what is not the same in all of its calls.
     fn attempt(
         &mut self,
@@ -237,7 +251,7 @@ impl Context<'_> {
         actual: &[Value],
         span: Span,
     ) -> Option<Recursive> {
-        let (inputs, symbols) = self.symbolic(components, actual)?;
+        let (inputs, symbols) = self.symbolic(class, components, actual)?;
         let results = self.declared_results(class, components, &inputs)?;
         let id = FunctionId::from_usize(self.evaluation.functions.len());
         let name = self.classes[class].full_name.to_string();
@@ -287,6 +301,7 @@ impl Context<'_> {
     /// the like that parameters decide become known.
     fn symbolic(
         &mut self,
+        class: ClassId,
         components: &Components,
         actual: &[Value],
     ) -> Option<(Vec<Value>, Vec<ExprId>)> {
@@ -303,7 +318,7 @@ impl Context<'_> {
             let symbolic = value.each_scalar(&mut |e| {
                 count += 1;
                 at += 1;
-                if !self.evaluation.recursions.widened.contains(&(count - 1))
+                if !self.evaluation.recursions.widened.contains(&(class, count - 1))
                     && let Some(known) = self.settled(e)
                 {
                     return known;
