@@ -228,6 +228,13 @@ impl Connections {
                     return None;
                 }
                 self.note(cx, x, y, pair);
+                if expandable == [true; 2]
+                    && children.len() != others.len()
+                    && cx.problems.has_errors()
+                {
+                    // It came to no end, and has said so.
+                    return None;
+                }
                 for child in children.iter() {
                     let name = cx.instances[*child].name;
                     match others.iter().find(|o| cx.instances[**o].name == name) {

@@ -12,6 +12,7 @@ pub(super) mod ends;
 mod grow;
 mod presence;
 
+use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -104,13 +105,18 @@ pub(super) fn elaborate(cx: &mut Context<'_>, root: InstanceId) {
             }
         }
     }
-    // Each round adds at least one variable, and they come from finitely many declared ones.
+    // Each round adds at least one variable, and they come from finitely many declared ones: no bus has
+    // what a bus inside it has.
     loop {
         let mut changed = false;
         for connect in &written {
             changed |= augment(cx, connect, &mut buses);
         }
         for set in buses.sets() {
+            if let Some((inner, around)) = contained(cx, &set) {
+                report_endless(cx, inner, around, &set, &written);
+                return;
+            }
             changed |= grow::even_out(cx, &set, &mut buses);
         }
         if !changed {
@@ -202,6 +208,45 @@ fn augment(cx: &mut Context<'_>, connect: &Written, buses: &mut Buses) -> bool {
         };
     }
     changed
+}
+
+/// A member of a set that stands in another one, and that.
+fn contained(cx: &Context<'_>, set: &[InstanceId]) -> Option<(InstanceId, InstanceId)> {
+    let members: FastSet<InstanceId> = set.iter().copied().collect();
+    set.iter().find_map(|&inner| {
+        let mut at = cx.instances[inner].parent;
+        while let Some(around) = at.filter(|a| !members.contains(a)) {
+            at = cx.instances[around].parent;
+        }
+        at.map(|around| (inner, around))
+    })
+}
+
+/// Says that a bus would have itself, at a connection that makes it so.
+fn report_endless(
+    cx: &mut Context<'_>,
+    inner: InstanceId,
+    around: InstanceId,
+    set: &[InstanceId],
+    written: &[Written],
+) {
+    let mut span = Span::NONE;
+    for connect in written {
+        let joins = pairs(cx, connect).iter().any(|(a, b)| {
+            [a, b].iter().all(|end| matches!(end.at, At::Instance(id) if set.contains(&id)))
+        });
+        if joins {
+            span = connect.span;
+        }
+    }
+    let [around, inner] = [around, inner].map(|id| cx.path(id));
+    let message = format!("`{around}` is connected with `{inner}`, which is a part of it");
+    cx.problems.push(
+        Diagnostic::error("MO0276", span, message)
+            .label("each would have what the other has, without an end")
+            .help("connect a bus with buses that stand outside of it, or with variables in it")
+            .note("section 9.1.3 of the specification"),
+    );
 }
 
 /// Joins expandable connectors, or arrays of them.
