@@ -584,3 +584,34 @@ fn equalities_of_functions_are_read_again() {
     assert_eq!((run.at("y", 1.0), run.at("y", 2.0)), (1.0, 2.0));
     assert_close(run.at("y", 1.5), 0.5_f64.sin() / 0.5, 1e-12);
 }
+
+/// What is called behind a `return` does not count where that was taken: nor does what it asserts.
+#[test]
+fn what_is_behind_a_return_asserts_nothing() {
+    let run = Case::text(
+        "model Left
+           function small
+             input Real x;
+             output Real y;
+           algorithm
+             assert(x <= 0.5, \"too large\");
+             y := 2*x;
+           end small;
+           function held
+             input Real x;
+             output Real y;
+           algorithm
+             if x > 0.5 then
+               y := 1;
+               return;
+             end if;
+             y := small(x);
+           end held;
+           Real y = held(time);
+         end Left;",
+    )
+    .stop(1.0)
+    .interval(0.125)
+    .run();
+    assert_eq!((run.at("y", 0.25), run.at("y", 0.5), run.at("y", 1.0)), (0.5, 1.0, 1.0));
+}
