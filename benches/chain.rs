@@ -64,7 +64,7 @@ fn c_generate(bencher: divan::Bencher<'_, '_>, n: usize) {
 #[divan::bench(args = SIZES, sample_count = 3)]
 fn d_simulate(bencher: divan::Bencher<'_, '_>, n: usize) {
     let mut program = program(n);
-    mocc::codegen::record::only(&mut program, |name| name.starts_with("mass[1]."));
+    mocc::codegen::recording::only(&mut program, |name| name.starts_with("mass[1]."));
     let settings = Settings::of(&program.blocks.dae.experiment);
     let sources = mocc::base::source::SourceMap::default();
     bencher.bench_local(|| {

@@ -8,8 +8,8 @@ use mocc::integrate::outcome::Step;
 use mocc::integrate::radau::Radau;
 use mocc::integrate::stepper::{JacobianMemory, Stepper};
 use mocc::integrate::system::{EvalError, System};
-use mocc::math::numeric::linear::{ComplexLu, DenseLu};
-use mocc::math::numeric::small_lu;
+use mocc::numeric::linear::{ComplexLu, DenseLu};
+use mocc::numeric::small_lu;
 
 /// Counts allocations, of which a step makes none.
 #[global_allocator]

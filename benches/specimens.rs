@@ -30,8 +30,8 @@ use mocc::diagnose::text::Attached;
 use mocc::driver::compile::{Request, Session};
 use mocc::flatten::inventory::Inventory;
 use mocc::ir::flat::Experiment;
-use mocc::math::numeric::least_squares::Normal;
-use mocc::math::numeric::linear::DenseLu;
+use mocc::numeric::least_squares::Normal;
+use mocc::numeric::linear::DenseLu;
 
 /// Excess of the reduced sum of squares that an inserted effect is to make: the residual doubles.
 const EXCESS: f64 = 3.0;

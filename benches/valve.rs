@@ -5,12 +5,12 @@ use std::sync::LazyLock;
 
 use divan::Bencher;
 use mocc::base::source::SourceMap;
-use mocc::codegen::jit::MachineCode;
-use mocc::codegen::jit::rent::Execution;
-use mocc::codegen::record;
+use mocc::codegen::recording;
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::Program;
 use mocc::ir::trajectory::Trajectory;
+use mocc::runtime::jit::MachineCode;
+use mocc::runtime::jit::tiering::Execution;
 use mocc::simulate::run::simulate_to;
 use mocc::simulate::settings::Settings;
 

@@ -1,51 +1,62 @@
 //! `mocc`: a compiler and simulator for an equation-based modelling language (a Modelica subset).
 //!
 //! ```text
-//!             text        ast          library       instance        flat          dae         blocks       program
-//!  lib/*.mo ──► parse ───► resolve ───► instantiate ───► flatten ───► lower ───► structure ───► codegen ──┐
+//!             text        ast        class definitions  instances       flat          dae         blocks       program
+//!  lib/*.mo ──► parse ───► resolve ◄──► instantiate ◄──► flatten ───► lower ───► structure ───► codegen ──┐
 //!  model.mol                                                                                              ▼
-//!    cli ──► driver  (calls the row above, then)                        report ◄── trajectory ◄──── simulate ◄── integrate
+//!    cli ──► driver  (calls the row above)      io, report ◄── trajectory ◄── simulate ◄── integrate, runtime
 //! ```
 //!
-//! The modules stand in reading order, each with a sentence; its own page says more, and
-//! ARCHITECTURE.md what it may import.
+//! The modules are listed in reading order, one sentence each; a module's own page says more, and
+//! ARCHITECTURE.md says what it may import.
 
 // ---- Ground floor ----
 
 // Spans, diagnostics, interned names, typed indices.
 pub mod base;
+// Graph algorithms on integers.
+pub mod graph;
+// Numerical methods on floats.
+pub mod numeric;
+// File formats: CSV, MAT, Parquet, JSON, journals.
+pub mod io;
+// The Standard Library's C functions: tables, random numbers, strings.
+pub mod external;
 // The representations between the stages.
 pub mod ir;
 // Algebra on expressions.
 pub mod symbolic;
-// Graphs of integers and arrays of floats.
-pub mod math;
 
-// ---- The pipeline, front to back ----
+// ---- The compiler, front to back ----
 
 // Text to syntax tree.
 pub mod parse;
-// Text to the same text, in order.
+// Text to the same text, formatted.
 pub mod format;
-// Names of classes to their texts.
+// Class names to class definitions.
 pub mod resolve;
 // Classes and modifications to component instances.
 pub mod instantiate;
 // Instances to scalar variables and equations.
 pub mod flatten;
-// Do the units of a flat model agree?
+// Unit checking of a flat model.
 pub mod units;
 // Flat model to hybrid differential-algebraic system.
 pub mod lower;
 // Index reduction, sorting, tearing.
 pub mod structure;
-// Sorted blocks to code.
+// Sorted blocks to a program.
 pub mod codegen;
+
+// ---- The simulator ----
+
+// Evaluates a program: interpreter, machine code, derivatives.
+pub mod runtime;
 // Integration of semi-explicit systems in time.
 pub mod integrate;
-// Initialisation, events, trajectories.
+// Initialization, events, trajectories.
 pub mod simulate;
-// Tables and figures.
+// Plots, diagrams and pages.
 pub mod report;
 
 // ---- The program ----
@@ -58,7 +69,7 @@ pub mod driver;
 pub mod sweep;
 // Parameters from recordings.
 pub mod calibrate;
-// What a model lacks, from recordings.
+// The effect that a model lacks, from recordings.
 pub mod diagnose;
 // The command line.
 pub mod cli;

@@ -1,8 +1,8 @@
 //! The outcome of a fit: estimates and how well the model then explains each signal of each recording;
 //! as a table for people and as JSON for programs.
 
-use crate::report::json::Json;
-use crate::simulate::error::Failure;
+use crate::io::json::Json;
+use crate::simulate::failure::Failure;
 
 use super::data::Split;
 use super::fit::Fit;

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::Span;
-use crate::report::table::{ReadError, TextTable, read_text};
+use crate::io::csv::{ReadError, TextTable, read_text};
 
 use super::plan::Plan;
 use super::unit::Unit;
-use crate::math::numeric::course::{Course, Interpolation};
-use crate::math::numeric::smoothing::smoothed;
+use crate::numeric::smoothing::smoothed;
+use crate::numeric::time_series::{Course, Interpolation};
 
 /// Repairs touch at most this part of a recording.
 const REPAIRABLE: f64 = 0.05;

@@ -8,8 +8,8 @@
 //! where it comes right by itself.
 //! A search that creeps along such a jump is led past it in the same way: those that jump are left out.
 
-use crate::math::numeric::least_squares::{Minimum, Normal, Residuals, Stopping, minimise};
-use crate::math::numeric::sequence::Halton;
+use crate::numeric::halton::Halton;
+use crate::numeric::least_squares::{Minimum, Normal, Residuals, Stopping, minimise};
 
 use super::data::Split;
 use super::problem::Problem;

@@ -1,8 +1,8 @@
 //! The calibrated model as a text that stands by itself: the original file, and after it a model that
 //! extends the original with the values that were found.
 
-use crate::codegen::interp::Instance;
 use crate::ir::program::Program;
+use crate::runtime::machine::Instance;
 
 use super::calibration::{Calibration, Estimate, shown};
 use super::modification::{Tree, parts, without_subscripts};

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::{FileId, SourceMap, Span};
-use crate::math::numeric::course::Interpolation;
+use crate::numeric::time_series::Interpolation;
 
 use super::data::Split;
 use super::unit::Unit;

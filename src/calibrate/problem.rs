@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::{SourceMap, Span};
-use crate::codegen::interp::Instance;
-use crate::codegen::jit::rent::Execution;
-use crate::codegen::record;
+use crate::codegen::recording;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Event};
-use crate::math::numeric::least_squares::{Normal, Residuals};
-use crate::simulate::error::Failure;
+use crate::numeric::least_squares::{Normal, Residuals};
+use crate::runtime::jit::tiering::Execution;
+use crate::runtime::machine::Instance;
+use crate::simulate::failure::Failure;
 use crate::simulate::record::Sink;
 use crate::simulate::run::{simulate_to, simulate_with_sensitivities};
 use crate::simulate::sensitivity::Input;
@@ -186,7 +186,7 @@ pub fn record_signals(program: &mut Program, plan: &Plan) {
 
 /// The same, and other variables.
 pub fn record_also(program: &mut Program, plan: &Plan, others: &[String]) {
-    record::only(program, |name| {
+    recording::only(program, |name| {
         let acts = plan.free.iter().filter_map(|f| f.acts_on.as_ref());
         plan.signals.iter().any(|s| s.variable == name)
             || acts.map(|(_, v)| v).chain(others).any(|v| v == name)

@@ -8,8 +8,8 @@
 //! straight line, so one or two differentiated runs of the recordings locate an end: the first point is
 //! where the quadratic prediction has it, and the gradient there tells what the others still gain.
 
-use crate::math::numeric::least_squares::Normal;
-use crate::math::numeric::linear::DenseLu;
+use crate::numeric::least_squares::Normal;
+use crate::numeric::linear::DenseLu;
 
 use super::fit::Fit;
 use super::problem::Problem;

@@ -7,8 +7,8 @@
 //! change by a factor of e along it (one unit of the search) changes the sum of squares by less than
 //! one.
 
-use crate::math::numeric::eigen;
-use crate::math::numeric::least_squares::Normal;
+use crate::numeric::eigen;
+use crate::numeric::least_squares::Normal;
 
 use super::problem::{Parameter, Scale};
 

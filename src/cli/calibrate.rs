@@ -17,9 +17,9 @@ use crate::calibrate::statistics::{Statistics, reduced};
 use crate::calibrate::{data, model, page, plan};
 use crate::driver::compile::{Request, Session};
 use crate::driver::files;
+use crate::io::atomic_file::{create_folder, write_file};
 use crate::ir::program::Form;
-use crate::report::write::{create_folder, write_file};
-use crate::simulate::error::{Failure, FailureKind};
+use crate::simulate::failure::{Failure, FailureKind};
 
 /// Better minima that the profiles may lead to before they are taken as they are.
 const RETURNS: usize = 3;

@@ -5,7 +5,7 @@ use super::{Status, print, say};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::{SourceMap, Span};
 use crate::driver::compile::{Session, Wrong};
-use crate::report::json::Json;
+use crate::io::json::Json;
 
 /// Checks; status 0 without errors, 1 with some.
 pub fn run(options: &Check) -> Status {

@@ -14,9 +14,9 @@ use crate::diagnose::effect::{catalogue, unknowns};
 use crate::diagnose::search::diagnose;
 use crate::diagnose::{balance, page, residual, result};
 use crate::driver::compile::{Request, Session};
+use crate::io::atomic_file::{create_folder, write_file};
+use crate::io::csv::write_csv;
 use crate::ir::program::Form;
-use crate::report::table::write_csv;
-use crate::report::write::{create_folder, write_file};
 
 /// Runs the command.
 pub fn run(options: &Diagnose) -> Status {

@@ -5,7 +5,7 @@ use super::{Status, print, style};
 use crate::base::render::render_all;
 use crate::base::source::SourceMap;
 use crate::format::{Refusal, format};
-use crate::report::write::write_file;
+use crate::io::atomic_file::write_file;
 
 /// Formats each file; the status is that of the worst.
 pub fn run(options: &Format) -> Status {

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use super::Status;
 use super::args::Plot;
 use crate::driver::files;
+use crate::io::records::parts;
 use crate::measure::formula::{Columns, Formula};
 use crate::report::chart::{Chart, Group, Series, chart};
-use crate::report::records::parts;
 
 /// Runs the command.
 pub fn run(options: &Plot) -> Status {

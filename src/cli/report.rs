@@ -8,20 +8,20 @@ use super::{Status, interrupt, print, running, say};
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::{SourceMap, Span};
 use crate::calibrate::unit::Unit;
-use crate::codegen::record;
+use crate::codegen::recording;
 use crate::driver::compile::{Request, Session};
+use crate::io::atomic_file::write_file;
+use crate::io::csv::read_text;
 use crate::ir::assembly::Assembly;
 use crate::ir::expr::Type;
 use crate::ir::flat::Variability;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Constant, Event, Trajectory, position};
-use crate::report::figure::panels_for;
 use crate::report::page::document::{Document, Measured, RunPart, html};
 use crate::report::page::parameters::{Parameter, Value};
+use crate::report::plot::figure::panels_for;
 use crate::report::raster::png;
 use crate::report::schematic::{draw, picture};
-use crate::report::table::read_text;
-use crate::report::write::write_file;
 use crate::simulate::columns::courses;
 use crate::simulate::record::Sink;
 use crate::simulate::run::{Statistics, simulate_to};
@@ -236,7 +236,7 @@ fn go(
         let (own, of_parts): (Vec<&str>, Vec<&str>) = names.partition(|n| !n.contains('.'));
         let kept: FastSet<String> =
             own.into_iter().chain(of_parts).take(MOST_VARIABLES).map(str::to_owned).collect();
-        record::only(&mut program, |name| kept.contains(name));
+        recording::only(&mut program, |name| kept.contains(name));
         remarks.push(format!(
             "{MOST_VARIABLES} of {all} variables are in this page; `--variables REGEX` chooses them."
         ));

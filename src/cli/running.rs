@@ -7,13 +7,13 @@ use super::args::{Model, Running};
 use super::{Status, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;
-use crate::codegen::record;
+use crate::codegen::recording;
 use crate::driver::compile::Request;
 use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Kind, Trajectory};
 use crate::measure::observe::Plan;
-use crate::simulate::error::{Failure, FailureKind};
+use crate::simulate::failure::{Failure, FailureKind};
 use crate::simulate::settings::{DEFAULT_INTERVALS, Settings};
 
 /// At most so many curves are drawn unless the user names them.
@@ -38,7 +38,7 @@ pub(super) fn restrict(
             plan.shown
         }
         None => {
-            record::only(program, |name| wanted.is_match(name));
+            recording::only(program, |name| wanted.is_match(name));
             program.recorded.len()
         }
     };

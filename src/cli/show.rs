@@ -6,11 +6,11 @@ use super::args::{Model, Structure};
 use super::{Status, print, say};
 use crate::base::diag::Diagnostic;
 use crate::driver::compile::Session;
+use crate::io::atomic_file::write_file;
 use crate::ir::diagram::Diagram;
 use crate::report::dot::dot;
 use crate::report::incidence::svg;
 use crate::report::raster::png;
-use crate::report::write::write_file;
 use crate::structure::diagram::diagram;
 
 /// Pixels of a PNG per px of the picture.

@@ -9,12 +9,12 @@ use super::stream::{Stream, drawable};
 use super::{Status, interrupt, print, running, say, style};
 use crate::base::render::render;
 use crate::driver::compile::Session;
+use crate::io::results::Format;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Trajectory, position};
 use crate::measure::observe::{Observer, Plan};
-use crate::report::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::report::plot;
-use crate::report::results::Format;
+use crate::report::plot::figure::{PlotError, PlotSpec, find, panels_for};
 use crate::simulate::columns::{columns, courses};
 use crate::simulate::run::{Run, simulate_to};
 

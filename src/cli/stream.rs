@@ -7,10 +7,10 @@ use super::interrupt;
 use super::print;
 use super::progress::Progress;
 use super::writer::Writer;
+use crate::io::atomic_file::append;
+use crate::io::csv::TableError;
+use crate::io::results::{Format, Results};
 use crate::ir::trajectory::{Column, Constant, Course, Event, Kind, Trajectory};
-use crate::report::results::{Format, Results};
-use crate::report::table::TableError;
-use crate::report::write::append;
 use crate::simulate::record::Sink;
 
 /// So many curves are kept for a picture whose curves the user has not named.

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
 
-use crate::report::results::Results;
-use crate::report::table::TableError;
+use crate::io::csv::TableError;
+use crate::io::results::Results;
 
 /// Blocks of rows on their way at most.
 const WAITING: usize = 8;

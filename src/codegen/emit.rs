@@ -17,8 +17,8 @@ use crate::ir::program::{
 };
 
 use super::error;
-use super::guard::{guards, long_functions};
-use super::text;
+use super::sink::{guards, long_functions};
+use super::string_ops;
 
 /// How often something is computed: the index of a layer.
 pub type Level = usize;
@@ -365,7 +365,7 @@ impl Emitter {
     fn emit_node(&mut self, e: ExprId) {
         match self.dae.graph.node(e) {
             Node::Unary(op, a) => {
-                let op = text::unary(op, self.dae.graph.ty(a));
+                let op = string_ops::unary(op, self.dae.graph.ty(a));
                 let (a, level) = self.operand(a);
                 match op {
                     Unary::Ordinal => self.alias(e, (a, level)),
@@ -377,7 +377,7 @@ impl Emitter {
                 }
             }
             Node::Binary(op, a, b) => {
-                let op = text::binary(op, self.dae.graph.ty(a));
+                let op = string_ops::binary(op, self.dae.graph.ty(a));
                 let ((a, la), (b, lb)) = (self.operand(a), self.operand(b));
                 let op = match op {
                     Binary::Add => Op::Add,

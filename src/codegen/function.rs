@@ -12,8 +12,8 @@ use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 
 use super::emit::Emitter;
 use super::error;
-use super::lazy::Plan;
-use super::text;
+use super::lazy_branches::Plan;
+use super::string_ops;
 
 /// Compiles all functions of the model.
 pub fn compile_all(e: &mut Emitter) {
@@ -323,12 +323,12 @@ impl Body {
             Node::Unary(op, a) => match op {
                 Unary::Ordinal => known[&a],
                 _ => {
-                    let op = text::unary(op, e.dae.graph.ty(a));
+                    let op = string_ops::unary(op, e.dae.graph.ty(a));
                     self.make(e, Op::Unary(op), known[&a], known[&a])
                 }
             },
             Node::Binary(op, a, b) => {
-                let op = text::binary(op, e.dae.graph.ty(a));
+                let op = string_ops::binary(op, e.dae.graph.ty(a));
                 self.make(e, Op::Binary(op), known[&a], known[&b])
             }
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => known[&a],

@@ -10,27 +10,18 @@ pub mod algebraic;
 pub mod block;
 pub mod emit;
 pub mod error;
-pub mod frames;
 mod function;
-pub mod guard;
-pub mod interp;
 pub mod jacobian;
-pub mod jit;
 pub mod layout;
-mod lazy;
-pub mod mixed;
-pub mod carried;
-pub mod delayed;
-pub mod played;
+mod lazy_branches;
+pub mod nominal;
 pub mod print;
-pub mod record;
+pub mod recording;
 pub mod relation;
-pub mod scale;
-pub mod selection;
 pub mod sequence;
-pub mod solve;
-pub mod tangent;
-pub mod text;
+pub mod sink;
+pub mod state_selection;
+pub mod string_ops;
 
 #[cfg(test)]
 mod tests;
@@ -71,7 +62,7 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
         let level = emitter.levels.get(v.idx()).copied().flatten();
         emitter.layout.delays[k].moves = level.is_none_or(|level| level > emit::HELD);
     }
-    let (selection, set_cells) = selection::compile(&mut emitter, &state_sets);
+    let (selection, set_cells) = state_selection::compile(&mut emitter, &state_sets);
     if emitter.problems.has_errors() {
         return Err(emitter.problems);
     }
@@ -80,8 +71,8 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let Order { states, algebraics, initial, event, continuous } = order;
     let mut program = Program {
-        recorded: record::all(&dae),
-        constants: record::constants(&dae),
+        recorded: recording::all(&dae),
+        constants: recording::constants(&dae),
         blocks: Blocks {
             dae,
             states,

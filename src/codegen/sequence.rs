@@ -13,7 +13,7 @@ use super::block::{self, compile_block, compile_mixed};
 use super::emit::{Emitter, HELD, MOVING, PARAMETER};
 use super::layout::{block_unknowns, block_values, resting_value};
 use super::relation::{evaluate_relation, relations_in, watch_relations};
-use super::{Order, algebraic, error, jacobian, scale};
+use super::{Order, algebraic, error, jacobian, nominal};
 
 /// The initial or the event sequence.
 pub struct Discrete {
@@ -93,7 +93,7 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         let entering = line.entering.map(|v| v.map(|v| e.slot(v)));
         e.layout.transports.push(TransportCells { ends, entering, initial, readers });
     }
-    e.layout.nominals = scale::of_components(e, &blocks.components());
+    e.layout.nominals = nominal::of_components(e, &blocks.components());
     bounds(e);
     for k in 0..e.dae.samples.len() {
         let sample = e.dae.samples[k].clone();

@@ -3,8 +3,8 @@
 use super::compile;
 use crate::base::diag::Problems;
 use crate::ir::program::{Op, Program};
+use crate::lower::fixture::model;
 use crate::lower::lower;
-use crate::lower::sample::model;
 use crate::structure::structure;
 
 fn compiled(text: &str) -> Program {

@@ -4,7 +4,7 @@
 use crate::calibrate::fit::{Fit, Heed, STOPPING, refined, search};
 use crate::calibrate::plan::Plan;
 use crate::calibrate::problem::Problem;
-use crate::math::numeric::least_squares::{self, Stopping};
+use crate::numeric::least_squares::{self, Stopping};
 
 use super::case::Case;
 use super::level::{Chosen, Level, attach, level};

@@ -15,8 +15,8 @@ use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::parallel;
 use crate::calibrate::problem::Problem;
-use crate::math::numeric::least_squares::Normal;
-use crate::math::numeric::linear::DenseLu;
+use crate::numeric::least_squares::Normal;
+use crate::numeric::linear::DenseLu;
 
 use super::case::{Case, compile};
 use super::effect::Effect;

@@ -11,7 +11,7 @@ use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 use crate::calibrate::statistics::at_bound;
-use crate::math::numeric::least_squares::Normal;
+use crate::numeric::least_squares::Normal;
 
 use super::case::{Case, compile};
 use super::effect::Effect;

@@ -1,7 +1,7 @@
 //! What a diagnosis says: verdict, effects, error before and after, and the amended model.
 
 use crate::calibrate::data::{Data, Split};
-use crate::report::json::Json;
+use crate::io::json::Json;
 
 use super::balance::Balance;
 use super::case::Case;

@@ -4,8 +4,8 @@
 //! absorb, against the residuals (C. R. Rao 1948; the Lagrange multiplier test of S. D. Silvey, *The
 //! Lagrangian multiplier test*, Annals of Mathematical Statistics 30, 1959).
 
-use crate::math::numeric::least_squares::Normal;
-use crate::math::numeric::linear::DenseLu;
+use crate::numeric::least_squares::Normal;
+use crate::numeric::linear::DenseLu;
 
 /// What a group of amplitudes would explain.
 #[derive(Clone, Debug, PartialEq)]

@@ -98,7 +98,11 @@ impl Session {
         self.checked(Wrong::Model)?;
         let mut settings = Vec::with_capacity(request.settings.len());
         for text in &request.settings {
-            let read = crate::flatten::setting::read(text, &mut self.sources, &mut self.problems);
+            let read = crate::flatten::parameter_override::read(
+                text,
+                &mut self.sources,
+                &mut self.problems,
+            );
             settings.push(read.ok_or(Wrong::Request)?);
         }
         self.times.push(("parse", begun.elapsed()));

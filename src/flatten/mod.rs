@@ -3,18 +3,12 @@
 pub mod assembly;
 pub mod balance;
 pub mod bounds;
-mod cardinality;
 pub mod connect;
-mod connector;
 pub mod equation;
-pub mod expandable;
+mod history;
 pub mod inventory;
-mod past;
+pub mod parameter_override;
 pub mod print;
-mod print_function;
-pub mod setting;
-pub mod share;
-mod share_function;
 pub mod variable;
 pub mod when;
 
@@ -92,10 +86,10 @@ fn flatten_with(
     flat.description = text.as_ref().and_then(|t| t.description.clone());
 
     let root = cx.instantiate_model(class, settings);
-    setting::report_unused(cx, root, settings);
-    expandable::elaborate(cx, root);
-    cardinality::count(cx, root);
-    connector::check(cx, root);
+    parameter_override::report_unused(cx, root, settings);
+    connect::expandable::elaborate(cx, root);
+    connect::cardinality::count(cx, root);
+    connect::connector::check(cx, root);
     variable::number(cx, root, &mut flat);
     variable::fill(cx, &mut flat);
 
@@ -110,7 +104,7 @@ fn flatten_with(
         let v = crate::ir::expr::VarId(v as u32);
         flat.variables[v].structural |= structural.contains(instance);
     }
-    past::elaborate(cx, &mut flat);
+    history::elaborate(cx, &mut flat);
     flat.functions = std::mem::take(&mut cx.evaluation.functions).into_iter().collect();
     // What functions assert that are called in declarations.
     for a in std::mem::take(&mut cx.evaluation.asserts) {

@@ -4,7 +4,7 @@ use crate::integrate::options::Options;
 use crate::integrate::outcome::Failure;
 use crate::integrate::stats::Stats;
 use crate::integrate::system::System;
-use crate::math::numeric::norm::{first_non_finite, weighted_square_sum};
+use crate::numeric::norm::{first_non_finite, weighted_square_sum};
 
 /// An accepted point of the trajectory.
 #[derive(Clone, Debug)]

@@ -13,7 +13,7 @@ use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::norm::{first_non_finite, weighted_rms, worst_component};
+use crate::numeric::norm::{first_non_finite, weighted_rms, worst_component};
 
 /// Abscissae of stages 2 to 6.
 const C: [f64; 5] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];

@@ -5,7 +5,7 @@
 use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::pattern::Pattern;
+use crate::numeric::pattern::Pattern;
 
 /// A system made of closures, so that a test can state its equations where it uses them.
 pub struct Model<F, J> {

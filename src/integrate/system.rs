@@ -1,6 +1,6 @@
 //! The system to integrate, as the integrator sees it: floats in, floats out.
 
-use crate::math::numeric::pattern::Pattern;
+use crate::numeric::pattern::Pattern;
 
 /// A semi-explicit system `M y' = f(t, y)` whose `M` is diagonal with entries one and zero.
 ///

@@ -13,8 +13,8 @@ use crate::base::index::{FastMap, Id, IndexVec};
 use crate::base::marks::Marks;
 use crate::base::name::{self, Name};
 use crate::define_id;
+pub use crate::external::printf::Form;
 use crate::ir::native::Native;
-pub use crate::math::numeric::printf::Form;
 
 define_id! {
     /// A node of the [`Graph`].

@@ -9,12 +9,12 @@ use std::cmp::Ordering;
 use std::sync::RwLock;
 
 use crate::base::name::{name, number, numbered};
-use crate::math::numeric::printf::Form;
-use crate::math::numeric::stream::Stream;
-use crate::math::numeric::table::curve::Curve;
-use crate::math::numeric::table::surface::Surface;
-use crate::math::numeric::table::time_table::TimeTable;
-use crate::math::numeric::words::Operation;
+use crate::external::printf::Form;
+use crate::external::split_u64::Operation;
+use crate::external::table::curve::Curve;
+use crate::external::table::surface::Surface;
+use crate::external::table::time_table::TimeTable;
+use crate::external::xorshift1024::Stream;
 
 /// A function that is made of data, by its number. Equal functions have equal numbers.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

@@ -2,8 +2,8 @@
 //! as variables, relations numbered, `sample` as flags, `noEvent` and `smooth` removed.
 
 use super::alias::Signed;
+use super::discontinuous::Rounding;
 use super::error;
-use super::jump::Rounding;
 use super::representative::Replacement;
 use super::variability::Variabilities;
 use crate::base::diag::Problems;
@@ -49,7 +49,7 @@ pub struct Rewriting<'a> {
     relation_ids: FastMap<(ExprId, ExprId), (u32, bool)>,
     samples: Vec<Sample>,
     sample_ids: FastMap<(ExprId, ExprId), VarId>,
-    /// Equations of the whole numbers in functions that jump, see [`super::jump`].
+    /// Equations of the whole numbers in functions that jump, see [`super::discontinuous`].
     pub(super) jumps: Vec<DiscreteEquation>,
     pub(super) jump_ids: FastMap<(ExprId, Rounding, Type), VarId>,
 }

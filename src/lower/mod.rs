@@ -6,20 +6,20 @@
 //! every expression is walked once.
 pub mod alias;
 pub mod classify;
+pub mod determined_by_initialization;
+pub mod discontinuous;
 pub mod error;
 pub mod event;
+#[cfg(test)]
+pub mod fixture;
 pub mod homotopy;
 pub mod initial;
-pub mod jump;
 pub mod parameter;
 pub mod representative;
 pub mod semilinear;
-pub mod settled;
 pub mod variability;
 pub mod when;
 
-#[cfg(test)]
-pub mod sample;
 #[cfg(test)]
 mod tests;
 
@@ -34,7 +34,7 @@ use event::{Mode, Rewriting};
 /// there is a result.
 pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let errors_before = problems.error_count();
-    settled::parameters(&mut flat);
+    determined_by_initialization::parameters(&mut flat);
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
     let (classes, mut equal) = alias::search(&mut flat.graph, &variables, sections.equal);

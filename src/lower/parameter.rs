@@ -4,10 +4,10 @@ use super::classify::declaration_origin;
 use super::error;
 use super::event::{Mode, Rewriting};
 use crate::base::index::{FastMap, IndexVec};
+use crate::graph::scc;
 use crate::ir::dae::{self, Kind};
 use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{Variability, Variable};
-use crate::math::graph::scc;
 use crate::symbolic::rewrite::Rewriter;
 
 crate::define_id! {

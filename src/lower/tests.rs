@@ -1,7 +1,7 @@
 //! Small models against what appendix B of the specification says of them.
 
+use super::fixture::model;
 use super::lower;
-use super::sample::model;
 use crate::base::diag::Problems;
 use crate::base::render::{Style, render_all};
 use crate::ir::dae::{Dae, Kind, Trigger};

@@ -4,12 +4,12 @@ use super::error;
 use super::model::{KNOWN, expression, happened, integral, is_internal};
 use super::text::{Function, Measures};
 use crate::base::diag::Problems;
-use crate::codegen::interp::Instance;
 use crate::ir::dae::Kind;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Constant, Event};
-use crate::simulate::extremes::Extreme;
+use crate::runtime::machine::Instance;
+use crate::simulate::extrema::Extreme;
 use crate::simulate::record::Sink;
 use crate::simulate::run::Statistics;
 use crate::simulate::settings::Settings;
@@ -74,7 +74,7 @@ impl Plan {
     pub fn record(&mut self, program: &mut Program, keep: impl Fn(&str) -> bool) {
         let needed = self.needed();
         let own = |name: &str| self.measures.list.iter().any(|m| m.name == name);
-        crate::codegen::record::only(program, |name| {
+        crate::codegen::recording::only(program, |name| {
             if is_internal(name) {
                 needed.iter().any(|n| n == name)
             } else {

@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use super::figure::PlotError;
-use super::layout::{NUMBER_SIZE, SWATCH, SWATCH_GAP, TEXT_SIZE, shortened, text_width};
+use super::plot::figure::PlotError;
+use super::plot::layout::{NUMBER_SIZE, SWATCH, SWATCH_GAP, TEXT_SIZE, shortened, text_width};
+use super::plot::ticks::{Ticks, decades, ticks};
 use super::plot::{
     AXIS, BASE, Canvas, GRID, NUMBER, TITLE, curve_stroke, on_canvas, tenths, write,
 };
-use super::ticks::{Ticks, decades, ticks};
 
 /// A chart.
 #[derive(Clone, PartialEq, Debug, Default)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::layout::shortened;
+use super::plot::layout::shortened;
 use crate::ir::diagram::{Diagram, Method, Part};
 
 /// So many equations of a block are written into its node.

@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::layout::{shortened, text_width};
+use super::plot::layout::{shortened, text_width};
 use super::raster::FAMILY;
 use crate::ir::diagram::{Diagram, Method, Part};
 

@@ -1,11 +1,11 @@
 //! What a run records, as columns: names, units, and which of them need no column of their own.
 
 use crate::base::index::FastMap;
-use crate::codegen::interp::Instance;
 use crate::ir::dae::{Dae, Kind, Variable};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::Program;
 use crate::ir::trajectory::{self, Column, Constant, Course};
+use crate::runtime::machine::Instance;
 
 /// The columns of what a run of the program records.
 pub fn columns(program: &Program) -> Vec<Column> {

@@ -4,10 +4,10 @@
 //! continuation: E. L. Allgower, K. Georg, *Introduction to Numerical Continuation Methods*, 2003,
 //! ch. 2), each start being the guess of the next.
 
-use crate::codegen::interp::Instance;
 use crate::ir::program::{Continuation, Slot};
+use crate::runtime::machine::Instance;
 
-use super::initial::initialise_from;
+use super::initialization::initialise_from;
 use super::settings::Settings;
 
 /// First step of `lambda`; later ones at most double.

@@ -5,8 +5,8 @@ use crate::integrate::options::Options;
 use crate::ir::expr::{Node, Unary};
 use crate::ir::program::{Program, Watch};
 
-use super::selection::LIMIT;
 use super::settings::Settings;
+use super::state_selection::LIMIT;
 use super::system::Model;
 
 /// Longest step in intervals between two values of a recording that drives the model.

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::codegen::interp::Instance;
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
 use crate::ir::trajectory::{Column, Constant, Course, Event, Trajectory};
+use crate::runtime::machine::Instance;
 
 use super::columns::courses;
 use super::settings::Settings;

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::codegen::jit::rent::Execution;
 use crate::integrate::options::DEFAULT_MAX_STEPS;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
-use crate::math::numeric::course::Course;
+use crate::numeric::time_series::Course;
+use crate::runtime::jit::tiering::Execution;
 
-use super::extremes::Extreme;
+use super::extrema::Extreme;
 
 /// Default end of a run, s.
 pub const DEFAULT_STOP: f64 = 1.0;

@@ -1,11 +1,11 @@
 //! A running program as the integrator sees it.
 
-use crate::codegen::interp::{Fault, Instance};
 use crate::integrate::system::{EvalError, System};
 use crate::ir::program::{Entry, Program, Watch};
-use crate::math::numeric::pattern::Pattern;
+use crate::numeric::pattern::Pattern;
+use crate::runtime::machine::{Fault, Instance};
 
-use super::sliding::Sliding;
+use super::event::sliding::Sliding;
 
 /// The derivatives of the states, and the residuals of the loops that are left to the integrator. A
 /// model without states has one that rests, so that events of its algebraic variables are found by

@@ -1,10 +1,10 @@
 //! The answer of the graph algorithms, written back into the system.
 
 use crate::base::index::{Id, IndexVec};
+use crate::graph::bipartite::{Col, Row};
+use crate::graph::pantelides::Reduction;
 use crate::ir::dae::{Dae, EqId, Equation, Kind, Variable};
 use crate::ir::expr::{ExprId, Graph, VarId};
-use crate::math::graph::bipartite::{Col, Row};
-use crate::math::graph::pantelides::Reduction;
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
 /// Appends the derivative variables and differentiated equations of a reduction, whose rows are the

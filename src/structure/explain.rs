@@ -4,14 +4,14 @@ use super::incidence::System;
 use super::{error, reduce};
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::source::Span;
+use crate::graph::bipartite::{Bipartite, Col, Row};
+use crate::graph::dulmage_mendelsohn::{self, Part};
+use crate::graph::matching::{self, Matching};
+use crate::graph::pantelides;
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, Variable};
 use crate::ir::expr::VarId;
 use crate::ir::flat::Origin;
-use crate::math::graph::bipartite::{Bipartite, Col, Row};
-use crate::math::graph::dulmage_mendelsohn::{self, Part};
-use crate::math::graph::matching::{self, Matching};
-use crate::math::graph::pantelides;
 
 /// Reports equations that are too many and unknowns that are not determined, derivatives being
 /// taken for the variables themselves; `None` if there are any.

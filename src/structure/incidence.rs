@@ -1,11 +1,11 @@
 //! The seam between equations and graphs: which equation reads which unknown.
 
 use crate::base::index::{Id, IndexVec};
+use crate::graph::bipartite::{Bipartite, Col, Row};
+use crate::graph::matching::Matching;
 use crate::ir::blocks::Source;
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, Node, VarId};
-use crate::math::graph::bipartite::{Bipartite, Col, Row};
-use crate::math::graph::matching::Matching;
 
 /// Equations and unknowns with their incidence.
 pub struct System {

@@ -5,16 +5,16 @@
 //! those of states first.
 
 use super::incidence::System;
-use super::vanish::Vanishing;
+use super::structural_zero::Vanishing;
 use super::{explain, is_continuous, reduce, sort};
 use crate::base::diag::Problems;
 use crate::base::index::{Id, IndexVec};
+use crate::graph::augment::Search;
+use crate::graph::bipartite::{Bipartite, Col, Row};
+use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Source};
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::VarId;
-use crate::math::graph::augment::Search;
-use crate::math::graph::bipartite::{Bipartite, Col, Row};
-use crate::math::graph::matching::{self, Matching};
 
 /// The blocks of initialisation, and the variables whose starts had to be assumed.
 pub fn sequence(
@@ -24,7 +24,7 @@ pub fn sequence(
     problems: &mut Problems,
 ) -> Option<(Vec<Block>, Vec<VarId>)> {
     let system = given(dae);
-    let system = super::repeated::without_repeated(dae, system, vanishing);
+    let system = super::redundant_initial::without_repeated(dae, system, vanishing);
     // States are matched last, so that those left over are the ones to be assumed, mostly without
     // any search.
     let column_class = |col: Col| u8::from(is_state[system.unknowns[col]]);

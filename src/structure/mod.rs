@@ -5,6 +5,7 @@
 //! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into
 //! blocks (Tarjan 1972) and torn. What can not be solved is explained in the user's names.
 pub mod apply;
+pub mod derivative_combinations;
 pub mod diagram;
 pub mod error;
 pub mod explain;
@@ -12,25 +13,24 @@ pub mod incidence;
 pub mod initial;
 pub mod print;
 pub mod reduce;
-pub mod repeated;
+pub mod redundant_initial;
 pub mod select;
 pub mod solve;
 pub mod sort;
-pub mod sums;
+pub mod structural_zero;
 pub mod tear;
-pub mod vanish;
 
 #[cfg(test)]
 mod tests;
 
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
+use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Blocks, Source, State};
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::VarId;
-use crate::math::graph::matching::{self, Matching};
 use incidence::System;
-use vanish::Vanishing;
+use structural_zero::Vanishing;
 
 /// Sorts a system. Whatever is wrong with the model is added to `problems`; without errors there is
 /// a result.
@@ -74,7 +74,7 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
 
 /// Reduces the index. Sums of derivatives that are tied by nonlinear constraints become states.
 fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
-    let sums = sums::find(dae);
+    let sums = derivative_combinations::find(dae);
     if sums.is_empty() {
         return reduce::reduce(dae, problems);
     }
@@ -87,7 +87,7 @@ fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
         return reduced;
     }
     *dae = original;
-    sums::gather(dae, &sums);
+    derivative_combinations::gather(dae, &sums);
     reduce::reduce(dae, problems)
 }
 

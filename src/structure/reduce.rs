@@ -4,13 +4,13 @@ use super::incidence::System;
 use super::{apply, error, is_continuous, solve};
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::graph::bipartite::{Col, Edge, Row};
+use crate::graph::dummy::{self, Coefficient};
+use crate::graph::pantelides::{self, Reduction, Singular};
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, EqId, Kind, Variable};
 use crate::ir::expr::{ExprId, Node, VarId};
 use crate::ir::flat::StateSelect;
-use crate::math::graph::bipartite::{Col, Edge, Row};
-use crate::math::graph::dummy::{self, Coefficient};
-use crate::math::graph::pantelides::{self, Reduction, Singular};
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 

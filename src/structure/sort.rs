@@ -3,11 +3,11 @@
 use super::incidence::System;
 use super::{solve, tear};
 use crate::base::index::FastMap;
+use crate::graph::bipartite::{Bipartite, Col, Row};
+use crate::graph::matching::Matching;
+use crate::graph::scc;
 use crate::ir::blocks::{Assignment, Block, Residual, Source, Torn};
 use crate::ir::dae::Dae;
-use crate::math::graph::bipartite::{Bipartite, Col, Row};
-use crate::math::graph::matching::Matching;
-use crate::math::graph::scc;
 use crate::symbolic::linear;
 
 /// The blocks of a system in order of evaluation (block lower triangular form).
@@ -88,7 +88,7 @@ fn ordered(system: &System, pairs: &[(Row, Col)]) -> Vec<Vec<(Row, Col)>> {
 pub fn part(
     system: &System,
     pairs: &[(Row, Col)],
-) -> (Bipartite, Vec<crate::math::graph::bipartite::Edge>) {
+) -> (Bipartite, Vec<crate::graph::bipartite::Edge>) {
     let rows: Vec<Row> = pairs.iter().map(|(row, _)| *row).collect();
     let local: FastMap<Col, Col> =
         pairs.iter().enumerate().map(|(i, (_, col))| (*col, Col(i as u32))).collect();

@@ -3,11 +3,11 @@
 use super::incidence::System;
 use super::{solve, sort};
 use crate::base::index::{FastMap, FastSet, IndexVec};
+use crate::graph::bipartite::{Bipartite, Col, Edge, Row};
+use crate::graph::tearing;
 use crate::ir::blocks::{Assignment, Residual, Torn};
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, Node, VarId};
-use crate::math::graph::bipartite::{Bipartite, Col, Edge, Row};
-use crate::math::graph::tearing;
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 

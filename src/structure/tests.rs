@@ -7,8 +7,8 @@ use crate::base::render::{Style, render_all};
 use crate::ir::blocks::{Assignment, Block, Blocks};
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::{Binary, ExprId, Node, VarId};
+use crate::lower::fixture::model;
 use crate::lower::lower;
-use crate::lower::sample::model;
 use crate::symbolic::print;
 
 fn sorted(text: &str) -> Blocks {

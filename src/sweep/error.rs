@@ -2,10 +2,10 @@
 
 use thiserror::Error;
 
-use crate::report::journal::JournalError;
-use crate::report::records::RecordError;
-use crate::report::table::TableError;
-use crate::report::write::WriteError;
+use crate::io::atomic_file::WriteError;
+use crate::io::csv::TableError;
+use crate::io::journal::JournalError;
+use crate::io::records::RecordError;
 
 /// What is wrong with a request, or with a file.
 #[derive(Error, Debug)]

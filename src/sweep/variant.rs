@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex, OnceLock};
 use super::vary::{Axis, Value};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::SourceMap;
-use crate::codegen::jit::rent::Execution;
 use crate::driver::compile::{Request, Session, Wrong};
 use crate::ir::expr::{Type, VarId};
 use crate::ir::program::Program;
 use crate::measure::observe::Plan;
+use crate::runtime::jit::tiering::Execution;
 use crate::simulate::settings::Settings;
 
 /// So many programs are kept: more only if more are in use.

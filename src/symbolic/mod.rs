@@ -1,8 +1,8 @@
 //! Algebra on [`crate::ir::expr`]: the only place that knows what the operators mean.
+pub mod dominance;
 pub mod eval;
 pub mod gradient;
 pub mod linear;
-pub mod nesting;
 pub mod partial;
 pub mod print;
 pub mod rewrite;

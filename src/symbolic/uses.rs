@@ -1,6 +1,6 @@
 //! Where expressions stand: how often, and under which conditions alone they are computed.
 
-use super::nesting::Nesting;
+use super::dominance::Nesting;
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::expr::{Binary, ExprId, Graph, Node};
 

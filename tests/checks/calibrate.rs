@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use mocc::report::table::read_csv;
+use mocc::io::csv::read_csv;
 use serde_json::Value;
 
 use super::door::{Reading, Scratch, assert_close};

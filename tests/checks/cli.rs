@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mocc::report::table::read_csv;
+use mocc::io::csv::read_csv;
 
 use super::door::{Case, Reading, Scratch};
 use super::program::{command, mocc};

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mocc::base::diag::Diagnostic;
 use mocc::base::render::{Style, render, render_all};
-use mocc::codegen::jit::rent::Execution;
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::{Form, Program};
 use mocc::ir::trajectory::{Column, Event, Trajectory, position};
+use mocc::runtime::jit::tiering::Execution;
 use mocc::simulate::record::Sink;
 use mocc::simulate::run::{simulate, simulate_with_sensitivities};
 use mocc::simulate::sensitivity::Input;

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use mocc::codegen::interp::Instance;
-use mocc::codegen::jit::rent::Execution;
 use mocc::ir::program::Program;
 use mocc::ir::trajectory::Trajectory;
-use mocc::simulate::initial::initialise;
+use mocc::runtime::jit::tiering::Execution;
+use mocc::runtime::machine::Instance;
+use mocc::simulate::initialization::initialise;
 use mocc::simulate::settings::Settings;
 
 use super::door::Case;

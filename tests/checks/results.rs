@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use mocc::io::csv::read_csv;
 use mocc::ir::trajectory::Trajectory;
-use mocc::report::table::read_csv;
 
 use super::door::{Reading, Scratch};
 use super::program::mocc;

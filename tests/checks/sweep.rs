@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mocc::driver::compile::{Request, Session};
-use mocc::report::journal::{Found, Journal};
+use mocc::io::journal::{Found, Journal};
 use mocc::simulate::settings::Settings;
 use mocc::sweep::design::Design;
 use mocc::sweep::runs::Sweep;
@@ -187,8 +187,7 @@ fn courses_are_kept_on_request() {
     let (folder, ended) =
         sweep(DECAY, &["--vary", "rate=1,2", "--show", "x[1], total", "--interval", "0.5"]);
     assert_eq!(ended.status, 0, "{}", ended.err);
-    let run =
-        mocc::report::table::read_csv(folder.path().join("out/runs/00002.csv")).expect("a course");
+    let run = mocc::io::csv::read_csv(folder.path().join("out/runs/00002.csv")).expect("a course");
     assert_eq!(run.time, [0.0, 0.5, 1.0]);
     assert_eq!(run.columns.len(), 2);
     assert_close(run.values("x[1]").expect("x[1]")[2], (-2.0_f64).exp(), 1e-7);

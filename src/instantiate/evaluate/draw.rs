@@ -10,9 +10,9 @@ use super::external::Refusal;
 use super::past::Made;
 use super::value::Value;
 use crate::base::source::Span;
+use crate::external::xorshift1024::Stream;
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::native::{Function, Native};
-use crate::math::numeric::stream::Stream;
 
 /// Where the evaluator stands, for what may be called there.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]

@@ -11,16 +11,17 @@ use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
+use crate::external::table::Extrapolation;
+use crate::external::table::curve::Curve;
+use crate::external::table::surface::Surface;
+use crate::external::table::time_table::{Placing, Stops, TimeTable};
+use crate::io::matrix_file::Matrix;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
 use crate::ir::flat::{Assert, Level};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::native::{Function, Native};
-use crate::math::numeric::table::curve::Curve;
-use crate::math::numeric::table::file::Matrix;
-use crate::math::numeric::table::surface::Surface;
-use crate::math::numeric::table::time_table::{Placing, Stops, TimeTable};
-use crate::math::numeric::table::{Extrapolation, Smoothness};
+use crate::numeric::hermite::Smoothness;
 
 /// What stands before the number of an object.
 const MARK: &str = "external object ";

@@ -9,9 +9,9 @@ use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::name;
 use crate::base::source::Span;
+use crate::io::matrix_file::{self, Matrix};
 use crate::ir::expr::Const;
 use crate::ir::flat::Level;
-use crate::math::numeric::table::file::{self, Matrix};
 
 impl Context<'_> {
     /// A function of the families `ModelicaInternal_`, `ModelicaStreams_` and `ModelicaIO_`.
@@ -102,7 +102,7 @@ impl Context<'_> {
     /// The matrix of a name in a file of data.
     pub(super) fn matrix_in_file(&mut self, file: &str, name: &str) -> Result<Matrix, Refusal> {
         let bytes = self.bytes(file)?;
-        file::matrix(&bytes, name).map_err(|why| Refusal::Wrong(format!("`{file}`: {why}")))
+        matrix_file::matrix(&bytes, name).map_err(|why| Refusal::Wrong(format!("`{file}`: {why}")))
     }
 
     fn bytes(&mut self, file: &str) -> Result<Vec<u8>, Refusal> {

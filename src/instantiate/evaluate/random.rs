@@ -9,9 +9,9 @@ use super::Context;
 use super::external::Refusal;
 use super::value::Value;
 use crate::base::source::Span;
+use crate::external::split_u64::{Half, Operation};
 use crate::ir::expr::{Binary, ExprId, Graph};
 use crate::ir::native::{Function, Native};
-use crate::math::numeric::words::{Half, Operation};
 
 /// A word of 64 bits: lower and upper half.
 #[derive(Clone, Copy)]

@@ -57,7 +57,7 @@ impl Context<'_> {
         let e = self.scalar_of(value, first.span)?;
         let format = match given.get("format") {
             Some(Const::String(format)) => {
-                if crate::math::numeric::printf::formatted(0.0, format).is_none() {
+                if crate::external::printf::formatted(0.0, format).is_none() {
                     let message = format!("`{format}` is no format of a number");
                     self.problems.push(
                         Diagnostic::error("MO0219", span, message)

@@ -8,7 +8,7 @@ use crate::integrate::bdf::nordsieck::Nordsieck;
 use crate::integrate::matrix::IterationMatrix;
 use crate::integrate::stats::Stats;
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::norm::{first_non_finite, weighted_rms, worst_component};
+use crate::numeric::norm::{first_non_finite, weighted_rms, worst_component};
 
 /// Iterations within which a step must converge.
 const MAX_ITERATIONS: u32 = 4;

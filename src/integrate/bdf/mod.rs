@@ -30,7 +30,7 @@ use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::norm::{weighted_rms, worst_component};
+use crate::numeric::norm::{weighted_rms, worst_component};
 
 /// Reduction after a failed error test at most.
 const SHRINK: f64 = 0.1;

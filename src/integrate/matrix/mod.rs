@@ -12,8 +12,8 @@ pub mod split;
 use crate::integrate::matrix::sparse::SparseParts;
 use crate::integrate::matrix::split::{Columns, Split};
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::linear::{ComplexLu, DenseLu, Singular};
-use crate::math::numeric::pattern::Pattern;
+use crate::numeric::linear::{ComplexLu, DenseLu, Singular};
+use crate::numeric::pattern::Pattern;
 
 /// The Jacobian, the split into substituted and decomposed rows, and the decompositions.
 pub struct IterationMatrix {

@@ -3,8 +3,8 @@
 use crate::integrate::matrix::split::{Columns, Split};
 use crate::integrate::matrix::{Planes, Shift};
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::linear::{Complex, ComplexSparseLu, Singular, SparseLu};
-use crate::math::numeric::pattern::Pattern;
+use crate::numeric::linear::{Complex, ComplexSparseLu, Singular, SparseLu};
+use crate::numeric::pattern::Pattern;
 
 /// Smallest order at which sparse decompositions are taken.
 const SMALLEST: usize = 60;

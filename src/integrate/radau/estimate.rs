@@ -5,7 +5,7 @@ use crate::integrate::matrix::IterationMatrix;
 use crate::integrate::radau::tableau::ERROR;
 use crate::integrate::stats::Stats;
 use crate::integrate::system::System;
-use crate::math::numeric::norm::{weighted_rms, worst_component};
+use crate::numeric::norm::{weighted_rms, worst_component};
 
 /// Order of the embedded formula: the estimate is of order `h^4`.
 pub const ORDER: u32 = 3;

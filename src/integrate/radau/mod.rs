@@ -27,7 +27,7 @@ use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
 use crate::integrate::variational::Variational;
-use crate::math::numeric::norm::first_non_finite;
+use crate::numeric::norm::first_non_finite;
 
 /// Safety factor of the step size prediction.
 const SAFETY: f64 = 0.9;

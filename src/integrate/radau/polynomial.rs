@@ -1,7 +1,7 @@
 //! The collocation polynomial of the last step: dense output, and the guess for the next stages.
 
 use crate::integrate::radau::tableau::{C1, C2};
-use crate::math::numeric::norm::weighted_rms;
+use crate::numeric::norm::weighted_rms;
 
 /// The polynomial through the start and the three stages of a step, in Newton's form on the nodes
 /// `1, c2, c1, 0` (Hairer & Wanner II, sec. IV.8, starting values), raised by one degree with the

@@ -11,7 +11,7 @@ use crate::integrate::radau::polynomial::Polynomial;
 use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};
 use crate::integrate::stats::Stats;
 use crate::integrate::system::{EvalError, System};
-use crate::math::numeric::norm::{first_non_finite, weighted_square_sum, worst_component};
+use crate::numeric::norm::{first_non_finite, weighted_square_sum, worst_component};
 
 /// Iterations within which the stage equations must converge; RADAU5's NIT.
 pub const MAX_ITERATIONS: u32 = 7;

@@ -14,8 +14,8 @@ use crate::integrate::radau::stages::{advance, correct, shift, transform};
 use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};
 use crate::integrate::system::EvalError;
 use crate::integrate::variational::Variational;
-use crate::math::numeric::linear::DenseLu;
-use crate::math::numeric::norm::weighted_square_sum;
+use crate::numeric::linear::DenseLu;
+use crate::numeric::norm::weighted_square_sum;
 
 /// Iterations before the stage equations are solved at once.
 const MAX_ITERATIONS: u32 = 12;

@@ -1,9 +1,9 @@
 //! Columns of numbers in a page: little-endian binary as base64, thinned where a picture does not
 //! need all of it. *RFC 4648, section 4.*
 
+use crate::io::json::Json;
 use crate::ir::trajectory::{Course, Trajectory};
-use crate::report::decimate::{PER_COLUMN, decimate};
-use crate::report::json::Json;
+use crate::report::plot::decimate::{PER_COLUMN, decimate};
 
 /// Pixel columns for which a thinned curve still looks the same: a wide screen, a few times magnified.
 const PIXELS: usize = 4000;

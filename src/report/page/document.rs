@@ -2,9 +2,9 @@
 
 use crate::base::index::FastMap;
 use crate::base::source::Span;
+use crate::io::json::Json;
 use crate::ir::assembly::Assembly;
 use crate::ir::trajectory::{Course, Kind, Trajectory};
-use crate::report::json::Json;
 use crate::report::markup::escaped;
 use crate::report::scale;
 use crate::report::schematic::{MOST_PARTS, draw, picture};

@@ -2,7 +2,7 @@
 
 use super::columns::Arrays;
 use super::frame::embedded;
-use crate::report::json::Json;
+use crate::io::json::Json;
 use crate::report::scale;
 
 /// How a curve is drawn.

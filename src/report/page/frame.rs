@@ -1,6 +1,6 @@
 //! The skeleton of a page.
 
-use crate::report::json::Json;
+use crate::io::json::Json;
 use crate::report::markup::{escaped, in_script};
 
 const SKELETON: &str = include_str!("frame.html");

@@ -8,8 +8,8 @@
 //! is the order of the chambers between them.
 
 use crate::base::index::FastMap;
+use crate::io::json::Json;
 use crate::ir::assembly::{Assembly, Domain};
-use crate::report::json::Json;
 use crate::report::schematic::{picture, sequence};
 
 /// What is known of a model's variables and parameters by name.

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::layers::{CLASS_SIZE, NAME_SIZE, class_name};
 use super::{Picture, Shape};
 use crate::ir::assembly::{Assembly, Domain};
-use crate::report::layout::{shortened, text_width};
 use crate::report::markup::escaped;
+use crate::report::plot::layout::{shortened, text_width};
 use crate::report::raster::FAMILY;
 
 const INK: &str = "#1a1a1a";

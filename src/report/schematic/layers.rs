@@ -1,7 +1,7 @@
 //! Which part stands in which layer: breadth first from the part with most lines.
 
 use crate::ir::assembly::{Assembly, Link};
-use crate::report::layout::text_width;
+use crate::report::plot::layout::text_width;
 
 /// Lines at one connector from which on its part is a bar.
 const BAR: usize = 4;

@@ -11,7 +11,7 @@ use crate::ir::dae::{
 use crate::ir::expr::{Binary, ExprId, Graph, Type, VarId};
 use crate::ir::flat::{Experiment, Origin, StateSelect};
 use crate::ir::program::Program;
-use crate::simulate::error::Failure;
+use crate::simulate::failure::Failure;
 use crate::simulate::run::{Run, simulate};
 use crate::simulate::settings::Settings;
 

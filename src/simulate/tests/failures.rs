@@ -4,7 +4,7 @@ use super::builder::Builder;
 use crate::ir::dae::{GuardedAssert, Trigger};
 use crate::ir::expr::{Binary, Unary};
 use crate::ir::flat::{Assert, Level};
-use crate::simulate::error::FailureKind;
+use crate::simulate::failure::FailureKind;
 
 #[test]
 fn the_root_of_a_negative_number_is_named() {

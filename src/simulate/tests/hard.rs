@@ -1,7 +1,7 @@
 //! Cases that break simulators, each with a fact that is known.
 
 use super::models::{last, run};
-use crate::simulate::error::FailureKind;
+use crate::simulate::failure::FailureKind;
 
 /// Torricelli: h = (1 - t / 2)^2 until the tank is empty. The held branch has no value for h < 0.
 #[test]

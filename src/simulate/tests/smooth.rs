@@ -1,7 +1,7 @@
 //! Systems without events, against closed forms, and the exact Jacobian.
 
 use super::builder::Builder;
-use crate::codegen::record::only;
+use crate::codegen::recording::only;
 use crate::integrate::system::System;
 use crate::ir::expr::{Binary, Unary};
 use crate::simulate::run::simulate;
@@ -167,7 +167,7 @@ fn the_jacobian_agrees_with_central_differences() {
     let program = b.program();
     let mut model = Model::new(&program);
     let settings = Settings::of(&Default::default());
-    crate::simulate::initial::initialise(&mut model.instance, &settings).unwrap();
+    crate::simulate::initialization::initialise(&mut model.instance, &settings).unwrap();
     let at = [0.7, 1.3, -0.4];
     let mut exact = [0.0; 9];
     model.jacobian(0.0, &at, &mut exact).unwrap();
@@ -238,7 +238,7 @@ fn functions_run_and_are_differentiated() {
     let program = b.program();
     let mut model = Model::new(&program);
     let settings = Settings::of(&Default::default());
-    crate::simulate::initial::initialise(&mut model.instance, &settings).unwrap();
+    crate::simulate::initialization::initialise(&mut model.instance, &settings).unwrap();
     let mut slope = [0.0];
     model.jacobian(0.0, &[0.7], &mut slope).unwrap();
     assert!((slope[0] + 3.0).abs() < 1e-9, "{}", slope[0]);

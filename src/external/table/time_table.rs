@@ -1,0 +1,233 @@
+//! A function of time through points, which jumps where a time stands twice.
+//!
+//! Between two jumps it is a [`Curve`] of its own. The instants at which a simulation is to stop are
+//! those of the points, or of the jumps, or none.
+
+use super::Extrapolation;
+use super::curve::{Curve, wrapped};
+use crate::numeric::hermite::Smoothness;
+
+/// At which instants there are events.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Stops {
+    /// At every point.
+    Always,
+    /// Where it jumps.
+    AtJumps,
+    /// Nowhere.
+    Never,
+}
+
+/// A function of time.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TimeTable {
+    /// From jump to jump.
+    parts: Vec<Curve>,
+    /// Instants of events, rising, before they are shifted.
+    stops: Vec<f64>,
+    range: (f64, f64),
+    extrapolation: Extrapolation,
+    /// It is 0 before this time, s.
+    start: f64,
+    /// Times of the table are later by this, s.
+    shift: f64,
+}
+
+/// How a table lies in time.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Placing {
+    /// It is 0 before this time, s.
+    pub start: f64,
+    /// Times of the table are later by this, s.
+    pub shift: f64,
+    /// Where events are.
+    pub stops: Stops,
+}
+
+impl TimeTable {
+    /// Through points whose times do not fall. `None` where [`Curve::new`] gives none, or where a
+    /// time stands three times.
+    pub fn new(
+        t: &[f64],
+        y: &[f64],
+        smoothness: Smoothness,
+        extrapolation: Extrapolation,
+        placing: Placing,
+    ) -> Option<TimeTable> {
+        let n = t.len();
+        if n == 0 || y.len() != n || t.windows(2).any(|p| p[0] > p[1]) {
+            return None;
+        }
+        let jumps: Vec<usize> = (1..n).filter(|i| t[*i] == t[*i - 1]).collect();
+        let mut bounds = vec![0];
+        bounds.extend(&jumps);
+        bounds.push(n);
+        let lone = bounds.len() == 2;
+        let mut parts = Vec::with_capacity(bounds.len() - 1);
+        for b in bounds.windows(2) {
+            // What lies beyond a part but the outermost ones is never asked for.
+            let beyond = if lone || extrapolation != Extrapolation::Periodic {
+                extrapolation
+            } else {
+                Extrapolation::Hold
+            };
+            parts.push(Curve::new(&t[b[0]..b[1]], &y[b[0]..b[1]], smoothness, beyond)?);
+        }
+        let stops = match placing.stops {
+            Stops::Always => {
+                let mut all = t.to_vec();
+                all.dedup();
+                all
+            }
+            Stops::AtJumps => jumps.iter().map(|i| t[*i]).collect(),
+            Stops::Never => Vec::new(),
+        };
+        let Placing { start, shift, .. } = placing;
+        Some(TimeTable { parts, stops, range: (t[0], t[n - 1]), extrapolation, start, shift })
+    }
+
+    /// The first and the last time of the table, s, not shifted.
+    pub fn range(&self) -> (f64, f64) {
+        self.range
+    }
+
+    /// The derivative of this order at time `t`, s, if the next event is at `next`: until then jumps
+    /// have not happened.
+    pub fn at(&self, t: f64, next: f64, order: u8) -> f64 {
+        let slack = slack(t);
+        let held = t + slack >= next;
+        if t + slack < self.start || (held && next <= self.start) {
+            return 0.0;
+        }
+        // Rounding of the time of an event must not lead to its other side.
+        let table_time = if held { next } else { t } - self.shift;
+        let inside = match self.extrapolation {
+            Extrapolation::Periodic => wrapped(table_time, self.range.0, self.range.1),
+            _ => table_time,
+        };
+        if held {
+            if self.extrapolation == Extrapolation::Periodic && near(inside, self.range.0, slack) {
+                let last = &self.parts[self.parts.len() - 1];
+                return last.before(self.range.1, order);
+            }
+            let snapped = self.snapped(inside, slack);
+            let part = self.parts.iter().rev().find(|p| p.range().0 < snapped);
+            return part.unwrap_or(&self.parts[0]).before(snapped, order);
+        }
+        let snapped = self.snapped(inside, slack);
+        let part = self.parts.iter().rev().find(|p| p.range().0 <= snapped);
+        part.unwrap_or(&self.parts[0]).at(snapped, order)
+    }
+
+    /// The time of the first event after `t`, s; the greatest number if there is none.
+    pub fn next_stop(&self, t: f64) -> f64 {
+        let slack = slack(t);
+        if t + slack < self.start {
+            return self.start;
+        }
+        let (first, last) = self.range;
+        let table_time = t - self.shift;
+        let period = last - first;
+        if self.extrapolation == Extrapolation::Periodic && period > 0.0 && !self.stops.is_empty() {
+            let turn = ((table_time + slack - first) / period).floor();
+            for turn in [turn, turn + 1.0] {
+                let later = self.stops.iter().map(|s| s + turn * period + self.shift);
+                if let Some(stop) = later.into_iter().find(|s| *s > t + slack) {
+                    return stop;
+                }
+            }
+        }
+        let next = self.stops.iter().map(|s| s + self.shift).find(|s| *s > t + slack);
+        next.unwrap_or(f64::MAX)
+    }
+
+    /// A time of the table that is this time but for rounding, or the time itself.
+    fn snapped(&self, t: f64, slack: f64) -> f64 {
+        let k = self.stops.partition_point(|s| *s < t - slack);
+        match self.stops.get(k) {
+            Some(stop) if near(*stop, t, slack) => *stop,
+            _ => t,
+        }
+    }
+}
+
+fn near(a: f64, b: f64, slack: f64) -> bool {
+    (a - b).abs() <= slack
+}
+
+/// The rounding that a scaled and shifted time may have gone through, s.
+fn slack(t: f64) -> f64 {
+    8.0 * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOW: Placing = Placing { start: 0.0, shift: 0.0, stops: Stops::AtJumps };
+
+    fn step(extrapolation: Extrapolation, placing: Placing) -> TimeTable {
+        let (t, y) = ([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 5.0]);
+        TimeTable::new(&t, &y, Smoothness::Linear, extrapolation, placing).unwrap()
+    }
+
+    #[test]
+    fn a_jump_happens_with_its_event() {
+        let c = step(Extrapolation::Hold, NOW);
+        assert_eq!(c.next_stop(0.0), 1.0);
+        assert_eq!(c.at(1.0, 1.0, 0), 2.0);
+        assert_eq!(c.at(1.0, 1.0, 1), 2.0);
+        assert_eq!(c.next_stop(1.0), f64::MAX);
+        assert_eq!(c.at(1.0, f64::MAX, 0), 5.0);
+        assert_eq!(c.at(9.0, f64::MAX, 0), 5.0);
+    }
+
+    #[test]
+    fn rounding_does_not_repeat_an_event() {
+        let c = step(Extrapolation::Hold, NOW);
+        let t = 1.0 - f64::EPSILON;
+        assert_eq!(c.next_stop(t), f64::MAX);
+        assert_eq!(c.at(t, f64::MAX, 0), 5.0);
+    }
+
+    #[test]
+    fn it_is_zero_before_its_start_and_shifted_after() {
+        let c = step(Extrapolation::Hold, Placing { start: 2.0, shift: 2.0, ..NOW });
+        assert_eq!(c.next_stop(0.0), 2.0);
+        assert_eq!(c.at(1.0, 2.0, 0), 0.0);
+        assert_eq!(c.at(2.0, 2.0, 0), 0.0);
+        assert_eq!(c.at(2.5, 3.0, 0), 1.0);
+        assert_eq!(c.next_stop(2.0), 3.0);
+    }
+
+    #[test]
+    fn periods_repeat_values_and_events() {
+        let c = step(Extrapolation::Periodic, Placing { stops: Stops::Always, ..NOW });
+        let times: Vec<f64> =
+            std::iter::successors(Some(c.next_stop(0.0)), |t| Some(c.next_stop(*t)))
+                .take(5)
+                .collect();
+        assert_eq!(times, [1.0, 3.0, 4.0, 6.0, 7.0]);
+        assert_eq!(c.at(3.0, 3.0, 0), 5.0);
+        assert_eq!(c.at(3.0, 4.0, 0), 0.0);
+        assert_eq!(c.at(3.5, 4.0, 0), 1.0);
+        assert_eq!(c.at(4.0, 4.0, 0), 2.0);
+        assert_eq!(c.at(4.0, 6.0, 0), 5.0);
+    }
+
+    #[test]
+    fn level_pieces_change_at_their_points() {
+        let c = TimeTable::new(
+            &[0.0, 1.0, 2.0],
+            &[3.0, 4.0, 5.0],
+            Smoothness::Constant,
+            Extrapolation::Hold,
+            Placing { stops: Stops::Always, ..NOW },
+        )
+        .unwrap();
+        assert_eq!(c.at(0.5, 1.0, 0), 3.0);
+        assert_eq!(c.at(1.0, 1.0, 0), 3.0);
+        assert_eq!(c.at(1.0, 2.0, 0), 4.0);
+        assert_eq!(c.at(2.0, f64::MAX, 0), 5.0);
+    }
+}

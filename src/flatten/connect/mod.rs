@@ -1,0 +1,612 @@
+//! Connections: sets of connected variables, equal potentials, flows that sum to zero (chapter 9 of
+//! the specification).
+
+pub(crate) mod cardinality;
+pub(crate) mod connector;
+pub(crate) mod expandable;
+
+use std::sync::Arc;
+
+use self::connector::is_source;
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastMap;
+use crate::base::source::Span;
+use crate::instantiate::Context;
+use crate::instantiate::evaluate::reference::Selection;
+use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
+use crate::ir::expr::{Binary, Const, ExprId, VarId};
+use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Level, Origin};
+use crate::ir::instance::{InstanceId, InstanceKind, Scope};
+
+/// A variable of a connector, seen from inside or outside the component that has it.
+type Member = (VarId, bool);
+
+/// The connections of a model.
+#[derive(Default)]
+pub struct Connections {
+    potentials: Sets,
+    flows: Sets,
+    /// Parameters that connections make equal.
+    equalities: Vec<(Assert, Origin)>,
+    /// Each `connect` of two connectors, if somebody wants to know.
+    pub(super) noted: Option<Vec<Noted>>,
+}
+
+/// A `connect` as it is written.
+pub(super) struct Noted {
+    /// The component in whose class it stands.
+    pub(super) holder: InstanceId,
+    /// The connectors.
+    pub(super) ends: [InstanceId; 2],
+    /// The equation.
+    pub(super) span: Span,
+}
+
+/// Sets of members that grow together (union-find with path halving), in order of first mention.
+#[derive(Default)]
+struct Sets {
+    /// The number of each variable's member inside and outside, 0 for none.
+    number: Vec<[u32; 2]>,
+    members: Vec<Member>,
+    parent: Vec<usize>,
+    origins: Vec<Origin>,
+}
+
+impl Sets {
+    fn number(&self, (v, outside): Member) -> Option<usize> {
+        let numbers = self.number.get(v.0 as usize)?;
+        (numbers[usize::from(outside)] as usize).checked_sub(1)
+    }
+
+    fn add(&mut self, member: Member, origin: &Origin) -> usize {
+        if let Some(k) = self.number(member) {
+            return k;
+        }
+        let k = self.members.len();
+        let (v, outside) = (member.0.0 as usize, member.1);
+        if self.number.len() <= v {
+            self.number.resize(v + 1, [0; 2]);
+        }
+        self.number[v][usize::from(outside)] = k as u32 + 1;
+        self.members.push(member);
+        self.parent.push(k);
+        self.origins.push(origin.clone());
+        k
+    }
+
+    fn root(&mut self, mut k: usize) -> usize {
+        while self.parent[k] != k {
+            self.parent[k] = self.parent[self.parent[k]];
+            k = self.parent[k];
+        }
+        k
+    }
+
+    fn join(&mut self, a: Member, b: Member, origin: &Origin) {
+        let (a, b) = (self.add(a, origin), self.add(b, origin));
+        let (a, b) = (self.root(a), self.root(b));
+        // The older set keeps its name, so that the order of the text is kept.
+        self.parent[a.max(b)] = a.min(b);
+    }
+
+    /// Each set with the place of the connection that began it.
+    fn sets(&mut self) -> Vec<(Vec<Member>, Origin)> {
+        let mut at: Vec<Option<usize>> = vec![None; self.members.len()];
+        let mut out: Vec<(Vec<Member>, Origin)> = Vec::new();
+        for k in 0..self.members.len() {
+            let root = self.root(k);
+            let slot = *at[root].get_or_insert_with(|| {
+                out.push((Vec::new(), self.origins[k].clone()));
+                out.len() - 1
+            });
+            out[slot].0.push(self.members[k]);
+        }
+        out
+    }
+}
+
+impl Connections {
+    /// None yet, each to be noted as it is written.
+    pub(super) fn noting() -> Self {
+        Connections { noted: Some(Vec::new()), ..Connections::default() }
+    }
+
+    /// The set that a variable of a component's connector is in; potentials and flows have sets of their
+    /// own.
+    pub(super) fn node(&mut self, v: VarId) -> Option<usize> {
+        for (k, sets) in [&mut self.potentials, &mut self.flows].into_iter().enumerate() {
+            if let Some(member) = sets.number((v, false)) {
+                return Some(2 * sets.root(member) + k);
+            }
+        }
+        None
+    }
+
+    /// `connect(a, b)` in the class of `scope.instance`.
+    pub(super) fn connect(
+        &mut self,
+        cx: &mut Context<'_>,
+        a: &ComponentRef,
+        b: &ComponentRef,
+        span: Span,
+        scope: Scope,
+        component: &Arc<str>,
+    ) -> Option<()> {
+        let (left, right) = (cx.select(a, scope), cx.select(b, scope));
+        let (left, right) = (left?, right?);
+        for (selection, end) in [(&left, a.span), (&right, b.span)] {
+            connectable(cx, selection, scope, end)?;
+        }
+        if !cx.restrict_connect(a, scope) || !cx.restrict_connect(b, scope) {
+            return None;
+        }
+        let outside = (is_outside(cx, a, scope), is_outside(cx, b, scope));
+        let origin = Origin { span, component: component.clone() };
+        let of = [&left, &right].map(first_instance);
+        let pair = Pair { outside, origin, ends: (a.span, b.span), of, holder: scope.instance };
+        self.pair(cx, &left, &right, &pair)
+    }
+
+    fn pair(
+        &mut self,
+        cx: &mut Context<'_>,
+        a: &Selection,
+        b: &Selection,
+        pair: &Pair,
+    ) -> Option<()> {
+        match (a, b) {
+            (Selection::Absent, _) | (_, Selection::Absent) => Some(()),
+            (Selection::Whole(x), Selection::Whole(y)) => self.instances(cx, *x, *y, pair),
+            (Selection::Element(..), Selection::Element(..) | Selection::Whole(_))
+            | (Selection::Whole(_), Selection::Element(..)) => {
+                match (scalar(cx, a), scalar(cx, b)) {
+                    (Some(x), Some(y)) => {
+                        self.note(cx, x.0, y.0, pair);
+                        self.scalars(cx, x, y, pair)
+                    }
+                    _ => mismatch(cx, pair, "are not of one kind"),
+                }
+            }
+            _ => {
+                let (left, right) = (parts(cx, a), parts(cx, b));
+                if left.len() != right.len() {
+                    return mismatch(cx, pair, "have different sizes");
+                }
+                for (x, y) in left.iter().zip(&right) {
+                    match (scalar(cx, x), scalar(cx, y)) {
+                        (Some(x), Some(y)) => {
+                            self.note(cx, x.0, y.0, pair);
+                            self.scalars(cx, x, y, pair)?;
+                        }
+                        (None, None) => self.pair(cx, x, y, pair)?,
+                        _ => return mismatch(cx, pair, "are not of one kind"),
+                    }
+                }
+                Some(())
+            }
+        }
+    }
+
+    fn instances(
+        &mut self,
+        cx: &mut Context<'_>,
+        x: InstanceId,
+        y: InstanceId,
+        pair: &Pair,
+    ) -> Option<()> {
+        cx.complete(x);
+        cx.complete(y);
+        let (kind_x, kind_y) = (cx.instances[x].kind.clone(), cx.instances[y].kind.clone());
+        match (kind_x, kind_y) {
+            (InstanceKind::Outer(inner), _) => self.instances(cx, inner, y, pair),
+            (_, InstanceKind::Outer(inner)) => self.instances(cx, x, inner, pair),
+            (InstanceKind::Absent | InstanceKind::Broken, _)
+            | (_, InstanceKind::Absent | InstanceKind::Broken) => Some(()),
+            (InstanceKind::Variable { dims: d, .. }, InstanceKind::Variable { dims: e, .. }) => {
+                if d != e {
+                    return mismatch(cx, pair, "have different sizes");
+                }
+                self.note(cx, x, y, pair);
+                for k in 0..d.iter().product() {
+                    self.scalars(cx, (x, k), (y, k), pair)?;
+                }
+                Some(())
+            }
+            (InstanceKind::Object(children), InstanceKind::Object(others)) => {
+                if !is_connector(cx, x) || !is_connector(cx, y) {
+                    let (which, end) =
+                        if is_connector(cx, x) { (y, pair.ends.1) } else { (x, pair.ends.0) };
+                    let path = cx.path(which);
+                    let records = [x, y].into_iter().all(|i| is_record(cx, i));
+                    if !records {
+                        cx.problems.push(
+                            Diagnostic::error("MO0230", end, format!("`{path}` is no connector"))
+                                .help("connect its connectors: `component.connector`"),
+                        );
+                        return None;
+                    }
+                }
+                let expandable = [x, y].map(|i| expandable::is_expandable(cx, i));
+                if expandable[0] != expandable[1] {
+                    // The elaboration has said so.
+                    return None;
+                }
+                self.note(cx, x, y, pair);
+                if expandable == [true; 2]
+                    && children.len() != others.len()
+                    && cx.problems.has_errors()
+                {
+                    // It came to no end, and has said so.
+                    return None;
+                }
+                for child in children.iter() {
+                    let name = cx.instances[*child].name;
+                    match others.iter().find(|o| cx.instances[**o].name == name) {
+                        Some(other) => self.instances(cx, *child, *other, pair)?,
+                        None => {
+                            let message = format!("do not match: only one of them has `{name}`");
+                            return mismatch(cx, pair, &message);
+                        }
+                    }
+                }
+                if children.len() != others.len() {
+                    return mismatch(cx, pair, "do not match: they have different variables");
+                }
+                Some(())
+            }
+            (
+                InstanceKind::Array { dims: d, elements },
+                InstanceKind::Array { dims: e, elements: others },
+            ) => {
+                if d != e {
+                    return mismatch(cx, pair, "have different sizes");
+                }
+                for (x, y) in elements.iter().zip(others.iter()) {
+                    self.instances(cx, *x, *y, pair)?;
+                }
+                Some(())
+            }
+            // An array that connections have put together, and one that is declared.
+            (InstanceKind::Array { dims: d, .. }, InstanceKind::Variable { dims: e, .. })
+            | (InstanceKind::Variable { dims: d, .. }, InstanceKind::Array { dims: e, .. })
+                if d == e =>
+            {
+                let (left, right) =
+                    (parts(cx, &Selection::Whole(x)), parts(cx, &Selection::Whole(y)));
+                for (x, y) in left.iter().zip(&right) {
+                    self.pair(cx, x, y, pair)?;
+                }
+                Some(())
+            }
+            _ => mismatch(cx, pair, "are not of one kind"),
+        }
+    }
+
+    /// Remembers a pair of connectors, but not what is inside them.
+    fn note(&mut self, cx: &mut Context<'_>, x: InstanceId, y: InstanceId, pair: &Pair) {
+        let Some(noted) = &mut self.noted else { return };
+        let inside = cx.instances[x].parent.is_some_and(|p| is_connector(cx, p));
+        if !inside {
+            noted.push(Noted { holder: pair.holder, ends: [x, y], span: pair.origin.span });
+        }
+    }
+
+    fn scalars(
+        &mut self,
+        cx: &mut Context<'_>,
+        x: (InstanceId, usize),
+        y: (InstanceId, usize),
+        pair: &Pair,
+    ) -> Option<()> {
+        let flow =
+            |i: InstanceId| cx.instances[i].prefix.connection == Some(ConnectionPrefix::Flow);
+        let (s, t) = (flow(x.0), flow(y.0));
+        if s != t {
+            return mismatch(cx, pair, "do not match: a flow variable meets a potential");
+        }
+        if [x.0, y.0]
+            .iter()
+            .any(|i| cx.instances[*i].prefix.connection == Some(ConnectionPrefix::Stream))
+        {
+            cx.unsupported(pair.origin.span, "`stream` connectors");
+            return None;
+        }
+        let ty = |i: InstanceId| match cx.instances[i].kind {
+            InstanceKind::Variable { ty, .. } => Some(ty),
+            _ => None,
+        };
+        if ty(x.0) != ty(y.0) {
+            return mismatch(cx, pair, "do not match: their variables have different types");
+        }
+        // Signals are connected to signals.
+        let causal = [x.0, y.0].map(|i| cx.instances[i].prefix.causality.is_some());
+        let bus = [x.0, y.0].into_iter().any(|i| expandable::is_within(cx, i));
+        if causal[0] != causal[1] && !bus {
+            let (signal, other) = if causal[0] { (x.0, y.0) } else { (y.0, x.0) };
+            let why = format!(
+                "do not match: `{}` is an input or output, and `{}` is neither",
+                cx.path(signal),
+                cx.path(other)
+            );
+            return mismatch(cx, pair, &why);
+        }
+        let fixed = |i: InstanceId| {
+            matches!(
+                cx.instances[i].prefix.variability,
+                Some(Variability::Parameter | Variability::Constant)
+            )
+        };
+        if fixed(x.0) || fixed(y.0) {
+            let of = |i: InstanceId| cx.instances[i].prefix.variability.filter(|_| fixed(i));
+            if of(x.0) != of(y.0) {
+                let word = |v: Option<Variability>| match v {
+                    Some(Variability::Constant) => "a constant",
+                    Some(_) => "a parameter",
+                    None => "a variable",
+                };
+                let why = format!(
+                    "do not match: `{}` is {}, and `{}` is {}",
+                    cx.path(x.0),
+                    word(of(x.0)),
+                    cx.path(y.0),
+                    word(of(y.0))
+                );
+                return mismatch(cx, pair, &why);
+            }
+            return self.equal(cx, x, y, pair);
+        }
+        let number = |(i, k): (InstanceId, usize)| match cx.instances[i].kind {
+            InstanceKind::Variable { first: Some(first), .. } => Some(VarId(first.0 + k as u32)),
+            _ => None,
+        };
+        let (a, b) = ((number(x)?, pair.outside.0), (number(y)?, pair.outside.1));
+        let sets = if s { &mut self.flows } else { &mut self.potentials };
+        sets.join(a, b, &pair.origin);
+        Some(())
+    }
+
+    /// Connected parameters and constants must have the same value (section 9.3).
+    fn equal(
+        &mut self,
+        cx: &mut Context<'_>,
+        x: (InstanceId, usize),
+        y: (InstanceId, usize),
+        pair: &Pair,
+    ) -> Option<()> {
+        let mut read = |(i, k): (InstanceId, usize)| -> Option<ExprId> {
+            let value = cx.instance_value(i, pair.origin.span)?;
+            value.elements().get(k)?.scalar()
+        };
+        let (a, b) = (read(x)?, read(y)?);
+        let same = cx.graph.binary(Binary::Equal, a, b);
+        let names = format!("`{}` and `{}`", cx.path(x.0), cx.path(y.0));
+        match cx.graph.as_const(same) {
+            Some(Const::Boolean(true)) => {}
+            Some(Const::Boolean(false)) => {
+                let show = |e| crate::symbolic::print::print(&cx.graph, e, &|_| String::new());
+                let why = format!("have different values of {names}: {} and {}", show(a), show(b));
+                return mismatch(cx, pair, &why);
+            }
+            _ => {
+                let message = cx.graph.string(&format!("connected parameters differ: {names}"));
+                let assert = Assert { condition: same, message, level: Level::Error };
+                self.equalities.push((assert, pair.origin.clone()));
+            }
+        }
+        Some(())
+    }
+
+    /// Writes the sets out: equal potentials, sums of flows, and zero for flows of connectors that
+    /// nothing is connected to.
+    pub(super) fn equations(&mut self, cx: &mut Context<'_>, flat: &mut FlatModel) {
+        let (mut seen, mut seen_in) = (vec![0; self.potentials.number.len()], 0_u32);
+        for (members, origin) in self.potentials.sets() {
+            one_source(cx, flat, &members, origin.span);
+            // A variable may be there twice: seen from inside and from outside.
+            seen_in += 1;
+            let mut variables = members
+                .iter()
+                .map(|m| m.0)
+                .filter(|v| std::mem::replace(&mut seen[v.0 as usize], seen_in) != seen_in);
+            let Some(first) = variables.next() else { continue };
+            let a = read(cx, flat, first);
+            for v in variables {
+                let b = read(cx, flat, v);
+                let kind = EquationKind::Equal(a, b);
+                flat.equations.push(Equation { kind, origin: origin.clone() });
+            }
+        }
+        for (members, origin) in self.flows.sets() {
+            let mut terms = Vec::with_capacity(members.len());
+            for (v, outside) in members {
+                let e = read(cx, flat, v);
+                terms.push(if outside { cx.graph.neg(e) } else { e });
+            }
+            let sum = cx.graph.sum(terms);
+            let zero = cx.graph.real(0.0);
+            flat.equations.push(Equation { kind: EquationKind::Equal(sum, zero), origin });
+        }
+        for (assert, origin) in self.equalities.drain(..) {
+            flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
+        }
+        let mut in_connector: FastMap<InstanceId, bool> = FastMap::default();
+        for v in flat.variables.ids() {
+            let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
+            if cx.instances[instance].prefix.connection != Some(ConnectionPrefix::Flow) {
+                continue;
+            }
+            // What connections have added to a bus is open on the inside, too (section 9.2).
+            let inside = self.flows.number((v, false)).is_some();
+            let outside = self.flows.number((v, true)).is_some();
+            if inside && (outside || !expandable::is_within(cx, instance))
+                || !stands_in_connector(cx, instance, &mut in_connector)
+            {
+                continue;
+            }
+            let e = read(cx, flat, v);
+            let zero = cx.graph.real(0.0);
+            let component = match cx.instances[instance].parent {
+                Some(p) => cx.path(p).into(),
+                None => Arc::from(""),
+            };
+            let origin = Origin { span: flat.variables[v].span, component };
+            flat.equations.push(Equation { kind: EquationKind::Equal(e, zero), origin });
+        }
+    }
+}
+
+/// What is connected is a connector, or stands in one (section 9.1).
+fn connectable(
+    cx: &mut Context<'_>,
+    selection: &Selection,
+    scope: Scope,
+    span: Span,
+) -> Option<()> {
+    let mut selection = selection;
+    while let Selection::Many(_, all) = selection {
+        selection = all.first()?;
+    }
+    let (Selection::Whole(id) | Selection::Element(id, _)) = selection else { return Some(()) };
+    if !matches!(cx.instances[*id].kind, InstanceKind::Variable { .. }) {
+        return Some(());
+    }
+    let mut at = Some(*id).filter(|id| *id != scope.instance);
+    while let Some(id) = at {
+        if is_connector(cx, id) {
+            return Some(());
+        }
+        at = cx.instances[id].parent;
+    }
+    let path = cx.path(*id);
+    cx.problems.push(
+        Diagnostic::error("MO0230", span, format!("`{path}` is no connector"))
+            .help("write an equation, or declare it with a connector class")
+            .note("section 9.1 of the specification"),
+    );
+    None
+}
+
+/// A set has one source of its signal at most.
+fn one_source(cx: &mut Context<'_>, flat: &FlatModel, members: &[Member], span: Span) {
+    let mut sources = members.iter().filter(|(v, outside)| is_source(cx, *v, *outside));
+    let (Some((a, _)), Some((b, _))) = (sources.next(), sources.next()) else { return };
+    let expandable = members
+        .iter()
+        .any(|(v, _)| expandable::is_within(cx, cx.evaluation.instance_of[v.0 as usize].0));
+    if a == b || expandable {
+        return;
+    }
+    let (a, b) = (&flat.variables[*a], &flat.variables[*b]);
+    let message = format!("`{}` and `{}` are connected, and both give a value", a.name, b.name);
+    cx.problems.push(
+        Diagnostic::error("MO0246", span, message)
+            .also(a.span, format!("`{}`", a.name))
+            .also(b.span, format!("`{}`", b.name))
+            .help("connect each input to one output only")
+            .note("outputs of components and inputs of the model itself give values (section 9.3)"),
+    );
+}
+
+/// Whether a flow is one of a connector: others are variables like any.
+fn stands_in_connector(
+    cx: &mut Context<'_>,
+    id: InstanceId,
+    known: &mut FastMap<InstanceId, bool>,
+) -> bool {
+    if let Some(known) = known.get(&id) {
+        return *known;
+    }
+    let parent = cx.instances[id].parent;
+    let found =
+        is_connector(cx, id) || parent.is_some_and(|parent| stands_in_connector(cx, parent, known));
+    known.insert(id, found);
+    found
+}
+
+struct Pair {
+    holder: InstanceId,
+    outside: (bool, bool),
+    origin: Origin,
+    ends: (Span, Span),
+    /// What is connected, for messages.
+    of: [Option<InstanceId>; 2],
+}
+
+fn read(cx: &mut Context<'_>, flat: &FlatModel, v: VarId) -> ExprId {
+    cx.graph.var(v, flat.variables[v].ty)
+}
+
+fn mismatch(cx: &mut Context<'_>, pair: &Pair, why: &str) -> Option<()> {
+    let class = |id: Option<InstanceId>, otherwise: &str| {
+        let class = id.and_then(|id| cx.instances[id].class);
+        class.map_or(otherwise.to_string(), |c| format!("`{}`", cx.classes[c].full_name))
+    };
+    let (one, other) = (class(pair.of[0], "one"), class(pair.of[1], "the other"));
+    cx.problems.push(
+        Diagnostic::error("MO0230", pair.origin.span, format!("the two connectors {why}"))
+            .also(pair.ends.0, one)
+            .also(pair.ends.1, other)
+            .help("connect connectors of the same class (section 9.3)"),
+    );
+    None
+}
+
+/// One of the instances that are selected.
+fn first_instance(s: &Selection) -> Option<InstanceId> {
+    match s {
+        Selection::Whole(id) | Selection::Element(id, _) => Some(*id),
+        Selection::Many(_, all) | Selection::Chosen(_, all) => all.first().and_then(first_instance),
+        Selection::Absent => None,
+    }
+}
+
+/// Scalars of array variables, or the parts of a slice.
+fn parts(cx: &Context<'_>, s: &Selection) -> Vec<Selection> {
+    match s {
+        Selection::Many(_, all) => all.clone(),
+        Selection::Whole(id) => match &cx.instances[*id].kind {
+            InstanceKind::Array { elements, .. } => {
+                elements.iter().map(|e| Selection::Whole(*e)).collect()
+            }
+            InstanceKind::Variable { dims, .. } => {
+                (0..dims.iter().product()).map(|k| Selection::Element(*id, k)).collect()
+            }
+            _ => vec![s.clone()],
+        },
+        other => vec![other.clone()],
+    }
+}
+
+/// A scalar variable, or one element of an array of them.
+fn scalar(cx: &mut Context<'_>, s: &Selection) -> Option<(InstanceId, usize)> {
+    match s {
+        Selection::Element(id, k) => Some((*id, *k)),
+        Selection::Whole(id) => match &cx.instances[*id].kind {
+            InstanceKind::Variable { dims, .. } if dims.is_empty() => Some((*id, 0)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// A connector of the class itself is seen from inside the component: an *outside* connector.
+fn is_outside(cx: &mut Context<'_>, r: &ComponentRef, scope: Scope) -> bool {
+    match cx.child(scope.instance, r.parts[0].name.name) {
+        Some(first) => is_connector(cx, first),
+        None => false,
+    }
+}
+
+pub(super) fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
+    cx.complete(id);
+    if let InstanceKind::Outer(inner) = cx.instances[id].kind {
+        return is_connector(cx, inner);
+    }
+    let Some(class) = cx.instances[id].class else { return false };
+    matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
+}
+
+pub(super) fn is_record(cx: &mut Context<'_>, id: InstanceId) -> bool {
+    let Some(class) = cx.instances[id].class else { return false };
+    matches!(cx.kind(class), ClassKind::Record | ClassKind::OperatorRecord)
+}

@@ -1,0 +1,583 @@
+//! The choice of states when constraints have been differentiated.
+//!
+//! S. E. Mattsson and G. Söderlind, "Index reduction in differential-algebraic equations using
+//! dummy derivatives", SIAM J. Sci. Comput. 14(3), 1993. Each differentiation of a constraint adds
+//! an equation; to balance it, one derivative becomes an ordinary unknown, a *dummy derivative*,
+//! and what it is the derivative of is no state any more.
+//!
+//! The dummies must be columns of the Jacobian of the differentiated equations that form a regular
+//! matrix. Independent columns are a matroid, so taking them greedily, the least wanted state
+//! first, gives up the least wanted states (J. Edmonds, "Matroids and the greedy algorithm", Math.
+//! Programming 1, 1971). Constant coefficients count by their value, the others as indeterminates.
+
+use super::augment::Search;
+use super::bipartite::{Bipartite, Col, Edge, Row};
+use super::matching::Matching;
+use super::pantelides::Reduction;
+use super::rank::{Echelon, Residue};
+use super::scc;
+use crate::base::index::IndexVec;
+
+/// What is known of the partial derivative of a row with respect to a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Coefficient {
+    /// A number known to the compiler.
+    Constant(f64),
+    /// Constant in time and not zero, but not known to the compiler.
+    Parameter,
+    /// Varies with time and might vanish.
+    Varying,
+}
+
+/// What each derivative became.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StateChoice {
+    /// True for the columns that are derivatives but are computed as ordinary unknowns.
+    pub is_dummy: IndexVec<Col, bool>,
+    /// The columns whose derivative is not a dummy, ascending: what is integrated over time.
+    pub states: Vec<Col>,
+    /// How many dummies had to be taken although their columns depend on the others: not zero if
+    /// constraints repeat or contradict each other for all values of the unknowns.
+    pub dependent: usize,
+    /// The rows that the dummies balance, round by round.
+    pub pivots: Vec<Pivot>,
+}
+
+/// A constraint and the variable that it determines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pivot {
+    /// How far below the highest derivatives: constraints of different rounds are independent.
+    pub round: usize,
+    /// The constraint, an original or a differentiated row.
+    pub constraint: Row,
+    /// The column that it determines: its derivative is a dummy.
+    pub determined: Col,
+    /// All columns that it might determine, with a derivative each.
+    pub candidates: Vec<Col>,
+    /// The pivot, or the block of pivots that it belongs to, varies and might become singular.
+    pub varying: bool,
+    /// The derivative of the constraint by some candidate varies.
+    pub nonlinear: bool,
+}
+
+/// Chooses the dummy derivatives of a reduced system: as many as there are differentiated rows.
+///
+/// - `priority`: how much each column is wanted as a state, the highest most. Columns beyond the
+///   end, those that the reduction added, are wanted like what they are the derivative of.
+/// - `coefficient`: for each edge of the *original* rows (they are the first edges of
+///   `reduction.incidence`); edges beyond the end are varying. The entry of a differentiated row for
+///   a highest derivative is the same partial derivative as the entry of the original row for the
+///   variable itself, so the original edges tell all.
+///
+/// Between columns of equal priority, constant coefficients are preferred, then the lower number.
+/// A row takes a column of its own block of the highest derivatives, as in the paper, or any other
+/// if the coefficient does not vary.
+pub fn choose(
+    reduction: &Reduction,
+    priority: &IndexVec<Col, i32>,
+    coefficient: &IndexVec<Edge, Coefficient>,
+) -> StateChoice {
+    let chains = Chains::of(reduction);
+    let jacobian = Jacobian::of(reduction, &chains, coefficient);
+    let mut is_dummy = IndexVec::filled(false, reduction.derivative.len());
+    let mut dependent = 0;
+    let mut pivots = Vec::new();
+
+    let mut candidates: Vec<Candidate> = (jacobian.graph.rows())
+        .filter(|&top| !jacobian.graph.cols(top).is_empty())
+        .filter_map(|top| Candidate { top, dummy: top, state: top }.lowered(&chains))
+        .collect();
+    // Round k deals with the rows differentiated k times or more, one derivative lower each time.
+    for round in 1.. {
+        let mut greedy = Greedy::new(&jacobian, |row| chains.times[row] >= round);
+        if greedy.missing == 0 {
+            break;
+        }
+        let wanted = |candidate: &Candidate| chains.priority(priority, candidate.state);
+        candidates.sort_by_key(|candidate| (wanted(candidate), candidate.state));
+        let groups: Vec<_> = candidates.chunk_by(|a, b| wanted(a) == wanted(b)).collect();
+        greedy.take_independent(&groups);
+        dependent += greedy.missing;
+        greedy.take_dependent(&candidates);
+        candidates.retain(|candidate| greedy.matching.row_to_col[candidate.top].is_some());
+        for candidate in &candidates {
+            is_dummy[candidate.dummy] = true;
+        }
+        pivots.extend(jacobian.pivots(&greedy.matching, round, &chains));
+        candidates = candidates.iter().filter_map(|candidate| candidate.lowered(&chains)).collect();
+    }
+    let is_state = |(col, derivative): (Col, &Option<Col>)| {
+        derivative.filter(|&derivative| !is_dummy[derivative]).map(|_| col)
+    };
+    let states = reduction.derivative.enumerate().filter_map(is_state).collect();
+    StateChoice { is_dummy, states, dependent, pivots }
+}
+
+/// A derivative that may become a dummy in this round.
+#[derive(Clone, Copy)]
+struct Candidate {
+    /// The highest derivative of the same variable, which stands for it in the Jacobian.
+    top: Col,
+    /// The derivative itself.
+    dummy: Col,
+    /// What it is the derivative of: no state any more if the candidate is taken.
+    state: Col,
+}
+
+impl Candidate {
+    /// The next lower derivative, if that is one.
+    fn lowered(self, chains: &Chains) -> Option<Candidate> {
+        let state = chains.integral[self.state]?;
+        Some(Candidate { top: self.top, dummy: self.state, state })
+    }
+}
+
+/// The lists A and B read backwards.
+struct Chains {
+    /// What each column is the derivative of.
+    integral: IndexVec<Col, Option<Col>>,
+    /// What each row is the derivative of.
+    constraint: IndexVec<Row, Option<Row>>,
+    /// The original row of each row.
+    origin: IndexVec<Row, Row>,
+    /// How many times the original row was differentiated to give each row.
+    times: IndexVec<Row, usize>,
+}
+
+impl Chains {
+    fn of(reduction: &Reduction) -> Chains {
+        let mut integral = IndexVec::filled(None, reduction.derivative.len());
+        for (col, &derivative) in reduction.derivative.enumerate() {
+            if let Some(derivative) = derivative {
+                integral[derivative] = Some(col);
+            }
+        }
+        let mut origin: IndexVec<Row, Row> = reduction.incidence.rows().collect();
+        let mut times = IndexVec::filled(0, origin.len());
+        let mut constraint = IndexVec::filled(None, origin.len());
+        // A differentiated row has a higher number than the row it comes from.
+        for (row, &differentiated) in reduction.differentiated.enumerate() {
+            if let Some(differentiated) = differentiated {
+                origin[differentiated] = origin[row];
+                times[differentiated] = times[row] + 1;
+                constraint[differentiated] = Some(row);
+            }
+        }
+        Chains { integral, constraint, origin, times }
+    }
+
+    /// How much a column is wanted as a state.
+    fn priority(&self, given: &IndexVec<Col, i32>, col: Col) -> i32 {
+        std::iter::successors(Some(col), |&col| self.integral[col])
+            .find_map(|col| given.get(col).copied())
+            .unwrap_or(0)
+    }
+
+    /// The edge of the original row that has the same partial derivative as (row, col).
+    fn original_edge(&self, graph: &Bipartite, row: Row, col: Col) -> Option<Edge> {
+        let variable = (0..self.times[row]).try_fold(col, |col, _| self.integral[col])?;
+        graph.edge(self.origin[row], variable)
+    }
+}
+
+/// The Jacobian of the differentiated constraints with respect to the highest derivatives, seen
+/// from the columns, in the numbers of the reduction.
+struct Jacobian {
+    graph: Bipartite<Col, Row>,
+    entries: Vec<Entry>,
+    /// The stages that occur, in order.
+    stages: Vec<Stage>,
+    /// The differentiated rows that are not differentiated again.
+    rows: Vec<Row>,
+}
+
+/// An entry of the Jacobian.
+#[derive(Clone, Copy)]
+struct Entry {
+    stage: Stage,
+    value: Residue,
+    varying: bool,
+}
+
+/// The order in which edges are tried.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    /// Within a block, with a constant coefficient.
+    Constant,
+    /// Within a block, with a parameter as coefficient.
+    Parameter,
+    /// Within a block.
+    Varying,
+    /// Across blocks, with a coefficient that does not vary.
+    Across,
+    /// Any other: only to complete the choice.
+    LastResort,
+}
+
+impl Jacobian {
+    fn of(
+        reduction: &Reduction,
+        chains: &Chains,
+        coefficient: &IndexVec<Edge, Coefficient>,
+    ) -> Jacobian {
+        let incidence = &reduction.incidence;
+        let block = block_of_rows(reduction);
+        let entry = |row: Row, col: Col| {
+            let edge = chains.original_edge(incidence, row, col);
+            let coefficient = edge.and_then(|edge| coefficient.get(edge).copied());
+            let col_row = reduction.matching.col_to_row[col];
+            Entry::new(
+                coefficient.unwrap_or(Coefficient::Varying),
+                col_row.is_some_and(|col_row| block[col_row] == block[row]),
+                u64::from(row.0) << 32 | u64::from(col.0),
+            )
+        };
+        let mut entries_by_row = Vec::new();
+        let mut by_row = Bipartite::new(incidence.col_count());
+        let mut rows = Vec::new();
+        for row in incidence.rows() {
+            let mut tops = Vec::new();
+            if reduction.differentiated[row].is_none() && chains.times[row] > 0 {
+                rows.push(row);
+                tops.extend(incidence.cols(row));
+                tops.retain(|&col| reduction.derivative[col].is_none());
+            }
+            entries_by_row.extend(tops.iter().map(|&col| entry(row, col)));
+            by_row.push_row(tops);
+        }
+        let (graph, origin) = by_row.transposed_with_edges();
+        let entries = origin.into_iter().map(|edge| entries_by_row[edge.0 as usize]).collect();
+        let mut stages: Vec<Stage> = entries_by_row.iter().map(|entry| entry.stage).collect();
+        stages.sort_unstable();
+        stages.dedup();
+        Jacobian { graph, entries, stages, rows }
+    }
+
+    /// The rows of a round with the columns they are matched to, in the numbers of that round.
+    fn pivots(&self, matching: &Matching<Col, Row>, round: usize, chains: &Chains) -> Vec<Pivot> {
+        let rows: Vec<Row> =
+            self.rows.iter().copied().filter(|r| chains.times[*r] >= round).collect();
+        let mut local = IndexVec::filled(None, self.graph.col_count());
+        let mut tops = Vec::new();
+        for &row in &rows {
+            if let Some(top) = matching.col_to_row[row] {
+                local[row] = Some(Row(tops.len() as u32));
+                tops.push((row, top));
+            }
+        }
+        // The regular matrix of the round, row by row, and all entries of its rows.
+        let mut chosen: Vec<Vec<Col>> = vec![Vec::new(); tops.len()];
+        let mut all: Vec<Vec<(Col, bool)>> = vec![Vec::new(); tops.len()];
+        let mut place = IndexVec::filled(None, self.graph.row_count());
+        for (i, &(_, top)) in tops.iter().enumerate() {
+            place[top] = Some(Col(i as u32));
+        }
+        for top in self.graph.rows() {
+            for edge in self.graph.edges(top) {
+                if let Some(row) = local[self.graph.col(edge)] {
+                    all[row.0 as usize].push((top, self.entries[edge.0 as usize].varying));
+                    chosen[row.0 as usize].extend(place[top]);
+                }
+            }
+        }
+        let square = Bipartite::from_rows(tops.len(), chosen);
+        let mut diagonal = Matching::empty(&square);
+        for i in 0..tops.len() as u32 {
+            diagonal.join(Row(i), Col(i));
+        }
+        let mut varying = vec![false; tops.len()];
+        let mut block_of = vec![usize::MAX; tops.len()];
+        for (number, block) in scc::blocks(&square, &diagonal).iter().enumerate() {
+            for (row, _) in block {
+                block_of[row.0 as usize] = number;
+            }
+            let inside = |top: Col| place[top].is_some_and(|c| block_of[c.0 as usize] == number);
+            let varies = block.iter().any(|(row, _)| {
+                all[row.0 as usize].iter().any(|&(top, varying)| varying && inside(top))
+            });
+            for (row, _) in block {
+                varying[row.0 as usize] = varies;
+            }
+        }
+        let lowered = |top: Col| (0..round).try_fold(top, |col, _| chains.integral[col]);
+        let pivots = tops.iter().enumerate().filter_map(|(i, &(row, top))| {
+            Some(Pivot {
+                round,
+                constraint: (0..round).try_fold(row, |row, _| chains.constraint[row])?,
+                determined: lowered(top)?,
+                candidates: all[i].iter().filter_map(|&(top, _)| lowered(top)).collect(),
+                varying: varying[i],
+                nonlinear: all[i].iter().any(|&(_, varying)| varying),
+            })
+        });
+        pivots.collect()
+    }
+}
+
+impl Entry {
+    /// `key` identifies the entry among those that are not constant.
+    fn new(coefficient: Coefficient, in_block: bool, key: u64) -> Entry {
+        let arbitrary = Residue::arbitrary(key);
+        let (stage, value) = match coefficient {
+            Coefficient::Constant(value) => match Residue::of_float(value) {
+                Some(residue) if value != 0.0 => (Stage::Constant, residue),
+                Some(zero) => (Stage::LastResort, zero),
+                None => (Stage::LastResort, arbitrary),
+            },
+            Coefficient::Parameter => (Stage::Parameter, arbitrary),
+            Coefficient::Varying => (Stage::Varying, arbitrary),
+        };
+        let stage = match stage {
+            stage if in_block => stage,
+            Stage::Constant | Stage::Parameter => Stage::Across,
+            _ => Stage::LastResort,
+        };
+        Entry { stage, value, varying: coefficient == Coefficient::Varying }
+    }
+}
+
+/// The number of the block of each matched row.
+fn block_of_rows(reduction: &Reduction) -> IndexVec<Row, Option<usize>> {
+    let mut block_of = IndexVec::filled(None, reduction.incidence.row_count());
+    let blocks = scc::blocks(&reduction.incidence, &reduction.matching);
+    for (number, block) in blocks.iter().enumerate() {
+        for &(row, _) in block {
+            block_of[row] = Some(number);
+        }
+    }
+    block_of
+}
+
+/// The greedy algorithm of one round.
+struct Greedy<'a> {
+    jacobian: &'a Jacobian,
+    /// The rows of this round.
+    in_round: IndexVec<Row, bool>,
+    /// How many of them have no column yet.
+    missing: usize,
+    matching: Matching<Col, Row>,
+    search: Search<Col, Row>,
+    echelon: Echelon,
+    /// Columns that depend on those taken.
+    refused: IndexVec<Col, bool>,
+}
+
+impl<'a> Greedy<'a> {
+    fn new(jacobian: &'a Jacobian, in_round: impl Fn(Row) -> bool) -> Self {
+        let mut rows = IndexVec::filled(false, jacobian.graph.col_count());
+        let mut missing = 0;
+        for &row in jacobian.rows.iter().filter(|&&row| in_round(row)) {
+            rows[row] = true;
+            missing += 1;
+        }
+        Greedy {
+            jacobian,
+            in_round: rows,
+            missing,
+            matching: Matching::empty(&jacobian.graph),
+            search: Search::new(),
+            echelon: Echelon::new(jacobian.graph.col_count()),
+            refused: IndexVec::filled(false, jacobian.graph.row_count()),
+        }
+    }
+
+    /// Takes independent columns, group by group and in each by stage, until all rows are matched.
+    fn take_independent(&mut self, groups: &[&[Candidate]]) {
+        let stages = self.jacobian.stages.iter();
+        let (last, usual): (Vec<Stage>, Vec<Stage>) =
+            stages.partition(|&&stage| stage == Stage::LastResort);
+        for stages in [usual, last] {
+            for group in groups {
+                for &stage in &stages {
+                    self.search.forget();
+                    for candidate in *group {
+                        let top = candidate.top;
+                        if self.missing > 0 && !self.refused[top] && self.take(top, stage) {
+                            self.keep_if_independent(top);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes columns that can be matched, without regard to values.
+    fn take_dependent(&mut self, candidates: &[Candidate]) {
+        self.search.forget();
+        for candidate in candidates {
+            if self.missing > 0 {
+                self.take(candidate.top, Stage::LastResort);
+            }
+        }
+    }
+
+    /// Matches a free column over the edges up to a stage, if possible.
+    fn take(&mut self, top: Col, stage: Stage) -> bool {
+        let Jacobian { graph, entries, .. } = self.jacobian;
+        let in_round = &self.in_round;
+        let in_play =
+            |edge: Edge, row: Row| in_round[row] && entries[edge.0 as usize].stage <= stage;
+        let taken = self.matching.row_to_col[top].is_none()
+            && self.search.augment(graph, &mut self.matching, top, in_play);
+        self.missing -= usize::from(taken);
+        taken
+    }
+
+    /// Gives a column back that depends on those taken before.
+    fn keep_if_independent(&mut self, top: Col) {
+        let Jacobian { graph, entries, .. } = self.jacobian;
+        let column = graph.edges(top).map(|edge| (graph.col(edge), entries[edge.0 as usize].value));
+        let in_round = &self.in_round;
+        if !self.echelon.insert(column.filter(|&(row, _)| in_round[row])) {
+            self.matching.separate(top);
+            self.refused[top] = true;
+            self.missing += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::index::Id;
+    use crate::graph::pantelides::pantelides;
+    use crate::graph::samples::graph_of;
+    use Coefficient::{Constant, Parameter, Varying};
+
+    fn list_a(cols: usize, pairs: &[(u32, u32)]) -> IndexVec<Col, Option<Col>> {
+        let mut derivative = IndexVec::filled(None, cols);
+        for &(col, higher) in pairs {
+            derivative[Col(col)] = Some(Col(higher));
+        }
+        derivative
+    }
+
+    fn chosen(
+        graph: &Bipartite,
+        a: &[(u32, u32)],
+        priority: &[i32],
+        coefficient: &[Coefficient],
+    ) -> (Vec<u32>, Vec<u32>, usize) {
+        let reduction = pantelides(graph, &list_a(graph.col_count(), a), &[]).unwrap();
+        let priority = priority.iter().copied().collect();
+        let coefficient = coefficient.iter().copied().collect();
+        let choice = choose(&reduction, &priority, &coefficient);
+        let added = reduction.incidence.row_count() - graph.row_count();
+        let dummies = choice.is_dummy.enumerate().filter(|(_, dummy)| **dummy);
+        let dummies: Vec<u32> = dummies.map(|(col, _)| col.0).collect();
+        assert_eq!(dummies.len(), added, "one dummy for each differentiation");
+        (choice.states.iter().map(|col| col.0).collect(), dummies, choice.dependent)
+    }
+
+    /// Mattsson and Söderlind 1993, the pendulum x'' = F x, y'' = F y - g, x² + y² = L²: either
+    /// coordinate and its velocity may be the states.
+    #[test]
+    fn pendulum() {
+        // x x' x'' y y' y'' F
+        let graph = graph_of(7, &[&[0, 2, 6], &[3, 5, 6], &[0, 3]]);
+        let a = [(0, 1), (1, 2), (3, 4), (4, 5)];
+        let varying = [Varying; 8];
+        let x_wanted = chosen(&graph, &a, &[1, 1, 0, 0, 0, 0, 0], &varying);
+        assert_eq!(x_wanted, (vec![0, 1], vec![4, 5], 0));
+        let y_wanted = chosen(&graph, &a, &[0, 0, 0, 1, 1, 0, 0], &varying);
+        assert_eq!(y_wanted, (vec![3, 4], vec![1, 2], 0));
+    }
+
+    /// The linear example of Mattsson and Söderlind 1993: x1 + x2 + u1 = 0, x1 + x2 + x3 + u2 = 0,
+    /// x1 + x3' + x4 + u3 = 0, 2 x1'' + x2'' + x3'' + x4' + u4 = 0. x3 is never a state, nor is x4;
+    /// one of x1 and x2 is. The columns of x1, x2 and x4 can be matched but are dependent.
+    #[test]
+    fn linear_system_of_the_paper_in_which_a_matching_is_not_enough() {
+        // x1 x1' x1'' x2 x2' x2'' x3 x3' x3'' x4 x4'
+        let rows: [&[u32]; 4] = [&[0, 3], &[0, 3, 6], &[0, 7, 9], &[2, 5, 8, 10]];
+        let graph = graph_of(11, &rows);
+        let a = [(0, 1), (1, 2), (3, 4), (4, 5), (6, 7), (7, 8), (9, 10)];
+        let mut ones = [Constant(1.0); 12];
+        ones[8] = Constant(2.0);
+        let (states, dummies, dependent) = chosen(&graph, &a, &[], &ones);
+        assert_eq!((states, dependent), (vec![3, 4], 0));
+        assert_eq!(dummies, [1, 2, 7, 8, 10]);
+        // Wanting x1 and x3 most can save x1 only.
+        let wanted = [5, 5, 5, 0, 0, 0, 9, 9, 9, 0, 0];
+        assert_eq!(chosen(&graph, &a, &wanted, &ones).0, [0, 1]);
+    }
+
+    /// Two rotors on one gear, w1' = q, w2' = q + ..., w1 = n w2: the number decides, the wish first.
+    #[test]
+    fn wishes_before_constants_before_numbers() {
+        // w1 w2 w1' w2' q
+        let graph = graph_of(5, &[&[2, 4], &[3, 4], &[0, 1]]);
+        let a = [(0, 2), (1, 3)];
+        let solvable_for = |first, second| [Varying, Varying, Varying, Varying, first, second];
+        let states = |priority: &[i32], first, second| {
+            chosen(&graph, &a, priority, &solvable_for(first, second)).0
+        };
+        assert_eq!(states(&[], Constant(1.0), Constant(-3.0)), [1]);
+        assert_eq!(states(&[], Varying, Constant(-3.0)), [0]);
+        assert_eq!(states(&[], Parameter, Constant(-3.0)), [0]);
+        assert_eq!(states(&[], Parameter, Varying), [1]);
+        assert_eq!(states(&[0, -1], Constant(1.0), Varying), [0]);
+        assert_eq!(states(&[0, 0], Constant(0.0), Varying), [0]);
+    }
+
+    /// An energy balance u' = q with u = c T: u' is computed in a block of its own before T', so the
+    /// paper's choice is u as a state; a wish for T is granted if c does not vary.
+    #[test]
+    fn a_wish_across_blocks_is_granted_if_the_coefficient_does_not_vary() {
+        // u T u' T'; T' occurs because T is wanted as a state: z = T', z in column 4.
+        let graph = graph_of(5, &[&[2], &[0, 1], &[3, 4]]);
+        let a = [(0, 2), (1, 3)];
+        let coefficients = |u| [Constant(1.0), u, Varying, Constant(1.0), Constant(1.0)];
+        let states = |priority: &[i32], u| chosen(&graph, &a, priority, &coefficients(u)).0;
+        assert_eq!(states(&[], Constant(1.0)), [0]);
+        assert_eq!(states(&[0, 1], Constant(1.0)), [1]);
+        assert_eq!(states(&[0, 1], Varying), [0]);
+    }
+
+    #[test]
+    fn contradicting_constraints_are_counted() {
+        // x + y = 1, 2 x + 2 y = f with x' = f, y' = g.
+        let graph = graph_of(6, &[&[2, 4], &[3, 5], &[0, 1], &[0, 1]]);
+        let a = [(0, 2), (1, 3)];
+        let mut coefficients = [Constant(1.0); 8];
+        coefficients[6] = Constant(2.0);
+        coefficients[7] = Constant(2.0);
+        let (states, dummies, dependent) = chosen(&graph, &a, &[], &coefficients);
+        assert_eq!((states, dummies, dependent), (vec![], vec![2, 3], 1));
+    }
+
+    /// The remaining system, with states known, is square and structurally regular: n masses joined
+    /// to one, all rows of all orders against all unknowns that are not states.
+    #[test]
+    fn the_system_with_dummies_determines_all_unknowns() {
+        let n = 40;
+        // x_i, v_i, x_i', v_i', f_i for the joints: see the chain in the tests of `pantelides`.
+        let (x, v, dx, dv, f) = (0, n, 2 * n, 3 * n, 4 * n);
+        let velocity = (0..n).map(|i| vec![dx + i, v + i]);
+        let force = (0..n).map(|i| {
+            let inner = [i, i + 1].into_iter().filter(|&j| 0 < j && j < n);
+            inner.map(|j| f + j - 1).chain([dv + i]).collect()
+        });
+        let joint = (0..n - 1).map(|i| vec![x + i, x + i + 1]);
+        let rows = velocity.chain(force).chain(joint);
+        let rows = rows.map(|row: Vec<usize>| row.into_iter().map(Col::from_usize));
+        let graph = Bipartite::from_rows(5 * n - 1, rows);
+        let mut a = IndexVec::filled(None, 5 * n - 1);
+        for col in 0..2 * n {
+            a[Col::from_usize(col)] = Some(Col::from_usize(col + 2 * n));
+        }
+        let reduction = pantelides(&graph, &a, &[]).unwrap();
+        let mut priority = IndexVec::filled(0, 2 * n);
+        priority[Col(7)] = 1;
+        // Stronger than the wish for x7, which its velocity inherits.
+        priority[Col::from_usize(v + 9)] = 2;
+        let choice = choose(&reduction, &priority, &IndexVec::new());
+        assert_eq!(choice.states, [Col(7), Col::from_usize(v + 9)]);
+        assert_eq!(choice.dependent, 0);
+        let all = &reduction.incidence;
+        let unknown = |_: Edge, col: Col| !choice.states.contains(&col);
+        let matching = crate::graph::matching::maximum(all, unknown, Matching::empty(all));
+        assert_eq!(matching.cardinality(), all.row_count());
+        assert_eq!(matching.cardinality() + choice.states.len(), all.col_count());
+    }
+}

@@ -1,0 +1,575 @@
+//! Tables as CSV (RFC 4180), to the bit: what is written reads back as the same numbers.
+//! Sole user of `csv` (reading) and `zmij` (number to text).
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::atomic_file::{AtomicFile, WriteError};
+use crate::ir::trajectory::{Column, Kind, Trajectory};
+
+/// Why a table was not written.
+#[derive(Error, Debug)]
+pub enum TableError {
+    /// A value is NaN or infinite, which a table of results never holds.
+    #[error("`{name}` is {value} at time {time} s")]
+    NotFinite {
+        /// The column, or `time`.
+        name: String,
+        /// NaN or an infinity.
+        value: f64,
+        /// Time of the row, s.
+        time: f64,
+    },
+    /// A row is not as long as the header.
+    #[error("a row at time {time} s has {found} values for {expected} columns")]
+    RowLength {
+        /// Number of values given.
+        found: usize,
+        /// Number of columns.
+        expected: usize,
+        /// Time of the row, s.
+        time: f64,
+    },
+    /// A value of a column of whole numbers is none, or too large for the format.
+    #[error("`{name}` is {value} at time {time} s, which is not a whole number of 64 bits")]
+    NotWhole {
+        /// The column.
+        name: String,
+        /// The value.
+        value: f64,
+        /// Time of the row, s.
+        time: f64,
+    },
+    /// The format cannot hold so many columns or rows.
+    #[error("{what} {count} is more than the format can hold; write .csv or .parquet")]
+    TooLarge {
+        /// What is counted.
+        what: &'static str,
+        /// The number.
+        count: usize,
+    },
+    /// The output took no more bytes.
+    #[error("cannot write the table: {0}")]
+    Output(#[from] io::Error),
+    /// The file could not be made.
+    #[error(transparent)]
+    File(#[from] WriteError),
+}
+
+/// Writes a table row by row; allocates only in [`TableWriter::new`].
+pub struct TableWriter<W: Write> {
+    out: W,
+    /// Header names with `time` in front.
+    names: Vec<String>,
+    /// True where the values are whole numbers by declaration.
+    whole: Vec<bool>,
+    /// The row being made and the one before it.
+    row: Row,
+    before: Row,
+}
+
+/// One row as text. Neighbours that are like the ones above them are copied as one piece of text:
+/// much of a run stands still, and copying is many times faster than formatting.
+struct Row {
+    text: Vec<u8>,
+    /// The bits of each value.
+    bits: Vec<u64>,
+    /// Where each value's text ends.
+    ends: Vec<usize>,
+}
+
+/// Longest text of an f64 (`-2.2250738585072014e-308`) with its comma.
+const LONGEST: usize = 25;
+
+impl<W: Write> TableWriter<W> {
+    /// Writes the header `time,NAME,...` and makes room for one row.
+    pub fn new(mut out: W, columns: &[Column]) -> Result<Self, TableError> {
+        let mut header = String::from("time");
+        for column in columns {
+            header.push(',');
+            push_quoted(&mut header, &column.name);
+        }
+        header.push('\n');
+        out.write_all(header.as_bytes())?;
+        let width = columns.len() + 1;
+        let row = || Row {
+            text: Vec::with_capacity(width * LONGEST),
+            bits: Vec::with_capacity(width),
+            ends: Vec::with_capacity(width),
+        };
+        let whole = |kind| matches!(kind, Kind::Boolean | Kind::Integer);
+        Ok(TableWriter {
+            out,
+            names: std::iter::once("time".to_owned())
+                .chain(columns.iter().map(|c| c.name.clone()))
+                .collect(),
+            whole: std::iter::once(false).chain(columns.iter().map(|c| whole(c.kind))).collect(),
+            row: row(),
+            before: row(),
+        })
+    }
+    /// Writes one row; `values` in the order of the columns. A refused row leaves no bytes.
+    pub fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
+        let (found, expected) = (values.len(), self.names.len() - 1);
+        if found != expected {
+            return Err(TableError::RowLength { found, expected, time });
+        }
+        self.format(time, values)?;
+        // The last comma stays in the text, so that copying from it is the same everywhere.
+        let text = &self.row.text;
+        self.out.write_all(&text[..text.len() - 1])?;
+        self.out.write_all(b"\n")?;
+        std::mem::swap(&mut self.row, &mut self.before);
+        Ok(())
+    }
+    /// Hands the output back, flushed.
+    pub fn finish(mut self) -> Result<W, TableError> {
+        self.out.flush()?;
+        Ok(self.out)
+    }
+    /// Fills `row`, reading `before`.
+    fn format(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
+        let Row { text, bits, ends } = &mut self.row;
+        text.clear();
+        bits.clear();
+        ends.clear();
+        bits.push(time.to_bits());
+        bits.extend(values.iter().map(|v| v.to_bits()));
+        let before = &self.before;
+        let mut i = 0;
+        while i < bits.len() {
+            // Only finite values come into `before`, so what is like them is finite.
+            let same = bits[i..].iter().zip(before.bits.iter().skip(i)).take_while(|(a, b)| a == b);
+            let next = i + same.count();
+            if next > i {
+                let start = if i == 0 { 0 } else { before.ends[i - 1] };
+                let here = text.len();
+                ends.extend(before.ends[i..next].iter().map(|end| end - start + here));
+                text.extend_from_slice(&before.text[start..before.ends[next - 1]]);
+            }
+            i = next;
+            let Some(&changed) = bits.get(i) else { break };
+            let value = f64::from_bits(changed);
+            if !value.is_finite() {
+                return Err(TableError::NotFinite { name: self.names[i].clone(), value, time });
+            }
+            push_number(text, value, self.whole[i]);
+            text.push(b',');
+            ends.push(text.len());
+            i += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Writes the whole run to `path`; see [`AtomicFile`].
+pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), TableError> {
+    let file = AtomicFile::create(path)?;
+    let mut table = TableWriter::new(file, &trajectory.columns)?;
+    let mut row = vec![0.0; trajectory.columns.len()];
+    for (i, &time) in trajectory.time.iter().enumerate() {
+        for (cell, values) in row.iter_mut().zip(&trajectory.data) {
+            *cell = values[i];
+        }
+        table.row(time, &row)?;
+    }
+    table.finish()?.finish()?;
+    Ok(())
+}
+
+/// Whole numbers below 2^53 plainly where the column is whole, otherwise the shortest text that
+/// reads back as the same value. A negative zero keeps its sign, but for whole numbers, which have
+/// one zero only.
+pub(crate) fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let value = if whole { value + 0.0 } else { value };
+    let plain = whole && value.fract() == 0.0 && value.abs() < EXACT;
+    let mut buffer = zmij::Buffer::new();
+    let digits = buffer.format_finite(value);
+    let digits = if plain { digits.strip_suffix(".0").unwrap_or(digits) } else { digits };
+    text.extend_from_slice(digits.as_bytes());
+}
+
+/// Quotes what holds a comma, a quote or a line break, doubling quotes.
+pub(crate) fn push_quoted(header: &mut String, name: &str) {
+    if name.contains([',', '"', '\n', '\r']) {
+        header.push('"');
+        header.push_str(&name.replace('"', "\"\""));
+        header.push('"');
+    } else {
+        header.push_str(name);
+    }
+}
+
+/// Why a table could not be read; every place counts from 1.
+#[derive(Error, Debug)]
+pub enum ReadError {
+    /// The file cannot be opened or read.
+    #[error("cannot read {}: {source}", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Not a table: a broken quotation or text that is not UTF-8.
+    #[error("{}:{line}: not a table: {what}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: u64,
+        /// What is wrong.
+        what: String,
+    },
+    /// There is no header.
+    #[error("{} is empty: a header line with names is needed, the time first", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Two columns have one name, or one has none.
+    #[error("{}:1: column {column}: {what}", path.display())]
+    Name {
+        /// The file.
+        path: PathBuf,
+        /// Position of the column.
+        column: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// A line is not as long as the header.
+    #[error("{}:{line}: {found} fields, but the header names {expected}", path.display())]
+    FieldCount {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: u64,
+        /// Number of fields in the line.
+        found: usize,
+        /// Number of names in the header.
+        expected: usize,
+    },
+    /// A field is not a finite number.
+    #[error("{}:{line}: column {column} (`{name}`): `{text}` is not a finite number", path.display())]
+    NotANumber {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: u64,
+        /// Position of the column.
+        column: usize,
+        /// Name of the column.
+        name: String,
+        /// The field.
+        text: String,
+    },
+    /// A line is earlier than the one before it.
+    #[error("{}:{line}: the time goes back from {before} s to {after} s", path.display())]
+    TimeDecreases {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: u64,
+        /// Time of the line before, s.
+        before: f64,
+        /// Time of the line, s.
+        after: f64,
+    },
+}
+
+/// Reads a table: a header with names, then numbers; the first column is the time in s, whatever
+/// its name. Units are not in a table, so the columns have none, and all count as continuous.
+/// Spaces around fields and a byte order mark are skipped.
+pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
+    let path = path.as_ref();
+    let at = || path.to_path_buf();
+    let table = read_text(path)?;
+    let names = table.names;
+    let mut run = Trajectory::new(names[1..].iter().map(|n| Column::new(n.as_str(), "")).collect());
+    let mut values = vec![0.0; names.len()];
+    for (line, record) in table.rows {
+        for (i, field) in record.iter().enumerate() {
+            values[i] = field.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
+                let (name, text) = (names[i].clone(), field.to_owned());
+                ReadError::NotANumber { path: at(), line, column: i + 1, name, text }
+            })?;
+        }
+        if let Some(&before) = run.time.last().filter(|&&before| values[0] < before) {
+            let after = values[0];
+            return Err(ReadError::TimeDecreases { path: at(), line, before, after });
+        }
+        run.push(values[0], &values[1..]);
+    }
+    Ok(run)
+}
+
+/// A table as text.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TextTable {
+    /// Names of the columns, each another.
+    pub names: Vec<String>,
+    /// Lines with their numbers, counted from 1, each as long as `names`.
+    pub rows: Vec<(u64, Vec<String>)>,
+}
+
+impl TextTable {
+    /// Position of a column.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+}
+
+/// Reads a table: a header with names, then fields of any text. Spaces around fields and a byte order
+/// mark are skipped. Fields are separated by commas; by semicolons or tabs if the header has no comma.
+pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
+    let path = path.as_ref();
+    let at = || path.to_path_buf();
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Open { path: at(), source })?;
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(delimiter(bytes))
+        .trim(csv::Trim::All)
+        .from_reader(bytes);
+    let mut record = csv::StringRecord::new();
+    let mut next = |record: &mut csv::StringRecord| {
+        reader.read_record(record).map_err(|error| ReadError::Syntax {
+            path: at(),
+            line: error.position().map_or(1, csv::Position::line),
+            what: match error.kind() {
+                csv::ErrorKind::Utf8 { .. } => "the text is not UTF-8".to_owned(),
+                _ => error.to_string(),
+            },
+        })
+    };
+    if !next(&mut record)? {
+        return Err(ReadError::Empty { path: at() });
+    }
+    let names: Vec<String> = record.iter().map(str::to_owned).collect();
+    check_names(&names, path)?;
+    let mut rows = Vec::new();
+    let mut counted = Lines { bytes, at: 0, line: 1 };
+    while next(&mut record)? {
+        let line = counted.of(&record);
+        if record.len() != names.len() {
+            let (found, expected) = (record.len(), names.len());
+            return Err(ReadError::FieldCount { path: at(), line, found, expected });
+        }
+        rows.push((line, record.iter().map(str::to_owned).collect()));
+    }
+    Ok(TextTable { names, rows })
+}
+
+/// Counts lines as far as records were read.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: u64,
+}
+
+impl Lines<'_> {
+    /// The line of a record, not before that of the last one. `csv` takes empty lines before a record
+    /// for its beginning.
+    fn of(&mut self, record: &csv::StringRecord) -> u64 {
+        let bytes = self.bytes;
+        let start = record.position().map_or(0, |p| p.byte() as usize).min(bytes.len());
+        let empty = bytes[start..].iter().take_while(|b| matches!(b, b'\r' | b'\n')).count();
+        let passed = &bytes[self.at..start + empty];
+        self.line += passed.iter().filter(|b| **b == b'\n').count() as u64;
+        self.at = start + empty;
+        self.line
+    }
+}
+
+/// What separates the fields.
+fn delimiter(bytes: &[u8]) -> u8 {
+    let header = bytes.split(|b| *b == b'\n').next().unwrap_or(bytes);
+    [b',', b';', b'\t'].into_iter().find(|d| header.contains(d)).unwrap_or(b',')
+}
+
+/// Every column has a name of its own.
+fn check_names(names: &[String], path: &Path) -> Result<(), ReadError> {
+    for (i, name) in names.iter().enumerate() {
+        let what = if name.is_empty() {
+            "has no name".to_owned()
+        } else if name.parse::<f64>().is_ok() {
+            format!("`{name}` is a number; a header line with names is needed")
+        } else if let Some(earlier) = names[..i].iter().position(|n| n == name) {
+            format!("`{name}` is also the name of column {}", earlier + 1)
+        } else {
+            continue;
+        };
+        return Err(ReadError::Name { path: path.to_path_buf(), column: i + 1, what });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::atomic_file::tests::Scratch;
+
+    fn text(columns: &[Column], rows: &[(f64, &[f64])]) -> Result<String, TableError> {
+        let mut table = TableWriter::new(Vec::new(), columns)?;
+        for (time, values) in rows {
+            table.row(*time, values)?;
+        }
+        Ok(String::from_utf8(table.finish()?).unwrap())
+    }
+
+    #[test]
+    fn every_f64_comes_back_to_the_bit() {
+        let mut values = vec![
+            0.0,
+            -0.0,
+            0.1,
+            1.0 / 3.0,
+            5e-324,
+            -5e-324,
+            f64::MIN_POSITIVE,
+            f64::MIN_POSITIVE.next_down(),
+            f64::MAX,
+            f64::MIN,
+            f64::EPSILON,
+            1e16,
+            123456789012345680.0,
+            1e23,
+            9007199254740993.0,
+            2.2250738585072014e-308,
+        ];
+        // All exponents and signs, digits by a multiplicative generator.
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        while values.len() < 20_000 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            values.push(f64::from_bits(state ^ (state >> 29)));
+            if !values[values.len() - 1].is_finite() {
+                values.pop();
+            }
+        }
+        let mut run = Trajectory::new(vec![Column::new("a[1,2]", "m"), Column::new("q\"x", "")]);
+        for (i, pair) in values.chunks(2).enumerate() {
+            run.push(i as f64 * 0.1, pair);
+        }
+        let dir = Scratch::new("bits");
+        write_csv(&run, dir.path("run.csv")).unwrap();
+        let back = read_csv(dir.path("run.csv")).unwrap();
+        let bits = |v: &[f64]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(back.columns[0].name, "a[1,2]");
+        assert_eq!(back.columns[1].name, "q\"x");
+        assert_eq!(bits(&back.time), bits(&run.time));
+        for (a, b) in back.data.iter().zip(&run.data) {
+            assert_eq!(bits(a), bits(b));
+        }
+        assert_eq!(dir.files(), ["run.csv"]);
+    }
+
+    #[test]
+    fn whole_columns_are_plain_and_event_rows_stay_two() {
+        let kind = |name: &str, kind| Column { kind, ..Column::new(name, "") };
+        let columns = [
+            Column::new("a[1,2]", "m"),
+            kind("closed", Kind::Boolean),
+            kind("n", Kind::Integer),
+            kind("huge", Kind::Integer),
+        ];
+        let rows: [(f64, &[f64]); 4] = [
+            (0.0, &[1.0, 0.0, -3.0, 1e300]),
+            (0.25, &[1.5, 0.0, -3.0, 1e300]),
+            (0.25, &[1.5, 1.0, 12.0, 1e300]),
+            (0.5, &[1.5, 1.0, -0.0, 1e300]),
+        ];
+        assert_eq!(
+            text(&columns, &rows).unwrap(),
+            "time,\"a[1,2]\",closed,n,huge\n\
+             0.0,1.0,0,-3,1e+300\n\
+             0.25,1.5,0,-3,1e+300\n\
+             0.25,1.5,1,12,1e+300\n\
+             0.5,1.5,1,0,1e+300\n"
+        );
+    }
+
+    #[test]
+    fn what_is_not_finite_is_refused_with_name_and_time() {
+        let columns = [Column::new("p", "Pa"), Column::new("v", "m/s")];
+        let error = text(&columns, &[(0.0, &[1.0, 1.0]), (0.5, &[1.0, f64::NAN])]).unwrap_err();
+        assert_eq!(error.to_string(), "`v` is NaN at time 0.5 s");
+        let error = text(&columns, &[(0.5, &[f64::NEG_INFINITY, 1.0])]).unwrap_err();
+        assert_eq!(error.to_string(), "`p` is -inf at time 0.5 s");
+        let error = text(&columns, &[(0.5, &[1.0])]).unwrap_err();
+        assert_eq!(error.to_string(), "a row at time 0.5 s has 1 values for 2 columns");
+
+        let dir = Scratch::new("refused-table");
+        let mut run = Trajectory::new(columns.to_vec());
+        run.push(0.0, &[1.0, f64::INFINITY]);
+        assert!(write_csv(&run, dir.path("run.csv")).is_err());
+        assert_eq!(dir.files(), [""; 0]);
+    }
+
+    #[test]
+    fn copied_text_is_that_of_the_row_above() {
+        // Texts of different lengths on both sides of what stands still.
+        let columns: Vec<Column> = (0..5).map(|i| Column::new(format!("x{i}"), "")).collect();
+        let rows: [(f64, &[f64]); 4] = [
+            (0.0, &[0.125, 7.5, -8.25, 3.0, 1e-7]),
+            (0.5, &[2.0, 7.5, -8.25, 0.0625, 1e-7]),
+            (0.5, &[2.0, 7.5, -8.25, -0.0, 1e-7]),
+            (12.5, &[2.0, 7.0, -8.25, 0.0, 1e-7]),
+        ];
+        let expected: String = rows
+            .iter()
+            .map(|(time, values)| {
+                let values: Vec<String> = values.iter().map(|v| format!(",{v:?}")).collect();
+                format!("{time:?}{}\n", values.concat())
+            })
+            .collect();
+        let written = text(&columns, &rows).unwrap();
+        assert_eq!(written, format!("time,x0,x1,x2,x3,x4\n{}", expected));
+    }
+
+    #[test]
+    fn a_refused_row_leaves_no_trace_in_the_next() {
+        let mut table = TableWriter::new(Vec::new(), &[Column::new("x", "")]).unwrap();
+        table.row(0.0, &[1.0]).unwrap();
+        assert!(table.row(1.0, &[f64::NAN]).is_err());
+        table.row(2.0, &[1.0]).unwrap();
+        assert_eq!(table.finish().unwrap(), b"time,x\n0.0,1.0\n2.0,1.0\n");
+    }
+
+    #[test]
+    fn reading_names_file_line_and_column() {
+        let dir = Scratch::new("reading");
+        let path = dir.path("m.csv");
+        let read = |content: &[u8]| {
+            std::fs::write(&path, content).unwrap();
+            let place = path.display().to_string();
+            read_csv(&path).map_err(|e| e.to_string().replace(&place, "m.csv"))
+        };
+        let run = read(b"\xef\xbb\xbft_s,\"q, m\"\r\n0, 1\r\n1e-3 ,-2.5\r\n").unwrap();
+        assert_eq!(run.columns[0].name, "q, m");
+        assert_eq!((run.time, run.data), (vec![0.0, 1e-3], vec![vec![1.0, -2.5].into()]));
+        let wrong = |content: &str| read(content.as_bytes()).unwrap_err();
+        assert_eq!(
+            wrong("t,x\n0,1\n\n1,one\n"),
+            "m.csv:4: column 2 (`x`): `one` is not a finite number"
+        );
+        assert_eq!(wrong("t,x\n0,nan\n"), "m.csv:2: column 2 (`x`): `nan` is not a finite number");
+        assert_eq!(wrong("t,x\r\n0,1\r\n0,1,2\r\n"), "m.csv:3: 3 fields, but the header names 2");
+        assert_eq!(wrong("t,x\n0,1,2\n"), "m.csv:2: 3 fields, but the header names 2");
+        assert_eq!(wrong("t,x\n0,1\n2,1\n1,1\n"), "m.csv:4: the time goes back from 2 s to 1 s");
+        assert_eq!(wrong("t,x,x\n"), "m.csv:1: column 3: `x` is also the name of column 2");
+        assert_eq!(
+            wrong("0,1\n"),
+            "m.csv:1: column 1: `0` is a number; a header line with names is needed"
+        );
+        assert_eq!(wrong(""), "m.csv is empty: a header line with names is needed, the time first");
+        assert_eq!(
+            read(b"t,x\n0,\xff\n").unwrap_err(),
+            "m.csv:2: not a table: the text is not UTF-8"
+        );
+        assert!(read_csv(dir.path("none.csv")).unwrap_err().to_string().contains("none.csv"));
+    }
+}

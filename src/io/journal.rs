@@ -1,0 +1,215 @@
+//! Lines of a long piece of work, kept as they come, so that it goes on where it stopped.
+//!
+//! The first line says what the work is, by a fingerprint. A line that was cut off when the process was killed is
+//! dropped. While a process works on it, the file is locked.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// Begin of the first line.
+const HEAD: &str = "mocc journal 1 ";
+
+/// Why a journal can not be used.
+#[derive(Error, Debug)]
+pub enum JournalError {
+    /// Reading or writing failed.
+    #[error("cannot use the journal {}: {source}", path.display())]
+    File {
+        /// The journal.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Another process works on it.
+    #[error("{} is in use by another process", path.display())]
+    InUse {
+        /// The journal.
+        path: PathBuf,
+    },
+}
+
+/// A journal, open at its end.
+#[derive(Debug)]
+pub struct Journal {
+    file: File,
+    path: PathBuf,
+    /// Complete lines so far.
+    pub lines: u64,
+}
+
+/// What stands under the name of a journal.
+#[derive(Debug)]
+pub enum Found {
+    /// The journal of this work, new or from before.
+    Ours(Journal),
+    /// That of another work.
+    Other,
+}
+
+impl Journal {
+    /// Opens the journal of the work with this fingerprint, or begins it.
+    pub fn open(path: &Path, fingerprint: u64) -> Result<Found, JournalError> {
+        let failed = |source| JournalError::File { path: path.to_path_buf(), source };
+        let options =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
+        let mut file = options.map_err(failed)?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                return Err(JournalError::InUse { path: path.to_path_buf() });
+            }
+            // Where the file system knows no locks, there is none.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        let head = format!("{HEAD}{fingerprint:016x}\n");
+        let mut reader = BufReader::new(&file);
+        let mut line = Vec::new();
+        let mut whole = 0;
+        let mut lines = 0;
+        while reader.read_until(b'\n', &mut line).map_err(failed)? > 0 && line.ends_with(b"\n") {
+            if whole == 0 && line != head.as_bytes() {
+                return Ok(Found::Other);
+            }
+            lines += u64::from(whole > 0);
+            whole += line.len() as u64;
+            line.clear();
+        }
+        file.set_len(whole).map_err(failed)?;
+        file.seek(SeekFrom::End(0)).map_err(failed)?;
+        if whole == 0 {
+            file.write_all(head.as_bytes()).map_err(failed)?;
+        }
+        Ok(Found::Ours(Journal { file, path: path.to_path_buf(), lines }))
+    }
+
+    /// Adds a line, which must not hold a line break.
+    pub fn push(&mut self, line: &str) -> Result<(), JournalError> {
+        // In one piece: another process may read along.
+        let written = self.file.write_all(format!("{line}\n").as_bytes());
+        written.map_err(|source| self.failed(source))?;
+        self.lines += 1;
+        Ok(())
+    }
+
+    /// Calls `visit` with every line, in order, until it says no.
+    pub fn for_each(&mut self, mut visit: impl FnMut(&str) -> bool) -> Result<(), JournalError> {
+        let failed = |source| JournalError::File { path: self.path.clone(), source };
+        self.file.seek(SeekFrom::Start(0)).map_err(failed)?;
+        for line in BufReader::new(&self.file).lines().skip(1) {
+            if !visit(&line.map_err(failed)?) {
+                break;
+            }
+        }
+        self.file.seek(SeekFrom::End(0)).map_err(failed)?;
+        Ok(())
+    }
+
+    /// Removes the file: the work is done.
+    pub fn remove(self) -> Result<(), JournalError> {
+        remove(&self.path)
+    }
+
+    fn failed(&self, source: io::Error) -> JournalError {
+        JournalError::File { path: self.path.clone(), source }
+    }
+}
+
+/// Removes a journal, if there is one.
+pub fn remove(path: &Path) -> Result<(), JournalError> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => {
+            Err(JournalError::File { path: path.to_path_buf(), source: e })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether anything has this name.
+pub fn exists(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok()
+}
+
+/// A fingerprint of texts and their order: FNV-1a of 64 bits (Fowler, Noll, Vo; RFC 9923).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Fingerprint(pub u64);
+
+impl Default for Fingerprint {
+    fn default() -> Self {
+        Fingerprint(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fingerprint {
+    /// Takes a text.
+    pub fn add(&mut self, text: &str) {
+        // The length tells `ab`, `c` from `a`, `bc`.
+        for byte in text.len().to_le_bytes().iter().chain(text.as_bytes()) {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::atomic_file::tests::Scratch;
+
+    fn ours(path: &Path, fingerprint: u64) -> Journal {
+        match Journal::open(path, fingerprint).unwrap() {
+            Found::Ours(journal) => journal,
+            Found::Other => panic!("another journal"),
+        }
+    }
+
+    #[test]
+    fn lines_stay_and_what_was_cut_off_goes() {
+        let dir = Scratch::new("journal");
+        let path = dir.path("work");
+        let mut journal = ours(&path, 7);
+        journal.push("one").unwrap();
+        journal.push("two").unwrap();
+        drop(journal);
+        let mut text = fs::read_to_string(&path).unwrap();
+        text.push_str("thr");
+        fs::write(&path, text).unwrap();
+        let mut journal = ours(&path, 7);
+        assert_eq!(journal.lines, 2);
+        journal.push("three").unwrap();
+        let mut lines = Vec::new();
+        journal
+            .for_each(|line| {
+                lines.push(line.to_owned());
+                true
+            })
+            .unwrap();
+        assert_eq!(lines, ["one", "two", "three"]);
+        assert!(matches!(Journal::open(&path, 7), Err(JournalError::InUse { .. })));
+        journal.remove().unwrap();
+        assert_eq!(dir.files(), [""; 0]);
+    }
+
+    #[test]
+    fn another_work_is_told_apart() {
+        let dir = Scratch::new("other");
+        drop(ours(&dir.path("work"), 7));
+        assert!(matches!(Journal::open(&dir.path("work"), 8), Ok(Found::Other)));
+        // What a process left that was killed before it had written the first line.
+        fs::write(dir.path("cut"), "mocc jour").unwrap();
+        assert_eq!(ours(&dir.path("cut"), 8).lines, 0);
+    }
+
+    /// Published values for the empty text and for single letters hold without the length in front.
+    #[test]
+    fn fingerprints_tell_texts_apart() {
+        let of = |texts: &[&str]| {
+            let mut f = Fingerprint::default();
+            texts.iter().for_each(|t| f.add(t));
+            f
+        };
+        assert_eq!(Fingerprint::default().0, 0xcbf2_9ce4_8422_2325);
+        assert_ne!(of(&["ab", "c"]), of(&["a", "bc"]));
+        assert_ne!(of(&["ab"]), of(&["ab", ""]));
+    }
+}

@@ -1,0 +1,17 @@
+//! File formats: bytes to tables and tables to bytes.
+//!
+//! Results of a run are written row by row through [`results::Results`] as CSV ([`csv`]), Parquet
+//! ([`parquet`]) or MAT level 4 ([`mat4`]); recordings and matrices are read from CSV, MAT levels 4
+//! and 5 ([`mat5`]) and text ([`matrix_file`]). Every file appears complete or not at all
+//! ([`atomic_file`]).
+
+pub mod atomic_file;
+pub mod csv;
+pub mod journal;
+pub mod json;
+pub mod mat4;
+pub(crate) mod mat5;
+pub mod matrix_file;
+pub mod parquet;
+pub mod records;
+pub mod results;

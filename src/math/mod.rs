@@ -1,3 +1,0 @@
-//! Mathematics that knows no equations: graphs of integers and arrays of floats.
-pub mod graph;
-pub mod numeric;

@@ -1,0 +1,370 @@
+//! Nonlinear least squares within bounds, by their normal equations.
+//!
+//! D. W. Marquardt, *An algorithm for least-squares estimation of nonlinear parameters*, SIAM J. Appl.
+//! Math. 11 (1963), with the scaling and the update of J. J. Moré, *The Levenberg-Marquardt algorithm*
+//! (1978), and the damping of H. B. Nielsen, *Damping parameter in Marquardt's method* (1999). A
+//! parameter at its bound stays there while the gradient pushes it out (projected Newton: D. P.
+//! Bertsekas 1982). Residuals come as sums over many data, so that `J` itself is never stored.
+
+use super::linear::DenseLu;
+
+/// `gram = J^T J`, `gradient = J^T r` and `cost = r^T r` of residuals `r` at one point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Normal {
+    /// Number of parameters.
+    pub n: usize,
+    /// Column-major, symmetric.
+    pub gram: Vec<f64>,
+    /// Half the gradient of the cost.
+    pub gradient: Vec<f64>,
+    /// Sum of squares.
+    pub cost: f64,
+}
+
+impl Normal {
+    /// Nothing summed up yet.
+    pub fn new(n: usize) -> Self {
+        Normal { n, gram: vec![0.0; n * n], gradient: vec![0.0; n], cost: 0.0 }
+    }
+
+    /// Adds one residual with its derivatives by the parameters.
+    pub fn add(&mut self, residual: f64, slopes: &[f64]) {
+        self.cost += residual * residual;
+        for (j, a) in slopes.iter().enumerate() {
+            if *a == 0.0 {
+                continue;
+            }
+            self.gradient[j] += a * residual;
+            let column = &mut self.gram[j * self.n..j * self.n + self.n];
+            for (g, b) in column.iter_mut().zip(slopes) {
+                *g += a * b;
+            }
+        }
+    }
+
+    /// True if all sums are numbers.
+    pub fn is_finite(&self) -> bool {
+        let all = self.gram.iter().chain(&self.gradient);
+        self.cost.is_finite() && all.copied().all(f64::is_finite)
+    }
+
+    /// Adds the sums of other data.
+    pub fn merge(&mut self, other: &Normal) {
+        self.cost += other.cost;
+        self.gram.iter_mut().zip(&other.gram).for_each(|(a, b)| *a += b);
+        self.gradient.iter_mut().zip(&other.gradient).for_each(|(a, b)| *a += b);
+    }
+}
+
+/// What is to be made small.
+pub trait Residuals {
+    /// The sums at `x`; `None` if they can not be computed there.
+    fn normal(&mut self, x: &[f64]) -> Option<Normal>;
+
+    /// The sum of squares at `x`; `None` if it can not be computed there.
+    fn cost(&mut self, x: &[f64]) -> Option<f64>;
+
+    /// Told after each accepted step; false ends the search.
+    fn goes_on(&mut self, _iteration: u32, _x: &[f64], _cost: f64) -> bool {
+        true
+    }
+}
+
+/// When to stop.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Stopping {
+    /// Predicted decrease of the cost, relative to it, that is not worth a step.
+    pub decrease: f64,
+    /// Largest change of a parameter that counts as none.
+    pub step: f64,
+    /// Steps at most.
+    pub iterations: u32,
+    /// Largest change of a parameter in one step.
+    pub reach: f64,
+}
+
+/// Where the search ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Minimum {
+    /// The parameters.
+    pub x: Vec<f64>,
+    /// The sums there.
+    pub normal: Normal,
+    /// Steps taken.
+    pub iterations: u32,
+    /// Ended because nothing was left to gain.
+    pub converged: bool,
+    /// Ended at a jump of the cost: a place beyond it, on the way that the slopes point.
+    pub beyond: Option<Vec<f64>>,
+}
+
+/// Damping with which no step is left.
+const MOST_DAMPING: f64 = 1e12;
+/// A rise of the cost by more than this multiple of the promised fall, however short the step, is a jump.
+const JUMP: f64 = 1.0;
+/// Steps this short between jumps are creeping.
+const CREEPING: f64 = 1e-2;
+/// So many of them one after the other lead nowhere.
+const PATIENCE: u32 = 3;
+
+/// Searches a minimum from `x`, each parameter within its bounds. `None` if there are no residuals at
+/// the start.
+pub fn minimise(
+    residuals: &mut dyn Residuals,
+    x: &[f64],
+    bounds: &[(f64, f64)],
+    stopping: &Stopping,
+) -> Option<Minimum> {
+    let n = x.len();
+    let mut x: Vec<f64> = x.iter().zip(bounds).map(|(x, b)| x.max(b.0).min(b.1)).collect();
+    let mut normal = residuals.normal(&x).filter(Normal::is_finite)?;
+    let mut damping = 1e-3;
+    let mut growth = 2.0;
+    let mut iterations = 0;
+    let mut converged = n == 0;
+    let mut beyond = None;
+    let mut crept = 0;
+    while iterations < stopping.iterations && !converged {
+        iterations += 1;
+        let free = free(&x, &normal.gradient, bounds);
+        let mut accepted = None;
+        let (mut falls, mut length) = (0, 0.0);
+        while accepted.is_none() {
+            let Some(mut moved) = step(&normal, &free, damping, &x, bounds) else {
+                damping = damping.max(1e-12) * 10.0;
+                if damping > MOST_DAMPING {
+                    break;
+                }
+                continue;
+            };
+            let longest = moved.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+            if longest > stopping.reach {
+                moved.iter_mut().for_each(|s| *s *= stopping.reach / longest);
+            }
+            let trial: Vec<f64> = x.iter().zip(&moved).map(|(x, m)| x + m).collect();
+            let predicted = predicted(&normal, &moved);
+            let small = moved.iter().all(|m| m.abs() <= stopping.step);
+            if small || predicted <= stopping.decrease * normal.cost {
+                converged = true;
+                break;
+            }
+            let cost = residuals.cost(&trial).filter(|c| c.is_finite());
+            let ratio = cost.map_or(-1.0, |c| (normal.cost - c) / predicted);
+            if ratio > 1e-4 {
+                damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+                growth = 2.0;
+                length = longest.min(stopping.reach);
+                accepted = Some(trial);
+            } else {
+                if ratio < -JUMP && cost.is_some() {
+                    falls += 1;
+                    beyond = Some(trial);
+                }
+                damping *= growth;
+                growth *= 2.0;
+                if damping > MOST_DAMPING {
+                    converged = true;
+                    break;
+                }
+            }
+        }
+        crept = if falls > 0 && length < CREEPING { crept + 1 } else { 0 };
+        if falls == 0 {
+            beyond = None;
+        }
+        let Some(trial) = accepted else { break };
+        let Some(next) = residuals.normal(&trial).filter(Normal::is_finite) else { break };
+        (x, normal) = (trial, next);
+        if !residuals.goes_on(iterations, &x, normal.cost) || crept >= PATIENCE {
+            break;
+        }
+    }
+    Some(Minimum { x, normal, iterations, converged, beyond })
+}
+
+/// Parameters that are not pushed out over a bound.
+fn free(x: &[f64], gradient: &[f64], bounds: &[(f64, f64)]) -> Vec<usize> {
+    let held = |i: &usize| {
+        (x[*i] <= bounds[*i].0 && gradient[*i] > 0.0)
+            || (x[*i] >= bounds[*i].1 && gradient[*i] < 0.0)
+    };
+    (0..x.len()).filter(|i| !held(i)).collect()
+}
+
+/// `(G + damping diag G) step = -gradient` for the free parameters. One that would cross its bound goes
+/// there, and the others are asked again.
+fn step(
+    normal: &Normal,
+    free: &[usize],
+    damping: f64,
+    x: &[f64],
+    bounds: &[(f64, f64)],
+) -> Option<Vec<f64>> {
+    let n = normal.n;
+    let largest = (0..n).map(|i| normal.gram[i * n + i]).fold(0.0, f64::max);
+    let mut step = vec![0.0; n];
+    let mut free = free.to_vec();
+    while !free.is_empty() {
+        let m = free.len();
+        let mut matrix = vec![0.0; m * m];
+        let mut right = vec![0.0; m];
+        for (a, &i) in free.iter().enumerate() {
+            for (b, &j) in free.iter().enumerate() {
+                matrix[a + m * b] = normal.gram[i + n * j];
+            }
+            // What the data do not determine at all must not run away.
+            matrix[a + m * a] += damping * normal.gram[i + n * i].max(1e-12 * largest);
+            let by_the_others: f64 = (0..n)
+                .filter(|j| !free.contains(j))
+                .map(|j| normal.gram[i + n * j] * step[j])
+                .sum();
+            right[a] = -normal.gradient[i] - by_the_others;
+        }
+        let mut lu = DenseLu::new(m);
+        lu.factor(&matrix).ok()?;
+        lu.solve_in_place(&mut right);
+        if right.iter().any(|s| !s.is_finite()) {
+            return None;
+        }
+        let mut inside = Vec::with_capacity(m);
+        for (s, &i) in right.iter().zip(&free) {
+            let (low, high) = (bounds[i].0 - x[i], bounds[i].1 - x[i]);
+            if (low..=high).contains(s) {
+                inside.push(i);
+            } else {
+                step[i] = s.max(low).min(high);
+            }
+        }
+        if inside.len() == m {
+            for (s, &i) in right.iter().zip(&free) {
+                step[i] = *s;
+            }
+            break;
+        }
+        free = inside;
+    }
+    Some(step)
+}
+
+/// Decrease of the cost that the linearised residuals promise.
+fn predicted(normal: &Normal, moved: &[f64]) -> f64 {
+    let n = normal.n;
+    let mut sum = 0.0;
+    for j in 0..n {
+        let product: f64 = (0..n).map(|i| normal.gram[i + n * j] * moved[i]).sum();
+        sum -= moved[j] * (2.0 * normal.gradient[j] + product);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STOPPING: Stopping =
+        Stopping { decrease: 1e-14, step: 1e-12, iterations: 200, reach: 10.0 };
+
+    struct Rosenbrock;
+
+    impl Residuals for Rosenbrock {
+        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+            let mut normal = Normal::new(2);
+            normal.add(10.0 * (x[1] - x[0] * x[0]), &[-20.0 * x[0], 10.0]);
+            normal.add(1.0 - x[0], &[-1.0, 0.0]);
+            Some(normal)
+        }
+        fn cost(&mut self, x: &[f64]) -> Option<f64> {
+            self.normal(x).map(|n| n.cost)
+        }
+    }
+
+    #[test]
+    fn walks_down_the_valley_of_rosenbrock() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let found = minimise(&mut Rosenbrock, &[-1.2, 1.0], &free, &STOPPING).unwrap();
+        assert!(found.converged);
+        assert!((found.x[0] - 1.0).abs() < 1e-8 && (found.x[1] - 1.0).abs() < 1e-8, "{found:?}");
+    }
+
+    /// With `x0 <= 0.5` the least value lies at `(0.5, 0.25)`.
+    #[test]
+    fn stops_at_a_bound_and_goes_on_along_it() {
+        let bounds = [(-2.0, 0.5), (-2.0, 2.0)];
+        let found = minimise(&mut Rosenbrock, &[-1.2, 1.0], &bounds, &STOPPING).unwrap();
+        assert_eq!(found.x[0], 0.5);
+        assert!((found.x[1] - 0.25).abs() < 1e-8, "{found:?}");
+    }
+
+    /// A slope that ends at a step upwards, behind which it goes on.
+    struct Terraces;
+
+    impl Residuals for Terraces {
+        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+            let mut normal = Normal::new(1);
+            normal.add(x[0] - 5.0, &[1.0]);
+            normal.cost += if x[0] > 1.0 { 100.0 } else { 0.0 };
+            Some(normal)
+        }
+        fn cost(&mut self, x: &[f64]) -> Option<f64> {
+            self.normal(x).map(|n| n.cost)
+        }
+    }
+
+    #[test]
+    fn a_search_that_ends_at_a_jump_says_what_lies_beyond() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY)];
+        let found = minimise(&mut Terraces, &[0.0], &free, &STOPPING).unwrap();
+        assert!(found.x[0] <= 1.0 && found.x[0] > 0.5, "{found:?}");
+        assert!(found.beyond.unwrap()[0] > 1.0);
+        assert!(minimise(&mut Terraces, &[2.0], &free, &STOPPING).unwrap().beyond.is_none());
+    }
+
+    /// What falls towards a place where its slope is no number.
+    struct Cliff;
+
+    impl Residuals for Cliff {
+        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+            let mut normal = Normal::new(2);
+            normal.add(x[0], &[if x[0] < 0.5 { f64::NAN } else { 1.0 }, 0.0]);
+            Some(normal)
+        }
+        fn cost(&mut self, x: &[f64]) -> Option<f64> {
+            Some(x[0] * x[0])
+        }
+    }
+
+    #[test]
+    fn slopes_that_are_no_numbers_end_the_search() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        assert!(minimise(&mut Cliff, &[0.0, 0.0], &free, &STOPPING).is_none());
+        let found = minimise(&mut Cliff, &[1.0, 0.0], &free, &STOPPING).unwrap();
+        assert!(!found.converged && found.normal.is_finite(), "{found:?}");
+    }
+
+    /// A decay `a exp(-k t)` from exact data, where a far trial can not be computed.
+    struct Decay;
+
+    impl Residuals for Decay {
+        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+            let mut normal = Normal::new(3);
+            for i in 0..20 {
+                let t = 0.1 * i as f64;
+                let e = (-x[1] * t).exp();
+                normal.add(x[0] * e - 2.0 * (-1.5 * t).exp(), &[e, -x[0] * t * e, 0.0]);
+            }
+            (x[1] < 4.0).then_some(normal)
+        }
+        fn cost(&mut self, x: &[f64]) -> Option<f64> {
+            self.normal(x).map(|n| n.cost)
+        }
+    }
+
+    /// The third parameter affects nothing and stays.
+    #[test]
+    fn finds_a_rate_beside_a_parameter_without_effect() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 3];
+        let found = minimise(&mut Decay, &[0.3, 3.5, 7.0], &free, &STOPPING).unwrap();
+        assert!((found.x[0] - 2.0).abs() < 1e-7 && (found.x[1] - 1.5).abs() < 1e-7, "{found:?}");
+        assert_eq!(found.x[2], 7.0);
+    }
+}

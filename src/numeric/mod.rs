@@ -1,0 +1,28 @@
+//! Numerical building blocks over floats: linear and nonlinear systems, norms, roots of one function.
+//!
+//! Nothing here knows an equation, a variable name or a unit. A failure names a position (a column,
+//! a residual), which the caller turns into the name of a variable.
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "`!(a < b)` is how a NaN is made to count as a failed test"
+)]
+
+pub mod brent;
+pub mod coloring;
+pub mod combinations;
+pub mod cycle_detection;
+pub mod eigen;
+pub mod halton;
+pub mod hermite;
+pub mod least_squares;
+pub mod linear;
+pub mod maxvol;
+pub mod newton;
+pub mod norm;
+pub mod pattern;
+pub mod polynomial_segment;
+pub mod pseudo_inverse;
+pub mod root;
+pub mod small_lu;
+pub mod smoothing;
+pub mod time_series;

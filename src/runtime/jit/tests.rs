@@ -1,0 +1,385 @@
+//! Machine code and interpreter leave the same in every cell.
+
+use std::sync::Arc;
+
+use super::tiering::Execution;
+use super::{MachineCode, Untranslated};
+use crate::base::diag::Problems;
+use crate::base::source::Span;
+use crate::codegen::compile;
+use crate::ir::expr::{Binary, Unary};
+use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Program, Slot};
+use crate::lower::fixture::model;
+use crate::lower::lower;
+use crate::runtime::machine::{Fault, Instance};
+use crate::structure::structure;
+
+/// A program of one state, whose tapes the tests replace.
+fn program() -> Program {
+    let (flat, _) = model("Real x(start = 1, fixed = true);\nequation\nder(x) = -x;");
+    let mut problems = Problems::new();
+    let blocks = lower(flat, &mut problems).and_then(|dae| structure(dae, &mut problems));
+    compile(blocks.expect("blocks")).unwrap_or_else(|p| panic!("{p:?}"))
+}
+
+/// Numbers like dice: Marsaglia, Xorshift RNGs, J. Stat. Software 8 (14), 2003, p. 4.
+struct Dice(u64);
+
+impl Dice {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() % n as u64) as usize
+    }
+    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())]
+    }
+    fn value(&mut self) -> f64 {
+        const SPECIAL: [f64; 16] = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            2.0,
+            3.0,
+            0.5,
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::MIN_POSITIVE,
+            -5e-324,
+            f64::MAX,
+            1e-300,
+            64.0,
+            -7.0,
+        ];
+        match self.below(3) {
+            0 => self.of(&SPECIAL),
+            1 => (self.next() as f64 / u64::MAX as f64 - 0.5) * 20.0,
+            _ => f64::from_bits(self.next()),
+        }
+    }
+}
+
+const UNARY: [Unary; 21] = [
+    Unary::Neg,
+    Unary::Not,
+    Unary::Sin,
+    Unary::Cos,
+    Unary::Tan,
+    Unary::Asin,
+    Unary::Acos,
+    Unary::Atan,
+    Unary::Sinh,
+    Unary::Cosh,
+    Unary::Tanh,
+    Unary::Exp,
+    Unary::Log,
+    Unary::Log10,
+    Unary::Sqrt,
+    Unary::Abs,
+    Unary::Sign,
+    Unary::Floor,
+    Unary::Ceil,
+    Unary::ToInteger,
+    Unary::Ordinal,
+];
+
+const BINARY: [Binary; 19] = [
+    Binary::Add,
+    Binary::Sub,
+    Binary::Mul,
+    Binary::Div,
+    Binary::Pow,
+    Binary::Less,
+    Binary::LessEqual,
+    Binary::Greater,
+    Binary::GreaterEqual,
+    Binary::Equal,
+    Binary::NotEqual,
+    Binary::And,
+    Binary::Or,
+    Binary::Atan2,
+    Binary::Min,
+    Binary::Max,
+    Binary::Quotient,
+    Binary::Mod,
+    Binary::Rem,
+];
+
+const LITERALS: usize = 12;
+const CELLS: usize = 60;
+
+/// Appends cells to the memory, of which the first are literals; the first of them.
+fn extend(program: &mut Program, dice: &mut Dice) -> Slot {
+    let first = program.image.len() as Slot;
+    for k in 0..CELLS {
+        let value = if k < LITERALS {
+            [2.0, 3.0, -1.0, 0.0, -0.0, 0.5, 16.0, -5.0, 7.0, 1.0, -2.0, 33.0][k]
+        } else {
+            dice.value()
+        };
+        program.image.push(value);
+    }
+    program.literals.extend(first..first + LITERALS as Slot);
+    first
+}
+
+fn instruction(dice: &mut Dice, first: Slot) -> Instr {
+    let op = match dice.below(10) {
+        0 => Op::Copy,
+        1 => Op::CopyIf,
+        2 => dice.of(&[Op::Input, Op::Neg]),
+        3 => dice.of(&[Op::Add, Op::Sub, Op::Mul, Op::Div]),
+        4 | 5 => Op::Unary(dice.of(&UNARY)),
+        6 => Op::Binary(Binary::Pow),
+        _ => Op::Binary(dice.of(&BINARY)),
+    };
+    let any = |dice: &mut Dice| first + dice.below(CELLS) as Slot;
+    let dst = first + (LITERALS + dice.below(CELLS - LITERALS)) as Slot;
+    Instr { op, dst, a: any(dice), b: any(dice) }
+}
+
+/// The bits, where what is not a number is one value.
+pub fn bits(memory: &[f64]) -> Vec<u64> {
+    memory.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
+}
+
+fn machine(program: &Program) -> Execution {
+    assert_eq!(program.verify(), Ok(()));
+    Execution::Machine(Arc::new(MachineCode::translate(program).expect("machine code")))
+}
+
+/// Runs `rhs` several times in both ways and compares everything; the last outcome.
+fn compare(program: &Program) -> Result<(), Fault> {
+    let (mut oracle, mut fast) = (Instance::new(program), Instance::new(program));
+    fast.execute(&machine(program));
+    let mut outcome = Ok(());
+    for _ in 0..4 {
+        outcome = oracle.run(&program.rhs);
+        assert_eq!(fast.run(&program.rhs), outcome);
+        assert_eq!(bits(&fast.memory), bits(&oracle.memory));
+        assert_eq!(bits(&fast.fault_memory), bits(&oracle.fault_memory));
+    }
+    outcome
+}
+
+#[test]
+fn random_tapes_leave_equal_bits() {
+    let whole = program();
+    for seed in 1..=150 {
+        let mut dice = Dice(0x9E37_79B9_7F4A_7C15_u64.wrapping_mul(seed));
+        let mut program = whole.clone();
+        let first = extend(&mut program, &mut dice);
+        *program.rhs = (0..120).map(|_| instruction(&mut dice, first)).collect();
+        assert_eq!(compare(&program), Ok(()), "seed {seed}");
+    }
+}
+
+/// The whole table of every operator over the special values.
+#[test]
+fn every_operator_on_every_pair_of_special_values() {
+    let mut program = program();
+    let values = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        0.5,
+        2.0,
+        3.0,
+        -3.0,
+        1e300,
+        -1e-310,
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        std::f64::consts::PI,
+    ];
+    let first = program.image.len() as Slot;
+    program.image.extend(values);
+    let cells = values.len() as Slot;
+    let mut tape = Vec::new();
+    for a in 0..cells {
+        let unary = UNARY.map(Op::Unary).into_iter().map(|op| (op, a));
+        let binary = BINARY.map(Op::Binary).into_iter().chain([Op::Input]);
+        let binary = binary.flat_map(|op| (0..cells).map(move |b| (op, b)));
+        for (op, b) in unary.chain(binary) {
+            let dst = program.image.len() as Slot;
+            program.image.push(0.0);
+            tape.push(Instr { op, dst, a: first + a, b: first + b });
+        }
+    }
+    *program.rhs = tape;
+    assert_eq!(compare(&program), Ok(()));
+}
+
+/// Random bodies with jumps forwards and a bounded loop, which call each other.
+#[test]
+fn random_functions_leave_equal_bits() {
+    let whole = program();
+    let mut failed = 0;
+    for seed in 1..=60 {
+        let mut dice = Dice(0xD1B5_4A32_D192_ED03_u64.wrapping_mul(seed));
+        let mut program = whole.clone();
+        let first = extend(&mut program, &mut dice);
+        for k in 0..3 {
+            let own = extend(&mut program, &mut dice);
+            let locals: Vec<Slot> = (own + LITERALS as Slot..own + CELLS as Slot).collect();
+            let mut tape: Vec<Instr> = Vec::new();
+            for _ in 0..40 {
+                let at = tape.len() as Slot;
+                let cell = own + dice.below(CELLS) as Slot;
+                tape.push(match dice.below(12) {
+                    0 => Instr { op: Op::Jump, dst: 0, a: at + 1 + dice.below(5) as Slot, b: 0 },
+                    1 | 2 => {
+                        let b = at + 1 + dice.below(5) as Slot;
+                        Instr { op: Op::JumpUnless, dst: 0, a: cell, b }
+                    }
+                    3 if k > 0 => {
+                        let function = dice.below(k);
+                        program.calls.push(site(&mut dice, function, own));
+                        let a = program.calls.len() as Slot - 1;
+                        Instr { op: Op::Call, dst: 0, a, b: 0 }
+                    }
+                    4 if dice.below(6) == 0 => {
+                        Instr { op: Op::Assert, dst: 0, a: cell, b: dice.below(2) as Slot }
+                    }
+                    _ => instruction(&mut dice, own),
+                });
+            }
+            let end = tape.len() as Slot;
+            for i in &mut tape {
+                match i.op {
+                    Op::Jump => i.a = i.a.min(end),
+                    Op::JumpUnless => i.b = i.b.min(end),
+                    _ => {}
+                }
+            }
+            program.functions.push(FunctionCode {
+                tape: tape.into(),
+                inputs: locals[..3].to_vec(),
+                outputs: locals[20..22].to_vec(),
+                locals,
+                messages: vec![(own, Span::NONE); 2],
+                ..FunctionCode::default()
+            });
+        }
+        let mut tape = Vec::new();
+        for k in 0..40 {
+            tape.push(instruction(&mut dice, first));
+            if k % 8 == 7 {
+                let function = dice.below(3);
+                program.calls.push(site(&mut dice, function, first));
+                let a = program.calls.len() as Slot - 1;
+                tape.push(Instr { op: Op::Call, dst: 0, a, b: 0 });
+            }
+        }
+        *program.rhs = tape;
+        failed += usize::from(compare(&program).is_err());
+    }
+    assert!((1..60).contains(&failed), "{failed} of 60 failed an assertion");
+}
+
+/// A call whose results do not fall on literals; some are derivatives.
+fn site(dice: &mut Dice, function: usize, first: Slot) -> CallSite {
+    let partial = (dice.below(3) == 0).then(|| (dice.below(2), dice.below(3)));
+    let args = (0..3).map(|_| first + dice.below(CELLS) as Slot).collect();
+    let result = |dice: &mut Dice| first + (LITERALS + dice.below(CELLS - LITERALS)) as Slot;
+    let results = (0..if partial.is_some() { 1 } else { 2 }).map(|_| result(dice)).collect();
+    let guard = (dice.below(3) == 0).then(|| first + dice.below(CELLS) as Slot);
+    CallSite { function, args, results, partial, guard, last: None }
+}
+
+/// A sum of a hundred squares by a loop.
+#[test]
+fn loops_turn_as_often_as_they_should() {
+    let mut program = program();
+    let first = program.image.len() as Slot;
+    program.image.extend([0.0, 0.0, 0.0, 1.0, 100.0, 0.0]);
+    let [k, square, sum, one, limit, more] = std::array::from_fn(|i| first + i as Slot);
+    let tape = vec![
+        Instr { op: Op::Binary(Binary::Less), dst: more, a: k, b: limit },
+        Instr { op: Op::JumpUnless, dst: 0, a: more, b: 6 },
+        Instr { op: Op::Add, dst: k, a: k, b: one },
+        Instr { op: Op::Mul, dst: square, a: k, b: k },
+        Instr { op: Op::Add, dst: sum, a: sum, b: square },
+        Instr { op: Op::Jump, dst: 0, a: 0, b: 0 },
+    ];
+    let locals = vec![k, square, sum, more];
+    let outputs = vec![sum];
+    let body = FunctionCode { tape: tape.into(), outputs, locals, ..FunctionCode::default() };
+    program.functions.push(body);
+    let result = program.image.len() as Slot;
+    program.image.push(0.0);
+    program.calls.push(CallSite {
+        function: 0,
+        args: Vec::new(),
+        results: vec![result],
+        partial: None,
+        guard: None,
+        last: None,
+    });
+    *program.rhs = vec![Instr { op: Op::Call, dst: result, a: 0, b: 0 }];
+    assert_eq!(compare(&program), Ok(()));
+    let mut instance = Instance::new(&program);
+    instance.execute(&machine(&program));
+    assert_eq!(instance.run(&program.rhs), Ok(()));
+    assert_eq!(instance.get(result), 338_350.0);
+}
+
+/// Cut where the stretch that becomes one function ends.
+#[test]
+fn long_tapes_are_cut() {
+    let mut program = program();
+    let mut dice = Dice(7);
+    let first = extend(&mut program, &mut dice);
+    *program.rhs = (0..2 * super::LONGEST + 1).map(|_| instruction(&mut dice, first)).collect();
+    assert_eq!(compare(&program), Ok(()));
+}
+
+#[test]
+fn machine_code_of_another_program_is_not_used() {
+    let one = program();
+    let mut other = one.clone();
+    let code = MachineCode::translate(&one).expect("machine code");
+    assert!(code.is_of(&other));
+    let last = other.rhs.pop();
+    assert!(last.is_some() && !code.is_of(&other));
+    let mut instance = Instance::new(&other);
+    instance.execute(&Execution::Machine(Arc::new(code)));
+    assert_eq!(instance.run(&other.rhs), Ok(()));
+}
+
+#[test]
+fn what_refers_to_nothing_is_not_translated() {
+    let mut program = program();
+    let beyond = program.image.len() as Slot;
+    program.rhs.push(Instr { op: Op::Neg, dst: beyond, a: 0, b: 0 });
+    assert!(matches!(MachineCode::translate(&program), Err(Untranslated::Invalid(_))));
+}
+
+/// The interpreter hands over to machine code on the way, and nothing changes.
+#[test]
+fn rented_becomes_bought() {
+    let program = program();
+    let mut instance = Instance::new(&program);
+    instance.execute(&Execution::Adaptive);
+    let mut out = [0.0];
+    for k in 0..200_000 {
+        let x = f64::from(k);
+        assert_eq!(instance.derivatives(0.0, &[x], &mut out), Ok(()));
+        assert_eq!(out[0], -x);
+        if instance.runs_machine_code() {
+            return;
+        }
+        if k > 50_000 {
+            std::thread::sleep(std::time::Duration::from_micros(50));
+        }
+    }
+    panic!("never translated");
+}

@@ -1,0 +1,65 @@
+//! Assertions that read parameters only: they hold before anything is solved, or never.
+//!
+//! Modelica specification 3.6, section 8.3.7: an assertion is not violated during the evaluation of
+//! what it guards. So those of parameters come before the initialisation that uses them.
+
+use crate::base::index::FastMap;
+use crate::ir::dae::Kind;
+use crate::ir::expr::{ExprId, Node};
+use crate::ir::flat::Level;
+use crate::runtime::machine::Instance;
+use crate::symbolic::eval;
+
+/// The first violated assertion of level error whose condition reads nothing but parameters, which
+/// have their values in the memory.
+pub fn violated(instance: &Instance<'_>) -> Option<usize> {
+    let mut values = Values { instance, known: FastMap::default() };
+    let asserts = &instance.program.blocks.dae.asserts;
+    asserts.iter().position(|a| {
+        let always = a.active.is_none() && a.assert.level == Level::Error;
+        always && values.of(a.assert.condition) == Some(0.0)
+    })
+}
+
+/// Values of expressions; none where something else than parameters is read, or no number comes out.
+struct Values<'a, 'p> {
+    instance: &'a Instance<'p>,
+    known: FastMap<ExprId, Option<f64>>,
+}
+
+impl Values<'_, '_> {
+    fn of(&mut self, e: ExprId) -> Option<f64> {
+        if let Some(known) = self.known.get(&e) {
+            return *known;
+        }
+        let value = self.compute(e).filter(|value| !value.is_nan());
+        self.known.insert(e, value);
+        value
+    }
+
+    fn compute(&mut self, e: ExprId) -> Option<f64> {
+        let dae = &self.instance.program.blocks.dae;
+        match dae.graph.node(e) {
+            Node::Const(c) => Some(c.register()),
+            Node::Var(v) => {
+                (dae.variables[v].kind == Kind::Parameter).then(|| self.instance.value(v))
+            }
+            Node::Unary(op, a) => Some(eval::unary(op, self.of(a)?)),
+            Node::Binary(op, a, b) => Some(eval::binary(op, self.of(a)?, self.of(b)?)),
+            Node::If(c, a, b) => {
+                if self.of(c)? != 0.0 {
+                    self.of(a)
+                } else {
+                    self.of(b)
+                }
+            }
+            Node::NoEvent(a) | Node::Smooth(_, a) => self.of(a),
+            Node::Relation(k) => {
+                let relation = dae.relations.get(k as usize)?;
+                let (lhs, rhs) = (self.of(relation.lhs)?, self.of(relation.rhs)?);
+                Some(eval::binary(relation.op, lhs, rhs))
+            }
+            _ => None,
+        }
+    }
+}

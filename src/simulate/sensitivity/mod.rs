@@ -1,0 +1,546 @@
+//! Derivatives of a run by parameters and start values, right across events.
+//!
+//! Between events the derivatives `S` of the states obey `S' = J S + df/dp`, which is integrated along
+//! with the steps of the solution. At an event of the surface `g(t, x, p) = 0` its instant moves by
+//!
+//! `dt/dp = -(dg/dp) / (dg/dt)`,
+//!
+//! both taken along the trajectory, and what happens there is differentiated at the moving instant:
+//! the states arrive with `S + f dt/dp`, the event sequence carries these derivatives through `reinit`
+//! and every discrete equation, and `S` leaves as `X - f dt/dp` with the `f` that holds afterwards
+//! (S. Galán, W. F. Feehery, P. I. Barton, *Parametric sensitivity functions for hybrid discrete/
+//! continuous systems*, Applied Numerical Mathematics 31, 1999). An instant that is known in advance
+//! moves with the parameters that it is computed from. Along a surface that the solution slides on
+//! the equations are those of `surface`.
+
+pub mod sliding;
+
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::integrate::radau::Radau;
+use crate::integrate::radau::variation::{NoVariation, Variation};
+use crate::integrate::stepper::Stepper;
+use crate::integrate::system::{EvalError, System};
+use crate::integrate::variational::Variational;
+use crate::ir::expr::VarId;
+use crate::ir::program::{Instr, Program, Slot, Watch};
+use crate::runtime::machine::{Fault, Instance};
+use crate::runtime::tangent::Tangents;
+use crate::runtime::tangent::forcing::Forcing;
+use crate::runtime::tangent::outputs::needed;
+
+use self::sliding::{AlongSurface, Surface};
+use super::event::instant::Cause;
+use super::event::sliding::Sliding;
+use super::event::time_events::Clocks;
+use super::failure::{Failure, of_fault};
+use super::run::Simulation;
+use super::settings::Settings;
+use super::system::{Model, of_domain};
+
+/// What a run is differentiated by.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Input {
+    /// A parameter that is no constant of the program.
+    Parameter(VarId),
+    /// The start value of a variable.
+    Start(VarId),
+}
+
+/// The derivatives of a run at one instant after the other.
+pub struct Sensitivity {
+    count: usize,
+    /// One direction for each input, and a last one along the trajectory.
+    tangents: Option<Box<Tangents>>,
+    variation: Variation,
+    linearisation: Linearisation,
+    /// Of the rates, by the inputs alone.
+    forcing: Box<Forcing>,
+    /// The memory depends on the inputs in another way than when `forcing` was prepared.
+    stale: bool,
+    /// What the recorded variables depend on.
+    outputs: Vec<Instr>,
+    s: Vec<f64>,
+    /// How the instant of the event at hand moves with each input.
+    shift: Vec<f64>,
+    recorded: Vec<Slot>,
+    slopes: Vec<f64>,
+    /// While the solution slides, in place of `variation`.
+    surface: Option<Box<Surface>>,
+    /// The rates of the states on their way to an event, where those in the memory are not: at the
+    /// end of a motion along a surface.
+    arrival: Option<Vec<f64>>,
+}
+
+/// The variational equations at the stages of a step.
+struct Linearisation {
+    n: usize,
+    jacobian: [Vec<f64>; 3],
+    /// `df/dp`, input by input.
+    forcing: [Vec<f64>; 3],
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+/// Gives every input a value of its own, that it can be differentiated by; `None` if one is no
+/// input of the program.
+pub fn with_inputs(program: &Program, settings: &Settings, inputs: &[Input]) -> Option<Settings> {
+    let mut settings = settings.clone();
+    let mut instance = Instance::new(program);
+    settings.parameters.iter().all(|&(v, x)| instance.set_parameter(v, x)).then_some(())?;
+    settings.starts.iter().all(|&(v, x)| instance.set_start(v, x)).then_some(())?;
+    instance.run(&program.parameters).ok()?;
+    for input in inputs {
+        let slot = input_cell(program, *input)?;
+        if !instance.get(slot).is_nan() {
+            continue;
+        }
+        match *input {
+            Input::Parameter(v) => settings.parameters.push((v, instance.value(v))),
+            Input::Start(v) => {
+                let (.., start) = program.layout.starts.iter().find(|(s, ..)| *s == v)?;
+                settings.starts.push((v, instance.get(*start)));
+            }
+        }
+    }
+    Some(settings)
+}
+
+fn input_cell(program: &Program, input: Input) -> Option<Slot> {
+    let layout = &program.layout;
+    match input {
+        Input::Parameter(v) => {
+            layout.parameter_inputs.iter().find(|(p, _)| *p == v).map(|(_, slot)| *slot)
+        }
+        Input::Start(v) => layout.starts.iter().find(|(s, ..)| *s == v).map(|(_, slot, _)| *slot),
+    }
+}
+
+impl Sensitivity {
+    /// Before the start of a run; `None` if one of the inputs is none of the program.
+    pub fn new(model: &Model<'_>, inputs: &[Input]) -> Option<Self> {
+        let program = model.instance.program;
+        let count = inputs.len();
+        let mut tangents = Tangents::new(program.image.len(), count + 1);
+        for (direction, input) in inputs.iter().enumerate() {
+            tangents.of_mut(input_cell(program, *input)?)[direction] = 1.0;
+        }
+        let n = model.dim();
+        let pattern = model.pattern()?;
+        let entries = || std::array::from_fn(|_| vec![0.0; pattern.entries()]);
+        let rows = (0..n).flat_map(|j| pattern.column(j).iter().copied()).collect();
+        let linearisation = Linearisation {
+            n,
+            jacobian: entries(),
+            forcing: std::array::from_fn(|_| vec![0.0; n * count]),
+            starts: pattern.column_starts().to_vec(),
+            rows,
+        };
+        let recorded: Vec<Slot> = program.recorded.iter().map(|v| program.slot(*v)).collect();
+        let outputs = needed(program, &[&program.rhs, &program.roots, &program.rest], &recorded);
+        Some(Sensitivity {
+            count,
+            tangents: Some(Box::new(tangents)),
+            variation: Variation::new(n, count),
+            linearisation,
+            forcing: Box::new(Forcing::new(program, count)),
+            stale: true,
+            outputs,
+            s: vec![0.0; n],
+            shift: vec![0.0; count + 1],
+            slopes: vec![0.0; recorded.len() * count],
+            recorded,
+            surface: None,
+            arrival: None,
+        })
+    }
+
+    /// From here on everything that runs is followed.
+    pub fn attach(&mut self, instance: &mut Instance<'_>) {
+        instance.tangents = self.tangents.take();
+        self.stale = true;
+    }
+
+    /// Ends what `attach` began.
+    pub fn detach(&mut self, instance: &mut Instance<'_>) {
+        self.tangents = instance.tangents.take().or(self.tangents.take());
+    }
+
+    /// A copy of all derivatives, to return to.
+    pub fn snapshot(&self) -> Option<Tangents> {
+        self.tangents.as_ref().map(|t| t.snapshot())
+    }
+
+    /// Returns to a copy.
+    pub fn restore(&mut self, snapshot: Option<&Tangents>) {
+        if let (Some(tangents), Some(snapshot)) = (&mut self.tangents, snapshot) {
+            tangents.copy_from(snapshot);
+            self.stale = true;
+        }
+    }
+
+    /// Derivatives of the recorded variables at the instant looked at last: variable by variable,
+    /// input by input.
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes
+    }
+
+    /// The derivatives over the last step.
+    pub fn advance(
+        &mut self,
+        model: &mut Model<'_>,
+        stepper: &mut Radau,
+    ) -> Result<(), NoVariation> {
+        let Some(tangents) = self.tangents.take() else { return Ok(()) };
+        if let (Some(surface), true) = (&mut self.surface, model.sliding.is_some()) {
+            let Surface { variation, equations, .. } = &mut **surface;
+            let mut along = AlongSurface { model, tangents: Some(tangents), equations };
+            let outcome = stepper.vary(&mut along, variation);
+            self.tangents = along.tangents.take();
+            return outcome;
+        }
+        if std::mem::take(&mut self.stale) {
+            self.forcing.prepare(model.instance.program, &tangents);
+        }
+        self.tangents = Some(tangents);
+        let (forcing, memory) = (&mut *self.forcing, &mut self.linearisation);
+        let mut along = Along { model, forcing, memory };
+        stepper.vary(&mut along, &mut self.variation)
+    }
+
+    /// Derivatives of everything at `t` within the last step, where everything has been evaluated.
+    pub fn look(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
+        let program = instance.program;
+        let layout = &program.layout;
+        self.place(program, t);
+        let Some(tangents) = &mut self.tangents else { return Ok(()) };
+        // The last direction moves along the trajectory.
+        for i in 0..program.order() {
+            let rate = match &self.arrival {
+                Some(rates) => rates[i],
+                None => instance.get(layout.derivatives[i]),
+            };
+            tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
+        }
+        tangents.of_mut(layout.time)[self.count] = 1.0;
+        instance.played.rates(&instance.memory, |slot, rate| {
+            tangents.of_mut(slot)[self.count] = rate;
+        });
+        for tape in [&program.rhs, &program.roots, &program.rest] {
+            tangents.follow(instance, tape)?;
+        }
+        self.read_slopes();
+        Ok(())
+    }
+
+    /// Derivatives of what is recorded at `t` within the last step, where everything has been evaluated.
+    pub fn look_at_row(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
+        self.place(instance.program, t);
+        if let Some(tangents) = &mut self.tangents {
+            tangents.follow(instance, &self.outputs)?;
+        }
+        self.read_slopes();
+        Ok(())
+    }
+
+    /// Takes the derivatives of the states at `t` within the last step; time rests.
+    fn place(&mut self, program: &Program, t: f64) {
+        let Some(tangents) = &mut self.tangents else { return };
+        let layout = &program.layout;
+        for direction in 0..self.count {
+            match &self.surface {
+                Some(surface) => {
+                    self.s.push(0.0);
+                    surface.variation.interpolate(direction, t, &mut self.s);
+                    self.s.pop();
+                }
+                None => self.variation.interpolate(direction, t, &mut self.s),
+            }
+            for i in 0..program.order() {
+                tangents.of_mut(layout.states + i as Slot)[direction] = self.s[i];
+            }
+        }
+        tangents.of_mut(layout.time).fill(0.0);
+        layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+    }
+
+    fn read_slopes(&mut self) {
+        let Some(tangents) = &self.tangents else { return };
+        for (slopes, slot) in self.slopes.chunks_exact_mut(self.count.max(1)).zip(&self.recorded) {
+            slopes.copy_from_slice(&tangents.of(*slot)[..self.count]);
+        }
+    }
+
+    /// Takes everything along to the moving instant of a relation that switches, looked at last.
+    pub fn arrive_by_relation(&mut self, program: &Program, relation: Option<u32>) {
+        let Some(tangents) = &mut self.tangents else { return };
+        self.shift.fill(0.0);
+        if let Some(k) = relation {
+            let gap = tangents.of(program.layout.gaps + k);
+            let rate = gap[self.count];
+            for (shift, g) in self.shift.iter_mut().zip(&gap[..self.count]) {
+                let moved = -g / rate;
+                *shift = if moved.is_finite() { moved } else { 0.0 };
+            }
+        }
+        tangents.shear(self.count, &self.shift);
+    }
+
+    /// Takes everything along to the moving instant `t` of a clock or a comparison with time.
+    pub fn arrive_by_clock(&mut self, instance: &Instance<'_>, clocks: &Clocks, t: f64) {
+        let program = instance.program;
+        let Some(tangents) = &mut self.tangents else { return };
+        self.shift.fill(0.0);
+        let near = |at: f64| (at - t).abs() <= 8.0 * f64::EPSILON * t.abs().max(at.abs());
+        let comparison = program.watches.iter().find_map(|w| match w {
+            Watch::Time(slot) if near(instance.get(*slot)) => Some(*slot),
+            _ => None,
+        });
+        if let Some(slot) = comparison {
+            self.shift[..self.count].copy_from_slice(&tangents.of(slot)[..self.count]);
+        } else if let Some((k, tick)) = clocks.ticking(instance, near) {
+            let clock = &program.clocks[k];
+            let (start, interval) = (tangents.of(clock.start), tangents.of(clock.interval));
+            for (j, shift) in self.shift[..self.count].iter_mut().enumerate() {
+                *shift = start[j] + tick * interval[j];
+            }
+        }
+        tangents.shear(self.count, &self.shift);
+    }
+
+    /// Leaves the event at `t`, after which the derivatives of the states are in the memory.
+    pub fn depart(&mut self, instance: &Instance<'_>, t: f64) {
+        let layout = &instance.program.layout;
+        let order = instance.program.order();
+        let Some(tangents) = &mut self.tangents else { return };
+        for direction in 0..self.count {
+            for i in 0..order {
+                let arrived = tangents.of(layout.states + i as Slot)[direction];
+                let rate = instance.get(layout.derivatives[i]);
+                self.s[i] = arrived - rate * self.shift[direction];
+            }
+            self.s[order..].fill(0.0);
+            self.variation.restart(t, direction, &self.s);
+        }
+        (self.surface, self.arrival) = (None, None);
+    }
+
+    /// Stands at `t` with the derivatives of the states as they are in the memory.
+    pub fn stand(&mut self, program: &Program, t: f64) {
+        let Some(tangents) = &mut self.tangents else { return };
+        for direction in 0..self.count {
+            for i in 0..program.order() {
+                self.s[i] = tangents.of(program.layout.states + i as Slot)[direction];
+            }
+            self.s[program.order()..].fill(0.0);
+            self.variation.restart(t, direction, &self.s);
+        }
+        self.surface = None;
+    }
+
+    /// Forgets the history of the last steps at `t`, the end of the last one.
+    pub fn restart(&mut self, t: f64) {
+        if let Some(surface) = &mut self.surface {
+            for direction in 0..self.count {
+                let s = surface.variation.at_end(direction).to_vec();
+                surface.variation.restart(t, direction, &s);
+            }
+            return;
+        }
+        for direction in 0..self.count {
+            self.s.copy_from_slice(self.variation.at_end(direction));
+            self.variation.restart(t, direction, &self.s);
+        }
+    }
+}
+
+impl Sensitivity {
+    /// Derivatives of what is recorded at `t` of a motion along a surface, whose values stand in the
+    /// memory.
+    fn look_at_surface(&mut self, model: &mut Model<'_>, t: f64) -> Result<(), Fault> {
+        let (Some(surface), Some(sliding)) = (&mut self.surface, &mut model.sliding) else {
+            return Ok(());
+        };
+        let (instance, tangents) = (&mut model.instance, &mut self.tangents);
+        surface.look(instance, sliding, tangents, t, &self.recorded, &mut self.slopes)
+    }
+
+    /// Enters the surface of `model.sliding` at `(t, y)`, from the side on which its relation is `truth`.
+    fn enter_surface(
+        &mut self,
+        model: &mut Model<'_>,
+        t: f64,
+        y: &[f64],
+        truth: bool,
+    ) -> Result<(), EvalError> {
+        let program = model.instance.program;
+        let (cells, n) = (program.image.len(), program.order());
+        let mut surface = Box::new(Surface::new(cells, n, self.count, self.recorded.len()));
+        let variation = &self.variation;
+        let before = |direction: usize, s: &mut [f64]| {
+            s.copy_from_slice(&variation.at_end(direction)[..s.len()]);
+        };
+        surface.enter(model, &mut self.tangents, (t, y), truth, before)?;
+        self.surface = Some(surface);
+        Ok(())
+    }
+
+    /// Leaves the surface at `t` in the last step, where the solution does so smoothly.
+    fn leave_surface(&mut self, t: f64) {
+        let Some(surface) = self.surface.take() else { return };
+        let mut s = vec![0.0; self.s.len() + 1];
+        for direction in 0..self.count {
+            surface.variation.interpolate(direction, t, &mut s);
+            self.variation.restart(t, direction, &s[..self.s.len()]);
+        }
+    }
+}
+
+impl Simulation<'_, '_> {
+    /// The derivatives where the solution begins to stay on a surface, if they are wanted.
+    pub(super) fn enter_surface(&mut self, t: f64, truth: bool) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let entered = s.enter_surface(&mut self.model, t, &self.y, truth);
+        entered.map_err(|error| not_differentiable(NoVariation::Eval(error), t))
+    }
+
+    /// The derivatives where the solution leaves a surface for the side of `truth`, if they are wanted.
+    pub(super) fn leave_surface(
+        &mut self,
+        sliding: &Sliding,
+        t: f64,
+        truth: bool,
+    ) -> Result<(), Failure> {
+        let instance = &mut self.model.instance;
+        if let Some(s) = &mut self.sensitivity {
+            s.attach(instance);
+        }
+        let left = sliding.switch(instance, usize::from(truth));
+        if let Some(s) = &mut self.sensitivity {
+            s.detach(instance);
+            s.leave_surface(t);
+        }
+        left.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
+    /// The end at `t` of a motion along a surface by an event of something else: the states arrive with
+    /// the rates that they had on it.
+    pub(super) fn arrive_from_surface(&mut self, sliding: &mut Sliding, t: f64) {
+        let Some(s) = &mut self.sensitivity else { return };
+        let n = self.program.order();
+        let mut rates = vec![0.0; n];
+        self.stepper.interpolate(t, &mut self.y);
+        let slid = sliding.derivatives(&mut self.model.instance, t, &self.y[..n], &mut rates);
+        s.arrival = slid.is_ok().then_some(rates);
+    }
+
+    /// The derivatives over the last step, if they are wanted.
+    pub(super) fn vary(&mut self) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let t = self.stepper.t();
+        let Some(radau) = self.stepper.radau() else { return Ok(()) };
+        s.advance(&mut self.model, radau).map_err(|why| not_differentiable(why, t))
+    }
+
+    /// The derivatives of everything at `t` in the last step, if they are wanted.
+    pub(super) fn look(&mut self, t: f64) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let looked = if self.model.sliding.is_some() {
+            s.look_at_surface(&mut self.model, t)
+        } else {
+            s.look(&mut self.model.instance, t)
+        };
+        looked.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
+    /// The derivatives of what is recorded at `t` in the last step, if they are wanted.
+    pub(super) fn look_at_row(&mut self, t: f64) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let looked = if self.model.sliding.is_some() {
+            s.look_at_surface(&mut self.model, t)
+        } else {
+            s.look_at_row(&mut self.model.instance, t)
+        };
+        looked.map_err(|f| of_fault(&self.model.instance, f, t))
+    }
+
+    /// Takes the derivatives along to an event, where they will be followed; a copy of what they were.
+    pub(super) fn arrive(&mut self, t: f64, cause: Cause) -> Option<Tangents> {
+        let s = self.sensitivity.as_mut()?;
+        let instance = &mut self.model.instance;
+        let before = s.snapshot();
+        match cause {
+            Cause::State => {
+                let relation = self.search.switched(instance).next();
+                s.arrive_by_relation(self.program, relation);
+            }
+            Cause::Time => s.arrive_by_clock(instance, &self.clocks, t),
+        }
+        s.attach(instance);
+        before
+    }
+
+    /// Leaves an event with the derivatives that the states have after it.
+    pub(super) fn depart(&mut self, t: f64) -> Result<(), Failure> {
+        let Some(s) = &mut self.sensitivity else { return Ok(()) };
+        let evaluated = self.model.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        s.depart(&self.model.instance, t);
+        Ok(())
+    }
+}
+
+fn not_differentiable(why: NoVariation, t: f64) -> Failure {
+    let message = format!(
+        "at time {t} s the derivatives by the inputs can not be computed: {}",
+        match why {
+            NoVariation::Eval(_) => "a derivative of the model does not exist",
+            NoVariation::Singular { .. } => "their equations are singular",
+        }
+    );
+    Failure::numerics(t, Diagnostic::error("MO0917", Span::NONE, message))
+}
+
+/// The variational equations along a run.
+struct Along<'a, 'p> {
+    model: &'a mut Model<'p>,
+    forcing: &'a mut Forcing,
+    memory: &'a mut Linearisation,
+}
+
+impl Variational for Along<'_, '_> {
+    fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
+        let Along { model, forcing, memory } = self;
+        model.jacobian_entries(t, y, &mut memory.jacobian[stage])?;
+        let instance = &mut model.instance;
+        let program = instance.program;
+        instance.place(t, &y[..program.order()]);
+        let mut outcome = instance.run(&program.rhs);
+        let beyond = outcome.is_err_and(of_domain);
+        instance.inside = beyond;
+        if beyond {
+            outcome = instance.run(&program.rhs);
+        }
+        let outcome = outcome.and_then(|()| forcing.follow(instance));
+        instance.inside = false;
+        outcome.map_err(|_| EvalError::Recoverable(0))?;
+        for (i, slot) in program.layout.derivatives.iter().enumerate() {
+            for (direction, d) in forcing.of(*slot).iter().enumerate() {
+                memory.forcing[stage][direction * memory.n + i] = *d;
+            }
+        }
+        Ok(())
+    }
+
+    fn slope(&self, stage: usize, direction: usize, s: &[f64], out: &mut [f64]) {
+        let Linearisation { n, jacobian, forcing, starts, rows } = &*self.memory;
+        out.copy_from_slice(&forcing[stage][direction * n..(direction + 1) * n]);
+        for (j, s) in s.iter().enumerate() {
+            if *s != 0.0 {
+                for k in starts[j]..starts[j + 1] {
+                    out[rows[k]] += jacobian[stage][k] * s;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! Derivatives of a solution that slides along the surface of a relation.
+//!
+//! On the surface `g(t, x, p) = 0` Filippov's solution obeys
+//!
+//! `x' = (1 - a) f0 + a f1,  0 = g(t, x, p)`
+//!
+//! with the part `a` as an algebraic unknown, a system of index 2. Differentiated by the inputs, with
+//! `S = dx/dp` and `A = da/dp`, it is linear and asks for first derivatives only:
+//!
+//! `S' = ((1 - a) J0 + a J1) S + (1 - a) df0/dp + a df1/dp + (f1 - f0) A,  0 = dg/dx S + dg/dp`.
+//!
+//! Radau IIA integrates linear systems of index 2 in this form as they stand (Hairer & Wanner II, sec.
+//! VII.4). Where the solution enters the surface at a rate `r` of the gap, with the derivatives `f`
+//! before and `fs` after, `S` jumps by `(f - fs) dt/dp` with `dt/dp = -(dg/dx S + dg/dp) / r`: onto the
+//! constraint. Where it leaves, `f = fs`, and nothing jumps (L. Dieci, L. Lopez, *Fundamental matrix
+//! solutions of piecewise smooth differential systems*, Mathematics and Computers in Simulation 81,
+//! 2011, sec. 3; M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008, sec. 2.5).
+
+use crate::integrate::radau::variation::Variation;
+use crate::integrate::system::EvalError;
+use crate::integrate::variational::Variational;
+use crate::ir::program::Slot;
+use crate::runtime::machine::{Fault, Instance};
+use crate::runtime::tangent::Tangents;
+
+use crate::simulate::event::sliding::Sliding;
+use crate::simulate::system::Model;
+
+/// States by which everything is differentiated in one go.
+const LANES: usize = 8;
+
+/// The derivatives while the solution slides.
+pub struct Surface {
+    /// Of the states, and of the part as the last component.
+    pub variation: Variation,
+    /// The equations that they obey.
+    pub equations: Equations,
+    values: Vec<f64>,
+    derivatives: Vec<f64>,
+}
+
+/// The variational equations at the stages of a step.
+pub struct Equations {
+    count: usize,
+    points: [Point; 3],
+    /// By some of the states at a time.
+    seeds: Tangents,
+}
+
+/// The variational equations at a point.
+struct Point {
+    /// Mixed Jacobian, column-major.
+    jacobian: Vec<f64>,
+    /// Mixed derivatives by the inputs, input by input.
+    forcing: Vec<f64>,
+    /// `f1 - f0`
+    jump: Vec<f64>,
+    /// `dg/dx`
+    gap_by_state: Vec<f64>,
+    /// `dg/dp`
+    gap_by_input: Vec<f64>,
+    /// The part of the side on which the relation is true.
+    part: f64,
+}
+
+impl Surface {
+    /// For a program of `cells` cells and `n` states, whose runs are differentiated by `count` inputs
+    /// and recorded in `recorded` columns.
+    pub fn new(cells: usize, n: usize, count: usize, recorded: usize) -> Surface {
+        let point = || Point {
+            jacobian: vec![0.0; n * n],
+            forcing: vec![0.0; n * count],
+            jump: vec![0.0; n],
+            gap_by_state: vec![0.0; n],
+            gap_by_input: vec![0.0; count],
+            part: 0.0,
+        };
+        Surface {
+            variation: Variation::constrained(n, count),
+            equations: Equations {
+                count,
+                points: std::array::from_fn(|_| point()),
+                seeds: Tangents::new(cells, LANES.min(n.max(1))),
+            },
+            values: vec![0.0; recorded],
+            derivatives: vec![0.0; recorded * count],
+        }
+    }
+
+    /// Enters at `(t, y)` with the derivatives `s` of each input, which hold on the side of `truth`.
+    pub fn enter(
+        &mut self,
+        model: &mut Model<'_>,
+        tangents: &mut Option<Box<Tangents>>,
+        (t, y): (f64, &[f64]),
+        truth: bool,
+        s: impl Fn(usize, &mut [f64]),
+    ) -> Result<(), EvalError> {
+        let n = model.instance.program.order();
+        let Some(mut sliding) = model.sliding.take() else { return Ok(()) };
+        let rates = sliding.rates(&mut model.instance, t, &y[..n]);
+        let equations = &mut self.equations;
+        let linearised = equations.linearise(model, &mut sliding, tangents, 0, (t, y));
+        model.sliding = Some(sliding);
+        linearised?;
+        let rates = rates.map_err(|_| EvalError::Recoverable(0))?;
+        let point = &self.equations.points[0];
+        // On the side of truth f - fs is the rest of the jump.
+        let (rate, rest) = match truth {
+            true => (rates.when_true, 1.0 - point.part),
+            false => (rates.when_false, -point.part),
+        };
+        let mut own = vec![0.0; n + 1];
+        for direction in 0..self.equations.count {
+            s(direction, &mut own[..n]);
+            let gap: f64 = own.iter().zip(&point.gap_by_state).map(|(s, g)| s * g).sum();
+            let shift = -(gap + point.gap_by_input[direction]) / rate;
+            for (s, jump) in own[..n].iter_mut().zip(&point.jump) {
+                *s += rest * jump * shift;
+            }
+            own[n] = 0.0;
+            self.variation.restart(t, direction, &own);
+        }
+        Ok(())
+    }
+
+    /// Derivatives of the recorded cells at `(t, y)`, where the memory is as `Sliding` left it: value by
+    /// value, input by input. Everything is seen from both sides.
+    pub fn look(
+        &mut self,
+        instance: &mut Instance<'_>,
+        sliding: &mut Sliding,
+        tangents: &mut Option<Box<Tangents>>,
+        t: f64,
+        recorded: &[Slot],
+        slopes: &mut [f64],
+    ) -> Result<(), Fault> {
+        let program = instance.program;
+        let layout = &program.layout;
+        let n = program.order();
+        let count = self.equations.count;
+        let blended = instance.memory.clone();
+        let y = instance.states().to_vec();
+        let part = sliding.rates(instance, t, &y)?.part();
+        let mut s = vec![0.0; n + 1];
+        let mut parts = vec![0.0; count];
+        if let Some(tangents) = tangents {
+            tangents.of_mut(layout.time).fill(0.0);
+            layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+            for (direction, part) in parts.iter_mut().enumerate() {
+                self.variation.interpolate(direction, t, &mut s);
+                *part = s[n];
+                for (i, s) in s[..n].iter().enumerate() {
+                    tangents.of_mut(layout.states + i as Slot)[direction] = *s;
+                }
+            }
+        }
+        for truth in [0, 1] {
+            instance.tangents = tangents.take();
+            let outcome = sliding.switch(instance, truth).and_then(|()| {
+                instance.place(t, &y);
+                instance.run(&program.rhs)?;
+                instance.run(&program.roots)?;
+                instance.run(&program.rest)
+            });
+            *tangents = instance.tangents.take();
+            outcome?;
+            let Some(tangents) = tangents else { break };
+            for (k, slot) in recorded.iter().enumerate() {
+                let own = &tangents.of(*slot)[..count];
+                let range = k * count..(k + 1) * count;
+                if truth == 0 {
+                    self.values[k] = instance.get(*slot);
+                    self.derivatives[range].copy_from_slice(own);
+                    continue;
+                }
+                let jump = instance.get(*slot) - self.values[k];
+                let before = &self.derivatives[range.clone()];
+                for (((slope, d0), d1), by) in
+                    slopes[range].iter_mut().zip(before).zip(own).zip(&parts)
+                {
+                    *slope = d0 + part * (d1 - d0) + jump * by;
+                }
+            }
+        }
+        instance.memory.copy_from_slice(&blended);
+        Ok(())
+    }
+}
+
+impl Equations {
+    fn linearise(
+        &mut self,
+        model: &mut Model<'_>,
+        sliding: &mut Sliding,
+        tangents: &mut Option<Box<Tangents>>,
+        stage: usize,
+        (t, y): (f64, &[f64]),
+    ) -> Result<(), EvalError> {
+        let instance = &mut model.instance;
+        let n = instance.program.order();
+        let y = &y[..n];
+        let failed = |_| EvalError::Recoverable(0);
+        let part = sliding.rates(instance, t, y).map_err(failed)?.part();
+        let point = &mut self.points[stage];
+        point.part = part;
+        point.jacobian.fill(0.0);
+        point.forcing.fill(0.0);
+        let [when_false, when_true] = sliding.sides();
+        for ((jump, f0), f1) in point.jump.iter_mut().zip(when_false).zip(when_true) {
+            *jump = f1 - f0;
+        }
+        for (truth, weight) in [(0, 1.0 - part), (1, part)] {
+            instance.tangents = tangents.take();
+            let outcome = by_inputs(instance, sliding, truth, t, y);
+            *tangents = instance.tangents.take();
+            outcome.map_err(failed)?;
+            if let Some(tangents) = tangents {
+                point.add_inputs(instance, sliding.relation(), tangents, self.count, weight);
+            }
+            for first in (0..n).step_by(LANES) {
+                point
+                    .add_states(instance, sliding.relation(), &mut self.seeds, first, weight)
+                    .map_err(failed)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Runs everything that decides about the derivatives, and its derivatives by the inputs at held
+/// states.
+fn by_inputs(
+    instance: &mut Instance<'_>,
+    sliding: &Sliding,
+    truth: usize,
+    t: f64,
+    y: &[f64],
+) -> Result<(), Fault> {
+    let program = instance.program;
+    let layout = &program.layout;
+    sliding.switch(instance, truth)?;
+    instance.place(t, y);
+    if let Some(tangents) = &mut instance.tangents {
+        tangents.of_mut(layout.time).fill(0.0);
+        layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+        for i in 0..y.len() {
+            tangents.of_mut(layout.states + i as Slot).fill(0.0);
+        }
+    }
+    instance.run(&program.rhs)?;
+    instance.run(&program.roots)
+}
+
+impl Point {
+    fn add_inputs(
+        &mut self,
+        instance: &Instance<'_>,
+        relation: u32,
+        tangents: &Tangents,
+        count: usize,
+        weight: f64,
+    ) {
+        let layout = &instance.program.layout;
+        let n = layout.derivatives.len();
+        for (i, slot) in layout.derivatives.iter().enumerate() {
+            for (direction, d) in tangents.of(*slot)[..count].iter().enumerate() {
+                self.forcing[direction * n + i] += weight * d;
+            }
+        }
+        self.gap_by_input.copy_from_slice(&tangents.of(layout.gaps + relation)[..count]);
+    }
+
+    /// Columns of some states, from what stands in the memory.
+    fn add_states(
+        &mut self,
+        instance: &mut Instance<'_>,
+        relation: u32,
+        seeds: &mut Tangents,
+        first: usize,
+        weight: f64,
+    ) -> Result<(), Fault> {
+        let program = instance.program;
+        let layout = &program.layout;
+        let n = program.order();
+        let lanes = seeds.directions();
+        for i in 0..n {
+            let own = seeds.of_mut(layout.states + i as Slot);
+            own.fill(0.0);
+            if (first..first + lanes).contains(&i) {
+                own[i - first] = 1.0;
+            }
+        }
+        seeds.follow(instance, &program.rhs)?;
+        seeds.follow(instance, &program.roots)?;
+        for j in first..(first + lanes).min(n) {
+            for (i, slot) in layout.derivatives.iter().enumerate() {
+                self.jacobian[i + n * j] += weight * seeds.of(*slot)[j - first];
+            }
+            self.gap_by_state[j] = seeds.of(layout.gaps + relation)[j - first];
+        }
+        Ok(())
+    }
+}
+
+/// The variational equations along a step on the surface.
+pub struct AlongSurface<'a, 'p> {
+    /// The run.
+    pub model: &'a mut Model<'p>,
+    /// By the inputs.
+    pub tangents: Option<Box<Tangents>>,
+    /// What they are at the stages.
+    pub equations: &'a mut Equations,
+}
+
+impl Variational for AlongSurface<'_, '_> {
+    fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
+        let Some(mut sliding) = self.model.sliding.take() else {
+            return Err(EvalError::Fatal(0));
+        };
+        let AlongSurface { model, tangents, equations } = self;
+        let outcome = equations.linearise(model, &mut sliding, tangents, stage, (t, y));
+        self.model.sliding = Some(sliding);
+        outcome
+    }
+
+    fn slope(&self, stage: usize, direction: usize, s: &[f64], out: &mut [f64]) {
+        let point = &self.equations.points[stage];
+        let n = point.jump.len();
+        let (states, part) = (&s[..n], s[n]);
+        out[..n].copy_from_slice(&point.forcing[direction * n..(direction + 1) * n]);
+        for (s, column) in states.iter().zip(point.jacobian.chunks_exact(n)) {
+            for (out, j) in out.iter_mut().zip(column) {
+                *out += j * s;
+            }
+        }
+        for (out, jump) in out.iter_mut().zip(&point.jump) {
+            *out += jump * part;
+        }
+        let gap: f64 = states.iter().zip(&point.gap_by_state).map(|(s, g)| s * g).sum();
+        out[n] = point.gap_by_input[direction] + gap;
+    }
+}
