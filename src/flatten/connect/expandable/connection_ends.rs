@@ -20,7 +20,7 @@ pub(in crate::flatten) type Member = (InstanceId, Name, Option<usize>);
 
 /// What stands at an end.
 #[derive(Clone, Debug)]
-pub(in crate::flatten) enum At {
+pub(crate) enum At {
     /// A component as a whole.
     Instance(InstanceId),
     /// A scalar of an array variable.
