@@ -30,7 +30,7 @@ use mocc::diagnose::text::Attached;
 use mocc::driver::compile::{Request, Session};
 use mocc::flatten::inventory::Inventory;
 use mocc::ir::flat::Experiment;
-use mocc::numeric::least_squares::Normal;
+use mocc::numeric::least_squares::NormalEquations;
 use mocc::numeric::linear::DenseLu;
 
 /// Excess of the reduced sum of squares that an inserted effect is to make: the residual doubles.
@@ -278,7 +278,7 @@ impl Stand {
             errors: Vec::new(),
             fit: Fit {
                 x: Vec::new(),
-                normal: Normal::new(0),
+                normal: NormalEquations::new(0),
                 iterations: 0,
                 converged: true,
                 beyond: None,
@@ -368,7 +368,7 @@ fn quality(problem: &Problem<'_>, found: &Fit) -> (f64, f64) {
 }
 
 /// Sum of squares of the last column that the others do not absorb; `None` if hardly any.
-fn left_over(normal: &Normal) -> Option<f64> {
+fn left_over(normal: &NormalEquations) -> Option<f64> {
     let (n, p) = (normal.n, normal.n - 1);
     let entry = |i: usize, j: usize| normal.gram[i + n * j];
     let size = |i: usize| entry(i, i).sqrt().max(f64::MIN_POSITIVE);

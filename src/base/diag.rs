@@ -1,17 +1,17 @@
-//! One shape for everything mocc says about a model: a stable code, one sentence, places, remedy.
+//! The diagnostic: a message about a model with a stable code, labelled source spans, and a remedy.
 
 use super::source::Span;
 
-/// How bad it is.
+/// Whether a diagnostic prevents the model from running.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Severity {
-    /// The model can not be compiled or run.
+    /// The model cannot be compiled or run.
     Error,
     /// The model runs, but the user should know.
     Warning,
 }
 
-/// A message about the model, with the places it concerns and what to do.
+/// A message about the model, with the source spans it concerns and a remedy.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Diagnostic {
     /// Stable code, such as `MO0201`; a retired code is never used again.
@@ -20,11 +20,11 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// One sentence, lower case, without full stop, in the user's names.
     pub message: String,
-    /// The place it is about and what to say there; may be [`Span::NONE`].
+    /// The span it is about, which may be [`Span::NONE`], and the label shown there.
     pub primary: (Span, String),
-    /// Further places.
+    /// Further spans with their labels.
     pub secondary: Vec<(Span, String)>,
-    /// What to do about it.
+    /// How to repair the model.
     pub help: Option<String>,
     /// Background, such as the section of the Modelica specification.
     pub notes: Vec<String>,
@@ -47,42 +47,42 @@ impl Diagnostic {
     pub fn warning(code: &'static str, span: Span, message: impl Into<String>) -> Self {
         Diagnostic { severity: Severity::Warning, ..Self::error(code, span, message) }
     }
-    /// What to write under the primary place.
+    /// Sets the label of the primary span.
     pub fn label(mut self, text: impl Into<String>) -> Self {
         self.primary.1 = text.into();
         self
     }
-    /// A further place.
+    /// Adds a further labelled span.
     pub fn also(mut self, span: Span, text: impl Into<String>) -> Self {
         if !span.is_none() {
             self.secondary.push((span, text.into()));
         }
         self
     }
-    /// The remedy.
+    /// Sets the remedy.
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
         self
     }
-    /// Background.
+    /// Adds a note with background.
     pub fn note(mut self, text: impl Into<String>) -> Self {
         self.notes.push(text.into());
         self
     }
 }
 
-/// A list of diagnostics that grows while a stage works, so that one run reports many problems.
+/// The diagnostics that a stage has collected, so that one compilation reports many problems.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Problems {
     list: Vec<Diagnostic>,
 }
 
 impl Problems {
-    /// No problems yet.
+    /// An empty list.
     pub fn new() -> Self {
         Self::default()
     }
-    /// Adds one, unless the same was already said.
+    /// Adds a diagnostic unless the list already contains it.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         if !self.list.contains(&diagnostic) {
             self.list.push(diagnostic);
@@ -100,49 +100,29 @@ impl Problems {
     pub fn error_count(&self) -> usize {
         self.list.iter().filter(|d| d.severity == Severity::Error).count()
     }
-    /// Makes the warnings of a code errors.
+    /// Turns all warnings with this code into errors.
     pub fn raise(&mut self, code: &str) {
         for d in self.list.iter_mut().filter(|d| d.code == code) {
             d.severity = Severity::Error;
         }
     }
-    /// True without any.
+    /// True if there are no diagnostics.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
-    /// In order of place: file, then offset; without a place last.
+    /// Sorted by file and offset; diagnostics without a span come last.
     pub fn sorted(&self) -> Vec<&Diagnostic> {
         let mut v: Vec<&Diagnostic> = self.list.iter().collect();
         v.sort_by_key(|d| (d.primary.0, d.code));
         v
     }
-    /// In order of arrival.
+    /// In the order in which they were added.
     pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
         self.list.iter()
     }
 }
 
-/// What a stage returns: its result where there is one, and what there is to say.
-/// A value beside errors is partial: good enough to look for further problems, never to run.
-#[derive(Debug)]
-pub struct Outcome<T> {
-    /// The result, absent when nothing useful could be made.
-    pub value: Option<T>,
-    /// Errors and warnings.
-    pub problems: Problems,
-}
-
-impl<T> Outcome<T> {
-    /// The value if there are no errors, with the warnings; otherwise all problems.
-    pub fn into_result(self) -> Result<(T, Problems), Problems> {
-        match self.value {
-            Some(value) if !self.problems.has_errors() => Ok((value, self.problems)),
-            _ => Err(self.problems),
-        }
-    }
-}
-
-/// The candidate most like `wanted`, for "did you mean": at most a third of its letters differ.
+/// The candidate closest to `wanted`, for "did you mean": at most a third of its letters differ.
 pub fn did_you_mean<'a>(
     wanted: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -157,7 +137,7 @@ pub fn did_you_mean<'a>(
         .map(|(_, c)| c)
 }
 
-/// Damerau-Levenshtein distance (optimal string alignment) without regard to case.
+/// Case-insensitive Damerau-Levenshtein distance (optimal string alignment).
 fn edit_distance(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.to_lowercase().chars().collect();
     let b: Vec<char> = b.to_lowercase().chars().collect();
@@ -191,14 +171,14 @@ mod tests {
     }
 
     #[test]
-    fn problems_are_sorted_by_place_and_said_once() {
+    fn problems_are_sorted_by_span_and_reported_once() {
         use crate::base::source::FileId;
         let at = |s| Span::new(FileId(0), s, s + 1);
         let mut p = Problems::new();
         p.push(Diagnostic::error("MO0002", at(9), "second"));
         p.push(Diagnostic::error("MO0001", at(2), "first"));
         p.push(Diagnostic::error("MO0001", at(2), "first"));
-        let said: Vec<_> = p.sorted().iter().map(|d| d.message.as_str()).collect();
-        assert_eq!(said, ["first", "second"]);
+        let messages: Vec<_> = p.sorted().iter().map(|d| d.message.as_str()).collect();
+        assert_eq!(messages, ["first", "second"]);
     }
 }

@@ -1,16 +1,16 @@
-//! Typed indices and the vectors they index: an equation number can not be used for a variable.
+//! Typed indices and the vectors they index: the number of an equation cannot index variables.
 
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
-/// Hash map for keys that are ids or interned names. Never iterated where order could reach a result.
+/// Hash map keyed by ids or interned names. Never iterated where the order could affect a result.
 pub type FastMap<K, V> = std::collections::HashMap<K, V, rustc_hash::FxBuildHasher>;
-/// Hash set for keys that are ids or interned names. Never iterated where order could reach a result.
+/// Hash set of ids or interned names. Never iterated where the order could affect a result.
 pub type FastSet<K> = std::collections::HashSet<K, rustc_hash::FxBuildHasher>;
 
-/// A typed index: a `u32` that knows what it counts.
+/// A typed index: a `u32` that can only index one kind of object.
 pub trait Id: Copy + Eq + Ord + std::hash::Hash + std::fmt::Debug {
-    /// Wraps a position. Panics beyond `u32::MAX`, which is a bug in mocc, not in a model.
+    /// Wraps a position. Panics beyond `u32::MAX`, which is a bug in mocc, not an error in a model.
     fn from_usize(i: usize) -> Self;
     /// The position as an array index.
     fn idx(self) -> usize;
@@ -67,7 +67,7 @@ impl<I: Id, T> IndexVec<I, T> {
     pub fn len(&self) -> usize {
         self.raw.len()
     }
-    /// True without elements.
+    /// True if there are no elements.
     pub fn is_empty(&self) -> bool {
         self.raw.is_empty()
     }
@@ -91,7 +91,7 @@ impl<I: Id, T> IndexVec<I, T> {
     pub fn get(&self, i: I) -> Option<&T> {
         self.raw.get(i.idx())
     }
-    /// The plain slice.
+    /// The elements as a slice.
     pub fn as_slice(&self) -> &[T] {
         &self.raw
     }

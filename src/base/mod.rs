@@ -1,7 +1,7 @@
-//! Ground floor: what every stage uses and what knows no stage.
+//! Ground floor: types that every stage uses and that depend on no stage.
 pub mod diag;
 pub mod index;
-pub mod marks;
+pub mod visited;
 pub mod name;
 pub mod render;
 pub mod source;

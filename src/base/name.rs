@@ -1,5 +1,5 @@
-//! Interned identifiers and texts. A [`Name`] is one pointer: copied, compared and hashed without touching
-//! the text; the text lives as long as the process.
+//! Interned identifiers and strings. A [`Name`] is one pointer: copied, compared and hashed without
+//! touching the characters, which live as long as the process.
 
 use std::sync::RwLock;
 
@@ -13,39 +13,39 @@ pub fn name(text: &str) -> Name {
     ustr::ustr(text)
 }
 
-/// The names that have numbers.
+/// The strings that have an id.
 #[derive(Default)]
-struct Numbers {
+struct StringIds {
     names: Vec<Name>,
-    numbers: FastMap<Name, u32>,
+    ids: FastMap<Name, u32>,
 }
 
-static NUMBERS: RwLock<Option<Numbers>> = RwLock::new(None);
+static STRING_IDS: RwLock<Option<StringIds>> = RwLock::new(None);
 
-/// The number of a text, for what can hold nothing else: equal texts have equal numbers, and the empty
-/// text has 0.
-pub fn number(text: Name) -> u32 {
-    // A run asks for the same texts again and again.
-    let known = NUMBERS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let found = known.as_ref().and_then(|k| k.numbers.get(&text).copied());
+/// The id of a string, for storage that can only hold numbers: equal strings have equal ids, and
+/// the empty string has the id 0.
+pub fn string_id(text: Name) -> u32 {
+    // A simulation asks for the same few strings repeatedly, so try the shared lock first.
+    let known = STRING_IDS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let found = known.as_ref().and_then(|k| k.ids.get(&text).copied());
     drop(known);
     if let Some(found) = found {
         return found;
     }
-    let mut known = NUMBERS.write().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut known = STRING_IDS.write().unwrap_or_else(std::sync::PoisonError::into_inner);
     let known = known.get_or_insert_with(|| {
         let empty = name("");
-        Numbers { names: vec![empty], numbers: std::iter::once((empty, 0)).collect() }
+        StringIds { names: vec![empty], ids: std::iter::once((empty, 0)).collect() }
     });
-    *known.numbers.entry(text).or_insert_with(|| {
+    *known.ids.entry(text).or_insert_with(|| {
         known.names.push(text);
         known.names.len() as u32 - 1
     })
 }
 
-/// The text of a number; the empty one for what is no number of a text.
-pub fn numbered(number: u32) -> Name {
-    let known = NUMBERS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let found = known.as_ref().and_then(|k| k.names.get(number as usize));
+/// The string with this id; the empty string if no string has it.
+pub fn string_of_id(id: u32) -> Name {
+    let known = STRING_IDS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let found = known.as_ref().and_then(|k| k.names.get(id as usize));
     found.copied().unwrap_or_else(|| name(""))
 }

@@ -1,11 +1,11 @@
-//! Diagnostics as terminal text with the source beside them. Sole user of `annotate-snippets`.
+//! Renders diagnostics with source excerpts for the terminal. Sole user of `annotate-snippets`.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::diag::{Diagnostic, Problems, Severity};
 use super::source::{FileId, SourceMap, Span};
 
-/// Colours or plain text.
+/// Coloured or plain output.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Style {
     /// ANSI colours, for a terminal.
@@ -14,12 +14,12 @@ pub enum Style {
     Plain,
 }
 
-/// All problems in order of place, each followed by an empty line.
+/// Renders all problems, sorted by span, each followed by an empty line.
 pub fn render_all(problems: &Problems, sources: &SourceMap, style: Style) -> String {
     problems.sorted().iter().map(|d| render(d, sources, style) + "\n\n").collect()
 }
 
-/// One diagnostic with its excerpts.
+/// Renders one diagnostic with its source excerpts.
 pub fn render(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
     let level = match diagnostic.severity {
         Severity::Error => Level::ERROR,
@@ -69,7 +69,7 @@ pub fn render(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> Str
     renderer.render(&report)
 }
 
-/// A range inside the text, on character boundaries, at least one character long where possible.
+/// The span as a range that lies inside the text and on character boundaries.
 fn clamp(text: &str, span: Span) -> std::ops::Range<usize> {
     let boundary = |mut i: usize| {
         i = i.min(text.len());

@@ -1,4 +1,4 @@
-//! Source files, positions in them, and the way from a byte offset to line and column.
+//! Source files, spans within them, and the conversion of byte offsets to lines and columns.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,7 +8,7 @@ crate::define_id! {
     pub struct FileId
 }
 
-/// A range of bytes in one file. `Span::NONE` marks what has no place in any text.
+/// A range of bytes in one file. [`Span::NONE`] marks objects that have no source.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Span {
     /// The file.
@@ -20,7 +20,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// No place in any text.
+    /// The span of an object that has no source.
     pub const NONE: Span = Span { file: FileId(u32::MAX), start: 0, end: 0 };
 
     /// The bytes `start..end` of `file`.
@@ -43,12 +43,12 @@ impl Span {
     }
 }
 
-/// One source file: its name as the user knows it, its text and the starts of its lines.
+/// One source file: its path as shown to the user, its content and the starts of its lines.
 #[derive(Debug)]
 pub struct SourceFile {
     /// Path as given on the command line, or `lib:Seals/package.mo` for an embedded file.
     pub path: PathBuf,
-    /// The whole text.
+    /// The whole content.
     pub text: Arc<str>,
     line_starts: Vec<u32>,
 }
@@ -70,7 +70,7 @@ pub struct SourceMap {
 }
 
 impl SourceMap {
-    /// Adds a text under the name it is reported by.
+    /// Adds a file under the path that diagnostics show for it.
     pub fn add(&mut self, path: impl AsRef<Path>, text: impl Into<Arc<str>>) -> FileId {
         let text: Arc<str> = text.into();
         let line_starts = std::iter::once(0)
@@ -84,21 +84,21 @@ impl SourceMap {
     pub fn files(&self) -> impl Iterator<Item = &SourceFile> {
         self.files.iter()
     }
-    /// The file, unless the span had no place.
+    /// The file; `None` for the file of [`Span::NONE`].
     pub fn get(&self, id: FileId) -> Option<&SourceFile> {
         self.files.get(id.0 as usize)
     }
-    /// All texts, in the order in which they were added.
-    pub fn texts(&self) -> impl Iterator<Item = &str> {
+    /// The contents of all files, in the order in which they were added.
+    pub fn contents(&self) -> impl Iterator<Item = &str> {
         self.files.iter().map(|f| &*f.text)
     }
-    /// `file:line:column` of the start of a span, or nothing where it has no place.
+    /// `file:line:column` of the start of a span; `None` for [`Span::NONE`].
     pub fn place(&self, span: Span) -> Option<String> {
         let file = self.get(span.file)?;
         let (line, column) = file.line_column(span.start);
         Some(format!("{}:{line}:{column}", file.path.display()))
     }
-    /// The text of a span.
+    /// The source text of a span.
     pub fn text(&self, span: Span) -> Option<&str> {
         self.get(span.file)?.text.get(span.start as usize..span.end as usize)
     }

@@ -10,7 +10,7 @@ use crate::io::csv::{ReadError, TextTable, read_text};
 use super::plan::Plan;
 use super::unit::Unit;
 use crate::numeric::smoothing::smoothed;
-use crate::numeric::time_series::{Course, Interpolation};
+use crate::numeric::time_series::{Interpolation, TimeSeries};
 
 /// Repairs touch at most this part of a recording.
 const REPAIRABLE: f64 = 0.05;
@@ -53,7 +53,7 @@ pub struct Recording {
     /// One value in SI units for each start of the plan.
     pub starts: Vec<f64>,
     /// One course in SI units for each input of the plan.
-    pub courses: Vec<Arc<Course>>,
+    pub courses: Vec<Arc<TimeSeries>>,
     /// Where its run begins, s; where the model says, but not after the first instant, if not given.
     pub start: Option<f64>,
     /// Instants, s, rising.
@@ -290,14 +290,14 @@ struct Measured {
     /// Signal by signal.
     signals: Vec<Vec<f64>>,
     /// Input by input.
-    courses: Vec<Arc<Course>>,
+    courses: Vec<Arc<TimeSeries>>,
     /// Start by start.
     begins: Vec<Begin>,
 }
 
 /// What says where runs begin.
 struct Begin {
-    course: Course,
+    course: TimeSeries,
     order: u8,
 }
 
@@ -452,7 +452,7 @@ fn measured(
             all.iter().enumerate().filter(|(k, _)| counts(*k)).map(|(_, x)| *x).collect()
         };
         let (times, values) = (pick(&times), pick(&values));
-        courses.push(Arc::new(Course::new(times.into(), values, input.interpolation)));
+        courses.push(Arc::new(TimeSeries::new(times.into(), values, input.interpolation)));
     }
     for begin in &plan.starts {
         let found = column_course(&time, &rest.next()?, begin.unit, begin.smooth);
@@ -465,7 +465,7 @@ fn measured(
             (rate, _) => (values, usize::from(rate)),
         };
         begins.push(Begin {
-            course: Course::new(times.into(), values, Interpolation::Linear),
+            course: TimeSeries::new(times.into(), values, Interpolation::Linear),
             order: order as u8,
         });
     }

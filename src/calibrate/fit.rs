@@ -9,7 +9,7 @@
 //! A search that creeps along such a jump is led past it in the same way: those that jump are left out.
 
 use crate::numeric::halton::Halton;
-use crate::numeric::least_squares::{Minimum, Normal, Residuals, Stopping, minimise};
+use crate::numeric::least_squares::{Minimum, NormalEquations, Residuals, Stopping, minimise};
 
 use super::data::Split;
 use super::problem::Problem;
@@ -49,7 +49,7 @@ pub struct Fit {
     /// The parameters, as the search sees them.
     pub x: Vec<f64>,
     /// The normal equations there.
-    pub normal: Normal,
+    pub normal: NormalEquations,
     /// Steps in all.
     pub iterations: u32,
     /// Ended because nothing was left to gain.
@@ -264,13 +264,13 @@ struct Heeded<'a, 'p, 'h> {
 }
 
 impl Residuals for Heeded<'_, '_, '_> {
-    fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+    fn normal(&mut self, x: &[f64]) -> Option<NormalEquations> {
         Residuals::normal(self.problem, x)
     }
     fn cost(&mut self, x: &[f64]) -> Option<f64> {
         Residuals::cost(self.problem, x)
     }
-    fn goes_on(&mut self, iteration: u32, _x: &[f64], cost: f64) -> bool {
+    fn accepts_step(&mut self, iteration: u32, _x: &[f64], cost: f64) -> bool {
         self.problem.stopped |= !(self.heed)(iteration, cost);
         !self.problem.stopped
     }

@@ -12,7 +12,7 @@ use crate::codegen::recording;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Event};
-use crate::numeric::least_squares::{Normal, Residuals};
+use crate::numeric::least_squares::{NormalEquations, Residuals};
 use crate::runtime::jit::tiering::Execution;
 use crate::runtime::machine::Instance;
 use crate::simulate::failure::Failure;
@@ -437,10 +437,10 @@ impl<'a> Problem<'a> {
     }
 
     /// The normal equations of the training recordings that are not left out.
-    pub fn normal(&self, x: &[f64]) -> Result<Normal, Failure> {
+    pub fn normal(&self, x: &[f64]) -> Result<NormalEquations, Failure> {
         let recordings = self.fitted();
         let each = parallel::map(self.jobs, recordings.len(), |i| self.normal_of(recordings[i], x));
-        let mut sum = Normal::new(self.parameters.len());
+        let mut sum = NormalEquations::new(self.parameters.len());
         for normal in each {
             sum.merge(&normal?);
         }
@@ -448,8 +448,8 @@ impl<'a> Problem<'a> {
     }
 
     /// The normal equations of one recording.
-    pub fn normal_of(&self, recording: &Recording, x: &[f64]) -> Result<Normal, Failure> {
-        let mut normal = Normal::new(self.parameters.len());
+    pub fn normal_of(&self, recording: &Recording, x: &[f64]) -> Result<NormalEquations, Failure> {
+        let mut normal = NormalEquations::new(self.parameters.len());
         self.each_slope(recording, x, |residual, slopes| normal.add(residual, slopes))?;
         Ok(normal)
     }
@@ -542,7 +542,7 @@ impl<'a> Problem<'a> {
 }
 
 impl Residuals for Problem<'_> {
-    fn normal(&mut self, x: &[f64]) -> Option<Normal> {
+    fn normal(&mut self, x: &[f64]) -> Option<NormalEquations> {
         Problem::normal(self, x).ok()
     }
 

@@ -8,7 +8,7 @@
 //! straight line, so one or two differentiated runs of the recordings locate an end: the first point is
 //! where the quadratic prediction has it, and the gradient there tells what the others still gain.
 
-use crate::numeric::least_squares::Normal;
+use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
 use super::fit::Fit;
@@ -82,20 +82,20 @@ pub fn quadratic(problem: &Problem<'_>, fit: &Fit, statistics: &Statistics) -> V
     (0..fit.x.len()).map(one).collect()
 }
 
-/// Follows the profiles of all parameters. `goes_on` is asked before each; after it said no, the
+/// Follows the profiles of all parameters. `accepts_step` is asked before each; after it said no, the
 /// intervals that are left come from the standard errors.
 pub fn profile(
     problem: &Problem<'_>,
     fit: &Fit,
     statistics: &Statistics,
-    goes_on: &mut dyn FnMut(usize) -> bool,
+    accepts_step: &mut dyn FnMut(usize) -> bool,
 ) -> Profiles {
     let mut intervals = quadratic(problem, fit, statistics);
     for (i, place) in intervals.iter_mut().enumerate() {
         if !statistics.spreads[i].is_finite() {
             continue;
         }
-        if !goes_on(i) {
+        if !accepts_step(i) {
             break;
         }
         let mut ways = [0.0; 2];
@@ -214,7 +214,7 @@ fn reached(way: f64, root: f64, spread: f64) -> f64 {
 }
 
 /// The step of the others to their best, and what it gains, by the linearised residuals.
-fn follow(normal: &Normal, others: &[usize]) -> (Vec<f64>, f64) {
+fn follow(normal: &NormalEquations, others: &[usize]) -> (Vec<f64>, f64) {
     let (n, m) = (normal.n, others.len());
     let mut matrix = vec![0.0; m * m];
     for (b, j) in others.iter().enumerate() {
@@ -257,7 +257,7 @@ mod tests {
     /// from 10 to 5.
     #[test]
     fn the_others_follow() {
-        let mut normal = Normal::new(2);
+        let mut normal = NormalEquations::new(2);
         normal.add(3.0, &[1.0, -1.0]);
         normal.add(-1.0, &[0.0, 2.0]);
         let (step, gain) = follow(&normal, &[1]);

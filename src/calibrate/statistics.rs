@@ -8,7 +8,7 @@
 //! one.
 
 use crate::numeric::eigen;
-use crate::numeric::least_squares::Normal;
+use crate::numeric::least_squares::NormalEquations;
 
 use super::problem::{Parameter, Scale};
 
@@ -41,7 +41,7 @@ pub struct Statistics {
 
 impl Statistics {
     /// At the minimum `x` with its normal equations.
-    pub fn new(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Statistics {
+    pub fn new(normal: &NormalEquations, parameters: &[Parameter], x: &[f64]) -> Statistics {
         let n = parameters.len();
         let at_bound = at_bound(normal, parameters, x);
         let free: Vec<usize> = (0..n).filter(|i| !at_bound[*i]).collect();
@@ -78,7 +78,7 @@ impl Statistics {
 }
 
 /// Standard errors of the parameters' values, in their units; infinite where the data say nothing.
-pub fn standard_errors(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Vec<f64> {
+pub fn standard_errors(normal: &NormalEquations, parameters: &[Parameter], x: &[f64]) -> Vec<f64> {
     Statistics::new(normal, parameters, x).errors
 }
 
@@ -88,7 +88,7 @@ pub fn reduced(cost: f64, residuals: usize, parameters: usize) -> f64 {
 }
 
 /// Which of the parameters are at a bound that the sum of squares pushes them against.
-pub fn at_bound(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Vec<bool> {
+pub fn at_bound(normal: &NormalEquations, parameters: &[Parameter], x: &[f64]) -> Vec<bool> {
     let held = |(i, p): (usize, &Parameter)| {
         let (low, high) = p.range();
         let downhill = -normal.gradient[i];
@@ -98,7 +98,7 @@ pub fn at_bound(normal: &Normal, parameters: &[Parameter], x: &[f64]) -> Vec<boo
 }
 
 /// Eigenvalues and vectors of the normal equations of some parameters, padded to all.
-fn directions(normal: &Normal, of: &[usize]) -> Vec<(f64, Vec<f64>)> {
+fn directions(normal: &NormalEquations, of: &[usize]) -> Vec<(f64, Vec<f64>)> {
     let (n, m) = (normal.n, of.len());
     let mut part = vec![0.0; m * m];
     for (b, j) in of.iter().enumerate() {
@@ -114,7 +114,7 @@ fn directions(normal: &Normal, of: &[usize]) -> Vec<(f64, Vec<f64>)> {
     eigen::symmetric(m, &part).into_iter().map(|(value, v)| (value, padded(v))).collect()
 }
 
-fn covariance(normal: &Normal, of: &[usize]) -> Vec<f64> {
+fn covariance(normal: &NormalEquations, of: &[usize]) -> Vec<f64> {
     let n = normal.n;
     let mut sum = vec![0.0; n * n];
     let directions = directions(normal, of);
@@ -208,7 +208,7 @@ mod tests {
             parameter("b", Scale::Linear { size: 0.5 }, free),
         ];
         let sigma = 0.1;
-        let mut normal = Normal::new(2);
+        let mut normal = NormalEquations::new(2);
         let (mut n, mut s1, mut s2) = (0.0, 0.0, 0.0);
         for i in 0..50 {
             let t = 0.1 * i as f64;
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn what_is_not_determined_is_named() {
         let all = ["a", "b", "c", "d"].map(positive);
-        let mut normal = Normal::new(4);
+        let mut normal = NormalEquations::new(4);
         for i in 0..100 {
             let s = (i as f64).sin() * 10.0;
             normal.add(0.0, &[s, 2.0 * s, 10.0 * (i as f64).cos(), 0.0]);
@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn a_parameter_at_its_bound_is_held() {
         let two = [positive("a"), positive("b")];
-        let mut normal = Normal::new(2);
+        let mut normal = NormalEquations::new(2);
         normal.gram = vec![100.0, 90.0, 90.0, 100.0];
         normal.gradient = vec![1.0, 0.0];
         let x = [two[0].range().0, 1.5];

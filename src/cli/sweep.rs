@@ -141,7 +141,7 @@ fn keep(options: &Options) -> Keep {
 fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
     let mut all = Fingerprint::default();
     all.add(env!("CARGO_PKG_VERSION"));
-    for text in session.sources.texts() {
+    for text in session.sources.contents() {
         all.add(text);
     }
     let pattern = options.running.variables.as_ref().map(|p| p.as_str().to_owned());

@@ -7,8 +7,8 @@
 
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, Id};
-use crate::base::marks::Marks;
 use crate::base::source::Span;
+use crate::base::visited::VisitedSet;
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
 use crate::ir::program::{
@@ -512,7 +512,7 @@ impl Emitter {
     /// The variables below `roots` in order of first use, eliminated ones replaced by what they read.
     pub fn reads(&self, roots: &[ExprId]) -> Vec<VarId> {
         let graph = &self.dae.graph;
-        Marks::walk(graph.len(), |seen| {
+        VisitedSet::traverse(graph.len(), |seen| {
             let mut found = Vec::new();
             let mut pending = roots.to_vec();
             // Calls for several outputs share their arguments, which may be many.

@@ -2,7 +2,7 @@
 //! computed where the branch is not taken.
 
 use crate::base::index::{FastMap, FastSet, Id};
-use crate::graph::scc::circular;
+use crate::graph::scc::nodes_on_cycles;
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, ListId, Node};
 use crate::ir::flat::Statement;
@@ -67,7 +67,7 @@ fn without_circles(dae: &Dae, found: Vec<(Called, ExprId)>) -> FastMap<Called, E
         needs.extend(read.map(|other| (Guarded::from_usize(k), other)));
     }
     let mut guards: FastMap<Called, ExprId> = found.iter().copied().collect();
-    for k in circular(found.len(), needs) {
+    for k in nodes_on_cycles(found.len(), needs) {
         guards.remove(&found[k.idx()].0);
     }
     guards

@@ -15,7 +15,7 @@ use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::parallel;
 use crate::calibrate::problem::Problem;
-use crate::numeric::least_squares::Normal;
+use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
 use super::case::{Case, compile};
@@ -172,7 +172,7 @@ fn balance(case: &Case<'_>, unknown: &Effect, place: Place, level: &Level) -> Op
 }
 
 /// The columns from `free` on that make the residuals small, and by how much.
-fn damped(normal: &Normal, free: usize) -> Option<(Vec<f64>, f64)> {
+fn damped(normal: &NormalEquations, free: usize) -> Option<(Vec<f64>, f64)> {
     let (n, m) = (normal.n, normal.n - free);
     let entry = |i: usize, j: usize| normal.gram[(free + i) + n * (free + j)];
     let mean = (0..m).map(|i| entry(i, i)).sum::<f64>() / m.max(1) as f64;
@@ -269,7 +269,7 @@ mod tests {
     /// Two columns of which one explains everything.
     #[test]
     fn the_damping_is_as_strong_as_the_residual_allows() {
-        let mut normal = Normal::new(3);
+        let mut normal = NormalEquations::new(3);
         for k in 0..50 {
             let t = 0.1 * k as f64;
             normal.add(-2.0 * t.sin(), &[0.0, t.sin(), t.cos()]);

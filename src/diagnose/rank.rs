@@ -11,7 +11,7 @@ use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 use crate::calibrate::statistics::at_bound;
-use crate::numeric::least_squares::Normal;
+use crate::numeric::least_squares::NormalEquations;
 
 use super::case::{Case, compile};
 use super::effect::Effect;
@@ -263,12 +263,12 @@ pub struct Scoring<'a> {
     /// The model without what the level has, if the candidates are to come in its place.
     before: Option<&'a Level>,
     /// The normal equations of the level alone, of all recordings.
-    whole: OnceCell<Option<Normal>>,
+    whole: OnceCell<Option<NormalEquations>>,
 }
 
 /// The normal equations of a level with candidates at amplitude zero.
 pub struct Linearised {
-    normal: Normal,
+    normal: NormalEquations,
     /// Parameters of the level: they come first.
     free: usize,
     /// Position of the first amplitude of each candidate.
@@ -401,7 +401,7 @@ fn removed(case: &Case<'_>, level: &Level, problem: &Problem<'_>) -> Vec<(usize,
 }
 
 /// The normal equations of the residuals without what these columns contribute, and without the columns.
-fn take_off(normal: &mut Normal, columns: &[(usize, f64)]) {
+fn take_off(normal: &mut NormalEquations, columns: &[(usize, f64)]) {
     let n = normal.n;
     for (c, amount) in columns {
         let own = normal.gram[c + n * c];
@@ -414,7 +414,7 @@ fn take_off(normal: &mut Normal, columns: &[(usize, f64)]) {
 }
 
 /// The normal equations without a column.
-fn hold_still(normal: &mut Normal, column: usize) {
+fn hold_still(normal: &mut NormalEquations, column: usize) {
     let n = normal.n;
     for i in 0..n {
         normal.gram[i + n * column] = 0.0;
@@ -438,7 +438,7 @@ fn surplus(problem: &Problem<'_>, level: &Level, enough: usize) -> Vec<usize> {
 }
 
 /// The normal equations of a level as it is.
-fn alone(case: &Case<'_>, level: &Level) -> Option<Normal> {
+fn alone(case: &Case<'_>, level: &Level) -> Option<NormalEquations> {
     let all = attached(case, &level.chosen);
     let (session, program) = compile(case, &level.plan, &all, &[]).ok()?;
     let mut problems = Problems::new();
@@ -447,7 +447,7 @@ fn alone(case: &Case<'_>, level: &Level) -> Option<Normal> {
 }
 
 /// What concerns the parameters of a level alone is that of all recordings.
-fn hold(normal: &mut Normal, whole: &Normal) {
+fn hold(normal: &mut NormalEquations, whole: &NormalEquations) {
     for j in 0..whole.n {
         for i in 0..whole.n {
             normal.gram[i + normal.n * j] = whole.gram[i + whole.n * j];
@@ -463,7 +463,7 @@ mod tests {
     /// `y = 2 + 3 t + 0.5 t^2` fitted in full: without the slope, a direction like it explains what that did.
     #[test]
     fn what_is_taken_off_is_there_to_be_explained() {
-        let mut normal = Normal::new(4);
+        let mut normal = NormalEquations::new(4);
         let mut whole = 0.0;
         for i in 0..11 {
             let t = 0.1 * f64::from(i);

@@ -4,7 +4,7 @@
 //! absorb, against the residuals (C. R. Rao 1948; the Lagrange multiplier test of S. D. Silvey, *The
 //! Lagrangian multiplier test*, Annals of Mathematical Statistics 30, 1959).
 
-use crate::numeric::least_squares::Normal;
+use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
 /// What a group of amplitudes would explain.
@@ -22,7 +22,12 @@ const INDEPENDENT: f64 = 1e-7;
 
 /// The score of the amplitudes `group` beside the parameters `0..free` of the normal equations; those of
 /// `positive` can not be negative.
-pub fn score(normal: &Normal, free: usize, group: &[usize], positive: &[bool]) -> Option<Score> {
+pub fn score(
+    normal: &NormalEquations,
+    free: usize,
+    group: &[usize],
+    positive: &[bool],
+) -> Option<Score> {
     let n = normal.n;
     let entry = |i: usize, j: usize| normal.gram[i + n * j];
     let size = |i: usize| entry(i, i).sqrt();
@@ -97,7 +102,7 @@ mod tests {
     /// that is constant too explains nothing.
     #[test]
     fn only_what_is_not_absorbed_counts() {
-        let mut normal = Normal::new(3);
+        let mut normal = NormalEquations::new(3);
         let mean = 3.0 * 0.5;
         for i in 0..11 {
             let t = 0.1 * i as f64;
@@ -112,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_positive_amplitude_can_not_explain_a_negative_one() {
-        let mut normal = Normal::new(1);
+        let mut normal = NormalEquations::new(1);
         normal.add(1.0, &[1.0]);
         assert_eq!(score(&normal, 0, &[0], &[true]), None);
         let amplitude = score(&normal, 0, &[0], &[false]).unwrap().amplitudes[0];

@@ -1,4 +1,4 @@
-//! One more pair for a matching: the step that Pantelides' algorithm and the choice of states take.
+//! Augments a matching by one pair: the step that Pantelides' algorithm and state selection take.
 //!
 //! Depth-first search for an augmenting path with lookahead: I. S. Duff, "On algorithms for
 //! obtaining a maximum transversal", ACM TOMS 7(3), 1981. Iterative.
@@ -7,11 +7,11 @@ use super::bipartite::{Bipartite, Col, Edge, Row};
 use super::matching::Matching;
 use crate::base::index::{Id, IndexVec};
 
-/// The search for one augmenting path, its work space, and what it reached.
+/// The search for one augmenting path, its work space, and the nodes it reached.
 ///
 /// Nodes reached by a failed search lead nowhere as long as graph and filter stay the same, even
-/// after other searches have succeeded. They are skipped until [`Search::forget`].
-pub struct Search<R: Id = Row, C: Id = Col> {
+/// after other searches have succeeded. They are skipped until [`AugmentingSearch::discard_marks`].
+pub struct AugmentingSearch<R: Id = Row, C: Id = Col> {
     row_seen: IndexVec<R, Option<Epoch>>,
     col_seen: IndexVec<C, Option<Epoch>>,
     epoch: Epoch,
@@ -20,7 +20,7 @@ pub struct Search<R: Id = Row, C: Id = Col> {
     path: Vec<Step<R>>,
 }
 
-/// Counts calls of [`Search::forget`]; a mark of an older epoch is no mark.
+/// Counts calls of [`AugmentingSearch::discard_marks`]; marks of older epochs do not count.
 type Epoch = std::num::NonZeroU32;
 
 /// A row on the path and the position of the edge to try next; the one before it leads on.
@@ -29,10 +29,10 @@ struct Step<R> {
     next: usize,
 }
 
-impl<R: Id, C: Id> Search<R, C> {
-    /// A search that has been nowhere.
+impl<R: Id, C: Id> AugmentingSearch<R, C> {
+    /// A search that has visited no node.
     pub fn new() -> Self {
-        Search {
+        AugmentingSearch {
             row_seen: IndexVec::new(),
             col_seen: IndexVec::new(),
             epoch: Epoch::MIN,
@@ -42,8 +42,8 @@ impl<R: Id, C: Id> Search<R, C> {
         }
     }
 
-    /// Forgets where failed searches have been: needed when the graph or the filter has changed.
-    pub fn forget(&mut self) {
+    /// Discards the marks of failed searches: necessary after the graph or the filter has changed.
+    pub fn discard_marks(&mut self) {
         self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
             self.row_seen = IndexVec::new();
             self.col_seen = IndexVec::new();
@@ -95,7 +95,7 @@ impl<R: Id, C: Id> Search<R, C> {
     }
 
     /// The matched columns the last search tried. If it failed, these are all admissible columns
-    /// of [`Search::rows`], one fewer than the rows (the coloured V-nodes of Pantelides).
+    /// of [`AugmentingSearch::rows`], one fewer than the rows (the coloured V-nodes of Pantelides).
     pub fn cols(&self) -> &[C] {
         &self.cols
     }
@@ -141,7 +141,7 @@ impl<R: Id, C: Id> Search<R, C> {
     }
 }
 
-impl<R: Id, C: Id> Default for Search<R, C> {
+impl<R: Id, C: Id> Default for AugmentingSearch<R, C> {
     fn default() -> Self {
         Self::new()
     }
@@ -150,20 +150,20 @@ impl<R: Id, C: Id> Default for Search<R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::samples::{Xorshift, cardinality_by_brute_force, graph_of, random_graph};
+    use crate::graph::test_graphs::{Xorshift, cardinality_by_brute_force, graph_of, random_graph};
 
     #[test]
-    fn row_by_row_reaches_the_maximum_whether_or_not_failures_are_remembered() {
+    fn row_by_row_reaches_the_maximum_with_and_without_discarding_marks() {
         let mut random = Xorshift::new(1981);
         for round in 0..400 {
             let graph = random_graph(&mut random, 8, 7, round % 26);
-            for forgetful in [true, false] {
-                let mut search = Search::new();
+            for discards in [true, false] {
+                let mut search = AugmentingSearch::new();
                 let mut matching = Matching::empty(&graph);
                 let mut found = 0;
                 for row in graph.rows() {
-                    if forgetful {
-                        search.forget();
+                    if discards {
+                        search.discard_marks();
                     }
                     found += usize::from(search.augment(&graph, &mut matching, row, |_, _| true));
                 }
@@ -179,10 +179,10 @@ mod tests {
         let mut failures = 0;
         for _ in 0..300 {
             let graph = random_graph(&mut random, 7, 6, 12);
-            let mut search = Search::new();
+            let mut search = AugmentingSearch::new();
             let mut matching = Matching::empty(&graph);
             for row in graph.rows() {
-                search.forget();
+                search.discard_marks();
                 if search.augment(&graph, &mut matching, row, |_, _| true) {
                     continue;
                 }
@@ -207,7 +207,7 @@ mod tests {
     fn inadmissible_columns_are_not_entered() {
         let graph = graph_of(2, &[&[0], &[0, 1]]);
         let mut matching = Matching::empty(&graph);
-        let mut search = Search::new();
+        let mut search = AugmentingSearch::new();
         let admissible = |_: Edge, col: Col| col == Col(0);
         assert!(search.augment(&graph, &mut matching, Row(0), admissible));
         assert!(!search.augment(&graph, &mut matching, Row(1), admissible));

@@ -1,6 +1,6 @@
 //! Incidence of equations (rows) and variables (columns) in compressed sparse rows.
 //!
-//! One array of ends and one of starts, whatever the number of rows: a system of ten million
+//! One array of row ends and one of columns, whatever the number of rows: a system of ten million
 //! incidences costs forty megabytes and no allocation per row.
 
 use crate::base::index::{Id, IndexVec};
@@ -24,7 +24,7 @@ crate::define_id!(
 /// A bipartite graph, stored by rows with ascending columns and no duplicates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bipartite<R: Id = Row, C: Id = Col> {
-    /// `ends[r]` is the first edge behind row `r`.
+    /// `ends[r]` is one past the last edge of row `r`.
     ends: IndexVec<R, Edge>,
     /// The column of every edge.
     cols: Vec<C>,
@@ -49,7 +49,7 @@ impl<R: Id, C: Id> Bipartite<R, C> {
         graph
     }
 
-    /// Appends a row; columns may come in any order and repeat. A column beyond the present count
+    /// Appends a row; columns may come in any order and repeat. A column beyond the current count
     /// widens the graph.
     pub fn push_row(&mut self, cols: impl IntoIterator<Item = C>) -> R {
         let start = self.cols.len();
@@ -123,10 +123,10 @@ impl<R: Id, C: Id> Bipartite<R, C> {
         (graph, origin)
     }
 
-    /// The graph of some rows and the columns that have a local number, both renumbered from zero:
-    /// rows in the order given, columns as the
-    /// injective `local` says. Also for each of its edges the edge of
-    /// `self`. Costs the size of the rows only, so cutting a system into blocks is linear.
+    /// The subgraph of some rows and the columns that have a local number, both renumbered from
+    /// zero: rows in the order given, columns by the injective function `local`. Also returns the
+    /// edge of `self` for each edge. Costs the size of the rows only, so partitioning a system into
+    /// blocks is linear.
     pub fn restricted(&self, rows: &[R], local: impl Fn(C) -> Option<C>) -> (Self, Vec<Edge>) {
         let mut graph = Self::new(0);
         let mut origin = Vec::new();
@@ -177,7 +177,7 @@ impl<R: Id, C: Id> Bipartite<R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::samples::{Xorshift, graph_of, random_graph};
+    use crate::graph::test_graphs::{Xorshift, graph_of, random_graph};
 
     #[test]
     fn rows_are_sorted_without_duplicates() {
@@ -215,9 +215,9 @@ mod tests {
     }
 
     #[test]
-    fn restricting_renumbers_rows_as_given_and_columns_as_told() {
+    fn restricting_renumbers_rows_and_columns() {
         let graph = graph_of(5, &[&[0, 1], &[1, 3, 4], &[0, 3]]);
-        // Column 4 becomes 0 and column 3 becomes 1; the order within the row turns round.
+        // Column 4 becomes 0 and column 3 becomes 1, which reverses the order within the row.
         let local = |col: Col| [None, None, None, Some(Col(1)), Some(Col(0))][col.idx()];
         let (block, origin) = graph.restricted(&[Row(2), Row(1)], local);
         assert_eq!(block, graph_of(2, &[&[1], &[0, 1]]));

@@ -9,33 +9,33 @@ use super::bipartite::{Bipartite, Col, Row};
 use super::matching::Matching;
 use crate::base::index::{Id, IndexVec};
 
-/// A part of a system: rows and columns, both ascending.
+/// A subsystem: rows and columns, both ascending.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Part {
+pub struct Subsystem {
     /// The equations.
     pub rows: Vec<Row>,
     /// The unknowns.
     pub cols: Vec<Col>,
 }
 
-/// The three parts; every row and every column is in exactly one.
+/// The three subsystems; every row and every column is in exactly one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Parts {
+pub struct Decomposition {
     /// More equations than unknowns: reached by alternating paths from unmatched rows. Contains
     /// all columns of its rows.
-    pub over_determined: Part,
+    pub over_determined: Subsystem,
     /// As many equations as unknowns, and a perfect matching.
-    pub well_determined: Part,
+    pub well_determined: Subsystem,
     /// More unknowns than equations: reached by alternating paths from unmatched columns. Contains
     /// all rows of its columns.
-    pub under_determined: Part,
+    pub under_determined: Subsystem,
 }
 
 /// Decomposes a graph, given a *maximum* matching. Linear.
-pub fn decompose(graph: &Bipartite, matching: &Matching) -> Parts {
+pub fn decompose(graph: &Bipartite, matching: &Matching) -> Decomposition {
     let over = reached(graph, &matching.row_to_col, &matching.col_to_row);
     let under = reached(&graph.transposed(), &matching.col_to_row, &matching.row_to_col);
-    let mut parts = Parts::default();
+    let mut parts = Decomposition::default();
     for row in graph.rows() {
         let part = match (over.0[row], under.1[row]) {
             (true, _) => &mut parts.over_determined,
@@ -83,33 +83,33 @@ fn reached<R: Id, C: Id>(
 mod tests {
     use super::*;
     use crate::graph::matching::maximum;
-    use crate::graph::samples::{Xorshift, cardinality_by_brute_force, graph_of, random_graph};
+    use crate::graph::test_graphs::{Xorshift, cardinality_by_brute_force, graph_of, random_graph};
 
-    fn part(rows: &[u32], cols: &[u32]) -> Part {
-        Part {
+    fn subsystem(rows: &[u32], cols: &[u32]) -> Subsystem {
+        Subsystem {
             rows: rows.iter().copied().map(Row).collect(),
             cols: cols.iter().copied().map(Col).collect(),
         }
     }
 
-    fn parts_of(graph: &Bipartite) -> Parts {
+    fn parts_of(graph: &Bipartite) -> Decomposition {
         decompose(graph, &maximum(graph, |_, _| true, Matching::empty(graph)))
     }
 
     #[test]
-    fn one_equation_too_many_here_and_one_unknown_too_many_there() {
+    fn separates_surplus_equations_from_surplus_unknowns() {
         // x0 + x1 = 1, x0 - x1 = 2, x0 x1 = 3; x2 = x0; x3 + x4 = x2.
         let graph = graph_of(5, &[&[0, 1], &[0, 1], &[0, 1], &[0, 2], &[2, 3, 4]]);
         let parts = parts_of(&graph);
-        assert_eq!(parts.over_determined, part(&[0, 1, 2], &[0, 1]));
-        assert_eq!(parts.well_determined, part(&[3], &[2]));
-        assert_eq!(parts.under_determined, part(&[4], &[3, 4]));
+        assert_eq!(parts.over_determined, subsystem(&[0, 1, 2], &[0, 1]));
+        assert_eq!(parts.well_determined, subsystem(&[3], &[2]));
+        assert_eq!(parts.under_determined, subsystem(&[4], &[3, 4]));
     }
 
     /// Membership by definition: a row is in the over-determined part exactly if some maximum
     /// matching leaves it out, that is if the graph without it has matchings as large.
     #[test]
-    fn the_parts_are_what_the_definition_says() {
+    fn the_parts_satisfy_the_definition() {
         let mut random = Xorshift::new(1958);
         for round in 0..300 {
             let graph = random_graph(&mut random, 6, 6, 3 + round % 14);

@@ -17,7 +17,7 @@ pub struct Matching<R: Id = Row, C: Id = Col> {
 }
 
 impl<R: Id, C: Id> Matching<R, C> {
-    /// No pairs, in the size of a graph.
+    /// An empty matching of the size of a graph.
     pub fn empty(graph: &Bipartite<R, C>) -> Self {
         Matching {
             row_to_col: IndexVec::filled(None, graph.row_count()),
@@ -58,7 +58,7 @@ impl<R: Id, C: Id> Matching<R, C> {
         }
     }
 
-    /// Follows a graph that has grown.
+    /// Resizes the matching after rows or columns were added to the graph.
     pub fn grow(&mut self, graph: &Bipartite<R, C>) {
         self.row_to_col.resize(graph.row_count(), None);
         self.col_to_row.resize(graph.col_count(), None);
@@ -76,7 +76,7 @@ pub fn maximum<R: Id, C: Id>(
 ) -> Matching<R, C> {
     let mut matching = initial;
     match_greedily(graph, &admissible, &mut matching);
-    let mut phase = Phase {
+    let mut phase = HopcroftKarpPhase {
         level: IndexVec::filled(None, graph.row_count()),
         cursor: IndexVec::filled(0, graph.row_count()),
         queue: Vec::new(),
@@ -96,8 +96,8 @@ pub fn maximum<R: Id, C: Id>(
 /// `None` forbids the edge.
 ///
 /// A maximum matching of the cheapest class is extended with the next class, and so on. The
-/// cardinality is the maximum; the number of dear edges is small but not always the smallest,
-/// because an augmenting path may exchange a cheap edge for a dear one.
+/// cardinality is the maximum; the number of expensive edges is small but not always minimal,
+/// because an augmenting path may exchange a cheap edge for an expensive one.
 pub fn maximum_preferring<R: Id, C: Id>(
     graph: &Bipartite<R, C>,
     cost: &IndexVec<Edge, Option<u8>>,
@@ -106,12 +106,12 @@ pub fn maximum_preferring<R: Id, C: Id>(
     let mut classes: Vec<u8> = cost.iter().flatten().copied().collect();
     classes.sort_unstable();
     classes.dedup();
-    classes.into_iter().fold(initial, |matching, dearest| {
-        maximum(graph, |edge, _| cost[edge].is_some_and(|class| class <= dearest), matching)
+    classes.into_iter().fold(initial, |matching, limit| {
+        maximum(graph, |edge, _| cost[edge].is_some_and(|class| class <= limit), matching)
     })
 }
 
-/// Matches each free row with its first free column: most of a matching, at the price of one look.
+/// Matches each free row with its first free column: most of a matching in a single pass.
 fn match_greedily<R: Id, C: Id>(
     graph: &Bipartite<R, C>,
     admissible: &impl Fn(Edge, C) -> bool,
@@ -130,7 +130,7 @@ fn match_greedily<R: Id, C: Id>(
 
 /// Work space of the phases of Hopcroft and Karp, in each of which a set of disjoint shortest
 /// augmenting paths is found.
-struct Phase<R: Id> {
+struct HopcroftKarpPhase<R: Id> {
     /// Length of the shortest alternating path from a free row, in rows; `None` once spent.
     level: IndexVec<R, Option<u32>>,
     /// The edge each row tries next.
@@ -139,7 +139,7 @@ struct Phase<R: Id> {
     path: Vec<R>,
 }
 
-impl<R: Id> Phase<R> {
+impl<R: Id> HopcroftKarpPhase<R> {
     /// Layers the rows breadth first; true if a free column can be reached.
     fn layer<C: Id>(
         &mut self,
@@ -156,7 +156,7 @@ impl<R: Id> Phase<R> {
                 self.queue.push(row);
             }
         }
-        // The level of the nearest free column: rows as deep as that are of no use.
+        // The level of the nearest free column; rows at this depth cannot lie on a shortest path.
         let mut deepest = None;
         let mut next = 0;
         while let Some(&row) = self.queue.get(next) {
@@ -183,7 +183,7 @@ impl<R: Id> Phase<R> {
     }
 
     /// Follows the layers depth first from a free row and flips the path if it ends in a free
-    /// column. Every row is left for good, so a phase is linear.
+    /// column. No row is visited again after the search has left it, so a phase is linear.
     fn augment<C: Id>(
         &mut self,
         graph: &Bipartite<R, C>,
@@ -228,7 +228,7 @@ impl<R: Id> Phase<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::samples::{Xorshift, cardinality_by_brute_force, graph_of, random_graph};
+    use crate::graph::test_graphs::{Xorshift, cardinality_by_brute_force, graph_of, random_graph};
 
     fn maximum_of(graph: &Bipartite) -> Matching {
         maximum(graph, |_, _| true, Matching::empty(graph))
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn cheap_edges_are_preferred_but_never_at_the_price_of_cardinality() {
+    fn cheap_edges_are_preferred_but_never_at_the_expense_of_cardinality() {
         // Both rows prefer column 1; only row 1 has no other.
         let graph = graph_of(2, &[&[0, 1], &[1]]);
         let cost = [Some(1), Some(0), Some(1)].into_iter().collect();

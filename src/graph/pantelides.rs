@@ -7,7 +7,7 @@
 //! number of differentiations of each equation is the least possible and does not depend on the
 //! order of the equations.
 
-use super::augment::Search;
+use super::augment::AugmentingSearch;
 use super::bipartite::{Bipartite, Col, Row};
 use super::matching::{Matching, maximum};
 use crate::base::index::{Id, IndexVec};
@@ -16,7 +16,7 @@ use crate::base::index::{Id, IndexVec};
 /// keep their numbers; new ones follow.
 #[derive(Clone, Debug)]
 pub struct Reduction {
-    /// The original rows and, behind them, the differentiated ones. A differentiated row is
+    /// The original rows, followed by the differentiated ones. A differentiated row is
     /// incident to the columns of its origin and to their derivatives.
     pub incidence: Bipartite,
     /// The list A: the derivative of each column, if it occurs.
@@ -29,11 +29,11 @@ pub struct Reduction {
     pub matching: Matching,
 }
 
-/// Why the highest derivatives can not be determined.
+/// Why the highest derivatives cannot be determined.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Singular {
-    /// Even with all derivatives of a variable taken for the variable itself, some equations have
-    /// too few unknowns: differentiation would never end.
+pub enum StructurallySingular {
+    /// Even if all derivatives of a variable are identified with the variable itself, some
+    /// equations have too few unknowns: differentiation would never terminate.
     #[error("{} equations for {} unknowns", rows.len(), cols.len())]
     TooFewUnknowns {
         /// A minimal set of equations, ascending, with one unknown too few.
@@ -41,7 +41,7 @@ pub enum Singular {
         /// The unknowns of these equations, ascending, each given by its lowest derivative.
         cols: Vec<Col>,
     },
-    /// An equation must be differentiated that may not be.
+    /// An equation that is not differentiable would have to be differentiated.
     #[error("an equation that has no derivative must be differentiated")]
     NotDifferentiable {
         /// The equation without derivative.
@@ -58,19 +58,19 @@ pub enum Singular {
 /// - `derivative`: the list A of that system; columns beyond its end have no derivative.
 /// - `fixed`: rows that may not be differentiated.
 ///
-/// Terminates always, because a system in which it would not is found to be singular first
+/// Always terminates, because a system for which it would not is found to be singular first
 /// (Pantelides 1988, section 4: the system extended by ẋ = dx/dt must not be singular).
 pub fn pantelides(
     incidence: &Bipartite,
     derivative: &IndexVec<Col, Option<Col>>,
     fixed: &[Row],
-) -> Result<Reduction, Singular> {
+) -> Result<Reduction, StructurallySingular> {
     let mut derivative = derivative.clone();
     derivative.resize(incidence.col_count(), None);
     check_determined(incidence, &derivative)?;
 
     let empty = Matching::empty(incidence);
-    let mut system = System {
+    let mut system = GrowingSystem {
         graph: incidence.clone(),
         matching: maximum(incidence, |_, col| derivative[col].is_none(), empty),
         derivative,
@@ -81,7 +81,7 @@ pub fn pantelides(
     for &row in fixed {
         system.fixed[row] = true;
     }
-    let mut search = Search::new();
+    let mut search = AugmentingSearch::new();
     let unmatched: Vec<Row> = system.matching.free_rows().collect();
     for first in unmatched {
         let mut row = first;
@@ -109,11 +109,11 @@ pub fn lowest(derivative: &IndexVec<Col, Option<Col>>) -> IndexVec<Col, Col> {
     lowest
 }
 
-/// Finds a row for which there is no unknown even if derivatives count as the variable.
+/// Finds a row without an unknown of its own even if derivatives count as the variable itself.
 fn check_determined(
     incidence: &Bipartite,
     derivative: &IndexVec<Col, Option<Col>>,
-) -> Result<(), Singular> {
+) -> Result<(), StructurallySingular> {
     let lowest = lowest(derivative);
     let collapsed = Bipartite::from_rows(
         incidence.col_count(),
@@ -121,13 +121,16 @@ fn check_determined(
     );
     let mut matching = maximum(&collapsed, |_, _| true, Matching::empty(&collapsed));
     let Some(row) = matching.free_rows().next() else { return Ok(()) };
-    let mut search = Search::new();
+    let mut search = AugmentingSearch::new();
     search.augment(&collapsed, &mut matching, row, |_, _| true);
-    Err(Singular::TooFewUnknowns { rows: ascending(search.rows()), cols: ascending(search.cols()) })
+    Err(StructurallySingular::TooFewUnknowns {
+        rows: ascending(search.rows()),
+        cols: ascending(search.cols()),
+    })
 }
 
 /// The growing system.
-struct System {
+struct GrowingSystem {
     graph: Bipartite,
     matching: Matching,
     derivative: IndexVec<Col, Option<Col>>,
@@ -138,23 +141,31 @@ struct System {
     fixed: IndexVec<Row, bool>,
 }
 
-impl System {
+impl GrowingSystem {
     /// The procedure AUGMENTPATH: columns whose derivative occurs count as known.
-    fn match_highest(&mut self, search: &mut Search, row: Row) -> bool {
+    fn match_highest(&mut self, search: &mut AugmentingSearch, row: Row) -> bool {
         let derivative = &self.derivative;
-        search.forget();
+        search.discard_marks();
         search.augment(&self.graph, &mut self.matching, row, |_, col| derivative[col].is_none())
     }
 
-    /// Differentiates the coloured columns and rows, carries the
-    /// assignment over to the derivatives, and returns the derivative of `start`.
-    fn differentiate(&mut self, start: Row, rows: &[Row], cols: &[Col]) -> Result<Row, Singular> {
+    /// Differentiates the coloured columns and rows, carries the assignment over to the
+    /// derivatives, and returns the derivative of `start`.
+    fn differentiate(
+        &mut self,
+        start: Row,
+        rows: &[Row],
+        cols: &[Col],
+    ) -> Result<Row, StructurallySingular> {
         let rows = ascending(rows);
         if let Some(&row) = rows.iter().find(|&&row| self.fixed[self.origin[row]]) {
             let mut origins: Vec<Row> = rows.iter().map(|&row| self.origin[row]).collect();
             origins.sort_unstable();
             origins.dedup();
-            return Err(Singular::NotDifferentiable { row: self.origin[row], rows: origins });
+            return Err(StructurallySingular::NotDifferentiable {
+                row: self.origin[row],
+                rows: origins,
+            });
         }
         let cols = ascending(cols);
         for &col in &cols {
@@ -207,7 +218,7 @@ fn ascending<I: Id>(ids: &[I]) -> Vec<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::samples::{Xorshift, graph_of, random_square};
+    use crate::graph::test_graphs::{Xorshift, graph_of, random_square};
 
     /// The list A in which column `i` of `pairs` has the given derivative.
     fn list_a(cols: usize, pairs: &[(u32, u32)]) -> IndexVec<Col, Option<Col>> {
@@ -271,25 +282,28 @@ mod tests {
     }
 
     #[test]
-    fn three_equations_for_a_variable_with_derivative_would_never_end() {
+    fn three_equations_for_a_variable_with_derivative_are_singular() {
         // x' = 1, x = y, y = 2, x + y = 3 z, z' = z.
         let rows: [&[u32]; 5] = [&[1], &[0, 2], &[2], &[0, 2, 3], &[3, 4]];
         let a = list_a(5, &[(0, 1), (3, 4)]);
         let Err(error) = pantelides(&graph_of(5, &rows), &a, &[]) else { panic!("is singular") };
-        let Singular::TooFewUnknowns { rows, cols } = error else { panic!("{error}") };
+        let StructurallySingular::TooFewUnknowns { rows, cols } = error else { panic!("{error}") };
         assert_eq!(rows.len(), cols.len() + 1);
         assert_eq!(rows, [0, 1, 2].map(Row));
         assert_eq!(cols, [0, 2].map(Col));
     }
 
     #[test]
-    fn a_fixed_row_in_a_constraint_is_an_error_and_elsewhere_is_none() {
+    fn a_fixed_row_is_an_error_only_in_a_constraint() {
         // x' = u, y' = v, x = y, u = 1.
         let graph = graph_of(6, &[&[2, 4], &[3, 5], &[0, 1], &[4]]);
         let a = list_a(6, &[(0, 2), (1, 3)]);
         assert_eq!(counts(4, &pantelides(&graph, &a, &[Row(3)]).unwrap()), [0, 0, 1, 0]);
         let error = pantelides(&graph, &a, &[Row(2)]).unwrap_err();
-        assert_eq!(error, Singular::NotDifferentiable { row: Row(2), rows: vec![Row(2)] });
+        assert_eq!(
+            error,
+            StructurallySingular::NotDifferentiable { row: Row(2), rows: vec![Row(2)] }
+        );
     }
 
     /// Pryce, "A simple structural analysis method for DAEs", BIT 41(2), 2001: the numbers of
@@ -348,7 +362,7 @@ mod tests {
 
     /// n masses on a line, x_i' = v_i, v_i' = F_i - F_(i+1), rigidly joined by x_i = x_(i+1): every
     /// joint is differentiated twice and every velocity equation once. A quadratic algorithm would
-    /// not come to an end here.
+    /// not finish in reasonable time.
     #[test]
     fn a_hundred_thousand_constraints_in_a_chain() {
         let n = 100_000;

@@ -79,8 +79,8 @@ impl Echelon {
         Echelon { pivots: IndexVec::filled(None, row_count) }
     }
 
-    /// Adds a column, given by entries in any order, if it is independent of those present; true if
-    /// so. Costs the entries of the columns it is reduced by.
+    /// Adds a column, given by entries in any order, if it is independent of those present, and
+    /// returns whether it is. Costs the entries of the columns it is reduced by.
     pub fn insert(&mut self, entries: impl IntoIterator<Item = (Row, Residue)>) -> bool {
         let mut column: BTreeMap<Row, Residue> = entries.into_iter().collect();
         while let Some((row, value)) = column.pop_first() {
@@ -108,7 +108,7 @@ impl Echelon {
 mod tests {
     use super::*;
     use crate::base::index::Id;
-    use crate::graph::samples::Xorshift;
+    use crate::graph::test_graphs::Xorshift;
 
     fn column(entries: &[f64]) -> Vec<(Row, Residue)> {
         let residue =
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn dependent_constants_are_refused_and_varying_entries_accepted() {
+    fn dependent_constants_are_rejected_and_varying_entries_accepted() {
         let mut echelon = Echelon::new(2);
         assert!(echelon.insert(column(&[0.1, 0.2])));
         assert!(!echelon.insert(column(&[0.25, 0.5])));

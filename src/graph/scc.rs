@@ -1,4 +1,4 @@
-//! Orders of evaluation: strongly connected components and what follows from them.
+//! Strongly connected components: evaluation orders, blocks and dependency cycles.
 //!
 //! R. Tarjan, "Depth-first search and linear graph algorithms", SIAM J. Comput. 1(2), 1972, for the
 //! idea; I. S. Duff and J. K. Reid, "An implementation of Tarjan's algorithm for the block
@@ -14,13 +14,13 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 /// A matched system in block lower triangular form.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Blocks {
+pub struct BlockTriangularForm {
     pairs: Vec<(Row, Col)>,
     ends: Vec<usize>,
 }
 
-impl Blocks {
-    /// The blocks in the order of evaluation. A block is the smallest set of equations that must be
+impl BlockTriangularForm {
+    /// The blocks in the order of evaluation. A block is a minimal set of equations that must be
     /// solved together, each with the unknown it is matched to, ascending by row.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &[(Row, Col)]> + ExactSizeIterator {
         self.ends.iter().enumerate().map(|(i, &end)| {
@@ -45,9 +45,9 @@ impl Blocks {
     }
 }
 
-/// Orders the matched rows so that the unknowns of each block appear in that block and behind it
-/// only. Unmatched columns count as known, unmatched rows are left out. Linear.
-pub fn blocks(graph: &Bipartite, matching: &Matching) -> Blocks {
+/// Orders the matched rows so that the unknowns of each block occur only in that block and in later
+/// ones. Unmatched columns count as known; unmatched rows are omitted. Linear.
+pub fn blocks(graph: &Bipartite, matching: &Matching) -> BlockTriangularForm {
     let mut dependencies = DiGraph::<(), ()>::with_capacity(graph.row_count(), graph.edge_count());
     for _ in graph.rows() {
         dependencies.add_node(());
@@ -59,7 +59,7 @@ pub fn blocks(graph: &Bipartite, matching: &Matching) -> Blocks {
             }
         }
     }
-    let mut blocks = Blocks::default();
+    let mut blocks = BlockTriangularForm::default();
     for component in petgraph::algo::kosaraju_scc(&dependencies) {
         let start = blocks.pairs.len();
         let rows = component.into_iter().map(|node| Row::from_usize(node.index()));
@@ -72,44 +72,47 @@ pub fn blocks(graph: &Bipartite, matching: &Matching) -> Blocks {
     blocks
 }
 
-/// Puts `count` things in an order in which each comes behind all it needs, given as pairs (thing,
-/// what it needs). Fails with a cycle: each entry needs the next one and the last needs the first.
-pub fn order<I: Id>(
+/// Orders `count` items so that each follows its dependencies, given as pairs (item, dependency).
+/// Fails with a cycle: each entry depends on the next one and the last on the first.
+pub fn topological_order<I: Id>(
     count: usize,
     needs: impl IntoIterator<Item = (I, I)>,
 ) -> Result<Vec<I>, Vec<I>> {
-    let graph = needing(count, needs);
+    let graph = dependency_graph(count, needs);
     let mut ordered = Vec::with_capacity(count);
     for component in petgraph::algo::kosaraju_scc(&graph) {
         match component[..] {
             [single] if !graph.contains_edge(single, single) => ordered.push(single),
-            _ => return Err(thing_ids(cycle(&graph, &component))),
+            _ => return Err(item_ids(cycle(&graph, &component))),
         }
     }
-    Ok(thing_ids(ordered))
+    Ok(item_ids(ordered))
 }
 
-/// The things that need each other all around, or themselves, given as pairs (thing, what it needs).
-pub fn circular<I: Id>(count: usize, needs: impl IntoIterator<Item = (I, I)>) -> Vec<I> {
-    let graph = needing(count, needs);
+/// The items that lie on a dependency cycle, given pairs (item, dependency).
+pub fn nodes_on_cycles<I: Id>(count: usize, needs: impl IntoIterator<Item = (I, I)>) -> Vec<I> {
+    let graph = dependency_graph(count, needs);
     let components = petgraph::algo::kosaraju_scc(&graph).into_iter();
-    let around = components
+    let cyclic = components
         .filter(|nodes| nodes.len() > 1 || nodes.iter().any(|n| graph.contains_edge(*n, *n)));
-    thing_ids(around.flatten().collect())
+    item_ids(cyclic.flatten().collect())
 }
 
-fn needing<I: Id>(count: usize, needs: impl IntoIterator<Item = (I, I)>) -> DiGraph<(), ()> {
+fn dependency_graph<I: Id>(
+    count: usize,
+    needs: impl IntoIterator<Item = (I, I)>,
+) -> DiGraph<(), ()> {
     let mut graph = DiGraph::with_capacity(count, 0);
     for _ in 0..count {
         graph.add_node(());
     }
-    for (thing, needed) in needs {
-        graph.add_edge(node(thing.idx()), node(needed.idx()), ());
+    for (item, dependency) in needs {
+        graph.add_edge(node(item.idx()), node(dependency.idx()), ());
     }
     graph
 }
 
-/// Some cycle within a component, found by walking until a node comes again.
+/// A cycle within a component, found by following edges until a node repeats.
 fn cycle(graph: &DiGraph<(), ()>, component: &[NodeIndex]) -> Vec<NodeIndex> {
     let mut position: IndexVec<Row, Option<usize>> = IndexVec::filled(None, graph.node_count());
     let mut inside = vec![false; graph.node_count()];
@@ -135,7 +138,7 @@ fn node(index: usize) -> NodeIndex {
     NodeIndex::new(index)
 }
 
-fn thing_ids<I: Id>(nodes: Vec<NodeIndex>) -> Vec<I> {
+fn item_ids<I: Id>(nodes: Vec<NodeIndex>) -> Vec<I> {
     nodes.into_iter().map(|node| I::from_usize(node.index())).collect()
 }
 
@@ -144,22 +147,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_needs_itself_is_circular() {
+    fn cycles_include_self_dependencies() {
         let needs = [(0, 1), (1, 2), (2, 1), (2, 3), (4, 4), (5, 4)];
         let mut found: Vec<Row> =
-            circular(6, needs.map(|(a, b)| (Row::from_usize(a), Row::from_usize(b))));
+            nodes_on_cycles(6, needs.map(|(a, b)| (Row::from_usize(a), Row::from_usize(b))));
         found.sort_unstable();
         assert_eq!(found, [1, 2, 4].map(Row::from_usize));
     }
     use crate::graph::matching::maximum;
-    use crate::graph::samples::{Xorshift, graph_of, random_square};
+    use crate::graph::test_graphs::{Xorshift, graph_of, random_square};
 
-    fn blocks_of(graph: &Bipartite) -> Blocks {
+    fn blocks_of(graph: &Bipartite) -> BlockTriangularForm {
         blocks(graph, &maximum(graph, |_, _| true, Matching::empty(graph)))
     }
 
     /// The rows of each block.
-    fn rows(blocks: &Blocks) -> Vec<Vec<u32>> {
+    fn rows(blocks: &BlockTriangularForm) -> Vec<Vec<u32>> {
         blocks.iter().map(|block| block.iter().map(|(row, _)| row.0).collect()).collect()
     }
 
@@ -176,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn unmatched_columns_are_known_and_unmatched_rows_left_out() {
+    fn unmatched_columns_are_known_and_unmatched_rows_omitted() {
         let graph = graph_of(3, &[&[0, 1], &[0, 2], &[0]]);
         let mut matching = Matching::empty(&graph);
         matching.join(Row(0), Col(1));
@@ -238,13 +241,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_needed_comes_first_and_a_cycle_is_shown_as_a_path() {
+    fn dependencies_come_first_and_a_cycle_is_returned_as_a_path() {
         let needs = [(0, 1), (1, 3), (2, 0), (2, 3)].map(|(a, b)| (Row(a), Row(b)));
-        assert_eq!(order(4, needs), Ok([3, 1, 0, 2].map(Row).to_vec()));
+        assert_eq!(topological_order(4, needs), Ok([3, 1, 0, 2].map(Row).to_vec()));
         // 0 needs the cycle 1 -> 4 -> 2 -> 1 but is not on it.
         let needs = [(0, 1), (1, 4), (4, 2), (2, 1), (2, 3)].map(|(a, b)| (Row(a), Row(b)));
-        assert_eq!(order(5, needs), Err([1, 4, 2].map(Row).to_vec()));
-        assert_eq!(order(2, [(Row(1), Row(1))]), Err(vec![Row(1)]));
-        assert_eq!(order::<Row>(0, []), Ok(vec![]));
+        assert_eq!(topological_order(5, needs), Err([1, 4, 2].map(Row).to_vec()));
+        assert_eq!(topological_order(2, [(Row(1), Row(1))]), Err(vec![Row(1)]));
+        assert_eq!(topological_order::<Row>(0, []), Ok(vec![]));
     }
 }

@@ -1,11 +1,11 @@
-//! Tearing: solve most of a block in sequence, guess the rest.
+//! Tearing: solve most of a block in sequence, iterate on the rest.
 //!
-//! If the *tearing* columns of a block are guessed, its *explicit* rows yield the other columns one
-//! after another, and the *residual* rows that are left over say how wrong the guess was. Finding
+//! Given values of the *tearing* columns of a block, its *explicit* rows yield the other columns one
+//! after another, and the remaining *residual* rows measure the error of the given values. Finding
 //! the fewest tearing columns is NP-complete, so heuristics are used: F. E. Cellier and E. Kofman,
 //! "Continuous System Simulation", Springer 2006, chapter 7, in the variant MC3 of P. Täuber,
 //! L. Ochel, W. Braun and B. Bachmann, "Practical realization and adaptation of Cellier's tearing
-//! method", EOOLT 2014: guess the column with the most *points*, one for each row that can not be
+//! method", EOOLT 2014: tear the column with the most *points*, one for each row that cannot be
 //! solved for it and one for each row that could be solved for another column once it is known.
 
 use super::bipartite::{Bipartite, Col, Edge, Row};
@@ -13,26 +13,26 @@ use crate::base::index::{Id, IndexVec};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// The wish that a column be a tearing column or not.
+/// How willingly a column is chosen as a tearing column.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Select {
+pub enum TearingSelect {
     /// Only if nothing else completes the sequence.
     Never,
-    /// Rather not.
+    /// Only if no other column is as good.
     Avoid,
-    /// As the heuristic finds best.
+    /// As the heuristic decides.
     #[default]
     Default,
-    /// Rather so.
+    /// Before any column without a preference.
     Prefer,
-    /// In any case.
+    /// Unconditionally.
     Always,
 }
 
-/// A torn block. Rows and columns are as many, and so are residual rows and tearing columns.
+/// A torn block. It has as many residual rows as tearing columns.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Torn {
-    /// Rows to be solved, in this order, each for the column next to it.
+pub struct TearingResult {
+    /// Rows to be solved, in this order, each for its column.
     pub explicit: Vec<(Row, Col)>,
     /// Columns to be iterated on, ascending.
     pub tearing: Vec<Col>,
@@ -40,37 +40,37 @@ pub struct Torn {
     pub residual: Vec<Row>,
 }
 
-/// Tears a block, whose rows and columns are numbered from zero and are as many
-/// ([`Bipartite::restricted`] cuts it out).
+/// Tears a square block whose rows and columns are numbered from zero
+/// ([`Bipartite::restricted`] extracts it).
 ///
 /// - `solvable`: whether the row of each edge can be solved explicitly for its column.
-/// - `select`: a wish for each column; columns beyond the end have none.
+/// - `select`: a preference for each column; columns beyond the end have none.
 ///
 /// O(edges · log edges).
 pub fn tear(
     graph: &Bipartite,
     solvable: &IndexVec<Edge, bool>,
-    select: &IndexVec<Col, Select>,
-) -> Torn {
-    let mut block = Block::new(graph, solvable, select);
+    select: &IndexVec<Col, TearingSelect>,
+) -> TearingResult {
+    let mut block = TearingState::new(graph, solvable, select);
     for col in (0..graph.col_count()).map(Col::from_usize) {
-        if select.get(col) == Some(&Select::Always) {
-            block.guess(col);
+        if select.get(col) == Some(&TearingSelect::Always) {
+            block.tear_column(col);
         }
     }
-    block.solve_what_can_be();
-    while let Some(col) = block.most_promising() {
-        block.guess(col);
-        block.solve_what_can_be();
+    block.solve_ready_rows();
+    while let Some(col) = block.best_candidate() {
+        block.tear_column(col);
+        block.solve_ready_rows();
     }
-    block.into_torn()
+    block.into_result()
 }
 
-/// A block on its way from nothing known to everything known.
-struct Block<'a> {
+/// A block while its columns become known one by one.
+struct TearingState<'a> {
     graph: &'a Bipartite,
     solvable: &'a IndexVec<Edge, bool>,
-    select: &'a IndexVec<Col, Select>,
+    select: &'a IndexVec<Col, TearingSelect>,
     rows_of: Bipartite<Col, Row>,
     known: IndexVec<Col, bool>,
     solved: IndexVec<Row, bool>,
@@ -79,23 +79,23 @@ struct Block<'a> {
     /// For each column not known: the rows not solvable for it, and the rows with two unknowns
     /// that are solvable for the other one.
     points: IndexVec<Col, usize>,
-    /// Rows with one unknown, in the order in which they came to it.
+    /// Rows with one unknown, in the order in which they reached this state.
     ready: VecDeque<Row>,
-    /// Columns with their rank; entries with a rank that has changed since are passed over.
+    /// Columns with their rank; entries whose rank has changed since are skipped.
     ranking: BinaryHeap<Rank>,
-    torn: Torn,
+    torn: TearingResult,
 }
 
-/// The order of choice: wish, points, number of rows, and the lower number.
-type Rank = (Select, usize, usize, Reverse<Col>);
+/// The order of choice: preference, points, number of rows, and the lower number.
+type Rank = (TearingSelect, usize, usize, Reverse<Col>);
 
-impl<'a> Block<'a> {
+impl<'a> TearingState<'a> {
     fn new(
         graph: &'a Bipartite,
         solvable: &'a IndexVec<Edge, bool>,
-        select: &'a IndexVec<Col, Select>,
+        select: &'a IndexVec<Col, TearingSelect>,
     ) -> Self {
-        let mut block = Block {
+        let mut block = TearingState {
             graph,
             solvable,
             select,
@@ -106,7 +106,7 @@ impl<'a> Block<'a> {
             points: IndexVec::filled(0, graph.col_count()),
             ready: VecDeque::new(),
             ranking: BinaryHeap::new(),
-            torn: Torn::default(),
+            torn: TearingResult::default(),
         };
         for row in graph.rows() {
             for edge in graph.edges(row).filter(|&edge| !solvable[edge]) {
@@ -123,8 +123,8 @@ impl<'a> Block<'a> {
         (select, self.points[col], self.rows_of.cols(col).len(), Reverse(col))
     }
 
-    /// The column to guess next, if any is unknown.
-    fn most_promising(&mut self) -> Option<Col> {
+    /// The column to tear next, if any is unknown.
+    fn best_candidate(&mut self) -> Option<Col> {
         while let Some(rank) = self.ranking.pop() {
             let Reverse(col) = rank.3;
             if !self.known[col] && rank == self.rank(col) {
@@ -134,13 +134,13 @@ impl<'a> Block<'a> {
         None
     }
 
-    fn guess(&mut self, col: Col) {
+    fn tear_column(&mut self, col: Col) {
         self.torn.tearing.push(col);
         self.make_known(col);
     }
 
-    /// Solves rows with one unknown as long as there are any.
-    fn solve_what_can_be(&mut self) {
+    /// Solves rows with one unknown until none is left.
+    fn solve_ready_rows(&mut self) {
         while let Some(row) = self.ready.pop_front() {
             // Another row may have been solved for the unknown in the meantime.
             let [unknown, _] = self.first_unknowns(row);
@@ -161,7 +161,7 @@ impl<'a> Block<'a> {
                 continue;
             }
             self.unknowns[row] -= 1;
-            // A row that had two unknowns has made its promise good or void.
+            // A row that had two unknowns no longer earns a point for the remaining one.
             let was_solvable = self.graph.edge(row, col).is_some_and(|edge| self.solvable[edge]);
             if self.unknowns[row] == 1
                 && was_solvable
@@ -173,15 +173,15 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Acts on a row that has one unknown left, or two.
+    /// Updates the ready queue and the points for a row with one or two unknowns left.
     fn count_unknowns(&mut self, row: Row) {
         if self.unknowns[row] == 1 {
             self.ready.push_back(row);
         } else if self.unknowns[row] == 2 {
             let [one, other] = self.first_unknowns(row);
-            for (guessed, solved) in [(one, other), (other, one)] {
-                if let (Some(guessed), true) = (guessed, solved.is_some_and(|e| self.solvable[e])) {
-                    self.add_point(self.graph.col(guessed), true);
+            for (torn, solved) in [(one, other), (other, one)] {
+                if let (Some(torn), true) = (torn, solved.is_some_and(|e| self.solvable[e])) {
+                    self.add_point(self.graph.col(torn), true);
                 }
             }
         }
@@ -201,7 +201,7 @@ impl<'a> Block<'a> {
         self.ranking.push(rank);
     }
 
-    fn into_torn(mut self) -> Torn {
+    fn into_result(mut self) -> TearingResult {
         self.torn.tearing.sort_unstable();
         self.torn.residual = self.graph.rows().filter(|&row| !self.solved[row]).collect();
         self.torn
@@ -211,19 +211,19 @@ impl<'a> Block<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::samples::{Xorshift, graph_of, random_square};
+    use crate::graph::test_graphs::{Xorshift, graph_of, random_square};
 
     fn all_solvable(graph: &Bipartite) -> IndexVec<Edge, bool> {
         IndexVec::filled(true, graph.edge_count())
     }
 
-    fn tear_freely(graph: &Bipartite) -> Torn {
+    fn tear_freely(graph: &Bipartite) -> TearingResult {
         tear(graph, &all_solvable(graph), &IndexVec::new())
     }
 
     /// Every explicit row has its own column solvable and all others known before; every row and
     /// every column is used exactly once.
-    fn assert_causal(graph: &Bipartite, solvable: &IndexVec<Edge, bool>, torn: &Torn) {
+    fn assert_causal(graph: &Bipartite, solvable: &IndexVec<Edge, bool>, torn: &TearingResult) {
         assert_eq!(torn.tearing.len(), torn.residual.len());
         let mut known = vec![false; graph.col_count()];
         let mut used = vec![false; graph.row_count()];
@@ -243,9 +243,10 @@ mod tests {
     }
 
     /// Cellier and Kofman 2006, chapter 7: three resistors at a known voltage u0,
-    /// u1 = R1 i1, u2 = R2 i2, u3 = R3 i3, u0 = u1 + u3, u3 = u2, i1 = i2 + i3: one guess of six.
+    /// u1 = R1 i1, u2 = R2 i2, u3 = R3 i3, u0 = u1 + u3, u3 = u2, i1 = i2 + i3: one tearing
+    /// variable of six.
     #[test]
-    fn resistor_network_of_cellier_takes_one_guess() {
+    fn resistor_network_of_cellier_takes_one_tearing_variable() {
         // u1 u2 u3 i1 i2 i3
         let graph = graph_of(6, &[&[0, 3], &[1, 4], &[2, 5], &[0, 2], &[1, 2], &[3, 4, 5]]);
         let torn = tear_freely(&graph);
@@ -255,7 +256,7 @@ mod tests {
         assert_causal(&graph, &all_solvable(&graph), &torn);
     }
 
-    /// The same network with a diode in place of R1: i1 = f(u1) can not be solved for u1.
+    /// The same network with a diode in place of R1: i1 = f(u1) cannot be solved for u1.
     #[test]
     fn a_nonlinear_element_is_respected() {
         let graph = graph_of(6, &[&[0, 3], &[1, 4], &[2, 5], &[0, 2], &[1, 2], &[3, 4, 5]]);
@@ -267,53 +268,53 @@ mod tests {
     }
 
     #[test]
-    fn wishes_come_before_points() {
+    fn preferences_come_before_points() {
         let graph = graph_of(6, &[&[0, 3], &[1, 4], &[2, 5], &[0, 2], &[1, 2], &[3, 4, 5]]);
-        let mut select = IndexVec::filled(Select::Default, 6);
-        select[Col(2)] = Select::Never;
-        select[Col(3)] = Select::Prefer;
+        let mut select = IndexVec::filled(TearingSelect::Default, 6);
+        select[Col(2)] = TearingSelect::Never;
+        select[Col(3)] = TearingSelect::Prefer;
         let torn = tear(&graph, &all_solvable(&graph), &select);
         assert_eq!(torn.tearing, [Col(3)]);
-        select[Col(4)] = Select::Always;
-        select[Col(5)] = Select::Always;
+        select[Col(4)] = TearingSelect::Always;
+        select[Col(5)] = TearingSelect::Always;
         let torn = tear(&graph, &all_solvable(&graph), &select);
         assert_eq!(torn.tearing, [Col(4), Col(5)]);
         assert_causal(&graph, &all_solvable(&graph), &torn);
-        // If nobody is willing, somebody must.
-        let torn = tear(&graph, &all_solvable(&graph), &IndexVec::filled(Select::Never, 6));
+        // If all columns are `Never`, one of them is torn all the same.
+        let torn = tear(&graph, &all_solvable(&graph), &IndexVec::filled(TearingSelect::Never, 6));
         assert_eq!(torn.tearing, [Col(2)]);
     }
 
     #[test]
-    fn without_solvable_edges_everything_is_guessed() {
+    fn without_solvable_edges_every_column_is_torn() {
         let graph = graph_of(2, &[&[0, 1], &[0, 1]]);
         let torn = tear(&graph, &IndexVec::filled(false, 4), &IndexVec::new());
         assert_eq!((torn.tearing.len(), torn.residual.len(), torn.explicit.len()), (2, 2, 0));
     }
 
     #[test]
-    fn random_blocks_are_causal_and_close_to_the_fewest_guesses() {
+    fn random_blocks_are_causal_and_close_to_the_minimum() {
         let mut random = Xorshift::new(2014);
-        let (mut guesses, mut fewest) = (0, 0);
+        let (mut torn_columns, mut fewest) = (0, 0);
         for round in 0..200 {
             let n = 7;
             let graph = random_square(&mut random, n, 4 + round % 16);
             let solvable = (0..graph.edge_count()).map(|_| random.below(4) > 0).collect();
             let torn = tear(&graph, &solvable, &IndexVec::new());
             assert_causal(&graph, &solvable, &torn);
-            let best = fewest_guesses(&graph, &solvable);
+            let best = minimal_tearing(&graph, &solvable);
             assert!(torn.tearing.len() >= best);
-            guesses += torn.tearing.len();
+            torn_columns += torn.tearing.len();
             fewest += best;
         }
-        assert!(guesses * 10 <= fewest * 12, "{guesses} guesses, {fewest} needed");
+        assert!(torn_columns * 10 <= fewest * 12, "{torn_columns} torn, {fewest} needed");
     }
 
-    /// The smallest set of columns from which all others follow, by trying every set.
-    fn fewest_guesses(graph: &Bipartite, solvable: &IndexVec<Edge, bool>) -> usize {
+    /// The size of the smallest set of columns from which all others follow, by trying every set.
+    fn minimal_tearing(graph: &Bipartite, solvable: &IndexVec<Edge, bool>) -> usize {
         let n = graph.col_count();
-        let follows_all = |guessed: u32| {
-            let mut known = guessed;
+        let follows_all = |torn: u32| {
+            let mut known = torn;
             let mut solved = vec![false; n];
             loop {
                 let next = graph.rows().filter(|row| !solved[row.idx()]).find_map(|row| {
@@ -328,14 +329,14 @@ mod tests {
             }
         };
         (0..1_u32 << n)
-            .filter(|&guessed| follows_all(guessed))
-            .map(|guessed| guessed.count_ones() as usize)
+            .filter(|&torn| follows_all(torn))
+            .map(|torn| torn.count_ones() as usize)
             .min()
             .unwrap_or(n)
     }
 
     #[test]
-    fn a_ring_of_two_hundred_thousand_rows_takes_one_guess_and_a_ladder_two() {
+    fn a_large_ring_takes_one_tearing_variable_and_a_ladder_two() {
         let n = 200_000;
         let ring = |i: usize| [i, (i + 1) % n].map(Col::from_usize);
         let graph = Bipartite::from_rows(n, (0..n).map(ring));

@@ -10,8 +10,8 @@ use hashbrown::HashTable;
 use std::hash::{BuildHasher, Hash};
 
 use crate::base::index::{FastMap, Id, IndexVec};
-use crate::base::marks::Marks;
 use crate::base::name::{self, Name};
+use crate::base::visited::VisitedSet;
 use crate::define_id;
 pub use crate::external::printf::Form;
 use crate::ir::native::Native;
@@ -368,7 +368,7 @@ impl Graph {
 
     /// All nodes below `roots`, operands before users, each once. Iterative: depth costs no stack.
     pub fn postorder(&self, roots: impl IntoIterator<Item = ExprId>) -> Vec<ExprId> {
-        Marks::walk(self.nodes.len(), |seen| {
+        VisitedSet::traverse(self.nodes.len(), |seen| {
             let mut order = Vec::new();
             // Calls for several outputs share their arguments, which may be many.
             let mut lists = crate::base::index::FastSet::default();
@@ -425,7 +425,7 @@ impl Const {
             Type::Integer => Const::Integer(x as i64),
             Type::Boolean => Const::Boolean(x != 0.0),
             Type::Enumeration(t) => Const::Enumeration(t, x as u32),
-            Type::String => Const::String(name::numbered(x as u32)),
+            Type::String => Const::String(name::string_of_id(x as u32)),
         }
     }
 
@@ -437,7 +437,7 @@ impl Const {
             Const::Integer(i) => i as f64,
             Const::Boolean(b) => f64::from(u8::from(b)),
             Const::Enumeration(_, k) => f64::from(k),
-            Const::String(text) => f64::from(name::number(text)),
+            Const::String(text) => f64::from(name::string_id(text)),
         }
     }
 }

@@ -8,7 +8,7 @@
 use std::cmp::Ordering;
 use std::sync::RwLock;
 
-use crate::base::name::{name, number, numbered};
+use crate::base::name::{name, string_id, string_of_id};
 use crate::external::printf::Form;
 use crate::external::split_u64::Operation;
 use crate::external::table::curve::Curve;
@@ -87,7 +87,7 @@ impl Native {
             }
             Function::Written(form, whole) => {
                 let text = form.of(a, *whole).unwrap_or_default();
-                f64::from(number(name(&text)))
+                f64::from(string_id(name(&text)))
             }
             _ => f64::NAN,
         }
@@ -100,11 +100,11 @@ impl Native {
             Function::Surface(orders, surface) => surface.at(a, b, *orders),
             Function::Word(operation) => operation.at(a, b),
             Function::Joined => {
-                let (a, b) = (numbered(a as u32), numbered(b as u32));
-                f64::from(number(name(&format!("{a}{b}"))))
+                let (a, b) = (string_of_id(a as u32), string_of_id(b as u32));
+                f64::from(string_id(name(&format!("{a}{b}"))))
             }
             Function::Ordered(wanted) => {
-                let (a, b) = (numbered(a as u32), numbered(b as u32));
+                let (a, b) = (string_of_id(a as u32), string_of_id(b as u32));
                 f64::from(u8::from(wanted.contains(&a.as_str().cmp(b.as_str()))))
             }
             _ => f64::NAN,

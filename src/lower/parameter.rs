@@ -30,7 +30,7 @@ pub fn ordered(
         let place = &place;
         read.iter().filter_map(move |v| Some((Place(i as u32), *place.get(v)?)))
     });
-    let order = match scc::order(values.len(), needs) {
+    let order = match scc::topological_order(values.len(), needs) {
         Ok(order) => order,
         Err(cycle) => {
             let cycle: Vec<&Variable> =

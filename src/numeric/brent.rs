@@ -1,29 +1,28 @@
-//! The greatest value of a function of one variable between two places.
+//! Brent's method for the maximum of a function of one variable in an interval.
 //!
-//! R. P. Brent: *Algorithms for Minimization without Derivatives*, Prentice-Hall 1973, chapter 5: steps to the
-//! vertex of the parabola through the three best places, and by the golden section where that is not to be
-//! trusted.
+//! R. P. Brent: *Algorithms for Minimization without Derivatives*, Prentice-Hall 1973, chapter 5:
+//! steps to the vertex of the parabola through the three best points, and golden-section steps where
+//! the parabola is unreliable.
 
 /// The golden section, `(3 - sqrt(5))/2`.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
-/// Most evaluations; parabolas need about eight.
-const MOST: u32 = 60;
+/// Maximum number of evaluations; parabolas need about eight.
+const MAX_EVALUATIONS: u32 = 60;
 
-/// Place and value of a local maximum in `[a, b]`, the place to `tolerance`. Values that are no numbers
-/// count as least.
+/// Location, to `tolerance`, and value of a local maximum in `[a, b]`. NaN counts as minus infinity.
 pub fn maximum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> (f64, f64) {
     let (mut low, mut high) = (a, b);
-    let mut least = |x: f64| {
+    let mut negated = |x: f64| {
         let value = f(x);
         if value.is_nan() { f64::INFINITY } else { -value }
     };
-    // The names are Brent's: x is the best place, w the second, v the one before w.
+    // The names are Brent's: x is the best point, w the second best, v the previous w.
     let mut x = low + GOLDEN * (high - low);
     let (mut w, mut v) = (x, x);
-    let mut fx = least(x);
+    let mut fx = negated(x);
     let (mut fw, mut fv) = (fx, fx);
     let (mut d, mut e) = (0.0_f64, 0.0_f64);
-    for _ in 0..MOST {
+    for _ in 0..MAX_EVALUATIONS {
         let middle = 0.5 * (low + high);
         let t = tolerance.max(f64::EPSILON * x.abs());
         if (x - middle).abs() <= 2.0 * t - 0.5 * (high - low) {
@@ -54,7 +53,7 @@ pub fn maximum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) ->
             d = GOLDEN * e;
         }
         let u = x + if d.abs() >= t { d } else { t * d.signum() };
-        let fu = least(u);
+        let fu = negated(u);
         if fu <= fx {
             if u < x {
                 high = x
@@ -78,8 +77,8 @@ pub fn maximum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) ->
     (x, -fx)
 }
 
-/// The vertex of the parabola through three points, in order of their places: its place and height; none if
-/// the parabola has no maximum.
+/// Location and value of the vertex of the parabola through three points with increasing abscissas;
+/// `None` if the parabola has no maximum.
 pub fn vertex(points: [(f64, f64); 3]) -> Option<(f64, f64)> {
     let [(a, fa), (b, fb), (c, fc)] = points;
     let left = (fb - fa) / (b - a);
@@ -117,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_is_met_at_once() {
+    fn a_parabola_takes_one_step() {
         let mut evaluations = 0;
         let f = |x: f64| {
             evaluations += 1;

@@ -52,7 +52,7 @@ impl Coloring {
 mod tests {
     use super::*;
 
-    /// A band of width three needs three groups whatever its size (Curtis, Powell & Reid, sec. 2).
+    /// A band of width three needs three groups, whatever the order (Curtis, Powell & Reid, sec. 2).
     #[test]
     fn tridiagonal_needs_three_groups() {
         let n = 20;
@@ -64,7 +64,7 @@ mod tests {
         assert_eq!(coloring.groups()[0], [0, 3, 6, 9, 12, 15, 18]);
     }
 
-    /// The arrow matrix has one dense row, so that every column is alone.
+    /// The arrow matrix has one dense row, so every column is in a group of its own.
     #[test]
     fn dense_row_separates_all_columns() {
         let entries: Vec<_> = (0..5).flat_map(|j| [(0, j), (j, j)]).collect();

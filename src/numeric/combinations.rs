@@ -1,30 +1,31 @@
-//! All choices of some of a number of things, the smallest first.
+//! Enumerates the subsets of a set by increasing size.
 
-/// Choices after which a search is given up: all of ten, and more of which few are chosen.
-const MOST: u32 = 2000;
+/// Number of subsets after which the enumeration stops: all subsets of ten elements, and the small
+/// ones of larger sets.
+const MAX_SUBSETS: u32 = 2000;
 
-/// Goes through the subsets of `0..n` by their size, each as its ascending members, and gives up after
-/// many.
-pub struct Choices {
+/// Enumerates the subsets of `0..n` by increasing size, each as its ascending members, up to
+/// `MAX_SUBSETS` of them.
+pub struct Combinations {
     chosen: Vec<usize>,
     n: usize,
-    left: u32,
-    begun: bool,
+    remaining: u32,
+    started: bool,
 }
 
-impl Choices {
-    /// Before the first, which is the empty one.
+impl Combinations {
+    /// Starts before the first subset, which is empty.
     pub fn new(n: usize) -> Self {
-        Choices { chosen: Vec::with_capacity(n), n, left: MOST, begun: false }
+        Combinations { chosen: Vec::with_capacity(n), n, remaining: MAX_SUBSETS, started: false }
     }
 
-    /// The next choice.
-    pub fn another(&mut self) -> Option<&[usize]> {
-        if self.left == 0 || self.begun && !self.advance() {
+    /// The next subset; `None` after the last.
+    pub fn next_subset(&mut self) -> Option<&[usize]> {
+        if self.remaining == 0 || self.started && !self.advance() {
             return None;
         }
-        self.begun = true;
-        self.left -= 1;
+        self.started = true;
+        self.remaining -= 1;
         Some(&self.chosen)
     }
 
@@ -48,15 +49,15 @@ impl Choices {
 
 #[cfg(test)]
 mod tests {
-    use super::Choices;
+    use super::Combinations;
 
     fn all(n: usize) -> Vec<Vec<usize>> {
-        let mut choices = Choices::new(n);
-        std::iter::from_fn(|| choices.another().map(<[usize]>::to_vec)).collect()
+        let mut combinations = Combinations::new(n);
+        std::iter::from_fn(|| combinations.next_subset().map(<[usize]>::to_vec)).collect()
     }
 
     #[test]
-    fn every_subset_comes_once_the_smallest_first() {
+    fn every_subset_comes_once_by_increasing_size() {
         let of_three = all(3);
         let expected: [&[usize]; 8] =
             [&[], &[0], &[1], &[2], &[0, 1], &[0, 2], &[1, 2], &[0, 1, 2]];

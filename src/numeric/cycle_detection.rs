@@ -1,33 +1,34 @@
-//! Finding out that an iteration over discrete states goes round in a circle.
+//! Detects cycles in an iteration over discrete states.
+//!
+//! R. P. Brent, "An improved Monte Carlo factorization algorithm", BIT 20, 1980, section 2: compare
+//! each state with one saved state, which is replaced after 1, 2, 4, ... iterations.
 
-/// Compares each state of an iteration with one that is kept ever longer, so that every circle is
-/// found once it was gone round at most three times, with one state kept (R. P. Brent, "An improved
-/// Monte Carlo factorization algorithm", BIT 20, 1980, section 2).
+/// Finds every cycle after at most three rounds, storing a single state.
 #[derive(Default)]
-pub struct Circle {
-    kept: Vec<f64>,
-    turn: u32,
-    next: u32,
+pub struct CycleDetector {
+    saved: Vec<f64>,
+    iteration: u32,
+    next_save: u32,
 }
 
-impl Circle {
-    /// Before the first turn. The memory of the last iteration is used again.
-    pub fn open(&mut self) {
-        (self.turn, self.next) = (0, 0);
-        self.kept.clear();
+impl CycleDetector {
+    /// Starts a new iteration; the memory of the last one is reused.
+    pub fn restart(&mut self) {
+        (self.iteration, self.next_save) = (0, 0);
+        self.saved.clear();
     }
 
-    /// True if the state of the next turn is, to the bit, that of a turn before.
-    pub fn is_closed_by(&mut self, state: &[f64]) -> bool {
-        self.turn += 1;
+    /// True if the next state of the iteration equals an earlier one, bit for bit.
+    pub fn repeats(&mut self, state: &[f64]) -> bool {
+        self.iteration += 1;
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
-        if self.turn > 1 && self.kept.iter().zip(state).all(same) {
+        if self.iteration > 1 && self.saved.iter().zip(state).all(same) {
             return true;
         }
-        if self.turn > self.next {
-            self.kept.clear();
-            self.kept.extend_from_slice(state);
-            self.next = 2 * self.turn;
+        if self.iteration > self.next_save {
+            self.saved.clear();
+            self.saved.extend_from_slice(state);
+            self.next_save = 2 * self.iteration;
         }
         false
     }
@@ -35,24 +36,24 @@ impl Circle {
 
 #[cfg(test)]
 mod tests {
-    use super::Circle;
+    use super::CycleDetector;
 
-    /// Turns until a circle of this length is found, after as many turns that lead into it.
+    /// Iterations until a cycle of this length is found, after a lead-in of `lead` iterations.
     fn found_after(lead: u32, length: u32) -> u32 {
-        let mut circle = Circle::default();
-        circle.open();
+        let mut detector = CycleDetector::default();
+        detector.restart();
         let state = |k: u32| if k < lead { k } else { lead + (k - lead) % length };
-        let closed = (0..1000).find(|k| circle.is_closed_by(&[f64::from(state(*k))]));
-        closed.unwrap_or(u32::MAX)
+        let found = (0..1000).find(|k| detector.repeats(&[f64::from(state(*k))]));
+        found.unwrap_or(u32::MAX)
     }
 
     #[test]
-    fn a_circle_is_found_soon_wherever_it_begins() {
+    fn a_cycle_is_found_soon_wherever_it_starts() {
         for lead in 0..20 {
             for length in 1..20 {
-                let turns = found_after(lead, length);
-                assert!(turns >= lead + length, "{lead} {length}: too early");
-                assert!(turns <= 3 * (lead + length) + 2, "{lead} {length}: {turns}");
+                let iterations = found_after(lead, length);
+                assert!(iterations >= lead + length, "{lead} {length}: too early");
+                assert!(iterations <= 3 * (lead + length) + 2, "{lead} {length}: {iterations}");
             }
         }
     }

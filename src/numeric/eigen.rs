@@ -1,15 +1,15 @@
 //! Eigenvalues of symmetric matrices, by Jacobi's rotations.
 //!
-//! G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, section 8.5 (cyclic by row). For
-//! positive definite matrices the small eigenvalues come out relatively accurate (J. Demmel, K. Veselić,
-//! *Jacobi's method is more accurate than QR*, SIAM J. Matrix Anal. Appl. 13, 1992), and the small ones
-//! are what is asked for here. Meant for some dozens of rows.
+//! G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, section 8.5 (cyclic by row).
+//! For positive definite matrices the small eigenvalues have a small relative error (J. Demmel, K.
+//! Veselić, *Jacobi's method is more accurate than QR*, SIAM J. Matrix Anal. Appl. 13, 1992); the
+//! callers need exactly these. Suited to a few dozen rows.
 
-/// Sweeps over all pairs at most; convergence is quadratic, some six are usual.
+/// Maximum number of sweeps over all pairs; convergence is quadratic, about six are typical.
 const SWEEPS: usize = 60;
 
-/// Eigenvalues in rising order, each with its vector of length one, of the symmetric matrix `a` of
-/// order `n`, column-major. A matrix with values that are not finite has none.
+/// Eigenvalues in increasing order, each with its unit eigenvector, of the symmetric matrix `a` of
+/// order `n`, column-major. Empty if an entry is not finite.
 pub fn symmetric(n: usize, a: &[f64]) -> Vec<(f64, Vec<f64>)> {
     if a.iter().any(|x| !x.is_finite()) {
         return Vec::new();
@@ -45,18 +45,18 @@ pub fn symmetric(n: usize, a: &[f64]) -> Vec<(f64, Vec<f64>)> {
 
 /// `a = J' a J` and `v = v J` with the rotation `J` in the plane `(p, q)`.
 fn rotate(n: usize, a: &mut [f64], v: &mut [f64], (p, q): (usize, usize), (c, s): (f64, f64)) {
-    let turn = |matrix: &mut [f64], i: usize, j: usize| {
+    let rotate_pair = |matrix: &mut [f64], i: usize, j: usize| {
         let (x, y) = (matrix[i], matrix[j]);
         (matrix[i], matrix[j]) = (c * x - s * y, s * x + c * y);
     };
     for k in 0..n {
-        turn(a, k + n * p, k + n * q);
+        rotate_pair(a, k + n * p, k + n * q);
     }
     for k in 0..n {
-        turn(a, p + n * k, q + n * k);
+        rotate_pair(a, p + n * k, q + n * k);
     }
     for k in 0..n {
-        turn(v, k + n * p, k + n * q);
+        rotate_pair(v, k + n * p, k + n * q);
     }
     (a[p + n * q], a[q + n * p]) = (0.0, 0.0);
 }
@@ -87,8 +87,8 @@ mod tests {
         }
     }
 
-    /// Scaled badly: `D A D` with `A = [1 c; c 1]` and `D = diag(1, 1e-6)`; the determinant gives the
-    /// small eigenvalue to all digits.
+    /// A badly scaled matrix `D A D` with `A = [1 c; c 1]` and `D = diag(1, 1e-6)`; the determinant
+    /// gives the small eigenvalue to all digits.
     #[test]
     fn a_small_eigenvalue_is_accurate() {
         let (c, d) = (0.75, 1e-6);

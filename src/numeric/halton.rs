@@ -1,16 +1,16 @@
-//! Points that fill a cube evenly.
+//! The Halton sequence: quasi-random points that fill the unit cube evenly.
 //!
-//! J. H. Halton, *On the efficiency of certain quasi-random sequences of points*, Numerische Mathematik 2
-//! (1960): the digits of a counter mirrored at the point, in another prime base for each coordinate. The
-//! first points, which lie along the diagonal, are left out.
+//! J. H. Halton, *On the efficiency of certain quasi-random sequences of points*, Numerische
+//! Mathematik 2 (1960): the digits of a counter mirrored at the radix point, in a different prime
+//! base for each coordinate. The first points, which lie along the diagonal, are skipped.
 
-/// The points.
+/// Generator of the sequence.
 pub struct Halton {
     bases: Vec<u64>,
     index: u64,
 }
 
-/// Points that are left out.
+/// Number of initial points that are skipped.
 const SKIPPED: u64 = 20;
 
 impl Halton {

@@ -4,11 +4,11 @@
 //! J. ACM 17 (1970) 589-602. F. N. Fritsch and J. Butland, "A method for constructing local monotone
 //! piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5 (1984) 300-304. M. Steffen, "A simple
 //! method for monotonic interpolation in one dimension", Astron. Astrophys. 239 (1990) 443-450.
-//! The modified weights are those of C. Moler, "Makima piecewise cubic interpolation", 2019. The spline
-//! with two continuous derivatives: C. de Boor, *A Practical Guide to Splines*, 2001, ch. IV, with
-//! natural ends.
+//! The modified weights are those of C. Moler, "Makima piecewise cubic interpolation", 2019. The
+//! spline with two continuous derivatives: C. de Boor, *A Practical Guide to Splines*, 2001, ch. IV,
+//! with natural ends.
 
-/// What happens between the points.
+/// How values between the points are interpolated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Smoothness {
     /// Straight lines.
@@ -22,12 +22,12 @@ pub enum Smoothness {
     FritschButland,
     /// The same with the slopes of Steffen.
     Steffen,
-    /// Akima's slopes with weights that avoid overshoots beside level stretches.
+    /// Akima's slopes with weights that avoid overshoots next to constant segments.
     ModifiedAkima,
 }
 
 impl Smoothness {
-    /// By its number, counted from 1 in the order of declaration.
+    /// The variant with this number, counted from 1 in the order of declaration.
     pub fn numbered(number: u32) -> Option<Smoothness> {
         use Smoothness::*;
         let all = [Linear, Akima, Constant, FritschButland, Steffen, ModifiedAkima];
@@ -54,8 +54,8 @@ pub fn polynomial(c: &[f64; 4], h: f64, order: u8) -> f64 {
     }
 }
 
-/// The slope at each point. `x` rises; `periodic` makes the end go on with the beginning. Two points
-/// are joined by a line.
+/// The slope at each point. `x` is increasing; `periodic` continues the end with the start. Two
+/// points are joined by a line.
 pub fn slopes(smoothness: Smoothness, x: &[f64], y: &[f64], periodic: bool) -> Vec<f64> {
     let n = x.len();
     let secants: Vec<f64> = (1..n).map(|i| (y[i] - y[i - 1]) / (x[i] - x[i - 1])).collect();
@@ -89,7 +89,8 @@ pub fn slopes(smoothness: Smoothness, x: &[f64], y: &[f64], periodic: bool) -> V
     }
 }
 
-/// The slopes that make the curvature continuous, with none at the ends: a tridiagonal system.
+/// The slopes that make the curvature continuous, with zero curvature at the ends: a tridiagonal
+/// system.
 pub fn spline_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let n = x.len();
     if n < 3 {
@@ -116,7 +117,7 @@ pub fn spline_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     right
 }
 
-/// Secants with two more on each side: by Akima's parabola, or from the other end.
+/// Secants with two more on each side: by Akima's parabola or, if periodic, from the other end.
 pub fn extended(secants: &[f64], periodic: bool) -> Vec<f64> {
     let n = secants.len();
     let mut d = vec![0.0; n + 4];
@@ -137,7 +138,7 @@ pub fn extended(secants: &[f64], periodic: bool) -> Vec<f64> {
     d
 }
 
-/// How much the secants before and after a point count, given the two on each side; their sum is 1.
+/// The weights of the secants before and after a point, given the two on each side; their sum is 1.
 pub fn weights(d: &[f64], modified: bool) -> (f64, f64) {
     let weight = |a: f64, b: f64| {
         let change = (b - a).abs();
@@ -161,7 +162,7 @@ fn fritsch_butland(a: f64, b: f64, ha: f64, hb: f64) -> f64 {
     3.0 * sum / ((sum + hb) / a + (sum + ha) / b)
 }
 
-/// The slope of the parabola through three points, limited by twice the lesser secant.
+/// The slope of the parabola through three points, limited by twice the smaller secant.
 fn steffen(a: f64, b: f64, ha: f64, hb: f64) -> f64 {
     if a * b <= 0.0 {
         return 0.0;
@@ -192,7 +193,7 @@ mod tests {
         }
     }
 
-    /// Akima's first reason: a parabola on equal steps is met exactly inside.
+    /// Akima's first criterion: a parabola on equal steps is reproduced exactly in the interior.
     #[test]
     fn a_parabola_on_equal_steps_has_its_own_slopes() {
         let x: Vec<f64> = (0..7).map(f64::from).collect();
@@ -203,9 +204,9 @@ mod tests {
         }
     }
 
-    /// At a corner between a level and a rising stretch: Akima's slope is that of the level one.
+    /// At a corner between a constant and a rising segment, Akima's slope is that of the constant one.
     #[test]
-    fn a_level_stretch_stays_level() {
+    fn a_constant_segment_stays_constant() {
         let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
         let y = [0.0, 0.0, 0.0, 0.0, 1.0, 3.0];
         for smoothness in ALL {
@@ -216,7 +217,7 @@ mod tests {
     }
 
     /// The harmonic mean of secants 1 and 3 on equal steps is 1.5; Steffen's parabola gives 2, which
-    /// its bound of twice the lesser one allows.
+    /// the bound of twice the smaller one allows.
     #[test]
     fn monotone_slopes_are_those_of_the_papers() {
         let (x, y) = ([0.0, 1.0, 2.0], [0.0, 1.0, 4.0]);

@@ -1,16 +1,17 @@
-//! Nonlinear least squares within bounds, by their normal equations.
+//! Bound-constrained nonlinear least squares by the normal equations.
 //!
-//! D. W. Marquardt, *An algorithm for least-squares estimation of nonlinear parameters*, SIAM J. Appl.
-//! Math. 11 (1963), with the scaling and the update of J. J. Moré, *The Levenberg-Marquardt algorithm*
-//! (1978), and the damping of H. B. Nielsen, *Damping parameter in Marquardt's method* (1999). A
-//! parameter at its bound stays there while the gradient pushes it out (projected Newton: D. P.
-//! Bertsekas 1982). Residuals come as sums over many data, so that `J` itself is never stored.
+//! D. W. Marquardt, *An algorithm for least-squares estimation of nonlinear parameters*, SIAM J.
+//! Appl. Math. 11 (1963), with the scaling and the update of J. J. Moré, *The Levenberg-Marquardt
+//! algorithm* (1978), and the damping of H. B. Nielsen, *Damping parameter in Marquardt's method*
+//! (1999). A parameter at its bound stays there while the gradient pushes it outwards (projected
+//! Newton: D. P. Bertsekas 1982). Residuals arrive as sums over all data, so `J` itself is never
+//! stored.
 
 use super::linear::DenseLu;
 
 /// `gram = J^T J`, `gradient = J^T r` and `cost = r^T r` of residuals `r` at one point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Normal {
+pub struct NormalEquations {
     /// Number of parameters.
     pub n: usize,
     /// Column-major, symmetric.
@@ -21,13 +22,13 @@ pub struct Normal {
     pub cost: f64,
 }
 
-impl Normal {
-    /// Nothing summed up yet.
+impl NormalEquations {
+    /// The sums over no residuals.
     pub fn new(n: usize) -> Self {
-        Normal { n, gram: vec![0.0; n * n], gradient: vec![0.0; n], cost: 0.0 }
+        NormalEquations { n, gram: vec![0.0; n * n], gradient: vec![0.0; n], cost: 0.0 }
     }
 
-    /// Adds one residual with its derivatives by the parameters.
+    /// Adds one residual with its derivatives with respect to the parameters.
     pub fn add(&mut self, residual: f64, slopes: &[f64]) {
         self.cost += residual * residual;
         for (j, a) in slopes.iter().enumerate() {
@@ -42,73 +43,73 @@ impl Normal {
         }
     }
 
-    /// True if all sums are numbers.
+    /// True if all sums are finite.
     pub fn is_finite(&self) -> bool {
         let all = self.gram.iter().chain(&self.gradient);
         self.cost.is_finite() && all.copied().all(f64::is_finite)
     }
 
     /// Adds the sums of other data.
-    pub fn merge(&mut self, other: &Normal) {
+    pub fn merge(&mut self, other: &NormalEquations) {
         self.cost += other.cost;
         self.gram.iter_mut().zip(&other.gram).for_each(|(a, b)| *a += b);
         self.gradient.iter_mut().zip(&other.gradient).for_each(|(a, b)| *a += b);
     }
 }
 
-/// What is to be made small.
+/// The residuals whose sum of squares is minimised.
 pub trait Residuals {
-    /// The sums at `x`; `None` if they can not be computed there.
-    fn normal(&mut self, x: &[f64]) -> Option<Normal>;
+    /// The sums at `x`; `None` if they cannot be computed there.
+    fn normal(&mut self, x: &[f64]) -> Option<NormalEquations>;
 
-    /// The sum of squares at `x`; `None` if it can not be computed there.
+    /// The sum of squares at `x`; `None` if it cannot be computed there.
     fn cost(&mut self, x: &[f64]) -> Option<f64>;
 
-    /// Told after each accepted step; false ends the search.
-    fn goes_on(&mut self, _iteration: u32, _x: &[f64], _cost: f64) -> bool {
+    /// Called after each accepted step; returning false ends the search.
+    fn accepts_step(&mut self, _iteration: u32, _x: &[f64], _cost: f64) -> bool {
         true
     }
 }
 
-/// When to stop.
+/// Stopping criteria.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stopping {
-    /// Predicted decrease of the cost, relative to it, that is not worth a step.
+    /// Predicted relative decrease of the cost below which the search has converged.
     pub decrease: f64,
-    /// Largest change of a parameter that counts as none.
+    /// Largest change of a parameter below which the search has converged.
     pub step: f64,
-    /// Steps at most.
+    /// Maximum number of steps.
     pub iterations: u32,
     /// Largest change of a parameter in one step.
     pub reach: f64,
 }
 
-/// Where the search ended.
+/// The result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Minimum {
     /// The parameters.
     pub x: Vec<f64>,
     /// The sums there.
-    pub normal: Normal,
+    pub normal: NormalEquations,
     /// Steps taken.
     pub iterations: u32,
-    /// Ended because nothing was left to gain.
+    /// True if the search met a convergence criterion.
     pub converged: bool,
-    /// Ended at a jump of the cost: a place beyond it, on the way that the slopes point.
+    /// If the search ended at a jump of the cost: a point beyond it, in the direction of descent.
     pub beyond: Option<Vec<f64>>,
 }
 
-/// Damping with which no step is left.
-const MOST_DAMPING: f64 = 1e12;
-/// A rise of the cost by more than this multiple of the promised fall, however short the step, is a jump.
+/// Damping at which steps become negligible.
+const MAX_DAMPING: f64 = 1e12;
+/// An increase of the cost beyond this multiple of the predicted decrease counts as a jump.
 const JUMP: f64 = 1.0;
-/// Steps this short between jumps are creeping.
+/// Steps next to a jump that are at most this long count as creeping.
 const CREEPING: f64 = 1e-2;
-/// So many of them one after the other lead nowhere.
-const PATIENCE: u32 = 3;
+/// Number of successive creeping steps after which the search stops.
+const MAX_CREEPING_STEPS: u32 = 3;
 
-/// Searches a minimum from `x`, each parameter within its bounds. `None` if there are no residuals at
-/// the start.
+/// Searches for a minimum from `x`, each parameter within its bounds. `None` if the residuals cannot
+/// be computed at the start.
 pub fn minimise(
     residuals: &mut dyn Residuals,
     x: &[f64],
@@ -117,7 +118,7 @@ pub fn minimise(
 ) -> Option<Minimum> {
     let n = x.len();
     let mut x: Vec<f64> = x.iter().zip(bounds).map(|(x, b)| x.max(b.0).min(b.1)).collect();
-    let mut normal = residuals.normal(&x).filter(Normal::is_finite)?;
+    let mut normal = residuals.normal(&x).filter(NormalEquations::is_finite)?;
     let mut damping = 1e-3;
     let mut growth = 2.0;
     let mut iterations = 0;
@@ -128,11 +129,11 @@ pub fn minimise(
         iterations += 1;
         let free = free(&x, &normal.gradient, bounds);
         let mut accepted = None;
-        let (mut falls, mut length) = (0, 0.0);
+        let (mut jumps, mut length) = (0, 0.0);
         while accepted.is_none() {
             let Some(mut moved) = step(&normal, &free, damping, &x, bounds) else {
                 damping = damping.max(1e-12) * 10.0;
-                if damping > MOST_DAMPING {
+                if damping > MAX_DAMPING {
                     break;
                 }
                 continue;
@@ -157,32 +158,32 @@ pub fn minimise(
                 accepted = Some(trial);
             } else {
                 if ratio < -JUMP && cost.is_some() {
-                    falls += 1;
+                    jumps += 1;
                     beyond = Some(trial);
                 }
                 damping *= growth;
                 growth *= 2.0;
-                if damping > MOST_DAMPING {
+                if damping > MAX_DAMPING {
                     converged = true;
                     break;
                 }
             }
         }
-        crept = if falls > 0 && length < CREEPING { crept + 1 } else { 0 };
-        if falls == 0 {
+        crept = if jumps > 0 && length < CREEPING { crept + 1 } else { 0 };
+        if jumps == 0 {
             beyond = None;
         }
         let Some(trial) = accepted else { break };
-        let Some(next) = residuals.normal(&trial).filter(Normal::is_finite) else { break };
+        let Some(next) = residuals.normal(&trial).filter(NormalEquations::is_finite) else { break };
         (x, normal) = (trial, next);
-        if !residuals.goes_on(iterations, &x, normal.cost) || crept >= PATIENCE {
+        if !residuals.accepts_step(iterations, &x, normal.cost) || crept >= MAX_CREEPING_STEPS {
             break;
         }
     }
     Some(Minimum { x, normal, iterations, converged, beyond })
 }
 
-/// Parameters that are not pushed out over a bound.
+/// Parameters that the gradient does not push beyond a bound.
 fn free(x: &[f64], gradient: &[f64], bounds: &[(f64, f64)]) -> Vec<usize> {
     let held = |i: &usize| {
         (x[*i] <= bounds[*i].0 && gradient[*i] > 0.0)
@@ -191,10 +192,10 @@ fn free(x: &[f64], gradient: &[f64], bounds: &[(f64, f64)]) -> Vec<usize> {
     (0..x.len()).filter(|i| !held(i)).collect()
 }
 
-/// `(G + damping diag G) step = -gradient` for the free parameters. One that would cross its bound goes
-/// there, and the others are asked again.
+/// Solves `(G + damping diag G) step = -gradient` for the free parameters. A parameter that would
+/// cross its bound moves to the bound, and the system is solved again for the others.
 fn step(
-    normal: &Normal,
+    normal: &NormalEquations,
     free: &[usize],
     damping: f64,
     x: &[f64],
@@ -212,13 +213,13 @@ fn step(
             for (b, &j) in free.iter().enumerate() {
                 matrix[a + m * b] = normal.gram[i + n * j];
             }
-            // What the data do not determine at all must not run away.
+            // Parameters that the data do not determine must not diverge.
             matrix[a + m * a] += damping * normal.gram[i + n * i].max(1e-12 * largest);
-            let by_the_others: f64 = (0..n)
+            let from_fixed: f64 = (0..n)
                 .filter(|j| !free.contains(j))
                 .map(|j| normal.gram[i + n * j] * step[j])
                 .sum();
-            right[a] = -normal.gradient[i] - by_the_others;
+            right[a] = -normal.gradient[i] - from_fixed;
         }
         let mut lu = DenseLu::new(m);
         lu.factor(&matrix).ok()?;
@@ -246,8 +247,8 @@ fn step(
     Some(step)
 }
 
-/// Decrease of the cost that the linearised residuals promise.
-fn predicted(normal: &Normal, moved: &[f64]) -> f64 {
+/// Decrease of the cost predicted by the linearised residuals.
+fn predicted(normal: &NormalEquations, moved: &[f64]) -> f64 {
     let n = normal.n;
     let mut sum = 0.0;
     for j in 0..n {
@@ -267,8 +268,8 @@ mod tests {
     struct Rosenbrock;
 
     impl Residuals for Rosenbrock {
-        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
-            let mut normal = Normal::new(2);
+        fn normal(&mut self, x: &[f64]) -> Option<NormalEquations> {
+            let mut normal = NormalEquations::new(2);
             normal.add(10.0 * (x[1] - x[0] * x[0]), &[-20.0 * x[0], 10.0]);
             normal.add(1.0 - x[0], &[-1.0, 0.0]);
             Some(normal)
@@ -279,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn walks_down_the_valley_of_rosenbrock() {
+    fn finds_the_minimum_of_rosenbrock() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
         let found = minimise(&mut Rosenbrock, &[-1.2, 1.0], &free, &STOPPING).unwrap();
         assert!(found.converged);
@@ -288,19 +289,19 @@ mod tests {
 
     /// With `x0 <= 0.5` the least value lies at `(0.5, 0.25)`.
     #[test]
-    fn stops_at_a_bound_and_goes_on_along_it() {
+    fn stops_at_a_bound_and_continues_along_it() {
         let bounds = [(-2.0, 0.5), (-2.0, 2.0)];
         let found = minimise(&mut Rosenbrock, &[-1.2, 1.0], &bounds, &STOPPING).unwrap();
         assert_eq!(found.x[0], 0.5);
         assert!((found.x[1] - 0.25).abs() < 1e-8, "{found:?}");
     }
 
-    /// A slope that ends at a step upwards, behind which it goes on.
+    /// A slope with an upward step, which continues beyond it.
     struct Terraces;
 
     impl Residuals for Terraces {
-        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
-            let mut normal = Normal::new(1);
+        fn normal(&mut self, x: &[f64]) -> Option<NormalEquations> {
+            let mut normal = NormalEquations::new(1);
             normal.add(x[0] - 5.0, &[1.0]);
             normal.cost += if x[0] > 1.0 { 100.0 } else { 0.0 };
             Some(normal)
@@ -311,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_search_that_ends_at_a_jump_says_what_lies_beyond() {
+    fn a_search_that_ends_at_a_jump_returns_a_point_beyond() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY)];
         let found = minimise(&mut Terraces, &[0.0], &free, &STOPPING).unwrap();
         assert!(found.x[0] <= 1.0 && found.x[0] > 0.5, "{found:?}");
@@ -319,12 +320,12 @@ mod tests {
         assert!(minimise(&mut Terraces, &[2.0], &free, &STOPPING).unwrap().beyond.is_none());
     }
 
-    /// What falls towards a place where its slope is no number.
+    /// A cost that decreases towards a point where its slope is NaN.
     struct Cliff;
 
     impl Residuals for Cliff {
-        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
-            let mut normal = Normal::new(2);
+        fn normal(&mut self, x: &[f64]) -> Option<NormalEquations> {
+            let mut normal = NormalEquations::new(2);
             normal.add(x[0], &[if x[0] < 0.5 { f64::NAN } else { 1.0 }, 0.0]);
             Some(normal)
         }
@@ -334,19 +335,19 @@ mod tests {
     }
 
     #[test]
-    fn slopes_that_are_no_numbers_end_the_search() {
+    fn slopes_that_are_nan_end_the_search() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
         assert!(minimise(&mut Cliff, &[0.0, 0.0], &free, &STOPPING).is_none());
         let found = minimise(&mut Cliff, &[1.0, 0.0], &free, &STOPPING).unwrap();
         assert!(!found.converged && found.normal.is_finite(), "{found:?}");
     }
 
-    /// A decay `a exp(-k t)` from exact data, where a far trial can not be computed.
+    /// A decay `a exp(-k t)` from exact data; trials far away cannot be computed.
     struct Decay;
 
     impl Residuals for Decay {
-        fn normal(&mut self, x: &[f64]) -> Option<Normal> {
-            let mut normal = Normal::new(3);
+        fn normal(&mut self, x: &[f64]) -> Option<NormalEquations> {
+            let mut normal = NormalEquations::new(3);
             for i in 0..20 {
                 let t = 0.1 * i as f64;
                 let e = (-x[1] * t).exp();
@@ -361,7 +362,7 @@ mod tests {
 
     /// The third parameter affects nothing and stays.
     #[test]
-    fn finds_a_rate_beside_a_parameter_without_effect() {
+    fn finds_a_rate_next_to_a_parameter_without_effect() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 3];
         let found = minimise(&mut Decay, &[0.3, 3.5, 7.0], &free, &STOPPING).unwrap();
         assert!((found.x[0] - 2.0).abs() < 1e-7 && (found.x[1] - 1.5).abs() < 1e-7, "{found:?}");

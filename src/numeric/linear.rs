@@ -1,8 +1,8 @@
 //! Linear systems by LU decomposition: dense and sparse, real and complex.
 //!
-//! The only door to faer. A solver is made once for an order (dense) or a pattern (sparse), owns all
-//! the memory it needs, and then factors and solves any number of times. Dense matrices up to
-//! [`SMALL`] go through the plain loops of `small_lu`, larger ones through faer.
+//! The only user of faer. A solver is created once for an order (dense) or a pattern (sparse), owns
+//! all the memory it needs, and then factors and solves any number of times. Dense matrices up to
+//! [`SMALL`] use the plain loops of `small_lu`, larger ones faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor as dense_factor, solve as dense_solve};
@@ -50,7 +50,7 @@ impl DenseLu {
         self.n
     }
 
-    /// Turns to matrices of order `n`, at most the order given to `new`; discards the factors.
+    /// Changes the order to `n`, at most the order given to `new`; discards the factors.
     pub fn set_order(&mut self, n: usize) {
         assert!(n <= self.capacity, "order {n} exceeds the capacity {}", self.capacity);
         self.n = n;
@@ -73,7 +73,7 @@ impl DenseLu {
     }
 
     /// The smallest pivot, relative to the largest entry of its column in the matrix `a` that was
-    /// factored. What is left of a column by cancellation alone is of the size of the rounding unit.
+    /// factored. A pivot that is left by cancellation alone is of the size of the rounding unit.
     pub fn weakest_pivot(&self, a: &[f64]) -> f64 {
         let n = self.n;
         let small = self.blocked.is_none() || n <= SMALL;
@@ -86,7 +86,7 @@ impl DenseLu {
         (0..n).map(ratio).fold(f64::INFINITY, f64::min)
     }
 
-    /// Overwrites the right side `b` by the solution. Only after a successful factorization.
+    /// Overwrites the right-hand side `b` with the solution. Requires a successful factorization.
     pub fn solve_in_place(&mut self, b: &mut [f64]) {
         let n = self.n;
         let lu = &self.lu[..n * n];
@@ -97,8 +97,8 @@ impl DenseLu {
     }
 }
 
-/// LU decomposition of a complex dense matrix, with partial pivoting. Matrices and vectors come as
-/// two planes, real and imaginary.
+/// LU decomposition of a complex dense matrix, with partial pivoting. Matrices and vectors are
+/// stored as two planes, real and imaginary.
 pub struct ComplexLu {
     capacity: usize,
     n: usize,
@@ -131,7 +131,7 @@ impl ComplexLu {
         self.n
     }
 
-    /// Turns to matrices of order `n`, at most the order given to `new`; discards the factors.
+    /// Changes the order to `n`, at most the order given to `new`; discards the factors.
     pub fn set_order(&mut self, n: usize) {
         assert!(n <= self.capacity, "order {n} exceeds the capacity {}", self.capacity);
         self.n = n;
@@ -167,7 +167,7 @@ impl ComplexLu {
         }
     }
 
-    /// Overwrites the right side by the solution. Only after a successful factorization.
+    /// Overwrites the right-hand side with the solution. Requires a successful factorization.
     pub fn solve_in_place(&mut self, b_re: &mut [f64], b_im: &mut [f64]) {
         let n = self.n;
         match &mut self.blocked {
@@ -189,7 +189,7 @@ impl ComplexLu {
     }
 }
 
-/// What faer's dense LU needs besides the matrix: the permutation and its work space.
+/// The permutation and the work space of faer's dense LU.
 struct BlockedLu {
     permutation: Vec<usize>,
     inverse: Vec<usize>,
@@ -242,7 +242,7 @@ impl BlockedLu {
     }
 }
 
-/// LU decomposition of real matrices with one sparsity pattern: the ordering is found once.
+/// LU decomposition of real matrices with one sparsity pattern: the ordering is computed once.
 pub type SparseLu = SparseLuOf<f64>;
 /// LU decomposition of complex matrices with one sparsity pattern.
 pub type ComplexSparseLu = SparseLuOf<Complex>;
@@ -251,8 +251,8 @@ pub type Complex = c64;
 
 /// LU decomposition of sparse matrices with one pattern, over the reals or the complex numbers.
 ///
-/// The column ordering (COLAMD) and the choice of algorithm happen in `new`. Factors may grow in
-/// the first factorizations, afterwards memory is reused.
+/// `new` computes the column ordering (COLAMD) and chooses the algorithm. The memory of the factors
+/// may grow in the first factorizations and is reused afterwards.
 pub struct SparseLuOf<T: SparseScalar> {
     pattern: Pattern,
     symbolic: SymbolicLu<usize>,
@@ -265,7 +265,7 @@ pub struct SparseLuOf<T: SparseScalar> {
 pub trait SparseScalar: ComplexField + Copy {
     /// The number one.
     const ONE: Self;
-    /// Neither infinite nor not a number.
+    /// True if the number is neither infinite nor NaN.
     fn finite(&self) -> bool;
 }
 
@@ -323,7 +323,7 @@ impl<T: SparseScalar> SparseLuOf<T> {
                 }
                 faer::sparse::linalg::LuError::Generic(_) => Singular { column: 0 },
             })?;
-        // faer divides by a zero pivot without complaint; a solution shows it.
+        // faer divides by a zero pivot without reporting it, so solve once to detect it.
         let mut probe = std::mem::take(&mut self.probe);
         probe.fill(T::ONE);
         self.solve_in_place(&mut probe);
@@ -332,7 +332,7 @@ impl<T: SparseScalar> SparseLuOf<T> {
         broken.map_or(Ok(()), |column| Err(Singular { column }))
     }
 
-    /// Overwrites the right side `b` by the solution. Only after a successful factorization.
+    /// Overwrites the right-hand side `b` with the solution. Requires a successful factorization.
     pub fn solve_in_place(&mut self, b: &mut [T]) {
         let n = b.len();
         LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(
@@ -353,7 +353,7 @@ fn view(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, usize> {
 mod tests {
     use super::*;
 
-    /// Orders around the change from plain loops to faer.
+    /// Orders around the switch from plain loops to faer.
     const ORDERS: [usize; 7] = [1, 2, 3, 13, SMALL, SMALL + 1, 70];
 
     /// Entries in (-1, 1) from the linear congruential generator of Knuth's MMIX.
@@ -456,8 +456,8 @@ mod tests {
         }
 
         let mut complex = ComplexSparseLu::new(pattern).unwrap();
-        let turned: Vec<Complex> = values.iter().map(|&v| Complex::new(0.0, v)).collect();
-        complex.factor(&turned).unwrap();
+        let rotated: Vec<Complex> = values.iter().map(|&v| Complex::new(0.0, v)).collect();
+        complex.factor(&rotated).unwrap();
         let mut b = vec![Complex::new(0.0, 1.0); n];
         complex.solve_in_place(&mut b);
         let real: Vec<f64> = b.iter().map(|z| z.re).collect();

@@ -1,12 +1,12 @@
-//! Well-conditioned square parts of a wide matrix.
+//! The maxvol algorithm: a well-conditioned square submatrix of a wide matrix.
 //!
 //! S. A. Goreinov, I. V. Oseledets, D. V. Savostyanov, E. E. Tyrtyshnikov, N. L. Zamarashkin, "How
-//! to find a good submatrix", in: Matrix Methods: Theory, Algorithms and Applications, 2010: of `m`
-//! columns `B` of an `m x n` matrix `G` those are good for which no entry of `B^-1 G` is much larger
-//! than one. Replacing the column that belongs to the row of such an entry by that of its column
+//! to find a good submatrix", in: Matrix Methods: Theory, Algorithms and Applications, 2010: `m`
+//! columns `B` of an `m x n` matrix `G` are a good choice if no entry of `B^-1 G` is much larger
+//! than one. Exchanging the chosen column of the row of such an entry for the column of the entry
 //! multiplies the volume `|det B|` by the entry.
 
-/// Exchanges go on until no entry of `B^-1 G` is larger than this.
+/// Exchanges continue until no entry of `B^-1 G` is larger than this.
 const GOOD: f64 = 1.1;
 /// Pivots smaller than this, relative to the largest entry of their row, are zero.
 const SINGULAR: f64 = 1e-10;
@@ -33,8 +33,8 @@ impl Basis {
         &self.chosen
     }
 
-    /// Judges the choice for the matrix `g`, given row by row, and makes it good if an entry of
-    /// `B^-1 G` exceeds `limit`. True if the choice changed; it stays if `g` has not full rank.
+    /// Evaluates the choice for the matrix `g`, given row by row, and improves it if an entry of
+    /// `B^-1 G` exceeds `limit`. True if the choice changed; it stays if `g` is rank-deficient.
     pub fn improve(&mut self, g: &[f64], limit: f64) -> bool {
         let before = self.chosen.clone();
         if !self.reduce(g, Some(&before)) && !self.reduce(g, None) {
@@ -42,18 +42,18 @@ impl Basis {
             return false;
         }
         if self.largest().2 > limit {
-            // Each exchange enlarges the volume, so that no choice comes again.
+            // Each exchange enlarges the volume, so no choice repeats.
             while let (row, column, size) = self.largest()
                 && size > GOOD
             {
                 self.pivot(row, column);
             }
         }
-        let mut now = self.chosen.clone();
-        let mut then = before;
-        now.sort_unstable();
-        then.sort_unstable();
-        now != then
+        let mut new = self.chosen.clone();
+        let mut old = before;
+        new.sort_unstable();
+        old.sort_unstable();
+        new != old
     }
 
     /// Gauss-Jordan elimination with full pivoting among the columns `within`; false if singular.
@@ -103,7 +103,7 @@ impl Basis {
         self.chosen[row] = column;
     }
 
-    /// The entry of largest size: row, column, size.
+    /// The entry of largest absolute value: row, column, absolute value.
     fn largest(&self) -> (usize, usize, f64) {
         let mut best = (0, 0, 0.0);
         for (i, x) in self.reduced.iter().enumerate() {
@@ -121,7 +121,7 @@ impl Basis {
 mod tests {
     use super::*;
 
-    /// The pendulum: x dx + y dy = 0. The dependent coordinate is the one that stands out.
+    /// The pendulum: x dx + y dy = 0. The coordinate with the larger coefficient becomes dependent.
     #[test]
     fn of_two_columns_the_larger_is_chosen_with_hysteresis() {
         let mut basis = Basis::new(1, 2, vec![0]);
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_choice_is_left_for_a_regular_one() {
+    fn a_singular_choice_is_replaced_by_a_regular_one() {
         let mut basis = Basis::new(2, 3, vec![0, 1]);
         // Columns 0 and 1 are parallel.
         assert!(basis.improve(&[1.0, 2.0, 0.0, 2.0, 4.0, 1.0], 2.0));

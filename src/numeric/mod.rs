@@ -1,10 +1,10 @@
 //! Numerical building blocks over floats: linear and nonlinear systems, norms, roots of one function.
 //!
-//! Nothing here knows an equation, a variable name or a unit. A failure names a position (a column,
-//! a residual), which the caller turns into the name of a variable.
+//! Nothing here depends on equations, variable names or units. A failure reports a position (a
+//! column, a residual), which the caller translates into the name of a variable.
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
-    reason = "`!(a < b)` is how a NaN is made to count as a failed test"
+    reason = "`!(a < b)` makes a NaN count as a failed test"
 )]
 
 pub mod brent;

@@ -1,39 +1,39 @@
 //! Small dense nonlinear systems `g(z) = 0` by damped Newton iteration.
 //!
 //! P. Deuflhard, *Newton Methods for Nonlinear Problems* (2004), sec. 3.3: the natural monotonicity
-//! test. Progress is judged by corrections `J^-1 g` in units of the unknowns, so that the residuals
-//! need no scaling of their own: equations of a model mix pascals, newtons and square metres.
+//! test. Progress is measured by corrections `J^-1 g` in units of the unknowns, so the residuals
+//! need no scaling of their own: the equations of a model mix pascals, newtons and square metres.
 
 use super::linear::DenseLu;
 use super::norm::{first_non_finite, weighted_rms, worst_component};
 
 /// The equations to solve. Both functions may use memory of their own.
-pub trait Equations {
-    /// Writes `g(z)` to `g`; false if it can not be evaluated here, which counts like a value that
+pub trait NonlinearSystem {
+    /// Writes `g(z)` to `g`; false if it cannot be evaluated at `z`, which counts like a value that
     /// is not finite.
     fn residual(&mut self, z: &[f64], g: &mut [f64]) -> bool;
 
     /// Writes `dg_i/dz_j (z)` to `j[i + n * j]`, where `j` arrives filled with zeros; false if it
-    /// can not be evaluated.
+    /// cannot be evaluated.
     fn jacobian(&mut self, z: &[f64], j: &mut [f64]) -> bool;
 }
 
-/// What is tolerated, and how long to try.
+/// Tolerances and limits of the iteration.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Settings {
+pub struct NewtonSettings {
     /// Tolerated last correction relative to `max(|z_i|, nominal_i)`.
     pub tolerance: f64,
     /// A correction of this size is accepted too if rounding prevents a smaller one.
     pub stagnation: f64,
-    /// Jacobians evaluated at most.
+    /// Maximum number of Jacobian evaluations.
     pub max_iterations: u32,
     /// Smallest damping factor.
     pub min_damping: f64,
 }
 
-impl Default for Settings {
+impl Default for NewtonSettings {
     fn default() -> Self {
-        Settings {
+        NewtonSettings {
             tolerance: 64.0 * f64::EPSILON,
             stagnation: 1e-9,
             max_iterations: 50,
@@ -42,10 +42,10 @@ impl Default for Settings {
     }
 }
 
-/// The region in which a solution is sought, and what size its components have.
+/// The region in which a solution is sought, and the size of its components.
 #[derive(Clone, Copy, Debug)]
 pub struct Region<'a> {
-    /// Size of each unknown that counts as ordinary; positive.
+    /// Typical size of each unknown; positive.
     pub nominal: &'a [f64],
     /// Smallest and largest value of each unknown; iterates are kept between them.
     pub bounds: Option<&'a [(f64, f64)]>,
@@ -53,7 +53,7 @@ pub struct Region<'a> {
 
 /// How an iteration ended. `z` holds the solution after `Converged`, otherwise its start value.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Ending {
+pub enum NewtonOutcome {
     /// The equations hold, to a last correction of size `accuracy`.
     Converged {
         /// Jacobians evaluated.
@@ -66,14 +66,14 @@ pub enum Ending {
         /// Index of the unknown.
         column: usize,
     },
-    /// No damping makes progress, or the limit of iterations is reached.
+    /// No damping factor makes progress, or the iteration limit is reached.
     Diverged {
         /// Unknown with the largest correction.
         component: usize,
     },
-    /// The equations can not be evaluated, at the start or wherever a step would lead.
+    /// The equations cannot be evaluated, at the start or at any trial point.
     NonFinite {
-        /// First residual that is not finite; zero where the equations refused as a whole.
+        /// First residual that is not finite; zero if the evaluation failed as a whole.
         residual: usize,
     },
 }
@@ -110,14 +110,14 @@ impl Newton {
     /// not finite. A guess near the solution costs one Jacobian and two residuals.
     pub fn solve(
         &mut self,
-        equations: &mut dyn Equations,
+        equations: &mut dyn NonlinearSystem,
         z: &mut [f64],
         region: Region,
-        settings: &Settings,
-    ) -> Ending {
+        settings: &NewtonSettings,
+    ) -> NewtonOutcome {
         self.start.copy_from_slice(z);
         let ending = self.iterate(equations, z, region, settings);
-        if !matches!(ending, Ending::Converged { .. }) {
+        if !matches!(ending, NewtonOutcome::Converged { .. }) {
             z.copy_from_slice(&self.start);
         }
         ending
@@ -125,20 +125,20 @@ impl Newton {
 
     fn iterate(
         &mut self,
-        equations: &mut dyn Equations,
+        equations: &mut dyn NonlinearSystem,
         z: &mut [f64],
         region: Region,
-        settings: &Settings,
-    ) -> Ending {
+        settings: &NewtonSettings,
+    ) -> NewtonOutcome {
         clamp(z, region);
         let mut damping = 1.0;
         let mut smallest = f64::INFINITY;
         if let Err(residual) = evaluate(equations, z, &mut self.correction) {
-            return Ending::NonFinite { residual };
+            return NewtonOutcome::NonFinite { residual };
         }
         if self.correction.iter().all(|g| *g == 0.0) {
-            // Also where the equations do not determine it: no correction would be a better one.
-            return Ending::Converged { iterations: 0, accuracy: 0.0 };
+            // Also if the Jacobian is singular here: a solution needs no correction.
+            return NewtonOutcome::Converged { iterations: 0, accuracy: 0.0 };
         }
         for iterations in 1..=settings.max_iterations {
             self.set_weights(z, region);
@@ -149,38 +149,38 @@ impl Newton {
             self.lu.solve_in_place(&mut self.correction);
             let size = weighted_rms(&self.correction, &self.weights);
             if !size.is_finite() {
-                return Ending::Singular { column: self.worst() };
+                return NewtonOutcome::Singular { column: self.worst() };
             }
             let stagnates = size <= settings.stagnation && size >= 0.5 * smallest;
             if size <= settings.tolerance || stagnates {
                 subtract(z, &self.correction, region);
-                return Ending::Converged { iterations, accuracy: size };
+                return NewtonOutcome::Converged { iterations, accuracy: size };
             }
             smallest = smallest.min(size);
 
             match self.damped_step(equations, z, region, size, &mut damping, settings) {
                 Err(ending) => return ending,
-                Ok(Progress::Moved) => {}
-                Ok(Progress::Finished { accuracy }) => {
-                    return Ending::Converged { iterations, accuracy };
+                Ok(DampedStep::Moved) => {}
+                Ok(DampedStep::Finished { accuracy }) => {
+                    return NewtonOutcome::Converged { iterations, accuracy };
                 }
             }
         }
-        Ending::Diverged { component: self.worst() }
+        NewtonOutcome::Diverged { component: self.worst() }
     }
 
-    /// Tries the Newton correction with ever smaller factors until the simplified correction from
-    /// the trial point is smaller than the one that led there. Leaves the residual of the new `z` in
-    /// `correction`.
+    /// Tries the Newton correction with decreasing damping factors until the simplified correction
+    /// at the trial point is smaller than the one that led there. Leaves the residual of the new `z`
+    /// in `correction`.
     fn damped_step(
         &mut self,
-        equations: &mut dyn Equations,
+        equations: &mut dyn NonlinearSystem,
         z: &mut [f64],
         region: Region,
         size: f64,
         damping: &mut f64,
-        settings: &Settings,
-    ) -> Result<Progress, Ending> {
+        settings: &NewtonSettings,
+    ) -> Result<DampedStep, NewtonOutcome> {
         let mut refused = None;
         while *damping >= settings.min_damping {
             for ((trial, z), c) in self.trial.iter_mut().zip(z.iter()).zip(&self.correction) {
@@ -200,12 +200,12 @@ impl Newton {
             *damping *= 0.5;
         }
         Err(match refused {
-            Some(residual) => Ending::NonFinite { residual },
-            None => Ending::Diverged { component: self.worst() },
+            Some(residual) => NewtonOutcome::NonFinite { residual },
+            None => NewtonOutcome::Diverged { component: self.worst() },
         })
     }
 
-    /// Moves to the trial point if the simplified correction there is small enough, and by that
+    /// Moves to the trial point if the simplified correction there is small enough, and applies that
     /// correction too if it ends the iteration.
     fn judge_trial(
         &mut self,
@@ -213,16 +213,16 @@ impl Newton {
         region: Region,
         size: f64,
         damping: f64,
-        settings: &Settings,
-    ) -> Option<Progress> {
+        settings: &NewtonSettings,
+    ) -> Option<DampedStep> {
         self.trial_correction.copy_from_slice(&self.trial_residual);
         self.lu.solve_in_place(&mut self.trial_correction);
         let next = weighted_rms(&self.trial_correction, &self.weights);
         if !(next <= (1.0 - 0.25 * damping) * size) {
-            // At the limit of rounding no correction makes the next one smaller.
+            // At the rounding limit, corrections no longer become smaller.
             if size <= settings.stagnation && next <= settings.stagnation {
                 z.copy_from_slice(&self.trial);
-                return Some(Progress::Finished { accuracy: next });
+                return Some(DampedStep::Finished { accuracy: next });
             }
             return None;
         }
@@ -231,23 +231,27 @@ impl Newton {
         let ratio = next / size;
         if damping == 1.0 && ratio < 0.25 && 2.0 * ratio * next <= settings.tolerance {
             subtract(z, &self.trial_correction, region);
-            return Some(Progress::Finished { accuracy: next });
+            return Some(DampedStep::Finished { accuracy: next });
         }
         self.correction.copy_from_slice(&self.trial_residual);
-        Some(Progress::Moved)
+        Some(DampedStep::Moved)
     }
 
-    fn linearize(&mut self, equations: &mut dyn Equations, z: &[f64]) -> Result<(), Ending> {
+    fn linearize(
+        &mut self,
+        equations: &mut dyn NonlinearSystem,
+        z: &[f64],
+    ) -> Result<(), NewtonOutcome> {
         self.jacobian.fill(0.0);
         if !equations.jacobian(z, &mut self.jacobian) {
-            return Err(Ending::NonFinite { residual: 0 });
+            return Err(NewtonOutcome::NonFinite { residual: 0 });
         }
         if let Some(entry) = first_non_finite(&self.jacobian) {
-            return Err(Ending::NonFinite { residual: entry % z.len() });
+            return Err(NewtonOutcome::NonFinite { residual: entry % z.len() });
         }
         self.lu
             .factor(&self.jacobian)
-            .map_err(|singular| Ending::Singular { column: singular.column })
+            .map_err(|singular| NewtonOutcome::Singular { column: singular.column })
     }
 
     fn set_weights(&mut self, z: &[f64], region: Region) {
@@ -261,13 +265,13 @@ impl Newton {
     }
 }
 
-enum Progress {
+enum DampedStep {
     Moved,
     Finished { accuracy: f64 },
 }
 
 /// The residual at `z`, or the index of the first that is not finite.
-fn evaluate(equations: &mut dyn Equations, z: &[f64], g: &mut [f64]) -> Result<(), usize> {
+fn evaluate(equations: &mut dyn NonlinearSystem, z: &[f64], g: &mut [f64]) -> Result<(), usize> {
     if !equations.residual(z, g) {
         return Err(first_non_finite(g).unwrap_or(0));
     }
@@ -299,7 +303,7 @@ mod tests {
         jacobian: J,
     }
 
-    impl<G, J> Equations for Closures<G, J>
+    impl<G, J> NonlinearSystem for Closures<G, J>
     where
         G: FnMut(&[f64], &mut [f64]),
         J: FnMut(&[f64], &mut [f64]),
@@ -320,7 +324,7 @@ mod tests {
         jacobians: u32,
     }
 
-    impl<E: Equations> Equations for Counted<E> {
+    impl<E: NonlinearSystem> NonlinearSystem for Counted<E> {
         fn residual(&mut self, z: &[f64], g: &mut [f64]) -> bool {
             self.residuals += 1;
             self.equations.residual(z, g)
@@ -340,7 +344,7 @@ mod tests {
     }
 
     /// `z1^2 + z2^2 = 4, z1 z2 = 1`, solved by `z = ((sqrt 6 + sqrt 2) / 2, (sqrt 6 - sqrt 2) / 2)`.
-    fn circle_meets_hyperbola() -> impl Equations {
+    fn circle_meets_hyperbola() -> impl NonlinearSystem {
         equations(
             |z: &[f64], g: &mut [f64]| {
                 // Wildly different residual scales must not matter.
@@ -363,8 +367,8 @@ mod tests {
         let mut system = circle_meets_hyperbola();
         let mut z = [3.0, 0.1];
         let ending =
-            Newton::new(2).solve(&mut system, &mut z, free(&[1.0; 2]), &Settings::default());
-        assert!(matches!(ending, Ending::Converged { .. }), "{ending:?}");
+            Newton::new(2).solve(&mut system, &mut z, free(&[1.0; 2]), &NewtonSettings::default());
+        assert!(matches!(ending, NewtonOutcome::Converged { .. }), "{ending:?}");
         for (z, exact) in z.iter().zip(intersection()) {
             assert!((z - exact).abs() < 1e-15 * 4.0);
         }
@@ -376,7 +380,7 @@ mod tests {
             Counted { equations: circle_meets_hyperbola(), residuals: 0, jacobians: 0 };
         let [a, b] = intersection();
         let mut z = [a + 1e-7, b - 1e-7];
-        Newton::new(2).solve(&mut system, &mut z, free(&[1.0; 2]), &Settings::default());
+        Newton::new(2).solve(&mut system, &mut z, free(&[1.0; 2]), &NewtonSettings::default());
         assert_eq!((system.jacobians, system.residuals), (1, 2));
         assert!((z[0] - a).abs() < 1e-15 * 4.0);
     }
@@ -389,35 +393,36 @@ mod tests {
             |z: &[f64], j: &mut [f64]| j[0] = 1.0 / (1.0 + z[0] * z[0]),
         );
         let mut z = [10.0];
-        let ending = Newton::new(1).solve(&mut system, &mut z, free(&[1.0]), &Settings::default());
-        assert!(matches!(ending, Ending::Converged { .. }), "{ending:?}");
+        let ending =
+            Newton::new(1).solve(&mut system, &mut z, free(&[1.0]), &NewtonSettings::default());
+        assert!(matches!(ending, NewtonOutcome::Converged { .. }), "{ending:?}");
         assert!(z[0].abs() < 1e-14);
     }
 
-    /// The iteration leaves the domain of the root and comes back; bounds keep it inside at once.
+    /// The iteration leaves the domain of the root and comes back; bounds keep it inside.
     #[test]
-    fn leaves_no_trace_of_a_domain_error() {
+    fn recovers_from_a_domain_error() {
         let system = || {
             equations(
                 |z: &[f64], g: &mut [f64]| g[0] = z[0].sqrt() - 0.1,
                 |z: &[f64], j: &mut [f64]| j[0] = 0.5 / z[0].sqrt(),
             )
         };
-        let settings = Settings::default();
+        let settings = NewtonSettings::default();
         let mut z = [4.0];
         let ending = Newton::new(1).solve(&mut system(), &mut z, free(&[1.0]), &settings);
-        assert!(matches!(ending, Ending::Converged { .. }), "{ending:?}");
+        assert!(matches!(ending, NewtonOutcome::Converged { .. }), "{ending:?}");
         assert!((z[0] - 0.01).abs() < 1e-14);
         let region = Region { nominal: &[1.0], bounds: Some(&[(1e-6, 10.0)]) };
         let mut z = [4.0];
         let ending = Newton::new(1).solve(&mut system(), &mut z, region, &settings);
-        assert!(matches!(ending, Ending::Converged { .. }), "{ending:?}");
+        assert!(matches!(ending, NewtonOutcome::Converged { .. }), "{ending:?}");
         assert!((z[0] - 0.01).abs() < 1e-14);
     }
 
     #[test]
     fn failures_are_named_and_restore_the_guess() {
-        let settings = Settings::default();
+        let settings = NewtonSettings::default();
         let mut newton = Newton::new(2);
         let nominal = [1.0; 2];
 
@@ -427,7 +432,7 @@ mod tests {
         );
         let mut z = [5.0, 6.0];
         let ending = newton.solve(&mut singular, &mut z, free(&nominal), &settings);
-        assert_eq!(ending, Ending::Singular { column: 1 });
+        assert_eq!(ending, NewtonOutcome::Singular { column: 1 });
         assert_eq!(z, [5.0, 6.0]);
 
         // z^2 + 1 has no real root.
@@ -437,7 +442,10 @@ mod tests {
         );
         let ending = newton.solve(&mut rootless, &mut z, free(&nominal), &settings);
         assert!(
-            matches!(ending, Ending::Diverged { component: 0 } | Ending::Singular { column: 0 }),
+            matches!(
+                ending,
+                NewtonOutcome::Diverged { component: 0 } | NewtonOutcome::Singular { column: 0 }
+            ),
             "{ending:?}"
         );
         assert_eq!(z, [5.0, 6.0]);
@@ -447,28 +455,29 @@ mod tests {
             |_: &[f64], _: &mut [f64]| {},
         );
         let ending = newton.solve(&mut broken, &mut z, free(&nominal), &settings);
-        assert_eq!(ending, Ending::NonFinite { residual: 1 });
+        assert_eq!(ending, NewtonOutcome::NonFinite { residual: 1 });
     }
 
-    /// A residual that is zero up to rounding of large terms can not be improved, and is accepted.
+    /// A residual that is zero up to rounding of large terms cannot be improved, and is accepted.
     #[test]
-    fn rounding_in_the_residual_is_no_failure() {
+    fn rounding_in_the_residual_is_accepted() {
         let mut system = equations(
             |z: &[f64], g: &mut [f64]| g[0] = ((z[0] + 1e4) - 1e4).powi(3) - 2.0,
             |z: &[f64], j: &mut [f64]| j[0] = 3.0 * z[0] * z[0],
         );
         let mut z = [1.0];
-        let ending = Newton::new(1).solve(&mut system, &mut z, free(&[1.0]), &Settings::default());
+        let ending =
+            Newton::new(1).solve(&mut system, &mut z, free(&[1.0]), &NewtonSettings::default());
         assert!(
-            matches!(ending, Ending::Converged { accuracy, .. } if accuracy < 1e-9),
+            matches!(ending, NewtonOutcome::Converged { accuracy, .. } if accuracy < 1e-9),
             "{ending:?}"
         );
         assert!((z[0] - 2.0_f64.cbrt()).abs() < 1e-11);
     }
 
-    /// Of the root of an even function the derivative tells nothing.
+    /// The derivative of an even function vanishes at its root.
     #[test]
-    fn a_guess_that_solves_the_equations_stays() {
+    fn a_guess_that_solves_the_equations_is_kept() {
         let equations = Closures {
             residual: |z: &[f64], g: &mut [f64]| g[0] = z[0] * z[0],
             jacobian: |z: &[f64], j: &mut [f64]| j[0] = 2.0 * z[0],
@@ -476,8 +485,8 @@ mod tests {
         let mut counted = Counted { equations, residuals: 0, jacobians: 0 };
         let mut z = [0.0];
         let region = Region { nominal: &[1.0], bounds: None };
-        let ending = Newton::new(1).solve(&mut counted, &mut z, region, &Settings::default());
-        assert_eq!(ending, Ending::Converged { iterations: 0, accuracy: 0.0 });
+        let ending = Newton::new(1).solve(&mut counted, &mut z, region, &NewtonSettings::default());
+        assert_eq!(ending, NewtonOutcome::Converged { iterations: 0, accuracy: 0.0 });
         assert_eq!((z[0], counted.residuals, counted.jacobians), (0.0, 1, 0));
     }
 }

@@ -1,10 +1,10 @@
-//! Weighted norms: a deviation is measured in units of what counts as small for its component.
+//! Weighted norms: a deviation is measured in units of the tolerance of its component.
 //!
 //! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, sec. II.4, eq. (4.11).
 
 /// Root mean square of `v[i] * weights[i]`, where a weight is one over the tolerated deviation.
 ///
-/// Zero for empty vectors; not finite if any entry is not, so one test of the norm tests them all.
+/// Zero for empty vectors; not finite if any entry is not, so one test of the norm covers all.
 pub fn weighted_rms(v: &[f64], weights: &[f64]) -> f64 {
     if v.is_empty() {
         return 0.0;
@@ -18,12 +18,12 @@ pub fn weighted_square_sum(v: &[f64], weights: &[f64]) -> f64 {
     v.iter().zip(weights).map(|(v, w)| (v * w) * (v * w)).sum()
 }
 
-/// Largest `|v[i]| * weights[i]`; not a number if any product is not.
+/// Largest `|v[i]| * weights[i]`; NaN if any product is NaN.
 pub fn weighted_max(v: &[f64], weights: &[f64]) -> f64 {
     let mut largest = 0.0_f64;
     for (v, w) in v.iter().zip(weights) {
         let size = v.abs() * w;
-        // `!(a <= b)` also lets a NaN through, and the next comparison with it keeps it.
+        // `!(a <= b)` also accepts a NaN, which the check below then returns.
         if !(size <= largest) {
             largest = size;
         }
@@ -52,7 +52,7 @@ pub fn worst_component(v: &[f64], weights: &[f64]) -> Option<usize> {
     worst
 }
 
-/// The first entry that is infinite or not a number.
+/// The first entry that is infinite or NaN.
 pub fn first_non_finite(v: &[f64]) -> Option<usize> {
     v.iter().position(|x| !x.is_finite())
 }
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn a_nan_anywhere_is_seen() {
+    fn a_nan_anywhere_is_detected() {
         for v in [[f64::NAN, 1.0, 2.0], [2.0, 1.0, f64::NAN]] {
             let w = [1.0; 3];
             assert!(weighted_rms(&v, &w).is_nan());

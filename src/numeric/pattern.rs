@@ -15,7 +15,7 @@ impl Pattern {
     /// The pattern of a `rows` x `columns` matrix with the given `(row, column)` entries, in any
     /// order; duplicates count once.
     ///
-    /// Entries outside the matrix are a bug of the caller and panic.
+    /// Panics on an entry outside the matrix, which is a bug of the caller.
     pub fn from_entries(rows: usize, columns: usize, entries: &[(usize, usize)]) -> Self {
         let mut by_column: Vec<(usize, usize)> = entries.iter().map(|&(i, j)| (j, i)).collect();
         by_column.sort_unstable();
@@ -51,7 +51,7 @@ impl Pattern {
         self.row_indices.len()
     }
 
-    /// Where each column starts in `row_indices`, and one past the last entry; length `columns + 1`.
+    /// Start of each column in `row_indices`, and one past the last entry; length `columns + 1`.
     pub fn column_starts(&self) -> &[usize] {
         &self.starts
     }

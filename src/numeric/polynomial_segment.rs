@@ -1,39 +1,39 @@
-//! A smooth piece of a curve through points that come one after the other.
+//! A smooth segment of a curve that grows point by point.
 
 use std::collections::VecDeque;
 
-/// Part of the last distance at which a further point stands next to the last one: with both, what
-/// rounding has made of their values would be a slope.
-const NEXT_TO: f64 = 1e-6;
+/// A new point closer to the last one than this fraction of the last distance replaces it: between
+/// two points so close, rounding errors of the values would become a slope.
+const COINCIDENT: f64 = 1e-6;
 
-/// Part of its size by which a value differs at the two sides of a jump.
+/// Relative difference between the values at the two sides of a jump.
 const JUMP: f64 = 1e-10;
 
-/// True if a course jumps between two values at one place.
+/// True if a curve jumps between two values at the same abscissa.
 pub fn jumps(a: f64, b: f64) -> bool {
     (a - b).abs() > JUMP * a.abs().max(b.abs())
 }
 
-/// Points of rising abscissa, interpolated by polynomials of third degree through four of them.
+/// Points of increasing abscissa, interpolated by cubic polynomials through four of them.
 #[derive(Clone, Default, Debug)]
-pub struct Piece {
+pub struct PolynomialSegment {
     t: VecDeque<f64>,
     value: VecDeque<f64>,
 }
 
-/// What a piece does beyond its ends.
+/// The value of a segment beyond its ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Beyond {
-    /// Its last value stays.
-    Rests,
-    /// It goes on along the straight line through its last two points.
-    GoesOn,
+pub enum Extrapolation {
+    /// The value at the end.
+    Constant,
+    /// The straight line through the last two points.
+    Linear,
 }
 
-impl Piece {
-    /// A piece of one point.
+impl PolynomialSegment {
+    /// A segment of one point.
     pub fn of(t: f64, value: f64) -> Self {
-        Piece { t: [t].into(), value: [value].into() }
+        PolynomialSegment { t: [t].into(), value: [value].into() }
     }
 
     /// Number of points.
@@ -51,10 +51,10 @@ impl Piece {
         Some((*self.t.back()?, *self.value.back()?))
     }
 
-    /// Adds a point behind all others; where it stands next to the last one it takes the place of that.
+    /// Appends a point; replaces the last one if both nearly coincide.
     pub fn push_last(&mut self, t: f64, value: f64) {
         let n = self.points();
-        if n > 1 && t - self.t[n - 1] < NEXT_TO * (self.t[n - 1] - self.t[n - 2]) {
+        if n > 1 && t - self.t[n - 1] < COINCIDENT * (self.t[n - 1] - self.t[n - 2]) {
             self.t.pop_back();
             self.value.pop_back();
         }
@@ -62,9 +62,9 @@ impl Piece {
         self.value.push_back(value);
     }
 
-    /// Adds a point before all others; where it stands next to the first one it takes the place of that.
+    /// Prepends a point; replaces the first one if both nearly coincide.
     pub fn push_first(&mut self, t: f64, value: f64) {
-        if self.points() > 1 && self.t[0] - t < NEXT_TO * (self.t[1] - self.t[0]) {
+        if self.points() > 1 && self.t[0] - t < COINCIDENT * (self.t[1] - self.t[0]) {
             self.t.pop_front();
             self.value.pop_front();
         }
@@ -72,40 +72,40 @@ impl Piece {
         self.value.push_front(value);
     }
 
-    /// Drops the points before `t`, but for the few that interpolation there needs.
-    pub fn forget_before(&mut self, t: f64) {
+    /// Drops the points before `t` except the few that interpolation at `t` needs.
+    pub fn discard_before(&mut self, t: f64) {
         let passed = self.t.partition_point(|x| *x < t).saturating_sub(4);
         self.t.drain(..passed);
         self.value.drain(..passed);
     }
 
-    /// Drops the points after `t`, but for the few that interpolation there needs.
-    pub fn forget_after(&mut self, t: f64) {
+    /// Drops the points after `t` except the few that interpolation at `t` needs.
+    pub fn discard_after(&mut self, t: f64) {
         let kept = (self.t.partition_point(|x| *x <= t) + 4).min(self.points());
         self.t.truncate(kept);
         self.value.truncate(kept);
     }
 
-    /// Cuts the piece off before `t`, where its value is the first one from then on.
+    /// Cuts the segment off before `t`; the value at `t` becomes its first point.
     pub fn cut_before(&mut self, t: f64) {
-        let value = self.at(t, 0, Beyond::Rests);
+        let value = self.at(t, 0, Extrapolation::Constant);
         let passed = self.t.partition_point(|x| *x <= t);
         self.t.drain(..passed);
         self.value.drain(..passed);
         self.push_first(t, value);
     }
 
-    /// Cuts the piece off after `t`, where its value is the last one from then on.
+    /// Cuts the segment off after `t`; the value at `t` becomes its last point.
     pub fn cut_after(&mut self, t: f64) {
-        let value = self.at(t, 0, Beyond::Rests);
+        let value = self.at(t, 0, Extrapolation::Constant);
         let kept = self.t.partition_point(|x| *x < t);
         self.t.truncate(kept);
         self.value.truncate(kept);
         self.push_last(t, value);
     }
 
-    /// The value at `t`, or its derivative of this order.
-    pub fn at(&self, t: f64, order: u32, beyond: Beyond) -> f64 {
+    /// The derivative of this order at `t`; the value for order 0.
+    pub fn at(&self, t: f64, order: u32, beyond: Extrapolation) -> f64 {
         let (Some((first, first_value)), Some((last, last_value))) = (self.first(), self.last())
         else {
             return 0.0;
@@ -116,7 +116,7 @@ impl Piece {
             let after = self.t.partition_point(|x| *x <= t);
             let from = after.saturating_sub(2).min(n.saturating_sub(4));
             (from, (from + 4).min(n))
-        } else if n == 1 || beyond == Beyond::Rests {
+        } else if n == 1 || beyond == Extrapolation::Constant {
             let end = if t <= first { first_value } else { last_value };
             return if order == 0 { end } else { 0.0 };
         } else if t <= first {
@@ -124,7 +124,7 @@ impl Piece {
         } else {
             (n - 2, n)
         };
-        // What rests is met to the bit, so that nothing chatters.
+        // Constant values are reproduced exactly, so that no relation chatters.
         if (from + 1..to).all(|k| self.value[k - 1] == self.value[k]) {
             return if order == 0 { self.value[from] } else { 0.0 };
         }
@@ -137,8 +137,8 @@ impl Piece {
     }
 }
 
-/// The polynomial through points, or its derivative of this order, at `t`: Newton's divided differences,
-/// which take the place of `y`.
+/// The polynomial through points, or its derivative of this order, at `t`: Newton's divided
+/// differences, which overwrite `y`.
 fn through(x: &[f64], y: &mut [f64], t: f64, order: u32) -> f64 {
     let n = x.len();
     for k in 1..n {
@@ -146,7 +146,7 @@ fn through(x: &[f64], y: &mut [f64], t: f64, order: u32) -> f64 {
             y[i] = (y[i] - y[i - 1]) / (x[i] - x[i - k]);
         }
     }
-    // Horner's scheme, carried out on the value and on the derivatives divided by the factorials of their order.
+    // Horner's scheme, applied to the value and to the derivatives divided by their factorials.
     let mut p = [0.0; 4];
     for i in (0..n).rev() {
         for k in (1..4).rev() {
@@ -168,13 +168,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cubic_is_met_with_its_derivatives() {
+    fn a_cubic_is_reproduced_with_its_derivatives() {
         let f = |t: f64| 1.0 + t * (2.0 - t * (0.5 + t));
-        let mut piece = Piece::default();
+        let mut segment = PolynomialSegment::default();
         for t in [0.0, 0.3, 0.7, 1.2, 1.5, 2.1] {
-            piece.push_last(t, f(t));
+            segment.push_last(t, f(t));
         }
-        let at = |t, order| piece.at(t, order, Beyond::Rests);
+        let at = |t, order| segment.at(t, order, Extrapolation::Constant);
         for u in [0.1, 0.5, 1.3, 2.0] {
             assert!((at(u, 0) - f(u)).abs() < 1e-13);
             assert!((at(u, 1) - (2.0 - u - 3.0 * u * u)).abs() < 1e-12);
@@ -183,29 +183,29 @@ mod tests {
         }
         assert_eq!((at(-1.0, 0), at(3.0, 0)), (f(0.0), f(2.1)));
         let slope = (f(0.3) - f(0.0)) / 0.3;
-        assert!((piece.at(-1.0, 0, Beyond::GoesOn) - (f(0.0) - slope)).abs() < 1e-13);
+        assert!((segment.at(-1.0, 0, Extrapolation::Linear) - (f(0.0) - slope)).abs() < 1e-13);
     }
 
-    /// Two points of an event that differ by rounding alone would give any slope.
+    /// Two points of an event whose abscissas differ only by rounding would give an arbitrary slope.
     #[test]
-    fn what_rounding_adds_to_a_place_does_no_harm() {
-        let mut piece = Piece::default();
+    fn coincident_points_are_merged() {
+        let mut segment = PolynomialSegment::default();
         for t in [0.0_f64, 0.25, 0.5, 0.5 + 1e-15, 0.75, 1.0] {
-            piece.push_last(t, t.sin() + if t == 0.5 { 1e-14 } else { 0.0 });
+            segment.push_last(t, t.sin() + if t == 0.5 { 1e-14 } else { 0.0 });
         }
-        assert_eq!(piece.points(), 5);
-        assert!((piece.at(0.6, 0, Beyond::Rests) - f64::sin(0.6)).abs() < 1e-3);
+        assert_eq!(segment.points(), 5);
+        assert!((segment.at(0.6, 0, Extrapolation::Constant) - f64::sin(0.6)).abs() < 1e-3);
     }
 
     #[test]
-    fn a_piece_is_cut_at_both_ends() {
-        let mut piece = Piece::default();
+    fn a_segment_is_cut_at_both_ends() {
+        let mut segment = PolynomialSegment::default();
         for k in 0..6 {
-            piece.push_last(f64::from(k), f64::from(2 * k));
+            segment.push_last(f64::from(k), f64::from(2 * k));
         }
-        piece.cut_before(1.5);
-        piece.cut_after(3.5);
-        assert_eq!((piece.first(), piece.last()), (Some((1.5, 3.0)), Some((3.5, 7.0))));
-        assert_eq!(piece.points(), 4);
+        segment.cut_before(1.5);
+        segment.cut_after(3.5);
+        assert_eq!((segment.first(), segment.last()), (Some((1.5, 3.0)), Some((3.5, 7.0))));
+        assert_eq!(segment.points(), 4);
     }
 }

@@ -1,16 +1,16 @@
-//! Square systems whose matrix is singular: the solution nearest to what was, where there is one.
+//! Square systems with a singular matrix: the solution nearest to the previous one, if there is any.
 //!
-//! Complete orthogonal decomposition: Householder reflections from the left with exchange of columns show
-//! the rank, reflections from the right take what is left of the dependent columns away. Golub & Van
-//! Loan, *Matrix Computations*, 4th ed. 2013, algorithm 5.4.1 and section 5.4.7. Rows and columns are
-//! scaled first, so that units do not decide what counts as nothing: nearest means nearest in these
-//! scales.
+//! Complete orthogonal decomposition: Householder reflections from the left with column exchanges
+//! reveal the rank, reflections from the right eliminate the remainder of the dependent columns.
+//! Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 5.4.1 and section 5.4.7. Rows and
+//! columns are scaled first, so that the rank does not depend on units; distances are measured in
+//! these scales.
 
-/// Pivots below this part of the largest count as zero, times the order.
-const NOTHING: f64 = 1e-13;
-/// Residuals up to this part of the largest term count as zero.
+/// Relative size, per order of the matrix, below which a pivot counts as zero.
+const ZERO_PIVOT: f64 = 1e-13;
+/// Residuals up to this fraction of the largest term count as zero.
 const CONSISTENT: f64 = 1e-9;
-/// Terms smaller than this are rounding of others that are not seen here.
+/// Terms smaller than this are the rounding of larger terms that were eliminated before.
 const SMALLEST_TERM: f64 = 1e-3;
 
 /// The decomposition of a square matrix.
@@ -25,7 +25,7 @@ pub struct PseudoInverse {
     /// Vectors of the reflections from the right, each of the length `n - rank`.
     tails: Vec<f64>,
     right: Vec<f64>,
-    /// The column of the matrix that stands at each place.
+    /// The column of the matrix at each position.
     order: Vec<usize>,
     rows: Vec<f64>,
     columns: Vec<f64>,
@@ -33,7 +33,7 @@ pub struct PseudoInverse {
 }
 
 impl PseudoInverse {
-    /// Of the column-major matrix `a` of order `n`; `None` if one of its entries is not finite.
+    /// Decomposes the column-major matrix `a` of order `n`; `None` if an entry is not finite.
     pub fn new(n: usize, a: &[f64]) -> Option<PseudoInverse> {
         if !a.iter().all(|x| x.is_finite()) {
             return None;
@@ -79,7 +79,7 @@ impl PseudoInverse {
                 self.order.swap(k, pivot);
             }
             let length = size(a, k);
-            if length <= NOTHING * n as f64 * a[0].abs() && k > 0 || length == 0.0 {
+            if length <= ZERO_PIVOT * n as f64 * a[0].abs() && k > 0 || length == 0.0 {
                 return;
             }
             self.rank = k + 1;
@@ -136,12 +136,12 @@ impl PseudoInverse {
         }
     }
 
-    /// How many equations are independent.
+    /// Number of independent equations.
     pub fn rank(&self) -> usize {
         self.rank
     }
 
-    /// The shortest vector for which the scaled equations hold as well as can be.
+    /// The shortest vector that minimises the residual of the scaled equations.
     fn shortest(&self, right: &[f64]) -> Vec<f64> {
         let (n, r, a) = (self.n, self.rank, &self.factors);
         let mut w = right.to_vec();
@@ -175,8 +175,8 @@ impl PseudoInverse {
         x
     }
 
-    /// Overwrites the right side `b` by the solution nearest to `last`; false if no vector satisfies all
-    /// equations, and `b` is then one that does as well as can be.
+    /// Overwrites the right-hand side `b` with the solution nearest to `last`; false if no vector
+    /// satisfies all equations, in which case `b` is a least-squares solution.
     pub fn solve_near(&self, b: &mut [f64], last: &[f64]) -> bool {
         let n = self.n;
         let before: Vec<f64> = last.iter().zip(&self.columns).map(|(x, c)| x / c).collect();
@@ -199,7 +199,8 @@ impl PseudoInverse {
         solved
     }
 
-    /// Overwrites the right side `b` by the solution nearest to zero, as [`PseudoInverse::solve_near`].
+    /// Overwrites the right-hand side `b` with the solution nearest to zero, like
+    /// [`PseudoInverse::solve_near`].
     pub fn solve_in_place(&self, b: &mut [f64]) -> bool {
         self.solve_near(b, &vec![0.0; self.n])
     }
@@ -228,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_solutions_the_shortest() {
+    fn the_shortest_of_many_solutions_is_found() {
         // x + y = 2 twice: (1, 1) is nearest to zero.
         let inverse = PseudoInverse::new(2, &[1.0, 1.0, 1.0, 1.0]).unwrap();
         let mut b = [2.0, 2.0];
@@ -238,21 +239,21 @@ mod tests {
     }
 
     #[test]
-    fn contradictions_are_seen() {
+    fn contradictions_are_detected() {
         let inverse = PseudoInverse::new(2, &[1.0, 1.0, 1.0, 1.0]).unwrap();
         assert!(!inverse.solve_in_place(&mut [2.0, 3.0]));
-        // What is left open stays: of x + y = 2 that is x - y = 4.
+        // Undetermined components stay: for x + y = 2 this is x - y = 4.
         let mut b = [2.0, 2.0];
         assert!(inverse.solve_near(&mut b, &[5.0, 1.0]));
         assert!((b[0] - 3.0).abs() < 1e-14 && (b[1] + 1.0).abs() < 1e-14);
-        let nothing = PseudoInverse::new(1, &[0.0]).unwrap();
-        assert!(!nothing.solve_in_place(&mut [1.0]));
-        assert!(nothing.solve_in_place(&mut [0.0]));
+        let zero = PseudoInverse::new(1, &[0.0]).unwrap();
+        assert!(!zero.solve_in_place(&mut [1.0]));
+        assert!(zero.solve_in_place(&mut [0.0]));
     }
 
     #[test]
     fn units_do_not_decide_the_rank() {
-        // 1e-12 A/V beside 1e9 V/A is as good an equation as any.
+        // An equation in 1e-12 A/V counts as much as one in 1e9 V/A.
         let inverse = PseudoInverse::new(2, &[1e-12, 0.0, 0.0, 1e9]).unwrap();
         assert_eq!(inverse.rank(), 2);
         let mut b = [3e-12, 2e9];
@@ -260,10 +261,10 @@ mod tests {
         assert!((b[0] - 3.0).abs() < 1e-13 && (b[1] - 2.0).abs() < 1e-13);
     }
 
-    /// The four conditions of Penrose, of which two are enough here, for the matrix of rank 2 with the
-    /// rows (1 2 3; 4 5 6; 7 8 9).
+    /// Two of the four Penrose conditions, which suffice here, for the matrix of rank 2 with the rows
+    /// (1 2 3; 4 5 6; 7 8 9).
     #[test]
-    fn what_is_left_is_orthogonal() {
+    fn the_residual_is_orthogonal() {
         let a = [1.0, 4.0, 7.0, 2.0, 5.0, 8.0, 3.0, 6.0, 9.0];
         let inverse = PseudoInverse::new(3, &a).unwrap();
         assert_eq!(inverse.rank(), 2);

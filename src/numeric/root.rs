@@ -1,16 +1,16 @@
-//! Where a function of one variable changes sign.
+//! Locates a sign change of a function of one variable.
 //!
-//! I. F. D. Oliveira, R. H. C. Takahashi: *An enhancement of the bisection method average performance
-//! preserving minmax optimality*, ACM Trans. Math. Software 47 (2020), art. 5 (the ITP method): as
-//! fast as the secant method on smooth functions, and never slower than bisection by more than one
-//! step, also across a jump.
+//! I. F. D. Oliveira, R. H. C. Takahashi: *An enhancement of the bisection method average
+//! performance preserving minmax optimality*, ACM Trans. Math. Software 47 (2020), art. 5 (the ITP
+//! method): as fast as the secant method on smooth functions, and at most one step slower than
+//! bisection, also across a jump.
 
 /// An interval across which the function changes sign.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Bracket {
-    /// Here the function has the sign of the left end given, or is zero.
+    /// The function has the sign of the given left end here, or is zero.
     pub left: f64,
-    /// Here it has strictly the sign of the right end given: the change has definitely happened.
+    /// The function has strictly the sign of the given right end here: the sign has changed.
     pub right: f64,
     /// Value at `left`.
     pub value_left: f64,
@@ -20,7 +20,7 @@ pub struct Bracket {
     pub evaluations: u32,
 }
 
-/// Why there is no bracket.
+/// Why no bracket was found.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum NoRoot {
     /// The values at the ends do not have opposite signs (the left one may be zero).
@@ -32,8 +32,8 @@ pub enum NoRoot {
     },
 }
 
-/// Shrinks `[a, b]` with values `fa`, `fb` until it is not longer than `tolerance`, or until no
-/// double lies inside. A zero counts as not yet changed, so that `right` is beyond it.
+/// Shrinks `[a, b]` with values `fa`, `fb` until it is at most `tolerance` long, or until no double
+/// lies inside. A zero counts as unchanged, so `right` lies beyond it.
 pub fn locate(
     mut f: impl FnMut(f64) -> f64,
     (a, fa): (f64, f64),
@@ -54,7 +54,7 @@ pub fn locate(
         Bracket { left: a, right: b, value_left: fa, value_right: fb, evaluations: 0 };
     let tolerance = tolerance.max(0.0);
     let kappa = KAPPA / (b - a);
-    // Bisections needed at most, and one to spare for the interpolation to win with.
+    // The number of bisections needed, plus one that the interpolation may use.
     let half_width =
         0.5 * tolerance.max(f64::EPSILON * a.abs().max(b.abs())).max(f64::MIN_POSITIVE);
     let most = ((b - a) / (2.0 * half_width)).log2().ceil().max(0.0) + SPARE;
@@ -64,7 +64,7 @@ pub fn locate(
         let reach = half_width * 2.0_f64.powf((most - step).min(1000.0));
         let Some(mut x) = inner_point(&bracket, kappa, reach) else { break };
         if landed {
-            // The last argument was a root to the bit: the change is just beyond it.
+            // The last argument was an exact root: the sign changes just beyond it.
             x = x.min((bracket.left + 0.5 * tolerance).max(bracket.left.next_up()));
         }
         let value = f(x);
@@ -89,7 +89,7 @@ const KAPPA: f64 = 0.2;
 const SPARE: f64 = 1.0;
 
 /// The next argument: interpolate, truncate towards the middle, project into the window that keeps
-/// bisection's guarantee. `None` if no double lies inside.
+/// bisection's guarantee. `None` if no double lies inside the bracket.
 fn inner_point(bracket: &Bracket, kappa: f64, reach: f64) -> Option<f64> {
     let Bracket { left, right, value_left, value_right, .. } = *bracket;
     let middle = left + 0.5 * (right - left);
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn smooth_roots_are_cheap_and_jumps_not_dearer_than_bisection() {
+    fn smooth_roots_are_cheap_and_jumps_cost_no_more_than_bisection() {
         let smooth = find(|x| x.exp() - 2.0, 0.0, 2.0, 1e-12);
         assert!(smooth.evaluations <= 12, "{smooth:?}");
         let jump = find(|x| if x < 0.3 { -1e-9 } else { 1e9 }, 0.0, 1.0, 1e-12);
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(bracket.right, 0.1_f64.next_up());
     }
 
-    /// The zero itself is not yet a change: a relation `x > 0` must have switched at the right side.
+    /// The zero itself is not a change of sign: a relation `x > 0` must have switched at the right.
     #[test]
     fn a_zero_belongs_to_the_left() {
         let bracket = find(|x| x - 0.5, 0.0, 1.0, 1e-3);
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_is_no_bracket() {
+    fn rejects_intervals_without_a_sign_change() {
         assert_eq!(locate(|x| x, (1.0, 1.0), (2.0, 2.0), 1e-6), Err(NoRoot::NoChange));
         assert_eq!(locate(|x| x, (-1.0, -1.0), (0.0, 0.0), 1e-6), Err(NoRoot::NoChange));
         let nan = locate(|_| f64::NAN, (0.0, -1.0), (1.0, 1.0), 1e-6);

@@ -1,15 +1,15 @@
-//! LU decomposition in place for the small dense matrices of models: plain loops over columns.
+//! In-place LU decomposition of the small dense matrices of models: plain loops over columns.
 //!
 //! Golub & Van Loan, *Matrix Computations*, alg. 3.4.1 (outer product form, partial pivoting). At
-//! the order of a typical model (n about 10) a library call costs more than the arithmetic; these
-//! loops have no set-up, and the compiler vectorises the updates of contiguous columns. Complex
-//! matrices are two planes, real and imaginary, for the same reason.
+//! the order of a typical model (n about 10), a library call costs more than the arithmetic; these
+//! loops have no set-up cost, and the compiler vectorises the updates of contiguous columns. Complex
+//! matrices are stored as two planes, real and imaginary, for the same reason.
 //!
 //! All matrices are column-major `n x n`. `pivots[k]` is the row that was exchanged with row `k`.
 
 use super::linear::Singular;
 
-/// Overwrites `a` by its factors: the unit lower triangle below the diagonal, the upper triangle
+/// Overwrites `a` with its factors: the unit lower triangle below the diagonal, the upper triangle
 /// above, and on the diagonal the *reciprocals* of the pivots.
 pub fn factor(n: usize, a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singular> {
     for k in 0..n {
@@ -23,7 +23,7 @@ pub fn factor(n: usize, a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singu
                 pivot = i;
             }
         }
-        // Written so that a NaN, which compares with nothing, counts as singular.
+        // Written so that a NaN, for which every comparison is false, counts as singular.
         if !(largest > 0.0 && largest < f64::INFINITY) {
             return Err(Singular { column: k });
         }
@@ -46,7 +46,7 @@ pub fn factor(n: usize, a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singu
             }
         }
     }
-    // The multipliers left of each later exchange move with their rows.
+    // The multipliers to the left of each later exchange move with their rows.
     for k in 1..n {
         let pivot = pivots[k];
         if pivot != k {
@@ -58,7 +58,7 @@ pub fn factor(n: usize, a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singu
     Ok(())
 }
 
-/// Solves with the factors of [`factor`], overwriting the right side `b` by the solution.
+/// Solves with the factors of [`factor`], overwriting the right-hand side `b` with the solution.
 pub fn solve(n: usize, lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     match n {
         0 => {}
@@ -78,8 +78,7 @@ pub fn solve(n: usize, lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     }
 }
 
-/// [`solve`] for an order that the compiler knows: no loop remains, and the right side stays in
-/// registers.
+/// [`solve`] for a constant order: the loops are unrolled and the right-hand side stays in registers.
 fn solve_fixed<const N: usize>(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     for (k, &pivot) in pivots[..N].iter().enumerate() {
         b.swap(k, pivot);
@@ -189,7 +188,7 @@ pub fn factor_complex(
     Ok(())
 }
 
-/// Solves with the factors of [`factor_complex`], overwriting the right side by the solution.
+/// Solves with the factors of [`factor_complex`], overwriting the right-hand side with the solution.
 pub fn solve_complex(
     n: usize,
     (lu_re, lu_im): (&[f64], &[f64]),
@@ -216,7 +215,7 @@ pub fn solve_complex(
     }
 }
 
-/// [`solve_complex`] for an order that the compiler knows.
+/// [`solve_complex`] for a constant order.
 fn solve_complex_fixed<const N: usize>(
     (lu_re, lu_im): (&[f64], &[f64]),
     pivots: &[usize],
@@ -302,7 +301,7 @@ fn subtract_multiple(
     }
 }
 
-/// `1 / (x + i y)` by R. L. Smith's algorithm (Comm. ACM 5, 1962), which can not overflow early.
+/// `1 / (x + i y)` by R. L. Smith's algorithm (Comm. ACM 5, 1962), which avoids early overflow.
 fn reciprocal(x: f64, y: f64) -> (f64, f64) {
     if x.abs() >= y.abs() {
         let ratio = y / x;

@@ -1,13 +1,12 @@
-//! A recording without its noise.
+//! Smoothing of noisy recordings by local polynomials.
 //!
-//! A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1964 (smoothing by local polynomials, here over a time
-//! instead of a count, so that instants need not be equidistant); W. S. Cleveland, J. Am. Stat. Assoc.
-//! 74, 1979 (weights).
+//! A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1964 (local polynomials, here over a window of time
+//! instead of a number of samples, so that instants need not be equidistant); W. S. Cleveland, J.
+//! Am. Stat. Assoc. 74, 1979 (weights).
 
-/// Values and rates of a recording without its noise: at each instant those of the parabola that fits
-/// what was recorded within `half` of it best, weighted less towards the ends (by Cleveland's tricube
-/// weights). Instants whose neighbourhood holds too little keep the
-/// value, with the slope to their neighbour.
+/// Smoothed values and rates of a recording: at each instant those of the parabola that fits the
+/// samples within `half` of it best, with Cleveland's tricube weights. Instants with too few
+/// neighbours keep their value and take the slope to the adjacent sample.
 pub fn smoothed(times: &[f64], values: &[f64], half: f64) -> (Vec<f64>, Vec<f64>) {
     let n = times.len();
     let (mut smooth, mut rates) = (Vec::with_capacity(n), Vec::with_capacity(n));
@@ -38,9 +37,9 @@ pub fn smoothed(times: &[f64], values: &[f64], half: f64) -> (Vec<f64>, Vec<f64>
             + s[2] * (s[1] * s[3] - s[2] * s[2]);
         if count < 4 || !(det > 1e-12 * s[0] * s[2] * s[4]) {
             let other = if k > 0 { k - 1 } else { (k + 1).min(n - 1) };
-            let way = t - times[other];
+            let dt = t - times[other];
             smooth.push(values[k]);
-            rates.push(if way == 0.0 { 0.0 } else { (values[k] - values[other]) / way });
+            rates.push(if dt == 0.0 { 0.0 } else { (values[k] - values[other]) / dt });
             continue;
         }
         let value = r[0] * (s[2] * s[4] - s[3] * s[3]) - s[1] * (r[1] * s[4] - s[3] * r[2])
@@ -58,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parabola_is_smooth_already() {
+    fn a_parabola_is_reproduced() {
         let times: Vec<f64> =
             (0..60).map(|k| 0.1 * k as f64 + 0.01 * ((k * k) % 3) as f64).collect();
         let f = |t: f64| 1.0 - 2.0 * t + 0.5 * t * t;

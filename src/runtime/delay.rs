@@ -6,7 +6,7 @@
 //! it goes on, so that a step sees a smooth course to its end.
 
 use crate::ir::program::{DelayCells, Layout, Slot};
-use crate::numeric::polynomial_segment::{Beyond, Piece, jumps};
+use crate::numeric::polynomial_segment::{Extrapolation, PolynomialSegment, jumps};
 
 /// The delays of one run.
 #[derive(Clone, Default)]
@@ -21,7 +21,7 @@ struct Line {
     moves: bool,
     /// Order of the derivative and its cell.
     cells: Vec<(u32, Slot)>,
-    pieces: Vec<Piece>,
+    pieces: Vec<PolynomialSegment>,
     /// The piece that comes out now.
     current: usize,
 }
@@ -56,9 +56,10 @@ impl Delayed {
         let mut changed = false;
         for line in &mut self.lines {
             let value = memory[line.source as usize];
-            let before = line.pieces.first().and_then(Piece::first).map(|(_, value)| value);
+            let before =
+                line.pieces.first().and_then(PolynomialSegment::first).map(|(_, value)| value);
             changed |= before != Some(value);
-            line.pieces = vec![Piece::of(t, value)];
+            line.pieces = vec![PolynomialSegment::of(t, value)];
             line.current = 0;
         }
         changed
@@ -71,7 +72,7 @@ impl Delayed {
             let Some(piece) = line.pieces.get(line.current) else { continue };
             let then = t - memory[line.delay as usize].max(0.0);
             for &(order, slot) in &line.cells {
-                memory[slot as usize] = piece.at(then, order, Beyond::Rests);
+                memory[slot as usize] = piece.at(then, order, Extrapolation::Constant);
             }
         }
     }
@@ -84,7 +85,7 @@ impl Delayed {
             let Some(piece) = line.pieces.last_mut() else { continue };
             match piece.last() {
                 Some((last, old)) if after_event && jumps(old, value) => {
-                    line.pieces.push(Piece::of(last, value));
+                    line.pieces.push(PolynomialSegment::of(last, value));
                 }
                 Some((last, _)) if last >= t => {}
                 _ => piece.push_last(t, value),
@@ -140,7 +141,7 @@ impl Line {
         }
         let piece = &mut self.pieces[self.current];
         if piece.points() > KEPT {
-            piece.forget_before(then);
+            piece.discard_before(then);
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::ir::expr::VarId;
 use crate::ir::program::{Layout, Slot};
-use crate::numeric::time_series::{Course, Interpolation};
+use crate::numeric::time_series::{Interpolation, TimeSeries};
 
 /// The inputs of one run.
 #[derive(Clone, Default)]
@@ -15,7 +15,7 @@ pub struct Played {
 
 #[derive(Clone)]
 struct Playing {
-    course: Arc<Course>,
+    course: Arc<TimeSeries>,
     /// The interval between instants of the recording that the last evaluation was in. Where the course
     /// has a corner at the instants it is fixed for a step, which then sees a smooth course to its end.
     interval: usize,
@@ -26,8 +26,8 @@ struct Playing {
 
 impl Played {
     /// The courses of inputs from the instant `t` on.
-    pub fn new(layout: &Layout, courses: &[(VarId, Arc<Course>)], t: f64) -> Self {
-        let one = |(v, course): &(VarId, Arc<Course>)| {
+    pub fn new(layout: &Layout, courses: &[(VarId, Arc<TimeSeries>)], t: f64) -> Self {
+        let one = |(v, course): &(VarId, Arc<TimeSeries>)| {
             let mut cells: Vec<(u32, Slot)> = layout
                 .recorded
                 .iter()

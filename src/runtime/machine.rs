@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::base::index::Id;
 use crate::ir::expr::{Unary, VarId};
 use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape};
-use crate::numeric::time_series::Course;
+use crate::numeric::time_series::TimeSeries;
 use crate::symbolic::eval;
 
 use super::delay::Delayed;
@@ -227,7 +227,7 @@ impl<'p> Instance<'p> {
     }
 
     /// Gives inputs the courses of recordings, from the instant `t` on.
-    pub fn play(&mut self, courses: &[(VarId, Arc<Course>)], t: f64) {
+    pub fn play(&mut self, courses: &[(VarId, Arc<TimeSeries>)], t: f64) {
         self.played = Played::new(&self.program.layout, courses, t);
         self.played.place(t, &mut self.memory);
         self.delayed.place(t, &mut self.memory);

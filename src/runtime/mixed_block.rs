@@ -3,8 +3,8 @@
 //! the equations confirm.
 
 use crate::ir::program::{Program, Slot, Watched};
-use crate::numeric::combinations::Choices;
-use crate::numeric::cycle_detection::Circle;
+use crate::numeric::combinations::Combinations;
+use crate::numeric::cycle_detection::CycleDetector;
 
 use super::machine::{Fault, Instance};
 
@@ -19,7 +19,7 @@ pub struct MixedWork {
     relations: Vec<Slot>,
     /// What the watched cells held before the last repetition.
     held: Vec<f64>,
-    circle: Circle,
+    circle: CycleDetector,
     /// The whole memory before the first repetition, if there are relations to search.
     begun: Vec<f64>,
 }
@@ -37,7 +37,7 @@ impl MixedWork {
             held: vec![0.0; watched.len()],
             watched,
             relations,
-            circle: Circle::default(),
+            circle: CycleDetector::default(),
             begun: vec![0.0; kept],
         }
     }
@@ -73,10 +73,10 @@ impl MixedWork {
     fn rest(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
         let mixed = &instance.program.loops[k];
         let mut watched = 0;
-        self.circle.open();
+        self.circle.restart();
         for _ in 0..LOOP_LIMIT {
             self.hold(instance);
-            if self.circle.is_closed_by(&self.held) {
+            if self.circle.repeats(&self.held) {
                 break;
             }
             instance.run(&mixed.tape)?;
@@ -103,8 +103,8 @@ impl MixedWork {
     /// Looks for values of the relations that the equations confirm, those first that differ least from
     /// the ones before; true if there are some.
     fn search(&mut self, instance: &mut Instance<'_>, k: usize) -> bool {
-        let mut choices = Choices::new(self.relations.len());
-        while let Some(turned) = choices.another() {
+        let mut choices = Combinations::new(self.relations.len());
+        while let Some(turned) = choices.next_subset() {
             if self.is_confirmed(instance, k, turned) {
                 return true;
             }

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 
 use crate::ir::expr::Carried;
 use crate::ir::program::{Layout, TransportCells};
-use crate::numeric::polynomial_segment::{Beyond, Piece, jumps};
+use crate::numeric::polynomial_segment::{Extrapolation, PolynomialSegment, jumps};
 
 /// Points that are kept beyond what can be read before they are thrown away.
 const KEPT: usize = 4096;
@@ -29,7 +29,7 @@ pub struct Transports {
 struct Line {
     cells: TransportCells,
     /// From low to high; none before the line begins.
-    pieces: VecDeque<Piece>,
+    pieces: VecDeque<PolynomialSegment>,
     /// The ends of what can be read, when points were noted last.
     ends: [f64; 2],
     /// What stood ready to enter there then.
@@ -71,7 +71,9 @@ impl Transports {
         for line in &mut self.lines {
             let before = std::mem::take(&mut line.pieces);
             line.begin(t, memory);
-            let same = |(a, b): (&Piece, &Piece)| a.first() == b.first() && a.last() == b.last();
+            let same = |(a, b): (&PolynomialSegment, &PolynomialSegment)| {
+                a.first() == b.first() && a.last() == b.last()
+            };
             changed |=
                 before.len() != line.pieces.len() || !before.iter().zip(&line.pieces).all(same);
             line.place(memory);
@@ -93,7 +95,7 @@ impl Transports {
         let Some(piece) = line.pieces.get(k) else { return 0.0 };
         let outermost = (k == 0 && line.cells.entering[0].is_some() && place < line.ends[0])
             || (k + 1 == line.pieces.len() && place > line.ends[1]);
-        let beyond = if outermost { Beyond::GoesOn } else { Beyond::Rests };
+        let beyond = if outermost { Extrapolation::Linear } else { Extrapolation::Constant };
         piece.at(place, u32::from(what.order), beyond)
     }
 
@@ -128,7 +130,7 @@ impl Transports {
 
 /// The piece that is read at a place, beginning from one: a reader on a border stays where it is going up,
 /// and goes on where it is going down, as the relations say that watch for it.
-fn arrive(pieces: &VecDeque<Piece>, mut current: usize, at: f64) -> usize {
+fn arrive(pieces: &VecDeque<PolynomialSegment>, mut current: usize, at: f64) -> usize {
     while current + 1 < pieces.len() && pieces[current].last().is_some_and(|(end, _)| at >= end) {
         current += 1;
     }
@@ -156,13 +158,13 @@ impl Line {
                 (self.ends[0] + memory[place as usize], memory[value as usize])
             });
             if p < q {
-                let mut piece = Piece::of(p, a);
+                let mut piece = PolynomialSegment::of(p, a);
                 piece.push_last(q, b);
                 self.pieces.push_back(piece);
             }
         }
         if self.pieces.is_empty() {
-            self.pieces.push_back(Piece::of(self.ends[1], self.ready[1]));
+            self.pieces.push_back(PolynomialSegment::of(self.ends[1], self.ready[1]));
         }
         for (reader, current) in self.cells.readers.iter().zip(&mut self.current) {
             *current = arrive(&self.pieces, 0, memory[reader.place as usize]);
@@ -217,7 +219,7 @@ impl Line {
             if waited {
                 self.pieces.pop_back();
             }
-            self.pieces.push_back(Piece::of(place, value));
+            self.pieces.push_back(PolynomialSegment::of(place, value));
             return;
         }
         if waited {
@@ -225,7 +227,7 @@ impl Line {
         } else {
             self.current.iter_mut().for_each(|c| *c += 1);
         }
-        self.pieces.push_front(Piece::of(place, value));
+        self.pieces.push_front(PolynomialSegment::of(place, value));
         // Whoever reads at the end itself reads what enters there.
         for (reader, current) in self.cells.readers.iter().zip(&mut self.current) {
             if memory[reader.place as usize] <= place {
@@ -247,9 +249,15 @@ impl Line {
     fn has_left(&self, end: usize, at: f64) -> bool {
         self.pieces.len() > 1
             && if end == 1 {
-                self.pieces.back().and_then(Piece::first).is_some_and(|(begin, _)| begin > at)
+                self.pieces
+                    .back()
+                    .and_then(PolynomialSegment::first)
+                    .is_some_and(|(begin, _)| begin > at)
             } else {
-                self.pieces.front().and_then(Piece::last).is_some_and(|(last, _)| last < at)
+                self.pieces
+                    .front()
+                    .and_then(PolynomialSegment::last)
+                    .is_some_and(|(last, _)| last < at)
             }
     }
 
@@ -261,7 +269,7 @@ impl Line {
         }
         let piece = if end == 1 { self.pieces.back_mut() } else { self.pieces.front_mut() };
         if let Some(piece) = piece.filter(|p| p.points() > KEPT) {
-            if end == 1 { piece.forget_after(at) } else { piece.forget_before(at) }
+            if end == 1 { piece.discard_after(at) } else { piece.discard_before(at) }
         }
     }
 
@@ -292,8 +300,8 @@ impl Line {
         let last = self.pieces.len().saturating_sub(1);
         for (reader, &current) in self.cells.readers.iter().zip(&self.current) {
             let piece = self.pieces.get(current);
-            let from = piece.and_then(Piece::first).filter(|_| current > 0);
-            let to = piece.and_then(Piece::last).filter(|_| current < last);
+            let from = piece.and_then(PolynomialSegment::first).filter(|_| current > 0);
+            let to = piece.and_then(PolynomialSegment::last).filter(|_| current < last);
             memory[reader.from as usize] = from.map_or(-f64::MAX, |(begin, _)| begin);
             memory[reader.to as usize] = to.map_or(f64::MAX, |(end, _)| end);
         }

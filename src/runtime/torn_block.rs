@@ -6,7 +6,7 @@
 
 use crate::ir::program::{Implicit, Solver};
 use crate::numeric::linear::DenseLu;
-use crate::numeric::newton::{Ending, Equations, Newton, Region, Settings};
+use crate::numeric::newton::{Newton, NewtonOutcome, NewtonSettings, NonlinearSystem, Region};
 use crate::numeric::pseudo_inverse::PseudoInverse;
 
 use super::machine::{Fault, Instance};
@@ -92,16 +92,17 @@ impl SolverWork {
                 let bounds = bounded.then_some(&self.bounds[..]);
                 let mut region = Region { nominal: &self.nominal, bounds };
                 let mut equations = BlockEquations { instance, solver: k, fault: None };
-                let settings = Settings::default();
+                let settings = NewtonSettings::default();
                 let mut ending = newton.solve(&mut equations, &mut self.z, region, &settings);
-                if bounded && !matches!(ending, Ending::Converged { .. }) {
+                if bounded && !matches!(ending, NewtonOutcome::Converged { .. }) {
                     // Bounds lead away from what makes no sense; that nothing lies beyond them is for
                     // assertions to say.
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
                 let leaps = equations.instance.leaps;
-                if leaps && self.z.len() == 1 && !matches!(ending, Ending::Converged { .. }) {
+                if leaps && self.z.len() == 1 && !matches!(ending, NewtonOutcome::Converged { .. })
+                {
                     // The branch that the solution was on may have come to its end.
                     let found = other_branch(&mut equations, self.start[0], self.nominal[0]);
                     // Without one the message is about where the iteration came to from the start.
@@ -109,7 +110,7 @@ impl SolverWork {
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
-                if leaps && self.z.len() > 1 && !matches!(ending, Ending::Converged { .. }) {
+                if leaps && self.z.len() > 1 && !matches!(ending, NewtonOutcome::Converged { .. }) {
                     region.bounds = None;
                     ending =
                         elsewhere(newton, &mut equations, &mut self.z, &self.start, region, ending);
@@ -168,9 +169,9 @@ fn elsewhere(
     z: &mut [f64],
     start: &[f64],
     region: Region<'_>,
-    failed: Ending,
-) -> Ending {
-    let settings = Settings::default();
+    failed: NewtonOutcome,
+) -> NewtonOutcome {
+    let settings = NewtonSettings::default();
     if z.len() > MOST_UNKNOWNS {
         return failed;
     }
@@ -181,7 +182,7 @@ fn elsewhere(
                 z.copy_from_slice(start);
                 z[j] += sign * size * region.nominal[j];
                 let ending = newton.solve(equations, z, region, &settings);
-                if matches!(ending, Ending::Converged { .. }) {
+                if matches!(ending, NewtonOutcome::Converged { .. }) {
                     return ending;
                 }
             }
@@ -220,12 +221,14 @@ impl SolverWork {
     }
 }
 
-fn judge(ending: Ending, solver: usize, inner: Option<Fault>) -> Result<(), Fault> {
+fn judge(ending: NewtonOutcome, solver: usize, inner: Option<Fault>) -> Result<(), Fault> {
     match ending {
-        Ending::Converged { .. } => Ok(()),
-        Ending::Singular { column } => Err(Fault::Singular { solver, unknown: column }),
-        Ending::Diverged { component } => Err(Fault::Diverged { solver, unknown: component }),
-        Ending::NonFinite { residual } => {
+        NewtonOutcome::Converged { .. } => Ok(()),
+        NewtonOutcome::Singular { column } => Err(Fault::Singular { solver, unknown: column }),
+        NewtonOutcome::Diverged { component } => {
+            Err(Fault::Diverged { solver, unknown: component })
+        }
+        NewtonOutcome::NonFinite { residual } => {
             Err(inner.unwrap_or(Fault::NotFinite { solver, residual }))
         }
     }
@@ -344,7 +347,7 @@ impl BlockEquations<'_, '_> {
     }
 }
 
-impl Equations for BlockEquations<'_, '_> {
+impl NonlinearSystem for BlockEquations<'_, '_> {
     fn residual(&mut self, z: &[f64], g: &mut [f64]) -> bool {
         if !self.put(z) {
             return false;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::integrate::options::DEFAULT_MAX_STEPS;
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
-use crate::numeric::time_series::Course;
+use crate::numeric::time_series::TimeSeries;
 use crate::runtime::jit::tiering::Execution;
 
 use super::extrema::Extreme;
@@ -49,7 +49,7 @@ pub struct Settings {
     /// Values for starts.
     pub starts: Vec<(VarId, f64)>,
     /// What recordings say about inputs of the program; those without a course rest at 0.
-    pub courses: Vec<(VarId, Arc<Course>)>,
+    pub courses: Vec<(VarId, Arc<TimeSeries>)>,
     /// How tapes are run; the results are the same.
     pub execution: Execution,
     /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have

@@ -5,7 +5,7 @@ use super::{error, reduce};
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::source::Span;
 use crate::graph::bipartite::{Bipartite, Col, Row};
-use crate::graph::dulmage_mendelsohn::{self, Part};
+use crate::graph::dulmage_mendelsohn::{self, Subsystem};
 use crate::graph::matching::{self, Matching};
 use crate::graph::pantelides;
 use crate::ir::blocks::Source;
@@ -43,7 +43,7 @@ pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
     // The model's own count: what was solved for by hand has an equation and an unknown each.
     let trivial = dae.eliminated.len();
     let counts = (rows + trivial, cols + trivial);
-    let named = |part: &Part| -> (Vec<Source>, Vec<VarId>) {
+    let named = |part: &Subsystem| -> (Vec<Source>, Vec<VarId>) {
         let sources = part.rows.iter().map(|row| system.sources[*row]);
         (sources.collect(), part.cols.iter().map(|col| unknowns[col.0 as usize]).collect())
     };

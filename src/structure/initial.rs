@@ -9,7 +9,7 @@ use super::structural_zero::Vanishing;
 use super::{explain, is_continuous, reduce, sort};
 use crate::base::diag::Problems;
 use crate::base::index::{Id, IndexVec};
-use crate::graph::augment::Search;
+use crate::graph::augment::AugmentingSearch;
 use crate::graph::bipartite::{Bipartite, Col, Row};
 use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Source};
@@ -105,7 +105,7 @@ fn complete(graph: &Bipartite, matched: &mut Matching, candidates: &[Col]) -> Ve
     }
     matched.grow(&extended);
     let mut open = matched.free_cols().count();
-    let mut search = Search::new();
+    let mut search = AugmentingSearch::new();
     let mut accepted = Vec::new();
     for place in 0..candidates.len() {
         if open == 0 {

@@ -5,8 +5,8 @@ use super::{apply, error, is_continuous, solve};
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::graph::bipartite::{Col, Edge, Row};
-use crate::graph::dummy::{self, Coefficient};
-use crate::graph::pantelides::{self, Reduction, Singular};
+use crate::graph::dummy_derivatives::{self, Coefficient};
+use crate::graph::pantelides::{self, Reduction, StructurallySingular};
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, EqId, Kind, Variable};
 use crate::ir::expr::{ExprId, Node, VarId};
@@ -22,7 +22,7 @@ pub struct Reduced {
     pub pivots: Vec<Pivot>,
 }
 
-/// A constraint and the variable that it determines, see [`dummy::Pivot`].
+/// A constraint and the variable that it determines, see [`dummy_derivatives::Pivot`].
 pub struct Pivot {
     /// Constraints of different rounds are independent.
     pub round: usize,
@@ -52,11 +52,11 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
         .collect();
     let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
         Ok(reduction) => reduction,
-        Err(Singular::NotDifferentiable { row, rows }) => {
+        Err(StructurallySingular::NotDifferentiable { row, rows }) => {
             problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
             return None;
         }
-        Err(Singular::TooFewUnknowns { rows, .. }) => {
+        Err(StructurallySingular::TooFewUnknowns { rows, .. }) => {
             problems.push(error::dependent(dae, &equations(&rows)));
             return None;
         }
@@ -67,7 +67,7 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
         priority(&dae.variables[*v]) + if reinitialised.contains(v) { 5_000 } else { 0 }
     };
     let priority = system.unknowns.iter().map(wanted).collect();
-    let choice = dummy::choose(&reduction, &priority, &coefficients);
+    let choice = dummy_derivatives::choose(&reduction, &priority, &coefficients);
     if choice.dependent > 0 {
         let constraints: Vec<EqId> = (dae.equations.ids())
             .filter(|id| reduction.differentiated[Row(id.0)].is_some())

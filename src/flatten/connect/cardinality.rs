@@ -12,7 +12,7 @@ use super::expandable::{Written, collect, pairs};
 
 /// Counts the connections below `root`.
 pub(crate) fn count(cx: &mut Context<'_>, root: InstanceId) {
-    if !cx.sources.texts().any(|text| text.contains("cardinality(")) {
+    if !cx.sources.contents().any(|text| text.contains("cardinality(")) {
         return;
     }
     let mut written: Vec<Written> = Vec::new();

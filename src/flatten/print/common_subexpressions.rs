@@ -6,7 +6,7 @@
 //! branch of its own, then the part is written out at each place.
 
 use crate::base::index::{FastMap, FastSet, Id};
-use crate::graph::scc::circular;
+use crate::graph::scc::nodes_on_cycles;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
 use crate::ir::flat::{
@@ -160,7 +160,7 @@ fn around(
             }
         }
     }
-    let found = circular(definitions.len(), needs);
+    let found = nodes_on_cycles(definitions.len(), needs);
     let found: FastSet<VarId> = found.into_iter().map(|k| definitions[k.idx()].0).collect();
     parts.iter().filter(|(v, _)| found.contains(v)).map(|(_, part)| *part).collect()
 }

@@ -2,8 +2,8 @@
 //! circles, by a search for values of the relations that the equations confirm.
 
 use crate::ir::program::Tape;
-use crate::numeric::combinations::Choices;
-use crate::numeric::cycle_detection::Circle;
+use crate::numeric::combinations::Combinations;
+use crate::numeric::cycle_detection::CycleDetector;
 use crate::runtime::machine::{Fault, Instance};
 
 use super::iterate::{ITERATION_LIMIT, Unsettled};
@@ -54,11 +54,11 @@ fn rest<'p>(
     let first = instance.program.layout.relations;
     let mut held: Vec<f64> = Vec::with_capacity(late.len());
     let mut restless = Vec::new();
-    let mut circle = Circle::default();
+    let mut circle = CycleDetector::default();
     for _ in 0..ITERATION_LIMIT {
         held.clear();
         held.extend(late.iter().map(|k| instance.get(first + k)));
-        if circle.is_closed_by(&held) {
+        if circle.repeats(&held) {
             break;
         }
         instance.run(tape)?;
@@ -133,9 +133,9 @@ impl Trials<'_, '_> {
     fn turn_one_by_one(&mut self) -> bool {
         let mut held = self.first();
         // Elsewhere it may go round in circles.
-        let mut circle = Circle::default();
+        let mut circle = CycleDetector::default();
         for _ in 0..MOST_TURNS {
-            if circle.is_closed_by(&held) {
+            if circle.repeats(&held) {
                 return false;
             }
             match self.contradicted(&held) {
@@ -162,8 +162,8 @@ impl Trials<'_, '_> {
         let mut held = begun.clone();
         let sets = if others.is_empty() { &counts[..1] } else { &counts[..] };
         for count in sets {
-            let mut choices = Choices::new(*count);
-            while let Some(turned) = choices.another() {
+            let mut choices = Combinations::new(*count);
+            while let Some(turned) = choices.next_subset() {
                 held.copy_from_slice(&begun);
                 for i in turned {
                     held[order[*i]] = 1.0 - held[order[*i]];

@@ -5,7 +5,7 @@ pub mod non_finite;
 pub mod precondition;
 
 use crate::base::diag::{Diagnostic, Severity};
-use crate::base::name::numbered;
+use crate::base::name::string_of_id;
 use crate::base::source::Span;
 use crate::integrate::outcome::Failure as Integration;
 use crate::ir::blocks::{Block, Source, Torn};
@@ -123,7 +123,7 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
         Fault::Assertion { function, message } => {
             let function_info = &program.blocks.dae.functions;
             let (cell, place) = program.functions[function].messages[message];
-            let text = numbered(instance.fault_memory[cell as usize] as u32);
+            let text = string_of_id(instance.fault_memory[cell as usize] as u32);
             let info = function_info.iter().nth(function);
             let name = info.map_or("", |f| f.name.as_str());
             let span = info.map_or(Span::NONE, |f| f.span);

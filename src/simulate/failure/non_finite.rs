@@ -2,7 +2,7 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet, Id};
-use crate::base::name::numbered;
+use crate::base::name::string_of_id;
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Source};
 use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Unary, VarId};
@@ -91,7 +91,7 @@ impl<'a> Reader<'a> {
             }
             Node::Var(v) => match dae.eliminated.iter().find(|(p, _)| *p == v) {
                 Some((_, definition)) => self.message(*definition),
-                None => numbered(self.value(v) as u32).to_string(),
+                None => string_of_id(self.value(v) as u32).to_string(),
             },
             _ => self.text(e),
         }

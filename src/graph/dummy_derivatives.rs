@@ -1,16 +1,16 @@
-//! The choice of states when constraints have been differentiated.
+//! State selection after constraints have been differentiated.
 //!
 //! S. E. Mattsson and G. Söderlind, "Index reduction in differential-algebraic equations using
 //! dummy derivatives", SIAM J. Sci. Comput. 14(3), 1993. Each differentiation of a constraint adds
 //! an equation; to balance it, one derivative becomes an ordinary unknown, a *dummy derivative*,
-//! and what it is the derivative of is no state any more.
+//! and the variable that it differentiates is no longer a state.
 //!
-//! The dummies must be columns of the Jacobian of the differentiated equations that form a regular
+//! The dummies must be columns of the ConstraintJacobian of the differentiated equations that form a regular
 //! matrix. Independent columns are a matroid, so taking them greedily, the least wanted state
 //! first, gives up the least wanted states (J. Edmonds, "Matroids and the greedy algorithm", Math.
 //! Programming 1, 1971). Constant coefficients count by their value, the others as indeterminates.
 
-use super::augment::Search;
+use super::augment::AugmentingSearch;
 use super::bipartite::{Bipartite, Col, Edge, Row};
 use super::matching::Matching;
 use super::pantelides::Reduction;
@@ -18,7 +18,7 @@ use super::rank::{Echelon, Residue};
 use super::scc;
 use crate::base::index::IndexVec;
 
-/// What is known of the partial derivative of a row with respect to a column.
+/// How much the compiler knows about the partial derivative of a row with respect to a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coefficient {
     /// A number known to the compiler.
@@ -29,15 +29,15 @@ pub enum Coefficient {
     Varying,
 }
 
-/// What each derivative became.
+/// The selected states and dummy derivatives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StateChoice {
     /// True for the columns that are derivatives but are computed as ordinary unknowns.
     pub is_dummy: IndexVec<Col, bool>,
-    /// The columns whose derivative is not a dummy, ascending: what is integrated over time.
+    /// The columns whose derivative is not a dummy, ascending: the integrator advances these.
     pub states: Vec<Col>,
-    /// How many dummies had to be taken although their columns depend on the others: not zero if
-    /// constraints repeat or contradict each other for all values of the unknowns.
+    /// Number of dummies that had to be selected although their columns depend on the others: not
+    /// zero if constraints repeat or contradict each other for all values of the unknowns.
     pub dependent: usize,
     /// The rows that the dummies balance, round by round.
     pub pivots: Vec<Pivot>,
@@ -46,7 +46,7 @@ pub struct StateChoice {
 /// A constraint and the variable that it determines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pivot {
-    /// How far below the highest derivatives: constraints of different rounds are independent.
+    /// Distance from the highest derivatives: constraints of different rounds are independent.
     pub round: usize,
     /// The constraint, an original or a differentiated row.
     pub constraint: Row,
@@ -62,12 +62,12 @@ pub struct Pivot {
 
 /// Chooses the dummy derivatives of a reduced system: as many as there are differentiated rows.
 ///
-/// - `priority`: how much each column is wanted as a state, the highest most. Columns beyond the
-///   end, those that the reduction added, are wanted like what they are the derivative of.
+/// - `priority`: the preference for each column as a state, the highest most wanted. Columns beyond
+///   the end, which the reduction added, inherit the priority of the variable they differentiate.
 /// - `coefficient`: for each edge of the *original* rows (they are the first edges of
 ///   `reduction.incidence`); edges beyond the end are varying. The entry of a differentiated row for
 ///   a highest derivative is the same partial derivative as the entry of the original row for the
-///   variable itself, so the original edges tell all.
+///   variable itself, so the original edges suffice.
 ///
 /// Between columns of equal priority, constant coefficients are preferred, then the lower number.
 /// A row takes a column of its own block of the highest derivatives, as in the paper, or any other
@@ -78,22 +78,22 @@ pub fn choose(
     coefficient: &IndexVec<Edge, Coefficient>,
 ) -> StateChoice {
     let chains = Chains::of(reduction);
-    let jacobian = Jacobian::of(reduction, &chains, coefficient);
+    let jacobian = ConstraintJacobian::of(reduction, &chains, coefficient);
     let mut is_dummy = IndexVec::filled(false, reduction.derivative.len());
     let mut dependent = 0;
     let mut pivots = Vec::new();
 
-    let mut candidates: Vec<Candidate> = (jacobian.graph.rows())
+    let mut candidates: Vec<DummyCandidate> = (jacobian.graph.rows())
         .filter(|&top| !jacobian.graph.cols(top).is_empty())
-        .filter_map(|top| Candidate { top, dummy: top, state: top }.lowered(&chains))
+        .filter_map(|top| DummyCandidate { top, dummy: top, state: top }.lowered(&chains))
         .collect();
     // Round k deals with the rows differentiated k times or more, one derivative lower each time.
     for round in 1.. {
-        let mut greedy = Greedy::new(&jacobian, |row| chains.times[row] >= round);
+        let mut greedy = GreedyRound::new(&jacobian, |row| chains.times[row] >= round);
         if greedy.missing == 0 {
             break;
         }
-        let wanted = |candidate: &Candidate| chains.priority(priority, candidate.state);
+        let wanted = |candidate: &DummyCandidate| chains.priority(priority, candidate.state);
         candidates.sort_by_key(|candidate| (wanted(candidate), candidate.state));
         let groups: Vec<_> = candidates.chunk_by(|a, b| wanted(a) == wanted(b)).collect();
         greedy.take_independent(&groups);
@@ -115,28 +115,28 @@ pub fn choose(
 
 /// A derivative that may become a dummy in this round.
 #[derive(Clone, Copy)]
-struct Candidate {
-    /// The highest derivative of the same variable, which stands for it in the Jacobian.
+struct DummyCandidate {
+    /// The highest derivative of the same variable, which represents it in the Jacobian.
     top: Col,
     /// The derivative itself.
     dummy: Col,
-    /// What it is the derivative of: no state any more if the candidate is taken.
+    /// The variable it differentiates: no longer a state if the candidate is selected.
     state: Col,
 }
 
-impl Candidate {
-    /// The next lower derivative, if that is one.
-    fn lowered(self, chains: &Chains) -> Option<Candidate> {
+impl DummyCandidate {
+    /// The next lower derivative, unless that is the variable itself.
+    fn lowered(self, chains: &Chains) -> Option<DummyCandidate> {
         let state = chains.integral[self.state]?;
-        Some(Candidate { top: self.top, dummy: self.state, state })
+        Some(DummyCandidate { top: self.top, dummy: self.state, state })
     }
 }
 
 /// The lists A and B read backwards.
 struct Chains {
-    /// What each column is the derivative of.
+    /// The variable that each column differentiates.
     integral: IndexVec<Col, Option<Col>>,
-    /// What each row is the derivative of.
+    /// The row that each row differentiates.
     constraint: IndexVec<Row, Option<Row>>,
     /// The original row of each row.
     origin: IndexVec<Row, Row>,
@@ -182,26 +182,26 @@ impl Chains {
 
 /// The Jacobian of the differentiated constraints with respect to the highest derivatives, seen
 /// from the columns, in the numbers of the reduction.
-struct Jacobian {
+struct ConstraintJacobian {
     graph: Bipartite<Col, Row>,
-    entries: Vec<Entry>,
-    /// The stages that occur, in order.
-    stages: Vec<Stage>,
+    entries: Vec<JacobianEntry>,
+    /// The classes that occur, in order.
+    classes: Vec<EdgeClass>,
     /// The differentiated rows that are not differentiated again.
     rows: Vec<Row>,
 }
 
 /// An entry of the Jacobian.
 #[derive(Clone, Copy)]
-struct Entry {
-    stage: Stage,
+struct JacobianEntry {
+    class: EdgeClass,
     value: Residue,
     varying: bool,
 }
 
 /// The order in which edges are tried.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Stage {
+enum EdgeClass {
     /// Within a block, with a constant coefficient.
     Constant,
     /// Within a block, with a parameter as coefficient.
@@ -214,19 +214,19 @@ enum Stage {
     LastResort,
 }
 
-impl Jacobian {
+impl ConstraintJacobian {
     fn of(
         reduction: &Reduction,
         chains: &Chains,
         coefficient: &IndexVec<Edge, Coefficient>,
-    ) -> Jacobian {
+    ) -> ConstraintJacobian {
         let incidence = &reduction.incidence;
         let block = block_of_rows(reduction);
         let entry = |row: Row, col: Col| {
             let edge = chains.original_edge(incidence, row, col);
             let coefficient = edge.and_then(|edge| coefficient.get(edge).copied());
             let col_row = reduction.matching.col_to_row[col];
-            Entry::new(
+            JacobianEntry::new(
                 coefficient.unwrap_or(Coefficient::Varying),
                 col_row.is_some_and(|col_row| block[col_row] == block[row]),
                 u64::from(row.0) << 32 | u64::from(col.0),
@@ -247,10 +247,10 @@ impl Jacobian {
         }
         let (graph, origin) = by_row.transposed_with_edges();
         let entries = origin.into_iter().map(|edge| entries_by_row[edge.0 as usize]).collect();
-        let mut stages: Vec<Stage> = entries_by_row.iter().map(|entry| entry.stage).collect();
-        stages.sort_unstable();
-        stages.dedup();
-        Jacobian { graph, entries, stages, rows }
+        let mut classes: Vec<EdgeClass> = entries_by_row.iter().map(|entry| entry.class).collect();
+        classes.sort_unstable();
+        classes.dedup();
+        ConstraintJacobian { graph, entries, classes, rows }
     }
 
     /// The rows of a round with the columns they are matched to, in the numbers of that round.
@@ -314,25 +314,25 @@ impl Jacobian {
     }
 }
 
-impl Entry {
+impl JacobianEntry {
     /// `key` identifies the entry among those that are not constant.
-    fn new(coefficient: Coefficient, in_block: bool, key: u64) -> Entry {
+    fn new(coefficient: Coefficient, in_block: bool, key: u64) -> JacobianEntry {
         let arbitrary = Residue::arbitrary(key);
-        let (stage, value) = match coefficient {
+        let (class, value) = match coefficient {
             Coefficient::Constant(value) => match Residue::of_float(value) {
-                Some(residue) if value != 0.0 => (Stage::Constant, residue),
-                Some(zero) => (Stage::LastResort, zero),
-                None => (Stage::LastResort, arbitrary),
+                Some(residue) if value != 0.0 => (EdgeClass::Constant, residue),
+                Some(zero) => (EdgeClass::LastResort, zero),
+                None => (EdgeClass::LastResort, arbitrary),
             },
-            Coefficient::Parameter => (Stage::Parameter, arbitrary),
-            Coefficient::Varying => (Stage::Varying, arbitrary),
+            Coefficient::Parameter => (EdgeClass::Parameter, arbitrary),
+            Coefficient::Varying => (EdgeClass::Varying, arbitrary),
         };
-        let stage = match stage {
-            stage if in_block => stage,
-            Stage::Constant | Stage::Parameter => Stage::Across,
-            _ => Stage::LastResort,
+        let class = match class {
+            class if in_block => class,
+            EdgeClass::Constant | EdgeClass::Parameter => EdgeClass::Across,
+            _ => EdgeClass::LastResort,
         };
-        Entry { stage, value, varying: coefficient == Coefficient::Varying }
+        JacobianEntry { class, value, varying: coefficient == Coefficient::Varying }
     }
 }
 
@@ -349,50 +349,50 @@ fn block_of_rows(reduction: &Reduction) -> IndexVec<Row, Option<usize>> {
 }
 
 /// The greedy algorithm of one round.
-struct Greedy<'a> {
-    jacobian: &'a Jacobian,
+struct GreedyRound<'a> {
+    jacobian: &'a ConstraintJacobian,
     /// The rows of this round.
     in_round: IndexVec<Row, bool>,
-    /// How many of them have no column yet.
+    /// Number of rows that have no column yet.
     missing: usize,
     matching: Matching<Col, Row>,
-    search: Search<Col, Row>,
+    search: AugmentingSearch<Col, Row>,
     echelon: Echelon,
-    /// Columns that depend on those taken.
-    refused: IndexVec<Col, bool>,
+    /// Columns that depend on those selected.
+    rejected: IndexVec<Col, bool>,
 }
 
-impl<'a> Greedy<'a> {
-    fn new(jacobian: &'a Jacobian, in_round: impl Fn(Row) -> bool) -> Self {
+impl<'a> GreedyRound<'a> {
+    fn new(jacobian: &'a ConstraintJacobian, in_round: impl Fn(Row) -> bool) -> Self {
         let mut rows = IndexVec::filled(false, jacobian.graph.col_count());
         let mut missing = 0;
         for &row in jacobian.rows.iter().filter(|&&row| in_round(row)) {
             rows[row] = true;
             missing += 1;
         }
-        Greedy {
+        GreedyRound {
             jacobian,
             in_round: rows,
             missing,
             matching: Matching::empty(&jacobian.graph),
-            search: Search::new(),
+            search: AugmentingSearch::new(),
             echelon: Echelon::new(jacobian.graph.col_count()),
-            refused: IndexVec::filled(false, jacobian.graph.row_count()),
+            rejected: IndexVec::filled(false, jacobian.graph.row_count()),
         }
     }
 
-    /// Takes independent columns, group by group and in each by stage, until all rows are matched.
-    fn take_independent(&mut self, groups: &[&[Candidate]]) {
-        let stages = self.jacobian.stages.iter();
-        let (last, usual): (Vec<Stage>, Vec<Stage>) =
-            stages.partition(|&&stage| stage == Stage::LastResort);
-        for stages in [usual, last] {
+    /// Takes independent columns, group by group and in each by class, until all rows are matched.
+    fn take_independent(&mut self, groups: &[&[DummyCandidate]]) {
+        let classes = self.jacobian.classes.iter();
+        let (last, usual): (Vec<EdgeClass>, Vec<EdgeClass>) =
+            classes.partition(|&&class| class == EdgeClass::LastResort);
+        for classes in [usual, last] {
             for group in groups {
-                for &stage in &stages {
-                    self.search.forget();
+                for &class in &classes {
+                    self.search.discard_marks();
                     for candidate in *group {
                         let top = candidate.top;
-                        if self.missing > 0 && !self.refused[top] && self.take(top, stage) {
+                        if self.missing > 0 && !self.rejected[top] && self.take(top, class) {
                             self.keep_if_independent(top);
                         }
                     }
@@ -402,35 +402,35 @@ impl<'a> Greedy<'a> {
     }
 
     /// Takes columns that can be matched, without regard to values.
-    fn take_dependent(&mut self, candidates: &[Candidate]) {
-        self.search.forget();
+    fn take_dependent(&mut self, candidates: &[DummyCandidate]) {
+        self.search.discard_marks();
         for candidate in candidates {
             if self.missing > 0 {
-                self.take(candidate.top, Stage::LastResort);
+                self.take(candidate.top, EdgeClass::LastResort);
             }
         }
     }
 
-    /// Matches a free column over the edges up to a stage, if possible.
-    fn take(&mut self, top: Col, stage: Stage) -> bool {
-        let Jacobian { graph, entries, .. } = self.jacobian;
+    /// Matches a free column over the edges up to a class, if possible.
+    fn take(&mut self, top: Col, class: EdgeClass) -> bool {
+        let ConstraintJacobian { graph, entries, .. } = self.jacobian;
         let in_round = &self.in_round;
         let in_play =
-            |edge: Edge, row: Row| in_round[row] && entries[edge.0 as usize].stage <= stage;
+            |edge: Edge, row: Row| in_round[row] && entries[edge.0 as usize].class <= class;
         let taken = self.matching.row_to_col[top].is_none()
             && self.search.augment(graph, &mut self.matching, top, in_play);
         self.missing -= usize::from(taken);
         taken
     }
 
-    /// Gives a column back that depends on those taken before.
+    /// Rejects a column again that depends on those selected before.
     fn keep_if_independent(&mut self, top: Col) {
-        let Jacobian { graph, entries, .. } = self.jacobian;
+        let ConstraintJacobian { graph, entries, .. } = self.jacobian;
         let column = graph.edges(top).map(|edge| (graph.col(edge), entries[edge.0 as usize].value));
         let in_round = &self.in_round;
         if !self.echelon.insert(column.filter(|&(row, _)| in_round[row])) {
             self.matching.separate(top);
-            self.refused[top] = true;
+            self.rejected[top] = true;
             self.missing += 1;
         }
     }
@@ -441,7 +441,7 @@ mod tests {
     use super::*;
     use crate::base::index::Id;
     use crate::graph::pantelides::pantelides;
-    use crate::graph::samples::graph_of;
+    use crate::graph::test_graphs::graph_of;
     use Coefficient::{Constant, Parameter, Varying};
 
     fn list_a(cols: usize, pairs: &[(u32, u32)]) -> IndexVec<Col, Option<Col>> {
@@ -497,14 +497,15 @@ mod tests {
         let (states, dummies, dependent) = chosen(&graph, &a, &[], &ones);
         assert_eq!((states, dependent), (vec![3, 4], 0));
         assert_eq!(dummies, [1, 2, 7, 8, 10]);
-        // Wanting x1 and x3 most can save x1 only.
+        // The highest priorities for x1 and x3 can keep x1 only.
         let wanted = [5, 5, 5, 0, 0, 0, 9, 9, 9, 0, 0];
         assert_eq!(chosen(&graph, &a, &wanted, &ones).0, [0, 1]);
     }
 
-    /// Two rotors on one gear, w1' = q, w2' = q + ..., w1 = n w2: the number decides, the wish first.
+    /// Two rotors on one gear, w1' = q, w2' = q + ..., w1 = n w2: priorities decide first, then
+    /// constant coefficients, then the lower number.
     #[test]
-    fn wishes_before_constants_before_numbers() {
+    fn priorities_before_constants_before_numbers() {
         // w1 w2 w1' w2' q
         let graph = graph_of(5, &[&[2, 4], &[3, 4], &[0, 1]]);
         let a = [(0, 2), (1, 3)];
@@ -521,10 +522,10 @@ mod tests {
     }
 
     /// An energy balance u' = q with u = c T: u' is computed in a block of its own before T', so the
-    /// paper's choice is u as a state; a wish for T is granted if c does not vary.
+    /// paper's choice is u as a state; a priority for T is honoured if c does not vary.
     #[test]
-    fn a_wish_across_blocks_is_granted_if_the_coefficient_does_not_vary() {
-        // u T u' T'; T' occurs because T is wanted as a state: z = T', z in column 4.
+    fn a_priority_across_blocks_is_honoured_if_the_coefficient_does_not_vary() {
+        // u T u' T'; T' occurs because T is preferred as a state: z = T', z in column 4.
         let graph = graph_of(5, &[&[2], &[0, 1], &[3, 4]]);
         let a = [(0, 2), (1, 3)];
         let coefficients = |u| [Constant(1.0), u, Varying, Constant(1.0), Constant(1.0)];
@@ -569,7 +570,7 @@ mod tests {
         let reduction = pantelides(&graph, &a, &[]).unwrap();
         let mut priority = IndexVec::filled(0, 2 * n);
         priority[Col(7)] = 1;
-        // Stronger than the wish for x7, which its velocity inherits.
+        // Higher than the priority of x7, which its velocity inherits.
         priority[Col::from_usize(v + 9)] = 2;
         let choice = choose(&reduction, &priority, &IndexVec::new());
         assert_eq!(choice.states, [Col(7), Col::from_usize(v + 9)]);

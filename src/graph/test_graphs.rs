@@ -1,4 +1,4 @@
-//! Graphs for the tests of this folder: written out, random but reproducible, and brute force.
+//! Graphs for the tests of this folder, explicit or random but reproducible, and brute-force answers.
 
 use super::bipartite::{Bipartite, Col, Row};
 
@@ -35,7 +35,7 @@ pub fn random_graph(random: &mut Xorshift, rows: usize, cols: usize, edges: usiz
     Bipartite::from_rows(cols, lists)
 }
 
-/// A square graph with the whole diagonal and up to `edges` random incidences besides: it always
+/// A square graph with the whole diagonal and up to `edges` further random incidences: it always
 /// has a perfect matching.
 pub fn random_square(random: &mut Xorshift, size: usize, edges: usize) -> Bipartite {
     let rest = random_graph(random, size, size, edges);
