@@ -1,4 +1,4 @@
-//! Generates the parser from the grammar beside this file.
+//! Generates the parser from the grammar in this folder.
 fn main() {
     println!("cargo::rerun-if-changed=grammar/build.rs");
     println!("cargo::rerun-if-changed=grammar/modelica.lalrpop");

@@ -4,7 +4,7 @@ use super::args::Format;
 use super::{Status, print, style};
 use crate::base::render::render_all;
 use crate::base::source::SourceMap;
-use crate::format::{Refusal, format};
+use crate::format::{FormatError, format};
 use crate::io::atomic_file::write_file;
 
 /// Formats each file; the status is that of the worst.
@@ -39,11 +39,11 @@ pub fn run(options: &Format) -> Status {
                     meet(Status::Usage);
                 }
             }
-            Err(Refusal::Syntax(problems)) => {
+            Err(FormatError::Syntax(problems)) => {
                 eprint!("{}", render_all(&problems, &sources, style()));
                 meet(Status::Model);
             }
-            Err(why @ Refusal::Differs) => {
+            Err(why @ FormatError::Differs) => {
                 eprintln!("a bug in mocc: {}: {why}; the file is as it was", path.display());
                 meet(Status::Bug);
             }

@@ -1,20 +1,20 @@
-//! Spaces between two tokens of a line.
+//! Spacing between two tokens of a line.
 
 use super::Item;
-use crate::parse::token::Kind;
+use crate::parse::token::TokenKind;
 
-/// How many spaces stand before item `k` of a line, where `apart` stands in the text. `depth` is the number
-/// of open brackets.
-pub(super) fn width(line: &[Item<'_>], k: usize, apart: &str, depth: usize) -> usize {
-    let written = if apart.contains('\t') { 1 } else { apart.chars().count() };
+/// Number of spaces before item `k` of a line, given the whitespace `original` in the source.
+/// `depth` is the number of open brackets.
+pub(super) fn width(line: &[Item<'_>], k: usize, original: &str, depth: usize) -> usize {
+    let written = if original.contains('\t') { 1 } else { original.chars().count() };
     let (left, right) = (line[k - 1], line[k]);
-    match wanted(line, k, left, right, depth) {
+    match rule(line, k, left, right, depth) {
         Gap::None => 0,
         Gap::One if written > 1 => written,
         Gap::One => 1,
         Gap::Kept => written,
         Gap::Operator(operator) => {
-            // An operator has spaces on both sides or on neither; one is enough for both.
+            // An operator has spaces on both sides or on neither; a space on one side implies both.
             let other = if operator == k { k + 1 } else { operator };
             let both = match line.get(other) {
                 Some(item) => item.start > line[other - 1].end || written > 0,
@@ -25,17 +25,19 @@ pub(super) fn width(line: &[Item<'_>], k: usize, apart: &str, depth: usize) -> u
     }
 }
 
+/// The spacing rule between two tokens.
 enum Gap {
     None,
-    /// At least one.
+    /// At least one space.
     One,
+    /// The spaces of the source.
     Kept,
-    /// Beside the binary operator at this place.
+    /// Adjacent to the binary operator at this index.
     Operator(usize),
 }
 
-fn wanted(line: &[Item<'_>], k: usize, left: Item<'_>, right: Item<'_>, depth: usize) -> Gap {
-    use Kind as K;
+fn rule(line: &[Item<'_>], k: usize, left: Item<'_>, right: Item<'_>, depth: usize) -> Gap {
+    use TokenKind as K;
     let (Some(a), Some(b)) = (left.kind, right.kind) else {
         return if right.kind.is_none() || !opens(left.kind) { Gap::One } else { Gap::Kept };
     };
@@ -45,8 +47,8 @@ fn wanted(line: &[Item<'_>], k: usize, left: Item<'_>, right: Item<'_>, depth: u
         (K::LeftParen, _) => Gap::None,
         (K::LeftBracket | K::LeftBrace, _) => Gap::Kept,
         (K::Comma | K::Semicolon, _) => Gap::One,
-        (K::Dot, _) | (_, K::Dot) if !(b == K::Dot && starts(a)) => Gap::None,
-        // A name and what it is called with; in declarations brackets may stand in columns.
+        (K::Dot, _) | (_, K::Dot) if !(b == K::Dot && precedes_global_name(a)) => Gap::None,
+        // A name and its arguments; in declarations brackets may be aligned in columns.
         (K::Ident | K::RightBracket | K::RightParen, K::LeftParen | K::LeftBracket)
             if depth == 0 =>
         {
@@ -68,19 +70,19 @@ fn wanted(line: &[Item<'_>], k: usize, left: Item<'_>, right: Item<'_>, depth: u
         _ if is_operator(a) && k >= 2 && line[k - 2].kind.is_some_and(ends_value) => {
             Gap::Operator(k - 1)
         }
-        // A sign at the beginning of a line goes with what is above it, or stands alone.
+        // A sign at the beginning of a line may be aligned with the line above it.
         _ if is_operator(a) && k == 1 => Gap::Kept,
         _ if is_operator(a) => Gap::None,
         _ => Gap::One,
     }
 }
 
-fn opens(kind: Option<Kind>) -> bool {
-    matches!(kind, Some(Kind::LeftParen | Kind::LeftBracket | Kind::LeftBrace))
+fn opens(kind: Option<TokenKind>) -> bool {
+    matches!(kind, Some(TokenKind::LeftParen | TokenKind::LeftBracket | TokenKind::LeftBrace))
 }
 
-fn is_operator(kind: Kind) -> bool {
-    use Kind as K;
+fn is_operator(kind: TokenKind) -> bool {
+    use TokenKind as K;
     matches!(
         kind,
         K::Plus
@@ -96,9 +98,9 @@ fn is_operator(kind: Kind) -> bool {
     )
 }
 
-/// A value can end here, so that an operator after it is binary.
-fn ends_value(kind: Kind) -> bool {
-    use Kind as K;
+/// True if a value can end with this token, so that an operator after it is binary.
+fn ends_value(kind: TokenKind) -> bool {
+    use TokenKind as K;
     matches!(
         kind,
         K::Ident
@@ -114,7 +116,7 @@ fn ends_value(kind: Kind) -> bool {
     )
 }
 
-/// A name with a dot in front may stand after these.
-fn starts(kind: Kind) -> bool {
+/// True if a global name, with a leading dot, can follow this token.
+fn precedes_global_name(kind: TokenKind) -> bool {
     !ends_value(kind)
 }

@@ -1,60 +1,64 @@
-//! How far each line stands to the right: two columns for each class, clause and loop around it.
+//! Indentation: two columns for each enclosing class, clause and loop.
 
 use super::Item;
-use crate::parse::token::Kind;
+use crate::parse::token::TokenKind;
 
 /// Columns of one level.
 const LEVEL: usize = 2;
 
-/// The structure of the text so far.
+/// Tracks the structure of the source line by line.
 #[derive(Default)]
-pub(super) struct Structure {
+pub(super) struct Indenter {
     /// Open classes, clauses and loops.
     open: usize,
     /// Open brackets.
     depth: usize,
-    /// Brackets that are open before each item of the line.
+    /// Number of open brackets before each item of the line.
     depths: Vec<usize>,
     /// The statement or element that is being read; `None` between two.
-    statement: Option<Statement>,
-    /// In a section of equations or statements.
-    acting: bool,
-    /// Of the classes around, whether they were in such a section.
-    around: Vec<bool>,
+    statement: Option<OpenStatement>,
+    /// True inside an equation or algorithm section.
+    in_section: bool,
+    /// `in_section` of the enclosing classes.
+    enclosing: Vec<bool>,
 }
 
 #[derive(Clone, Copy)]
-struct Statement {
-    /// Where its first line stands now, and stood.
+struct OpenStatement {
+    /// The column of its first line in the output and in the source.
     indent: usize,
     written: usize,
-    /// What it began with, prefixes of classes left out.
-    head: Head,
+    /// How it starts, ignoring the prefixes of classes.
+    head: StatementStart,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Head {
+enum StatementStart {
     Other,
     /// `model` and the like.
     Class,
-    /// Its name has been read: the class is long unless `=` follows.
+    /// A class whose name has been read: it is a long class unless `=` follows.
     Named,
     /// `if`, `for`, `when`, `while` as a statement, until `then` or `loop`.
     Clause,
 }
 
-impl Structure {
-    /// The column at which a line is to stand whose first item stood at `written`.
+impl Indenter {
+    /// The indentation of a line whose first item is at column `written` in the source.
     pub(super) fn line(&mut self, line: &[Item<'_>], written: usize) -> usize {
         let first = line.iter().find_map(|i| i.kind);
         let indent = match self.statement {
-            Some(Statement { head: Head::Named, .. }) if first.is_none() => LEVEL * (self.open + 1),
-            Some(Statement { head: Head::Named, .. }) if !first.is_some_and(in_header) => {
-                self.enter();
-                self.begun(line)
+            Some(OpenStatement { head: StatementStart::Named, .. }) if first.is_none() => {
+                LEVEL * (self.open + 1)
             }
-            Some(s) => self.continued(s, line, written),
-            None => self.begun(line),
+            Some(OpenStatement { head: StatementStart::Named, .. })
+                if !first.is_some_and(in_header) =>
+            {
+                self.enter();
+                self.first_line(line)
+            }
+            Some(s) => self.continuation_line(s, line, written),
+            None => self.first_line(line),
         };
         self.depths.clear();
         for item in line {
@@ -69,22 +73,26 @@ impl Structure {
         self.depths[k]
     }
 
-    /// A further line of a statement keeps its place relative to the first, but not left of the next
-    /// level.
-    fn continued(&self, s: Statement, line: &[Item<'_>], written: usize) -> usize {
+    /// A continuation line keeps its column relative to the first line of the statement, but is
+    /// indented by at least one level.
+    fn continuation_line(&self, s: OpenStatement, line: &[Item<'_>], written: usize) -> usize {
         let closes = matches!(
             line[0].kind,
             Some(
-                Kind::RightParen | Kind::RightBracket | Kind::RightBrace | Kind::Then | Kind::Loop
+                TokenKind::RightParen
+                    | TokenKind::RightBracket
+                    | TokenKind::RightBrace
+                    | TokenKind::Then
+                    | TokenKind::Loop
             )
         );
         let least = if closes { 0 } else { LEVEL };
         s.indent + written.saturating_sub(s.written).max(least)
     }
 
-    fn begun(&self, line: &[Item<'_>]) -> usize {
-        use Kind as K;
-        // Comments belong to the token after them; without one they stand with what is open.
+    fn first_line(&self, line: &[Item<'_>]) -> usize {
+        use TokenKind as K;
+        // A comment belongs to the next token of its line; without one it follows the open blocks.
         let first = line.iter().find_map(|i| i.kind);
         let back = match first {
             Some(
@@ -111,7 +119,7 @@ impl Structure {
     }
 
     fn take(&mut self, item: &Item<'_>, indent: usize, written: usize) {
-        use Kind as K;
+        use TokenKind as K;
         let Some(kind) = item.kind else { return };
         match kind {
             K::LeftParen | K::LeftBracket | K::LeftBrace => self.depth += 1,
@@ -126,56 +134,58 @@ impl Structure {
         }
         match self.statement {
             None => self.begin(kind, indent, written),
-            Some(s) => self.go_on(s, kind),
+            Some(s) => self.advance(s, kind),
         }
     }
 
-    fn begin(&mut self, kind: Kind, indent: usize, written: usize) {
-        use Kind as K;
-        let mut head = Head::Other;
+    fn begin(&mut self, kind: TokenKind, indent: usize, written: usize) {
+        use TokenKind as K;
+        let mut head = StatementStart::Other;
         match kind {
             K::Semicolon => return,
             K::Equation | K::Algorithm | K::InitialEquation | K::InitialAlgorithm => {
-                self.acting = true;
+                self.in_section = true;
                 return;
             }
             K::Public | K::Protected => {
-                self.acting = false;
+                self.in_section = false;
                 return;
             }
             K::Else => return,
-            K::If | K::For | K::When | K::While if self.acting => {
+            K::If | K::For | K::When | K::While if self.in_section => {
                 self.open += 1;
-                head = Head::Clause;
+                head = StatementStart::Clause;
             }
-            K::ElseIf | K::ElseWhen => head = Head::Clause,
+            K::ElseIf | K::ElseWhen => head = StatementStart::Clause,
             K::EndIf | K::EndFor | K::EndWhen | K::EndWhile => {
                 self.open = self.open.saturating_sub(1);
             }
             K::End => {
                 self.open = self.open.saturating_sub(1);
-                self.acting = self.around.pop().unwrap_or(false);
+                self.in_section = self.enclosing.pop().unwrap_or(false);
             }
-            kind if is_class(kind) => head = Head::Class,
+            kind if is_class(kind) => head = StatementStart::Class,
             _ => {}
         }
-        self.statement = Some(Statement { indent, written, head });
+        self.statement = Some(OpenStatement { indent, written, head });
     }
 
-    fn go_on(&mut self, s: Statement, kind: Kind) {
-        use Kind as K;
+    fn advance(&mut self, s: OpenStatement, kind: TokenKind) {
+        use TokenKind as K;
         match (s.head, kind) {
             (_, K::Semicolon) => self.statement = None,
-            (Head::Clause, K::Then | K::Loop) => self.statement = None,
+            (StatementStart::Clause, K::Then | K::Loop) => self.statement = None,
             // A prefix came first.
-            (Head::Other, kind) if is_class(kind) && !self.acting => {
-                self.statement = Some(Statement { head: Head::Class, ..s });
+            (StatementStart::Other, kind) if is_class(kind) && !self.in_section => {
+                self.statement = Some(OpenStatement { head: StatementStart::Class, ..s });
             }
-            (Head::Class, K::Ident) => self.statement = Some(Statement { head: Head::Named, ..s }),
-            (Head::Named, K::Equals) => {
-                self.statement = Some(Statement { head: Head::Other, ..s });
+            (StatementStart::Class, K::Ident) => {
+                self.statement = Some(OpenStatement { head: StatementStart::Named, ..s })
             }
-            (Head::Named, kind) if !in_header(kind) => {
+            (StatementStart::Named, K::Equals) => {
+                self.statement = Some(OpenStatement { head: StatementStart::Other, ..s });
+            }
+            (StatementStart::Named, kind) if !in_header(kind) => {
                 self.enter();
                 self.begin(kind, s.indent, s.written);
             }
@@ -183,24 +193,24 @@ impl Structure {
         }
     }
 
-    /// A long class begins.
+    /// Enters a long class.
     fn enter(&mut self) {
         self.statement = None;
         self.open += 1;
-        self.around.push(self.acting);
-        self.acting = false;
+        self.enclosing.push(self.in_section);
+        self.in_section = false;
     }
 }
 
-/// What may stand between the name of a class and its first element: its description, the
+/// Tokens that may occur between the name of a class and its first element: its description, the
 /// modification of an inherited class that it extends, or the `=` of a short class.
-fn in_header(kind: Kind) -> bool {
-    use Kind as K;
+fn in_header(kind: TokenKind) -> bool {
+    use TokenKind as K;
     matches!(kind, K::String | K::Plus | K::Equals | K::LeftParen | K::RightParen)
 }
 
-fn is_class(kind: Kind) -> bool {
-    use Kind as K;
+fn is_class(kind: TokenKind) -> bool {
+    use TokenKind as K;
     matches!(
         kind,
         K::Class

@@ -1,9 +1,9 @@
-//! Text to the same text in order: indentation by structure, spaces by rule.
+//! The source formatter (`mocc fmt`): indentation by structure, spaces by rule.
 //!
-//! In: the text of a file. Out: a text of the same tokens and comments in the same lines. Where a line
-//! breaks is the author's business, and so are columns: spaces that align, two or more, stay. All
-//! else is decided here, so that formatting a formatted text changes nothing. What comes out is cut into
-//! tokens again and compared with what went in before anybody sees it.
+//! In: the source of a file. Out: the same tokens and comments on the same lines. The author decides
+//! on line breaks and on alignment: two or more spaces are kept. All other whitespace is normalised,
+//! so formatting is idempotent. The output is tokenized again and compared with the input before it
+//! is returned.
 mod gap;
 mod indent;
 
@@ -11,15 +11,15 @@ use crate::base::diag::Problems;
 use crate::base::source::FileId;
 use crate::parse::grammar::parse;
 use crate::parse::lexer::lex;
-use crate::parse::token::Kind;
+use crate::parse::token::TokenKind;
 
-/// Why a text is not formatted.
+/// Why a file cannot be formatted.
 #[derive(thiserror::Error, Debug)]
-pub enum Refusal {
-    /// Only what parses can be put in order.
+pub enum FormatError {
+    /// The source does not parse.
     #[error("the text has syntax errors")]
     Syntax(Problems),
-    /// The result would not be the same text: mocc is wrong.
+    /// The output has other tokens than the input, which is a bug in mocc.
     #[error("the formatted text would differ from the text")]
     Differs,
 }
@@ -28,22 +28,22 @@ pub enum Refusal {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Item<'t> {
     /// `None` for comments.
-    kind: Option<Kind>,
+    kind: Option<TokenKind>,
     text: &'t str,
     start: usize,
     end: usize,
 }
 
-/// The text of file `id` in order; syntax errors have their places in that file.
-pub fn format(id: FileId, text: &str) -> Result<String, Refusal> {
+/// Formats `text`; the spans of syntax errors refer to file `id`.
+pub fn format(id: FileId, text: &str) -> Result<String, FormatError> {
     let mut problems = Problems::new();
     parse(id, text, &mut problems);
     if problems.has_errors() {
-        return Err(Refusal::Syntax(problems));
+        return Err(FormatError::Syntax(problems));
     }
     let before = items(id, text);
     let mut out = String::with_capacity(text.len());
-    let mut structure = indent::Structure::default();
+    let mut indenter = indent::Indenter::default();
     let mut first = true;
     let mut at = 0;
     while at < before.len() {
@@ -52,19 +52,19 @@ pub fn format(id: FileId, text: &str) -> Result<String, Refusal> {
         if !first {
             let gap = &text[before[at - 1].end..line[0].start];
             out.push('\n');
-            // One empty line parts as well as several.
+            // Several empty lines collapse to one.
             if gap.matches('\n').count() > 1 {
                 out.push('\n');
             }
         }
         first = false;
         let written = column(text, line[0].start);
-        let indent = structure.line(line, written);
+        let indent = indenter.line(line, written);
         out.extend(std::iter::repeat_n(' ', indent));
         for (k, item) in line.iter().enumerate() {
             if k > 0 {
-                let apart = &text[line[k - 1].end..item.start];
-                let width = gap::width(line, k, apart, structure.depth_at(k));
+                let original = &text[line[k - 1].end..item.start];
+                let width = gap::width(line, k, original, indenter.depth_at(k));
                 out.extend(std::iter::repeat_n(' ', width));
             }
             out.push_str(item.text);
@@ -79,7 +79,7 @@ pub fn format(id: FileId, text: &str) -> Result<String, Refusal> {
     if before.len() == after.len() && before.iter().zip(&after).all(same) {
         Ok(out)
     } else {
-        Err(Refusal::Differs)
+        Err(FormatError::Differs)
     }
 }
 
@@ -89,11 +89,11 @@ fn items(id: FileId, text: &str) -> Vec<Item<'_>> {
     let tokens = lexed.tokens.iter().map(|t| (Some(t.kind), t.start as usize, t.end as usize));
     let comments =
         lexed.comments.iter().map(|c| (None, c.span.start as usize, c.span.end as usize));
-    let mut all: Vec<(Option<Kind>, usize, usize)> = tokens.chain(comments).collect();
+    let mut all: Vec<(Option<TokenKind>, usize, usize)> = tokens.chain(comments).collect();
     all.sort_by_key(|(_, start, _)| *start);
     let mut out: Vec<Item<'_>> = Vec::with_capacity(all.len());
     for (kind, start, end) in all {
-        // A comment inside of `end /* */ if` is a part of that token's text.
+        // A comment inside `end /* */ if` is part of that token.
         if out.last().is_some_and(|last| start < last.end) {
             continue;
         }
@@ -106,7 +106,7 @@ fn items(id: FileId, text: &str) -> Vec<Item<'_>> {
     out
 }
 
-/// One past the last item that begins in the line where item `at` begins or ends.
+/// One past the last item that begins on the line where item `at` begins or ends.
 fn line_end(items: &[Item<'_>], text: &str, at: usize) -> usize {
     let mut end = at + 1;
     while end < items.len() && !text[items[end - 1].end..items[end].start].contains('\n') {
@@ -115,7 +115,7 @@ fn line_end(items: &[Item<'_>], text: &str, at: usize) -> usize {
     end
 }
 
-/// Columns before a byte, tabs counted as one.
+/// The column of a byte offset; a tab counts as one column.
 fn column(text: &str, at: usize) -> usize {
     let line = text[..at].rfind('\n').map_or(0, |n| n + 1);
     text[line..at].chars().filter(|c| *c != '\u{feff}').count()

@@ -8,14 +8,14 @@ use crate::base::diag::Problems;
 use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
 use crate::ir::ast::{BinaryOp, ComponentRef, Expr, ExprKind, Ident, RefPart};
-use crate::parse::fragment::{binding, without_keywords};
-use crate::parse::token::Kind;
+use crate::parse::fragment::{binding, replace_keywords};
+use crate::parse::token::TokenKind;
 
 /// Functions that are called like keywords, as the parser gets them.
-const WORDS: [(Kind, &str, &str); 3] = [
-    (Kind::When, "when", "_hen"),
-    (Kind::Final, "final", "_inal"),
-    (Kind::Initial, "initial", "_nitial"),
+const WORDS: [(TokenKind, &str, &str); 3] = [
+    (TokenKind::When, "when", "_hen"),
+    (TokenKind::Final, "final", "_inal"),
+    (TokenKind::Initial, "initial", "_nitial"),
 ];
 
 /// Measures, ready to be put into a model.
@@ -131,7 +131,7 @@ impl Measures {
             return;
         }
         let words = WORDS.map(|(kind, _, word)| (kind, word));
-        let parsed = without_keywords(right, &words);
+        let parsed = replace_keywords(right, &words);
         let place = text.len() - right.len();
         let Some(mut value) = binding("--measure", text, place, Some(&parsed), sources) else {
             problems.push(error::no_expression(text));
@@ -319,7 +319,7 @@ fn is_name(text: &str) -> bool {
     let mut letters = text.chars();
     letters.next().is_some_and(|c| c.is_alphabetic() || c == '_')
         && letters.all(|c| c.is_alphanumeric() || c == '_')
-        && Kind::keyword(text).is_none()
+        && TokenKind::keyword(text).is_none()
 }
 
 /// A reference to one name.

@@ -1,13 +1,13 @@
-//! What the front door has to say about a text: codes MO0001 to MO0099.
+//! Errors of the lexer and the parser: codes MO0001 to MO0099.
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::Ident;
-use crate::parse::token::Kind;
+use crate::parse::token::TokenKind;
 
-/// What was being read when an error was found.
+/// The construct that was being parsed when an error was found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Context {
+pub enum SyntaxContext {
     /// Classes of a file.
     Class,
     /// Elements of a class.
@@ -16,58 +16,58 @@ pub enum Context {
     Equation,
     /// An algorithm section.
     Statement,
-    /// What stands between `if` and `then`, `for` and `loop`...
-    Head,
+    /// The condition between `if` and `then`, `for` and `loop`...
+    Condition,
 }
 
-impl Context {
-    /// With its article.
+impl SyntaxContext {
+    /// The construct as a noun phrase with its article.
     pub fn phrase(self) -> &'static str {
         match self {
-            Context::Class => "the class",
-            Context::Element => "the declaration",
-            Context::Equation => "the equation",
-            Context::Statement => "the statement",
-            Context::Head => "the condition",
+            SyntaxContext::Class => "the class",
+            SyntaxContext::Element => "the declaration",
+            SyntaxContext::Equation => "the equation",
+            SyntaxContext::Statement => "the statement",
+            SyntaxContext::Condition => "the condition",
         }
     }
 }
 
-/// Bounds that keep the syntax tree shallow.
+/// Limits that keep the syntax tree shallow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Bound {
-    /// Brackets in brackets.
+pub enum NestingLimit {
+    /// Nesting of brackets.
     Brackets,
-    /// Operators in one expression.
+    /// Number of operators in one expression.
     Height,
-    /// Classes in classes, equations in equations.
+    /// Nesting of classes, and of equations.
     Blocks,
 }
 
-/// Everything that can be wrong with a text. Spans are where the remedy goes.
+/// Everything that can be wrong with a source file. Spans show where to repair it.
 #[derive(Clone, Debug)]
 #[allow(missing_docs)] // the codes and messages below are the documentation
 pub enum SyntaxError {
     Unexpected { span: Span, expected: String, found: String, help: Option<String> },
     Missing { at: Span, expected: String, found: String },
     UnexpectedEnd { span: Span, expected: String },
-    MissingSemicolon { at: Span, after: Context, found: String },
-    UnclosedBracket { at: Span, open: Span, bracket: Kind },
-    StrayBracket { span: Span, bracket: Kind },
+    MissingSemicolon { at: Span, after: SyntaxContext, found: String },
+    UnclosedBracket { at: Span, open: Span, bracket: TokenKind },
+    StrayBracket { span: Span, bracket: TokenKind },
     WrongEndName { class: Ident, found: Ident },
     UnclosedClass { class: Ident, found: Option<Ident> },
-    UnclosedBlock { span: Span, open: Span, keyword: Kind, help: Option<String> },
+    UnclosedBlock { span: Span, open: Span, keyword: TokenKind, help: Option<String> },
     AssignmentAsEquation { operator: Span },
     ComparisonAsEquation { operator: Span },
     EqualsAsAssignment { operator: Span },
     LoneExpression { span: Span, wanted: &'static str },
     InvalidCharacter { span: Span, text: String },
     NonAscii { span: Span, text: String },
-    ForeignOperator { span: Span, written: String, kind: Kind },
+    ForeignOperator { span: Span, written: String, kind: TokenKind },
     UnterminatedString { span: Span },
     UnterminatedName { span: Span },
     UnterminatedComment { span: Span },
-    TooDeep { span: Span, bound: Bound },
+    TooDeep { span: Span, bound: NestingLimit },
     DoubledPrefix { span: Span },
     ExclusivePrefix { span: Span, other: &'static str },
     PrefixOrder { span: Span, prefix: &'static str, later: &'static str },
@@ -188,9 +188,9 @@ impl From<SyntaxError> for Diagnostic {
             }
             TooDeep { span, bound } => {
                 let what = match bound {
-                    Bound::Brackets => "brackets are nested too deeply",
-                    Bound::Height => "the expression is nested too deeply",
-                    Bound::Blocks => "classes or equations are nested too deeply",
+                    NestingLimit::Brackets => "brackets are nested too deeply",
+                    NestingLimit::Height => "the expression is nested too deeply",
+                    NestingLimit::Blocks => "classes or equations are nested too deeply",
                 };
                 err("MO0014", span, what).note("the rest of the file is not read")
             }

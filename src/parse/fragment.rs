@@ -1,23 +1,23 @@
-//! An expression that stands by itself in a text from outside, such as a setting or a measure.
+//! Parses a single expression from outside a model, such as a parameter override or a measure.
 //!
-//! The text is shown in messages as it was given. It is parsed as the binding of a declaration, at the
-//! same place of its line, so that every span of the expression fits both.
+//! The expression is parsed as the binding of a declaration that puts it at the same column as in
+//! the user's input, so every span is valid in both and diagnostics show the input as it was given.
 
 use std::sync::Arc;
 
 use super::grammar::parse;
 use super::lexer::lex;
-use super::token::{Kind, Token};
+use super::token::{Token, TokenKind};
 use crate::base::diag::Problems;
 use crate::base::source::{FileId, SourceMap};
 use crate::ir::ast::{ClassBody, ElementKind, Expr};
 
-/// What stands before the expression while it is parsed.
+/// The declaration that precedes the expression while it is parsed.
 const DECLARATION: &str = "model S Real x";
 
-/// Parses the end of `whole` from byte `place` on, which follows a `=`. `parsed` is what is given to the
-/// parser instead of it, if it is not the same; it has its length. The text is added to the sources under the
-/// name `label`. None if it is no expression.
+/// Parses `whole` from byte `place` on, which follows an `=`. If `parsed` is given, the parser reads
+/// it instead; it must have the same length. `whole` is added to the sources under the name `label`.
+/// `None` if it is not an expression.
 pub fn binding(
     label: &str,
     whole: &str,
@@ -40,15 +40,15 @@ pub fn binding(
     found.filter(|_| !own.has_errors()).map(|e| (*e).clone())
 }
 
-/// The text with other words of the same length for keywords that open a bracket: functions of a measure
-/// may be called like keywords.
-pub fn without_keywords(text: &str, words: &[(Kind, &str)]) -> String {
+/// Replaces keywords that are followed by a parenthesis by words of the same length: functions of a
+/// measure may have the names of keywords.
+pub fn replace_keywords(text: &str, words: &[(TokenKind, &str)]) -> String {
     let mut own = Problems::new();
     let tokens: Vec<Token> = lex(FileId(u32::MAX), text, &mut own).tokens;
     let mut out = text.to_owned();
     for pair in tokens.windows(2) {
         let word = words.iter().find(|(kind, _)| *kind == pair[0].kind);
-        if let (Some((_, word)), Kind::LeftParen) = (word, pair[1].kind) {
+        if let (Some((_, word)), TokenKind::LeftParen) = (word, pair[1].kind) {
             out.replace_range(pair[0].start as usize..pair[0].end as usize, word);
         }
     }
@@ -61,7 +61,7 @@ mod tests {
     use crate::ir::ast::ExprKind;
 
     #[test]
-    fn spans_fit_the_text_that_is_shown() {
+    fn spans_are_valid_in_the_displayed_source() {
         for whole in ["y=a + b", "a_rather_long_name = a + b"] {
             let mut sources = SourceMap::default();
             let place = whole.find('=').unwrap() + 1;
@@ -77,10 +77,10 @@ mod tests {
     }
 
     #[test]
-    fn only_words_before_a_bracket_are_exchanged() {
-        let words = [(Kind::When, "_hen"), (Kind::Final, "_inal")];
+    fn only_keywords_before_a_parenthesis_are_replaced() {
+        let words = [(TokenKind::When, "_hen"), (TokenKind::Final, "_inal")];
         let text = "when(x) + final (y) - 'when(z)' + when_ever(w)";
         let expected = "_hen(x) + _inal (y) - 'when(z)' + when_ever(w)";
-        assert_eq!(without_keywords(text, &words), expected);
+        assert_eq!(replace_keywords(text, &words), expected);
     }
 }

@@ -1,9 +1,9 @@
-//! The door to the parser that LALRPOP generates from `grammar/modelica.lalrpop`.
+//! The interface to the parser that LALRPOP generates from `grammar/modelica.lalrpop`.
 
 use super::build::Builder;
-use super::error::{Bound, Context, SyntaxError};
+use super::error::{NestingLimit, SyntaxContext, SyntaxError};
 use super::lexer;
-use super::token::Kind;
+use super::token::TokenKind;
 use crate::base::diag::Problems;
 use crate::base::source::{FileId, Span};
 use crate::ir::ast;
@@ -15,12 +15,12 @@ mod generated {
 }
 
 /// An error as LALRPOP reports it.
-pub type Failure = lalrpop_util::ParseError<u32, Kind, (u32, Bound)>;
-/// An error after which LALRPOP found a place to go on.
-pub type Recovery = lalrpop_util::ErrorRecovery<u32, Kind, (u32, Bound)>;
+pub type ParseError = lalrpop_util::ParseError<u32, TokenKind, (u32, NestingLimit)>;
+/// An error from which LALRPOP recovered.
+pub type Recovery = lalrpop_util::ErrorRecovery<u32, TokenKind, (u32, NestingLimit)>;
 
-/// Parses the text of a file. Never fails: what does not parse is reported and left out, or stands
-/// in the tree as `Broken`.
+/// Parses a file. Never fails: syntax errors are reported, and the tree omits the construct or
+/// contains a `Broken` node in its place.
 pub fn parse(file: FileId, text: &str, problems: &mut Problems) -> ast::File {
     let mut tree = ast::File { id: file, within: None, classes: Vec::new(), comments: Vec::new() };
     if u32::try_from(text.len()).is_err() {
@@ -36,7 +36,7 @@ pub fn parse(file: FileId, text: &str, problems: &mut Problems) -> ast::File {
     builder.unclosed_reported = lexed.swallowed_end;
     let tokens = lexed.tokens.iter().map(|t| Ok((t.start, t.kind, t.end)));
     if let Err(failure) = generated::StoredParser::new().parse(&mut builder, tokens) {
-        builder.syntax_error(failure, Context::Class);
+        builder.syntax_error(failure, SyntaxContext::Class);
     }
     tree.within = builder.within;
     tree.classes = builder.classes;

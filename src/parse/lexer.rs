@@ -1,41 +1,41 @@
-//! Text to tokens (Modelica 3.6, section 2). Sole user of `logos`.
+//! Source text to tokens (Modelica 3.6, chapter 2). Sole user of `logos`.
 //!
-//! Beside cutting the text, the lexer does what needs a look at the next token or at the open
-//! brackets: it joins `end if` and `initial equation`, tells the `end` of a subscript from the `end`
-//! of a class, and bounds the depth of the syntax tree, so that no later stage can be made to
-//! overflow its stack by a text.
+//! Besides splitting the text, the lexer handles everything that depends on the next token or on
+//! open brackets: it joins `end if` and `initial equation`, distinguishes the `end` of a subscript
+//! from the `end` of a class, and bounds the depth of the syntax tree so that no input can overflow
+//! the stack of a later stage.
 
 use logos::Logos;
 
-use super::error::{Bound, SyntaxError};
-use super::token::{Kind, Token};
+use super::error::{NestingLimit, SyntaxError};
+use super::token::{Token, TokenKind};
 use crate::base::diag::Problems;
 use crate::base::source::{FileId, Span};
 use crate::ir::ast::Comment;
 
-/// Brackets deeper than this are refused.
+/// Brackets nested deeper than this are rejected.
 pub const MAX_BRACKETS: usize = 500;
-/// Expressions whose tree may be higher than this are refused. Later stages recurse over
+/// Expressions whose tree may be higher than this are rejected. Later stages recurse over
 /// expressions on a thread with a stack large enough for it.
 pub const MAX_HEIGHT: u32 = 10_000;
 
-/// After this many errors the text is taken for something other than Modelica.
+/// After this many errors the file is assumed not to be Modelica.
 const MAX_REPORTS: usize = 100;
 
-/// What the lexer makes of a text.
+/// The output of the lexer.
 #[derive(Debug, Default)]
 pub struct Lexed {
-    /// The tokens, up to the place where a bound was exceeded.
+    /// The tokens, up to the point where a limit was exceeded.
     pub tokens: Vec<Token>,
     /// The comments.
     pub comments: Vec<Comment>,
     /// True if the tokens end early.
     pub cut_off: bool,
-    /// True if an unterminated comment or string took the rest of the text with it.
+    /// True if an unterminated comment or string swallowed the rest of the file.
     pub swallowed_end: bool,
 }
 
-/// Cuts `text` into tokens; what is no token is reported and left out or repaired.
+/// Splits `text` into tokens; invalid characters are reported and skipped or repaired.
 pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
     let mut lexed = Lexed::default();
     let mut pending = Joiner::default();
@@ -52,7 +52,7 @@ pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
         let span = Span::new(file, range.start, range.end);
         let kind = match lexeme {
             Ok(Lexeme::Symbol(kind)) => kind,
-            Ok(Lexeme::Word) => Kind::keyword(lexemes.slice()).unwrap_or(Kind::Ident),
+            Ok(Lexeme::Word) => TokenKind::keyword(lexemes.slice()).unwrap_or(TokenKind::Ident),
             Ok(Lexeme::LineComment) => {
                 lexed.comments.push(Comment { span, block: false });
                 continue;
@@ -67,16 +67,16 @@ pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
             }
             Ok(Lexeme::ForeignWord) => {
                 problems.push(SyntaxError::NonAscii { span, text: lexemes.slice().into() }.into());
-                Kind::Ident
+                TokenKind::Ident
             }
             Ok(Lexeme::OpenString) => {
                 lexed.swallowed_end = true;
                 problems.push(SyntaxError::UnterminatedString { span }.into());
-                Kind::String
+                TokenKind::String
             }
             Ok(Lexeme::OpenQuoted) => {
                 problems.push(SyntaxError::UnterminatedName { span }.into());
-                Kind::Ident
+                TokenKind::Ident
             }
             Ok(Lexeme::Foreign(kind)) => {
                 let written = lexemes.slice().into();
@@ -99,7 +99,7 @@ pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
     lexed
 }
 
-/// What `logos` tells apart.
+/// The lexemes that `logos` distinguishes.
 #[derive(Logos, Debug)]
 #[logos(skip r"[ \t\r\n\f\u{a0}]+")]
 enum Lexeme {
@@ -116,52 +116,52 @@ enum Lexeme {
     OpenString,
     #[regex(r"'([^'\\\n]|\\.)*", allow_greedy = true, priority = 3)]
     OpenQuoted,
-    /// Operators of other languages, with what they mean in Modelica.
-    #[token("!=", |_| Kind::NotEqual)]
-    #[token("~=", |_| Kind::NotEqual)]
-    #[token("&&", |_| Kind::And)]
-    #[token("||", |_| Kind::Or)]
-    #[token("!", |_| Kind::Not)]
-    #[token("**", |_| Kind::Caret)]
-    Foreign(Kind),
-    #[regex(r#""([^"\\]|\\(?s:.))*""#, |_| Kind::String)]
-    #[regex(r"'([^'\\\n]|\\.)*'", |_| Kind::Ident)]
-    #[regex(r"[0-9]+", |_| Kind::Integer)]
-    #[regex(r"[0-9]+\.[0-9]*([eE][+-]?[0-9]+)?", |_| Kind::Real)]
-    #[regex(r"[0-9]+[eE][+-]?[0-9]+", |_| Kind::Real)]
-    #[regex(r"\.[0-9]+([eE][+-]?[0-9]+)?", |_| Kind::Real)]
-    #[token("(", |_| Kind::LeftParen)]
-    #[token(")", |_| Kind::RightParen)]
-    #[token("[", |_| Kind::LeftBracket)]
-    #[token("]", |_| Kind::RightBracket)]
-    #[token("{", |_| Kind::LeftBrace)]
-    #[token("}", |_| Kind::RightBrace)]
-    #[token(",", |_| Kind::Comma)]
-    #[token(";", |_| Kind::Semicolon)]
-    #[token(":", |_| Kind::Colon)]
-    #[token(".", |_| Kind::Dot)]
-    #[token("=", |_| Kind::Equals)]
-    #[token(":=", |_| Kind::Assign)]
-    #[token("+", |_| Kind::Plus)]
-    #[token("-", |_| Kind::Minus)]
-    #[token("*", |_| Kind::Star)]
-    #[token("/", |_| Kind::Slash)]
-    #[token("^", |_| Kind::Caret)]
-    #[token(".+", |_| Kind::DotPlus)]
-    #[token(".-", |_| Kind::DotMinus)]
-    #[token(".*", |_| Kind::DotStar)]
-    #[token("./", |_| Kind::DotSlash)]
-    #[token(".^", |_| Kind::DotCaret)]
-    #[token("<", |_| Kind::Less)]
-    #[token("<=", |_| Kind::LessEqual)]
-    #[token(">", |_| Kind::Greater)]
-    #[token(">=", |_| Kind::GreaterEqual)]
-    #[token("==", |_| Kind::EqualEqual)]
-    #[token("<>", |_| Kind::NotEqual)]
-    Symbol(Kind),
+    /// Operators of other languages, with their equivalents in Modelica.
+    #[token("!=", |_| TokenKind::NotEqual)]
+    #[token("~=", |_| TokenKind::NotEqual)]
+    #[token("&&", |_| TokenKind::And)]
+    #[token("||", |_| TokenKind::Or)]
+    #[token("!", |_| TokenKind::Not)]
+    #[token("**", |_| TokenKind::Caret)]
+    Foreign(TokenKind),
+    #[regex(r#""([^"\\]|\\(?s:.))*""#, |_| TokenKind::String)]
+    #[regex(r"'([^'\\\n]|\\.)*'", |_| TokenKind::Ident)]
+    #[regex(r"[0-9]+", |_| TokenKind::Integer)]
+    #[regex(r"[0-9]+\.[0-9]*([eE][+-]?[0-9]+)?", |_| TokenKind::Real)]
+    #[regex(r"[0-9]+[eE][+-]?[0-9]+", |_| TokenKind::Real)]
+    #[regex(r"\.[0-9]+([eE][+-]?[0-9]+)?", |_| TokenKind::Real)]
+    #[token("(", |_| TokenKind::LeftParen)]
+    #[token(")", |_| TokenKind::RightParen)]
+    #[token("[", |_| TokenKind::LeftBracket)]
+    #[token("]", |_| TokenKind::RightBracket)]
+    #[token("{", |_| TokenKind::LeftBrace)]
+    #[token("}", |_| TokenKind::RightBrace)]
+    #[token(",", |_| TokenKind::Comma)]
+    #[token(";", |_| TokenKind::Semicolon)]
+    #[token(":", |_| TokenKind::Colon)]
+    #[token(".", |_| TokenKind::Dot)]
+    #[token("=", |_| TokenKind::Equals)]
+    #[token(":=", |_| TokenKind::Assign)]
+    #[token("+", |_| TokenKind::Plus)]
+    #[token("-", |_| TokenKind::Minus)]
+    #[token("*", |_| TokenKind::Star)]
+    #[token("/", |_| TokenKind::Slash)]
+    #[token("^", |_| TokenKind::Caret)]
+    #[token(".+", |_| TokenKind::DotPlus)]
+    #[token(".-", |_| TokenKind::DotMinus)]
+    #[token(".*", |_| TokenKind::DotStar)]
+    #[token("./", |_| TokenKind::DotSlash)]
+    #[token(".^", |_| TokenKind::DotCaret)]
+    #[token("<", |_| TokenKind::Less)]
+    #[token("<=", |_| TokenKind::LessEqual)]
+    #[token(">", |_| TokenKind::Greater)]
+    #[token(">=", |_| TokenKind::GreaterEqual)]
+    #[token("==", |_| TokenKind::EqualEqual)]
+    #[token("<>", |_| TokenKind::NotEqual)]
+    Symbol(TokenKind),
 }
 
-/// Runs to the end of the comment, or of the text.
+/// Advances to the end of the comment or of the file; true if the comment is closed.
 fn block_comment(lexer: &mut logos::Lexer<'_, Lexeme>) -> bool {
     match lexer.remainder().find("*/") {
         Some(at) => {
@@ -175,24 +175,25 @@ fn block_comment(lexer: &mut logos::Lexer<'_, Lexeme>) -> bool {
     }
 }
 
-/// Joins two-word tokens and keeps account of the brackets.
+/// Joins two-word tokens and tracks open brackets.
 #[derive(Default)]
 struct Joiner {
-    open: Vec<Level>,
-    outermost: Level,
+    open: Vec<BracketScope>,
+    outermost: BracketScope,
 }
 
-/// An open bracket. The height of the expressions in it is at most the number of operators since
-/// the last separator, plus the height of the highest bracket closed since then.
+/// An open bracket, or the level outside of all brackets. The height of its expressions is at most
+/// the number of operators since the last separator plus the height of the highest bracket closed
+/// since then.
 #[derive(Clone, Copy, Default)]
-struct Level {
-    bracket: Option<Kind>,
+struct BracketScope {
+    bracket: Option<TokenKind>,
     operators: u32,
     inner: u32,
     highest: u32,
 }
 
-impl Level {
+impl BracketScope {
     fn height(&self) -> u32 {
         self.operators + self.inner
     }
@@ -205,19 +206,21 @@ impl Level {
 }
 
 impl Joiner {
-    /// Appends `token`, joined with the one before it where the two are one.
-    fn push(&mut self, mut token: Token, tokens: &mut Vec<Token>) -> Result<(), Bound> {
+    /// Appends `token`, or joins it with the previous one into a two-word token.
+    fn push(&mut self, mut token: Token, tokens: &mut Vec<Token>) -> Result<(), NestingLimit> {
         if let Some(last) = tokens.last_mut() {
             let joined = match (last.kind, token.kind) {
-                (Kind::Initial, Kind::Equation) => Some(Kind::InitialEquation),
-                (Kind::Initial, Kind::Algorithm) => Some(Kind::InitialAlgorithm),
-                (Kind::End | Kind::EndValue, Kind::If) => Some(Kind::EndIf),
-                (Kind::End | Kind::EndValue, Kind::For) => Some(Kind::EndFor),
-                (Kind::End | Kind::EndValue, Kind::When) => Some(Kind::EndWhen),
-                (Kind::End | Kind::EndValue, Kind::While) => Some(Kind::EndWhile),
+                (TokenKind::Initial, TokenKind::Equation) => Some(TokenKind::InitialEquation),
+                (TokenKind::Initial, TokenKind::Algorithm) => Some(TokenKind::InitialAlgorithm),
+                (TokenKind::End | TokenKind::EndValue, TokenKind::If) => Some(TokenKind::EndIf),
+                (TokenKind::End | TokenKind::EndValue, TokenKind::For) => Some(TokenKind::EndFor),
+                (TokenKind::End | TokenKind::EndValue, TokenKind::When) => Some(TokenKind::EndWhen),
+                (TokenKind::End | TokenKind::EndValue, TokenKind::While) => {
+                    Some(TokenKind::EndWhile)
+                }
                 // `end A` in brackets: a bracket is missing.
-                (Kind::EndValue, Kind::Ident) => {
-                    last.kind = Kind::End;
+                (TokenKind::EndValue, TokenKind::Ident) => {
+                    last.kind = TokenKind::End;
                     self.abandon();
                     None
                 }
@@ -229,47 +232,47 @@ impl Joiner {
                 return Ok(());
             }
         }
-        if token.kind == Kind::End && !self.open.is_empty() {
-            token.kind = Kind::EndValue;
+        if token.kind == TokenKind::End && !self.open.is_empty() {
+            token.kind = TokenKind::EndValue;
         }
         tokens.push(token);
         self.account(token.kind)
     }
 
-    /// Forgets brackets that were never closed.
+    /// Discards brackets that were never closed.
     fn abandon(&mut self) {
         self.open.clear();
-        self.outermost = Level::default();
+        self.outermost = BracketScope::default();
     }
 
-    fn account(&mut self, kind: Kind) -> Result<(), Bound> {
+    fn account(&mut self, kind: TokenKind) -> Result<(), NestingLimit> {
         if kind.opens() {
             if self.open.len() >= MAX_BRACKETS {
-                return Err(Bound::Brackets);
+                return Err(NestingLimit::Brackets);
             }
-            self.open.push(Level { bracket: Some(kind), ..Level::default() });
+            self.open.push(BracketScope { bracket: Some(kind), ..BracketScope::default() });
         } else if kind.closes() {
             if let Some(mut closed) = self.open.pop() {
                 closed.separate();
                 let level = self.level();
                 level.inner = level.inner.max(closed.highest + 1);
             }
-        } else if kind == Kind::Comma {
+        } else if kind == TokenKind::Comma {
             self.level().separate();
-        } else if kind == Kind::Semicolon {
+        } else if kind == TokenKind::Semicolon {
             match self.open.last_mut() {
-                Some(level) if level.bracket == Some(Kind::LeftBracket) => level.separate(),
+                Some(level) if level.bracket == Some(TokenKind::LeftBracket) => level.separate(),
                 _ => self.abandon(),
             }
         } else if kind.starts_section() {
             self.abandon();
-        } else if kind.is_operator() || matches!(kind, Kind::If | Kind::Colon) {
+        } else if kind.is_operator() || matches!(kind, TokenKind::If | TokenKind::Colon) {
             self.level().operators += 1;
         }
-        if self.level().height() > MAX_HEIGHT { Err(Bound::Height) } else { Ok(()) }
+        if self.level().height() > MAX_HEIGHT { Err(NestingLimit::Height) } else { Ok(()) }
     }
 
-    fn level(&mut self) -> &mut Level {
+    fn level(&mut self) -> &mut BracketScope {
         self.open.last_mut().unwrap_or(&mut self.outermost)
     }
 }
@@ -300,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn joins_words_and_tells_the_two_ends_apart() {
+    fn joins_words_and_distinguishes_the_two_ends() {
         assert_eq!(clean("end if end A"), ["end if", "end", "IDENT"]);
         assert_eq!(clean("initial equation initial()"), ["initial equation", "initial", "(", ")"]);
         assert_eq!(clean("x[end] end"), ["IDENT", "[", "end value", "]", "end"]);
@@ -318,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn reports_and_goes_on() {
+    fn reports_and_continues() {
         for (text, tokens, code) in [
             ("a != b", vec!["IDENT", "<>", "IDENT"], "MO0011"),
             ("a && b", vec!["IDENT", "and", "IDENT"], "MO0011"),

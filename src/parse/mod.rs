@@ -1,8 +1,8 @@
-//! Text to syntax tree: a `logos` lexer, an LALRPOP grammar (`grammar/modelica.lalrpop`) and the
-//! builder functions its actions call.
+//! Source text to syntax tree: a `logos` lexer, an LALRPOP grammar (`grammar/modelica.lalrpop`) and
+//! the builder functions that its actions call.
 //!
-//! *In:* the text of one file. *Out:* [`crate::ir::ast::File`] and what there is to say about the
-//! text. Modelica 3.6, section 2 and appendix A. The one function is [`grammar::parse`].
+//! *In:* the content of one file. *Out:* [`crate::ir::ast::File`] and diagnostics. Modelica 3.6,
+//! chapter 2 and appendix A. The entry point is [`grammar::parse`].
 
 pub mod build;
 pub mod error;

@@ -1,11 +1,12 @@
-//! The kinds of tokens and their texts. The text of a terminal in `grammar/modelica.lalrpop` is
-//! [`Kind::text`], so that the names LALRPOP reports lead back to a kind.
+//! The kinds of tokens and their spellings. The spelling of a terminal in
+//! `grammar/modelica.lalrpop` is [`TokenKind::text`], so the names that LALRPOP reports map back to
+//! a kind.
 
-/// A token: its kind and its place; its text is in the source.
+/// A token: its kind and its position; its spelling is in the source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Token {
-    /// What it is.
-    pub kind: Kind,
+    /// The kind.
+    pub kind: TokenKind,
     /// First byte.
     pub start: u32,
     /// One past the last byte.
@@ -17,33 +18,33 @@ macro_rules! kinds {
         keywords { $($keyword:ident $keyword_text:literal)* }
         others { $($other:ident $other_text:literal)* }
     ) => {
-        /// What a token is. Two-word tokens (`end if`, `initial equation`) and the `end` of a
-        /// subscript are made by the lexer: they keep the grammar LALR(1) and give recovery
-        /// unmistakable places to stop at.
+        /// The kind of a token. The lexer creates two-word tokens (`end if`, `initial equation`)
+        /// and the `end` of a subscript: they keep the grammar LALR(1) and give error recovery
+        /// unambiguous points to stop at.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-        pub enum Kind {
+        pub enum TokenKind {
             $(#[doc = concat!("`", $keyword_text, "`")] $keyword,)*
             $(#[doc = concat!("`", $other_text, "`")] $other,)*
         }
 
-        impl Kind {
+        impl TokenKind {
             /// All kinds.
-            pub const ALL: &[Kind] = &[$(Kind::$keyword,)* $(Kind::$other,)*];
+            pub const ALL: &[TokenKind] = &[$(TokenKind::$keyword,)* $(TokenKind::$other,)*];
             /// Keywords of Modelica 3.6, section 2.3.3.
             pub const KEYWORDS: &[&str] = &[$($keyword_text,)*];
 
-            /// The keyword of this text.
-            pub fn keyword(text: &str) -> Option<Kind> {
+            /// The keyword with this spelling.
+            pub fn keyword(text: &str) -> Option<TokenKind> {
                 match text {
-                    $($keyword_text => Some(Kind::$keyword),)*
+                    $($keyword_text => Some(TokenKind::$keyword),)*
                     _ => None,
                 }
             }
-            /// The text; for tokens with many texts, the name of the terminal.
+            /// The spelling; for tokens with many spellings, the name of the terminal.
             pub fn text(self) -> &'static str {
                 match self {
-                    $(Kind::$keyword => $keyword_text,)*
-                    $(Kind::$other => $other_text,)*
+                    $(TokenKind::$keyword => $keyword_text,)*
+                    $(TokenKind::$other => $other_text,)*
                 }
             }
         }
@@ -78,29 +79,29 @@ kinds! {
     }
 }
 
-impl Kind {
-    /// The kind behind a terminal as LALRPOP names it: quoted, or the name of a pattern.
-    pub fn of_terminal(terminal: &str) -> Option<Kind> {
+impl TokenKind {
+    /// The kind of a terminal as LALRPOP names it: quoted, or the name of a pattern.
+    pub fn of_terminal(terminal: &str) -> Option<TokenKind> {
         let text = terminal.trim_matches('"');
-        Kind::ALL.iter().copied().find(|k| k.text() == text)
+        TokenKind::ALL.iter().copied().find(|k| k.text() == text)
     }
     /// True for `(`, `[`, `{`.
     pub fn opens(self) -> bool {
-        matches!(self, Kind::LeftParen | Kind::LeftBracket | Kind::LeftBrace)
+        matches!(self, TokenKind::LeftParen | TokenKind::LeftBracket | TokenKind::LeftBrace)
     }
     /// True for `)`, `]`, `}`.
     pub fn closes(self) -> bool {
-        matches!(self, Kind::RightParen | Kind::RightBracket | Kind::RightBrace)
+        matches!(self, TokenKind::RightParen | TokenKind::RightBracket | TokenKind::RightBrace)
     }
-    /// True for the operators of expressions, with a place on one side or on both.
+    /// True for the unary and binary operators of expressions.
     pub fn is_operator(self) -> bool {
-        matches!(self, Kind::And | Kind::Or | Kind::Not)
+        matches!(self, TokenKind::And | TokenKind::Or | TokenKind::Not)
             || self.is_arithmetic()
             || self.is_relation()
     }
     /// True for `+`, `.*`...
     pub fn is_arithmetic(self) -> bool {
-        use Kind::*;
+        use TokenKind::*;
         matches!(
             self,
             Plus | Minus
@@ -116,33 +117,33 @@ impl Kind {
     }
     /// True for `<`, `==`...
     pub fn is_relation(self) -> bool {
-        use Kind::*;
+        use TokenKind::*;
         matches!(self, Less | LessEqual | Greater | GreaterEqual | EqualEqual | NotEqual)
     }
     /// The bracket that closes this one.
-    pub fn partner(self) -> Option<Kind> {
+    pub fn partner(self) -> Option<TokenKind> {
         match self {
-            Kind::LeftParen => Some(Kind::RightParen),
-            Kind::LeftBracket => Some(Kind::RightBracket),
-            Kind::LeftBrace => Some(Kind::RightBrace),
+            TokenKind::LeftParen => Some(TokenKind::RightParen),
+            TokenKind::LeftBracket => Some(TokenKind::RightBracket),
+            TokenKind::LeftBrace => Some(TokenKind::RightBrace),
             _ => None,
         }
     }
-    /// True where a part of a class begins or ends: no expression reaches across.
+    /// True for keywords that begin or end a section or block: no expression spans them.
     pub fn starts_section(self) -> bool {
         matches!(
             self,
-            Kind::Equation
-                | Kind::Algorithm
-                | Kind::InitialEquation
-                | Kind::InitialAlgorithm
-                | Kind::Public
-                | Kind::Protected
-                | Kind::End
-                | Kind::EndIf
-                | Kind::EndFor
-                | Kind::EndWhen
-                | Kind::EndWhile
+            TokenKind::Equation
+                | TokenKind::Algorithm
+                | TokenKind::InitialEquation
+                | TokenKind::InitialAlgorithm
+                | TokenKind::Public
+                | TokenKind::Protected
+                | TokenKind::End
+                | TokenKind::EndIf
+                | TokenKind::EndFor
+                | TokenKind::EndWhen
+                | TokenKind::EndWhile
         )
     }
 }
@@ -152,11 +153,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_terminal_name_leads_back_to_its_kind() {
-        for &kind in Kind::ALL {
-            assert_eq!(Kind::of_terminal(&format!("{:?}", kind.text())), Some(kind));
+    fn every_terminal_name_maps_back_to_its_kind() {
+        for &kind in TokenKind::ALL {
+            assert_eq!(TokenKind::of_terminal(&format!("{:?}", kind.text())), Some(kind));
         }
-        assert_eq!(Kind::KEYWORDS.len(), 59, "Modelica 3.6, section 2.3.3");
-        assert_eq!(Kind::of_terminal("error"), None);
+        assert_eq!(TokenKind::KEYWORDS.len(), 59, "Modelica 3.6, section 2.3.3");
+        assert_eq!(TokenKind::of_terminal("error"), None);
     }
 }

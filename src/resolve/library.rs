@@ -1,7 +1,7 @@
-//! All classes that a compilation can reach, read on demand.
+//! All classes that a compilation can access, loaded on demand.
 //!
-//! A package may be one file or a folder with `package.mo` (section 13.4 of the specification);
-//! what no model asks for is never opened.
+//! A package is one file or a folder with `package.mo` (Modelica 3.6, section 13.4). Files that no
+//! model refers to are never opened.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,30 +12,30 @@ use crate::base::name::{Name, name};
 use crate::base::source::{SourceMap, Span};
 use crate::ir::ast;
 
-use super::version::{self, Use};
+use super::version::{self, UsesEntry};
 
-/// A tree of folders that holds packages: a folder on disk or the library in the binary.
+/// A tree of folders with packages: a folder on disk or the library embedded in the binary.
 pub trait Folder {
-    /// Names in a folder, sorted; empty if there is no such folder. Folders end with `/`.
+    /// Names in a folder, sorted; empty if the folder does not exist. Names of folders end with `/`.
     fn entries(&self, path: &Path) -> Vec<String>;
-    /// The text of a file, or `None` if there is no such file.
+    /// The source in a file; `None` if the file does not exist.
     fn read(&self, path: &Path) -> Option<Result<String, String>>;
-    /// A file of data, as it is named or in this folder; `None` if there is no such file.
+    /// A data file, at the path itself or in this folder; `None` if the file does not exist.
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>>;
-    /// How a file is named in messages.
+    /// The path that diagnostics show for a file.
     fn display(&self, path: &Path) -> PathBuf;
 }
 
-/// The classes in reach.
+/// The accessible classes.
 pub struct Library {
     files: Vec<Arc<ast::Class>>,
     folders: Vec<Box<dyn Folder>>,
-    tops: FastMap<Name, Option<Arc<ast::Class>>>,
-    /// Where a package stands that is a folder: full name to (folder, path).
+    top_level: FastMap<Name, Option<Arc<ast::Class>>>,
+    /// The location of packages that are folders: full name to (folder, path).
     packages: FastMap<Name, (usize, PathBuf)>,
     children: FastMap<(Name, Name), Option<Arc<ast::Class>>>,
-    /// Versions of libraries that were asked for: the first to ask counts.
-    uses: FastMap<Name, Use>,
+    /// Required versions of libraries; the first requirement counts.
+    uses: FastMap<Name, UsesEntry>,
 }
 
 impl Library {
@@ -44,15 +44,15 @@ impl Library {
         Library {
             files: Vec::new(),
             folders,
-            tops: FastMap::default(),
+            top_level: FastMap::default(),
             packages: FastMap::default(),
             children: FastMap::default(),
             uses: FastMap::default(),
         }
     }
 
-    /// Adds the library that a file of the user belongs to, before all others: the folder that it is in, and
-    /// the one in it that the file is the `package.mo` of.
+    /// Adds the library that a file of the user belongs to, before all others: the folder that
+    /// contains the file and, if the file is a `package.mo`, the path of that package within it.
     pub fn add_home(&mut self, root: Box<dyn Folder>, package: Option<PathBuf>, file: &ast::File) {
         self.folders.insert(0, root);
         self.packages.values_mut().for_each(|(folder, _)| *folder += 1);
@@ -65,7 +65,7 @@ impl Library {
         }
     }
 
-    /// Adds the classes of a file that the user named; they hide libraries of the same name.
+    /// Adds the classes of a file given by the user; they hide libraries of the same name.
     pub fn add_file(&mut self, file: &ast::File, problems: &mut Problems) {
         for class in &file.classes {
             if let Some(before) = self.files.iter().find(|c| c.name.name == class.name.name) {
@@ -81,11 +81,11 @@ impl Library {
                 );
                 continue;
             }
-            self.note_uses(class);
+            self.record_uses(class);
             if let Some(package) = file.package() {
-                // A class of a package, opened by itself: it is also reachable by its short name.
-                let place = (name(&package.to_string()), class.name.name);
-                self.children.insert(place, Some(class.clone()));
+                // A class of a package, opened on its own: it is also accessible by its simple name.
+                let key = (name(&package.to_string()), class.name.name);
+                self.children.insert(key, Some(class.clone()));
             }
             self.files.push(class.clone());
         }
@@ -96,7 +96,7 @@ impl Library {
         &self.files
     }
 
-    /// The top-level class of a name.
+    /// The top-level class with this name.
     pub fn top(
         &mut self,
         wanted: Name,
@@ -106,7 +106,7 @@ impl Library {
         if let Some(c) = self.files.iter().find(|c| c.name.name == wanted) {
             return Some(c.clone());
         }
-        if let Some(known) = self.tops.get(&wanted) {
+        if let Some(known) = self.top_level.get(&wanted) {
             return known.clone();
         }
         let mut found = None;
@@ -118,31 +118,31 @@ impl Library {
             let opened = self.open(k, Path::new(""), &stem, &wanted, wanted, sources, problems);
             if let Some(class) = opened {
                 self.check_version(&class, &version, problems);
-                self.note_uses(&class);
+                self.record_uses(&class);
                 found = Some(class);
                 break;
             }
         }
-        self.tops.insert(wanted, found.clone());
+        self.top_level.insert(wanted, found.clone());
         found
     }
 
-    /// Where a library may stand, by folder and version, the best place first: the version that was asked
-    /// for, else in the first folder that has any the newest one.
+    /// The possible locations of a library, by folder and version, best first: the required version,
+    /// else the newest version in the first folder that has any.
     fn candidates(&self, library: Name) -> Vec<(usize, String)> {
         let mut all = Vec::new();
         for (k, folder) in self.folders.iter().enumerate() {
             let entries = folder.entries(Path::new(""));
             let of = |e: &String| version::of_entry(e, &library).map(str::to_string);
             let mut versions: Vec<String> = entries.iter().filter_map(of).collect();
-            versions.sort_by(|a, b| version::order(b, a));
+            versions.sort_by(|a, b| version::compare(b, a));
             versions.dedup();
             all.extend(versions.into_iter().map(|v| (k, v)));
         }
         if let Some(wanted) = self.uses.get(&library) {
             all.sort_by_key(|(_, v)| match v.as_str() {
                 v if *v == *wanted.version => 0,
-                // It may be that version, and says so in its text.
+                // It may be that version by its annotation.
                 "" => 1,
                 _ => 2,
             });
@@ -150,17 +150,21 @@ impl Library {
         all
     }
 
-    fn note_uses(&mut self, class: &ast::Class) {
+    fn record_uses(&mut self, class: &ast::Class) {
         for one in version::uses(class) {
             self.uses.entry(one.library).or_insert(one);
         }
     }
 
-    /// Warns of a library in another version than the one that was asked for, unless it says that it serves.
+    /// Warns if a library has another version than the required one, unless it declares itself
+    /// compatible.
     fn check_version(&self, class: &ast::Class, of_entry: &str, problems: &mut Problems) {
         let Some(wanted) = self.uses.get(&class.name.name) else { return };
-        let found = version::of(class).unwrap_or_else(|| of_entry.into());
-        if found.is_empty() || found == wanted.version || version::serves(class, &wanted.version) {
+        let found = version::declared_version(class).unwrap_or_else(|| of_entry.into());
+        if found.is_empty()
+            || found == wanted.version
+            || version::is_compatible_with(class, &wanted.version)
+        {
             return;
         }
         let library = wanted.library;
@@ -171,7 +175,7 @@ impl Library {
         ));
     }
 
-    /// A class that stands in the folder of package `full_name`, in a file of its own.
+    /// A class in a file of its own in the folder of package `full_name`.
     pub fn child(
         &mut self,
         full_name: Name,
@@ -189,7 +193,7 @@ impl Library {
         found
     }
 
-    /// Names of classes in files of their own in the folder of a package, or of all top-level
+    /// Names of the classes in files of their own in the folder of a package, or of all top-level
     /// packages for an empty name: candidates for "did you mean".
     pub fn child_names(&self, full_name: &str) -> Vec<String> {
         let clean = |entries: Vec<String>| {
@@ -211,8 +215,8 @@ impl Library {
         }
     }
 
-    /// Where `modelica://Package/path` leads (section 13.5 of the specification); other names of files
-    /// stay as they are. `None` if there is no such package.
+    /// Resolves `modelica://Package/path` (Modelica 3.6, section 13.5); other file names are returned
+    /// unchanged. `None` if the package does not exist.
     pub fn resource(&self, uri: &str) -> Option<PathBuf> {
         let Some(rest) = uri.strip_prefix("modelica://") else {
             let plain = uri.strip_prefix("file://").unwrap_or(uri);
@@ -223,7 +227,7 @@ impl Library {
         Some(self.folders[*folder].display(&root.join(path)))
     }
 
-    /// What is in a file of data.
+    /// The content of a data file.
     pub fn data(&self, path: &Path) -> Result<Vec<u8>, String> {
         let found = self.folders.iter().find_map(|f| f.data(path));
         found.unwrap_or_else(|| Err("there is no such file".to_string()))

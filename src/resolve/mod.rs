@@ -1,5 +1,5 @@
-//! Names of classes to their texts: the user's files first, then libraries in folders.
+//! Finds classes by name: in the user's files first, then in library folders.
 //!
-//! In: syntax trees and folders. Out: the class of a full name. Modelica specification, chapter 13.
+//! In: syntax trees and folders. Out: the class with a fully qualified name. Modelica 3.6, chapter 13.
 pub mod library;
 pub mod version;

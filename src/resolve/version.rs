@@ -1,5 +1,5 @@
-//! Versions of libraries: which one a text asks for, and which one a folder holds (sections 13.4 and 18.8 of
-//! the specification).
+//! Versions of libraries: the one that a class requires and the ones that a folder contains (Modelica
+//! 3.6, sections 13.4 and 18.8).
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -10,34 +10,34 @@ use crate::ir::ast::{ArgumentKind, Class, ExprKind, Modification};
 
 /// An entry of `annotation(uses(Library(version = "...")))`.
 #[derive(Clone, Debug)]
-pub struct Use {
+pub struct UsesEntry {
     /// The library.
     pub library: Name,
-    /// Its version.
+    /// The required version.
     pub version: Arc<str>,
-    /// Where that is written.
+    /// The span of the version string.
     pub span: Span,
 }
 
-/// What the annotation of a class says of the libraries that it uses.
-pub fn uses(class: &Class) -> Vec<Use> {
+/// The libraries that a class requires by its `uses` annotation.
+pub fn uses(class: &Class) -> Vec<UsesEntry> {
     let Some(annotation) = &class.annotation else { return Vec::new() };
     let lists = elements(annotation).filter(|(what, _)| what == "uses").map(|(_, list)| list);
     let entries = lists.flat_map(elements);
     let of = |(library, entry): (String, &Modification)| {
         let (version, span) = text(entry, "version")?;
-        Some(Use { library: name(&library), version, span })
+        Some(UsesEntry { library: name(&library), version, span })
     };
     entries.filter_map(of).collect()
 }
 
-/// The version that a library says it has.
-pub fn of(class: &Class) -> Option<Arc<str>> {
+/// The version in the annotation of a library.
+pub fn declared_version(class: &Class) -> Option<Arc<str>> {
     class.annotation.as_ref().and_then(|a| text(a, "version")).map(|(version, _)| version)
 }
 
-/// Whether what was written for a version needs no change: `conversion(noneFromVersion = "...")`.
-pub fn serves(class: &Class, version: &str) -> bool {
+/// True if models written for a version need no conversion: `conversion(noneFromVersion = "...")`.
+pub fn is_compatible_with(class: &Class, version: &str) -> bool {
     let Some(annotation) = &class.annotation else { return false };
     let lists = elements(annotation).filter(|(what, _)| what == "conversion");
     let mut entries = lists.flat_map(|(_, list)| elements(list));
@@ -46,15 +46,16 @@ pub fn serves(class: &Class, version: &str) -> bool {
     })
 }
 
-/// The version in the name of a folder or file, empty where it has none; `None` if it is not of the library.
+/// The version in the name of a folder or file, empty if it has none; `None` if the name is not that
+/// of the library.
 pub fn of_entry<'e>(entry: &'e str, library: &str) -> Option<&'e str> {
     let stem = entry.strip_suffix('/').or_else(|| entry.strip_suffix(".mo"))?;
     let rest = stem.strip_prefix(library)?;
     if rest.is_empty() { Some("") } else { rest.strip_prefix(' ') }
 }
 
-/// Versions by their numbers, from old to new.
-pub fn order(a: &str, b: &str) -> Ordering {
+/// Compares versions number by number, older first.
+pub fn compare(a: &str, b: &str) -> Ordering {
     let numbers = |v: &str| -> Vec<u64> {
         v.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect()
     };
@@ -87,9 +88,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn versions_are_numbers() {
-        assert_eq!(order("4.1.0", "4.0.10"), Ordering::Greater);
-        assert_eq!(order("10.0", "9.9.9"), Ordering::Greater);
+    fn versions_compare_by_number() {
+        assert_eq!(compare("4.1.0", "4.0.10"), Ordering::Greater);
+        assert_eq!(compare("10.0", "9.9.9"), Ordering::Greater);
         assert_eq!(of_entry("Modelica 4.1.0/", "Modelica"), Some("4.1.0"));
         assert_eq!(of_entry("Modelica 4.1.0.mo", "Modelica"), Some("4.1.0"));
         assert_eq!(of_entry("Modelica/", "Modelica"), Some(""));

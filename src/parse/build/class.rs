@@ -1,126 +1,19 @@
-//! Classes, elements and modifications.
+//! Classes and the sections of their bodies.
 
 use std::sync::Arc;
 
+use super::prefix::{CLASS, Prefix, Prefixes, TYPE};
 use super::{Builder, MAX_BLOCKS, OpenClass, too_deep};
-use crate::base::source::Span;
 use crate::ir::ast::*;
 use crate::parse::error::SyntaxError;
-use crate::parse::grammar::Failure;
-use crate::parse::token::Kind;
+use crate::parse::grammar::ParseError;
 
 /// A description string and an annotation.
 pub type Description = (Option<Arc<str>>, Option<Arc<Modification>>);
 
-/// The prefix keywords, in the order in which they must be written.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-#[allow(missing_docs)]
-pub enum Prefix {
-    Redeclare,
-    Each,
-    Final,
-    Inner,
-    Outer,
-    Replaceable,
-    Encapsulated,
-    Partial,
-    Flow,
-    Stream,
-    Discrete,
-    Parameter,
-    Constant,
-    Input,
-    Output,
-}
-
-impl Prefix {
-    const ALL: [(Prefix, Kind); 15] = [
-        (Prefix::Redeclare, Kind::Redeclare),
-        (Prefix::Each, Kind::Each),
-        (Prefix::Final, Kind::Final),
-        (Prefix::Inner, Kind::Inner),
-        (Prefix::Outer, Kind::Outer),
-        (Prefix::Replaceable, Kind::Replaceable),
-        (Prefix::Encapsulated, Kind::Encapsulated),
-        (Prefix::Partial, Kind::Partial),
-        (Prefix::Flow, Kind::Flow),
-        (Prefix::Stream, Kind::Stream),
-        (Prefix::Discrete, Kind::Discrete),
-        (Prefix::Parameter, Kind::Parameter),
-        (Prefix::Constant, Kind::Constant),
-        (Prefix::Input, Kind::Input),
-        (Prefix::Output, Kind::Output),
-    ];
-    /// Prefixes of one place exclude each other.
-    fn place(self) -> u8 {
-        match self {
-            Prefix::Flow | Prefix::Stream => 8,
-            Prefix::Discrete | Prefix::Parameter | Prefix::Constant => 9,
-            Prefix::Input | Prefix::Output => 10,
-            other => other as u8,
-        }
-    }
-}
-
-/// Prefixes of an element or modification argument.
+/// Everything before the body of a class.
 #[derive(Clone, Copy, Debug)]
-pub struct Prefixes {
-    start: u32,
-    set: u32,
-    last: Option<Prefix>,
-}
-
-const ELEMENT: &[Prefix] =
-    &[Prefix::Redeclare, Prefix::Final, Prefix::Inner, Prefix::Outer, Prefix::Replaceable];
-const ARGUMENT: &[Prefix] = &[Prefix::Redeclare, Prefix::Each, Prefix::Final, Prefix::Replaceable];
-const CLASS: &[Prefix] = &[Prefix::Encapsulated, Prefix::Partial];
-const TYPE: &[Prefix] = &[
-    Prefix::Flow,
-    Prefix::Stream,
-    Prefix::Discrete,
-    Prefix::Parameter,
-    Prefix::Constant,
-    Prefix::Input,
-    Prefix::Output,
-];
-
-impl Prefixes {
-    /// None yet; they would start here.
-    pub fn at(start: u32) -> Self {
-        Prefixes { start, set: 0, last: None }
-    }
-    /// Where the first one starts, or what follows.
-    pub fn start(self) -> u32 {
-        self.start
-    }
-    fn has(self, prefix: Prefix) -> bool {
-        self.set & (1 << prefix as u32) != 0
-    }
-    fn type_prefix(self) -> TypePrefix {
-        let first = |list: &[Prefix]| list.iter().copied().find(|p| self.has(*p));
-        TypePrefix {
-            connection: first(&[Prefix::Flow, Prefix::Stream]).map(|p| match p {
-                Prefix::Flow => ConnectionPrefix::Flow,
-                _ => ConnectionPrefix::Stream,
-            }),
-            variability: first(&[Prefix::Discrete, Prefix::Parameter, Prefix::Constant]).map(|p| {
-                match p {
-                    Prefix::Discrete => Variability::Discrete,
-                    Prefix::Parameter => Variability::Parameter,
-                    _ => Variability::Constant,
-                }
-            }),
-            causality: first(&[Prefix::Input, Prefix::Output]).map(|p| match p {
-                Prefix::Input => Causality::Input,
-                _ => Causality::Output,
-            }),
-        }
-    }
-}
-
-/// What stands before the body of a class.
-#[derive(Clone, Copy, Debug)]
-pub struct Head {
+pub struct ClassHead {
     prefixes: Prefixes,
     kind: ClassKind,
     name: Ident,
@@ -128,28 +21,17 @@ pub struct Head {
 
 /// A class with the prefixes of the element or argument it will become.
 #[derive(Debug)]
-pub struct Draft {
-    prefixes: Prefixes,
-    class: Class,
+pub struct ClassDraft {
+    pub(super) prefixes: Prefixes,
+    pub(super) class: Class,
 }
 
 /// The body of a long class.
 #[derive(Debug, Default)]
-pub struct Parts {
+pub struct ClassParts {
     composition: Composition,
     annotation: Option<Arc<Modification>>,
 }
-
-/// Something with the description that follows it.
-#[derive(Debug)]
-pub struct Described<T> {
-    node: T,
-    span: Span,
-    description: Option<Arc<str>>,
-    annotation: Option<Arc<Modification>>,
-}
-
-type Constraint = Option<Box<Described<Replaceable>>>;
 
 impl Builder<'_> {
     /// `within A.B;`
@@ -157,42 +39,10 @@ impl Builder<'_> {
         let span = self.span(start, end);
         self.within = Some(path.unwrap_or(Path { global: false, parts: Vec::new(), span }));
     }
-    /// A class of the file itself.
-    pub fn top_class(&mut self, draft: Box<Draft>) {
+    /// A top-level class of the file.
+    pub fn top_class(&mut self, draft: Box<ClassDraft>) {
         self.allow(draft.prefixes, &[&[Prefix::Final], CLASS], "a class of the file");
         self.classes.push(Arc::new(draft.class));
-    }
-
-    // ---- Prefixes ----
-
-    /// Adds a prefix; reports one that is doubled or out of order.
-    pub fn prefix(&mut self, mut list: Prefixes, prefix: Prefix, start: u32, end: u32) -> Prefixes {
-        let span = self.span(start, end);
-        if let Some(last) = list.last {
-            let error = if list.has(prefix) {
-                Some(SyntaxError::DoubledPrefix { span })
-            } else if prefix.place() == last.place() {
-                Some(SyntaxError::ExclusivePrefix { span, other: Prefix::text(last) })
-            } else if prefix.place() < last.place() {
-                let (prefix, later) = (Prefix::text(prefix), Prefix::text(last));
-                Some(SyntaxError::PrefixOrder { span, prefix, later })
-            } else {
-                None
-            };
-            error.into_iter().for_each(|e| self.report(e));
-        }
-        list.set |= 1 << prefix as u32;
-        list.last = Some(prefix);
-        list
-    }
-    /// Reports prefixes that do not belong to `what`.
-    fn allow(&mut self, prefixes: Prefixes, allowed: &[&[Prefix]], what: &'static str) {
-        for (prefix, kind) in Prefix::ALL {
-            if prefixes.has(prefix) && !allowed.iter().any(|list| list.contains(&prefix)) {
-                let span = self.first_of(kind, prefixes.start);
-                self.report(SyntaxError::MisplacedPrefix { span, prefix: kind.text(), what });
-            }
-        }
     }
 
     // ---- Classes ----
@@ -203,35 +53,35 @@ impl Builder<'_> {
         prefixes: Prefixes,
         kind: ClassKind,
         name: Ident,
-    ) -> Result<Box<Head>, Failure> {
+    ) -> Result<Box<ClassHead>, ParseError> {
         self.blocks = 0;
         if self.open.len() >= MAX_BLOCKS {
             return Err(too_deep(name.span.start));
         }
         self.open.push(OpenClass { start: prefixes.start, name });
-        Ok(Box::new(Head { prefixes, kind, name }))
+        Ok(Box::new(ClassHead { prefixes, kind, name }))
     }
     /// Everything up to `end A`.
     pub fn long_class(
         &mut self,
-        head: Box<Head>,
+        head: Box<ClassHead>,
         class_extends: Option<Option<Arc<Modification>>>,
         description: Option<Arc<str>>,
-        parts: Box<Parts>,
+        parts: Box<ClassParts>,
         end: Ident,
-    ) -> Box<Draft> {
+    ) -> Box<ClassDraft> {
         self.close_class(&head, Some(end));
         let mut composition = parts.composition;
         composition.class_extends = class_extends;
         let body = ClassBody::Long(composition);
         self.draft(&head, body, (description, parts.annotation), end.span.end)
     }
-    /// A class that the end of the file cut short.
+    /// A class that is cut short by the end of the file.
     pub fn unclosed_class(
         &mut self,
-        head: Box<Head>,
+        head: Box<ClassHead>,
         description: Option<Arc<str>>,
-        parts: Box<Parts>,
+        parts: Box<ClassParts>,
         end: u32,
     ) {
         if !self.unclosed_reported {
@@ -246,14 +96,14 @@ impl Builder<'_> {
     #[allow(clippy::too_many_arguments)] // one for each part of the rule
     pub fn short_class(
         &mut self,
-        head: Box<Head>,
+        head: Box<ClassHead>,
         prefixes: Prefixes,
         base: Path,
         dims: Vec<Subscript>,
         modification: Option<Arc<Modification>>,
         description: Description,
         end: u32,
-    ) -> Box<Draft> {
+    ) -> Box<ClassDraft> {
         self.close_class(&head, None);
         self.allow(prefixes, &[TYPE], "the base of a short class");
         let prefix = prefixes.type_prefix();
@@ -263,11 +113,11 @@ impl Builder<'_> {
     /// `type A = enumeration(...)`
     pub fn enumeration(
         &mut self,
-        head: Box<Head>,
+        head: Box<ClassHead>,
         literals: Option<Vec<EnumLiteral>>,
         description: Description,
         end: u32,
-    ) -> Box<Draft> {
+    ) -> Box<ClassDraft> {
         self.close_class(&head, None);
         self.draft(&head, ClassBody::Enumeration(literals), description, end)
     }
@@ -278,23 +128,23 @@ impl Builder<'_> {
     /// `function A = der(f, x)`
     pub fn partial_derivative(
         &mut self,
-        head: Box<Head>,
+        head: Box<ClassHead>,
         function: Path,
         variables: Vec<Ident>,
         description: Description,
         end: u32,
-    ) -> Box<Draft> {
+    ) -> Box<ClassDraft> {
         self.close_class(&head, None);
         let body = ClassBody::PartialDerivative { function, variables };
         self.draft(&head, body, description, end)
     }
     fn draft(
         &mut self,
-        head: &Head,
+        head: &ClassHead,
         body: ClassBody,
         description: Description,
         end: u32,
-    ) -> Box<Draft> {
+    ) -> Box<ClassDraft> {
         let class = Class {
             name: head.name,
             span: self.span(head.prefixes.start, end),
@@ -305,10 +155,10 @@ impl Builder<'_> {
             description: description.0,
             annotation: description.1,
         };
-        Box::new(Draft { prefixes: head.prefixes, class })
+        Box::new(ClassDraft { prefixes: head.prefixes, class })
     }
     /// Takes the class off the list of open ones and checks the name after `end`.
-    fn close_class(&mut self, head: &Head, end: Option<Ident>) {
+    fn close_class(&mut self, head: &ClassHead, end: Option<Ident>) {
         let start = head.prefixes.start;
         self.open.retain(|open| open.start < start);
         self.blocks = 0;
@@ -331,17 +181,17 @@ impl Builder<'_> {
     // ---- Sections ----
 
     /// The elements before any section.
-    pub fn parts(&mut self, elements: Vec<Box<Element>>) -> Box<Parts> {
-        let parts = Box::<Parts>::default();
+    pub fn parts(&mut self, elements: Vec<Box<Element>>) -> Box<ClassParts> {
+        let parts = Box::<ClassParts>::default();
         self.elements(parts, false, elements)
     }
     /// A `public` or `protected` section.
     pub fn elements(
         &mut self,
-        mut parts: Box<Parts>,
+        mut parts: Box<ClassParts>,
         protected: bool,
         elements: Vec<Box<Element>>,
-    ) -> Box<Parts> {
+    ) -> Box<ClassParts> {
         let elements = elements.into_iter().map(|e| Element { protected, ..*e });
         parts.composition.elements.extend(elements);
         parts
@@ -349,10 +199,10 @@ impl Builder<'_> {
     /// An `equation` section.
     pub fn equations(
         &mut self,
-        mut parts: Box<Parts>,
+        mut parts: Box<ClassParts>,
         initial: bool,
         equations: Vec<Equation>,
-    ) -> Box<Parts> {
+    ) -> Box<ClassParts> {
         self.blocks = 0;
         let section = EquationSection { initial, equations: equations.into() };
         parts.composition.equations.push(section);
@@ -361,12 +211,12 @@ impl Builder<'_> {
     /// An `algorithm` section.
     pub fn algorithm(
         &mut self,
-        mut parts: Box<Parts>,
+        mut parts: Box<ClassParts>,
         initial: bool,
         statements: Vec<Statement>,
         start: u32,
         end: u32,
-    ) -> Box<Parts> {
+    ) -> Box<ClassParts> {
         self.blocks = 0;
         let span = self.span(start, end);
         let section = AlgorithmSection { initial, statements: statements.into(), span };
@@ -374,7 +224,11 @@ impl Builder<'_> {
         parts
     }
     /// The `external` clause.
-    pub fn external(&mut self, mut parts: Box<Parts>, external: Box<External>) -> Box<Parts> {
+    pub fn external(
+        &mut self,
+        mut parts: Box<ClassParts>,
+        external: Box<External>,
+    ) -> Box<ClassParts> {
         if let Some(first) = &parts.composition.external {
             let (span, first) = (external.span, first.span);
             self.report(SyntaxError::Doubled { span, first, what: "`external` clause" });
@@ -401,238 +255,15 @@ impl Builder<'_> {
     /// The annotation of the class.
     pub fn class_annotation(
         &mut self,
-        mut parts: Box<Parts>,
+        mut parts: Box<ClassParts>,
         annotation: Arc<Modification>,
-    ) -> Box<Parts> {
+    ) -> Box<ClassParts> {
         if let Some(first) = &parts.annotation {
             let (span, first) = (annotation.span, first.span);
             self.report(SyntaxError::Doubled { span, first, what: "annotation of the class" });
         }
         parts.annotation = Some(annotation);
         parts
-    }
-
-    // ---- Elements ----
-
-    /// What an import clause names.
-    pub fn import_of(&mut self, parts: Vec<Ident>, form: ImportForm) -> Box<Import> {
-        Box::new(Import { path: self.path(parts), form })
-    }
-    /// An import clause.
-    pub fn import(&mut self, import: Box<Import>, start: u32, end: u32) -> Box<Element> {
-        let span = self.span(start, end);
-        self.element(Prefixes::at(start), None, ElementKind::Import(*import), span)
-    }
-    /// An extends clause.
-    pub fn extends(
-        &mut self,
-        base: Path,
-        modification: Option<Arc<Modification>>,
-        annotation: Option<Arc<Modification>>,
-        start: u32,
-        end: u32,
-    ) -> Box<Element> {
-        let span = self.span(start, end);
-        let kind = ElementKind::Extends(Extends { base, modification, annotation });
-        self.element(Prefixes::at(start), None, kind, span)
-    }
-    /// A nested class.
-    pub fn class_element(
-        &mut self,
-        draft: Box<Draft>,
-        constraint: Constraint,
-        end: u32,
-    ) -> Box<Element> {
-        self.allow(draft.prefixes, &[ELEMENT, CLASS], "a class");
-        self.class_in(draft, constraint, end)
-    }
-    /// Components of one type.
-    pub fn components(
-        &mut self,
-        prefixes: Prefixes,
-        type_name: Path,
-        type_dims: Vec<Subscript>,
-        components: Vec<Box<Component>>,
-        constraint: Constraint,
-        end: u32,
-    ) -> Box<Element> {
-        self.allow(prefixes, &[ELEMENT, TYPE], "a component");
-        self.components_in(prefixes, type_name, type_dims, components, constraint, end)
-    }
-    /// One declared name.
-    pub fn component(
-        &mut self,
-        name: Ident,
-        dims: Vec<Subscript>,
-        modification: Option<Arc<Modification>>,
-        condition: Option<Box<Expr>>,
-        (description, annotation): Description,
-    ) -> Box<Component> {
-        let condition = condition.map(Arc::from);
-        Box::new(Component { name, dims, modification, condition, description, annotation })
-    }
-    /// `constrainedby A(...) "..."`
-    pub fn constraint(
-        &mut self,
-        start: u32,
-        path: Path,
-        modification: Option<Arc<Modification>>,
-        (description, annotation): Description,
-    ) -> Box<Described<Replaceable>> {
-        let span = self.span(start, path.span.end);
-        let node = Replaceable { constraint: Some(path), modification };
-        Box::new(Described { node, span, description, annotation })
-    }
-
-    fn class_in(&mut self, draft: Box<Draft>, constraint: Constraint, end: u32) -> Box<Element> {
-        let Draft { prefixes, mut class } = *draft;
-        let constraint = constraint.map(|mut c| {
-            class.description = class.description.take().or(c.description.take());
-            class.annotation = class.annotation.take().or(c.annotation.take());
-            c
-        });
-        let span = self.span(prefixes.start, end);
-        self.element(prefixes, constraint, ElementKind::Class(Arc::new(class)), span)
-    }
-    fn components_in(
-        &mut self,
-        prefixes: Prefixes,
-        type_name: Path,
-        type_dims: Vec<Subscript>,
-        components: Vec<Box<Component>>,
-        constraint: Constraint,
-        end: u32,
-    ) -> Box<Element> {
-        let mut components = self.unbox(components);
-        let constraint = constraint.map(|mut c| {
-            // Written after the constraint, the description is that of the declared component.
-            if let Some(last) = components.last_mut() {
-                last.description = last.description.take().or(c.description.take());
-                last.annotation = last.annotation.take().or(c.annotation.take());
-            }
-            c
-        });
-        let span = self.span(prefixes.start, end);
-        let prefix = prefixes.type_prefix();
-        let clause = ComponentClause { prefix, type_name, type_dims, components };
-        self.element(prefixes, constraint, ElementKind::Components(clause), span)
-    }
-    fn element(
-        &mut self,
-        prefixes: Prefixes,
-        constraint: Constraint,
-        kind: ElementKind,
-        span: Span,
-    ) -> Box<Element> {
-        let replaceable = prefixes.has(Prefix::Replaceable);
-        if let Some(constraint) = &constraint
-            && !replaceable
-            && !prefixes.has(Prefix::Redeclare)
-        {
-            self.report(SyntaxError::IdleConstraint { span: constraint.span });
-        }
-        let constraint = constraint.map(|c| c.node);
-        Box::new(Element {
-            protected: false,
-            redeclare: prefixes.has(Prefix::Redeclare),
-            is_final: prefixes.has(Prefix::Final),
-            inner: prefixes.has(Prefix::Inner),
-            outer: prefixes.has(Prefix::Outer),
-            replaceable: if replaceable {
-                Some(constraint.unwrap_or_default())
-            } else {
-                constraint
-            },
-            kind,
-            span,
-        })
-    }
-
-    // ---- Modifications ----
-
-    /// `(...) = e`
-    pub fn modification(
-        &mut self,
-        args: Vec<Box<Argument>>,
-        binding: Option<Box<Expr>>,
-        start: u32,
-        end: u32,
-    ) -> Arc<Modification> {
-        let args = self.unbox(args);
-        Arc::new(Modification {
-            args,
-            binding: binding.map(Arc::from),
-            span: self.span(start, end),
-        })
-    }
-    /// `each final a.b(...) = e "..."`
-    pub fn modify(
-        &mut self,
-        prefixes: Prefixes,
-        path: Path,
-        modification: Option<Arc<Modification>>,
-        (description, _): Description,
-        end: u32,
-    ) -> Box<Argument> {
-        self.allow(prefixes, &[&[Prefix::Each, Prefix::Final]], "a modification");
-        let kind = ArgumentKind::Element { path, modification, description };
-        self.argument(prefixes, kind, end)
-    }
-    /// `redeclare model A = B`
-    pub fn redeclare_class(
-        &mut self,
-        draft: Box<Draft>,
-        constraint: Constraint,
-        end: u32,
-    ) -> Box<Argument> {
-        let prefixes = draft.prefixes;
-        self.allow(prefixes, &[ARGUMENT, CLASS], "the class of a modification");
-        self.check_redeclares(prefixes, draft.class.name);
-        if matches!(draft.class.body, ClassBody::Long(_)) {
-            self.report(SyntaxError::LongRedeclaration { class: draft.class.name });
-        }
-        let element = self.class_in(draft, constraint, end);
-        self.argument(prefixes, ArgumentKind::Redeclare(Arc::from(element)), end)
-    }
-    /// `redeclare A a(...)`
-    pub fn redeclare_component(
-        &mut self,
-        prefixes: Prefixes,
-        type_name: Path,
-        type_dims: Vec<Subscript>,
-        component: Box<Component>,
-        constraint: Constraint,
-        end: u32,
-    ) -> Box<Argument> {
-        self.allow(prefixes, &[ARGUMENT, TYPE], "the component of a modification");
-        self.check_redeclares(prefixes, component.name);
-        let element =
-            self.components_in(prefixes, type_name, type_dims, vec![component], constraint, end);
-        self.argument(prefixes, ArgumentKind::Redeclare(Arc::from(element)), end)
-    }
-    /// `break a`
-    pub fn removal(&mut self, removal: Removal, start: u32, end: u32) -> Box<Argument> {
-        self.argument(Prefixes::at(start), ArgumentKind::Removal(removal), end)
-    }
-    fn check_redeclares(&mut self, prefixes: Prefixes, name: Ident) {
-        if !prefixes.has(Prefix::Redeclare) && !prefixes.has(Prefix::Replaceable) {
-            let at = self.span(prefixes.start, prefixes.start);
-            self.report(SyntaxError::MissingRedeclare { at, name });
-        }
-    }
-    fn argument(&mut self, prefixes: Prefixes, kind: ArgumentKind, end: u32) -> Box<Argument> {
-        Box::new(Argument {
-            each: prefixes.has(Prefix::Each),
-            is_final: prefixes.has(Prefix::Final),
-            kind,
-            span: self.span(prefixes.start, end),
-        })
-    }
-}
-
-impl Prefix {
-    fn text(prefix: Prefix) -> &'static str {
-        Prefix::ALL[prefix as usize].1.text()
     }
 }
 
@@ -747,7 +378,7 @@ mod tests {
         }
     }
     #[test]
-    fn what_is_not_broken_is_kept() {
+    fn valid_constructs_are_kept() {
         let (file, codes) =
             file("model A Real x; Real 3; Real y; equation x = ; y = 1; end A; model B end B;");
         assert_eq!((codes, file.classes.len()), (vec!["MO0001", "MO0001"], 2));

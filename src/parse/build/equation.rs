@@ -5,15 +5,15 @@ use super::class::Description;
 use crate::base::source::Span;
 use crate::ir::ast::*;
 use crate::parse::error::SyntaxError;
-use crate::parse::token::Kind;
+use crate::parse::token::TokenKind;
 
-/// Conditions with what they guard.
+/// Conditions with the equations or statements that they guard.
 type Branches<T> = Vec<(Expr, Vec<T>)>;
 
 impl Builder<'_> {
     // ---- Equations ----
 
-    /// Gives an equation its description and its place.
+    /// Adds the description and the span of an equation.
     pub fn describe(
         &mut self,
         mut equation: Box<Equation>,
@@ -28,7 +28,7 @@ impl Builder<'_> {
     fn equation(&mut self, kind: EquationKind) -> Box<Equation> {
         Box::new(Equation { kind, span: Span::NONE, description: None })
     }
-    /// An expression without `=`: a call, or a mistake.
+    /// An expression without `=`: a call or an error.
     pub fn lone_equation(&mut self, expr: Box<Expr>) -> Box<Equation> {
         if matches!(expr.kind, ExprKind::Call { .. }) {
             return self.equation(EquationKind::Call(*expr));
@@ -45,7 +45,7 @@ impl Builder<'_> {
     pub fn equal(&mut self, left: Box<Expr>, right: Box<Expr>) -> Box<Equation> {
         self.equation(EquationKind::Equal(*left, *right))
     }
-    /// `a := b` among equations: reported, and taken for `a = b`.
+    /// `a := b` in an equation section: reported and treated as `a = b`.
     pub fn assigned_equation(
         &mut self,
         left: Box<Expr>,
@@ -91,16 +91,21 @@ impl Builder<'_> {
 
     // ---- Statements ----
 
-    /// Gives a statement its place.
-    pub fn place(&mut self, mut statement: Box<Statement>, start: u32, end: u32) -> Box<Statement> {
+    /// Adds the span of a statement.
+    pub fn locate(
+        &mut self,
+        mut statement: Box<Statement>,
+        start: u32,
+        end: u32,
+    ) -> Box<Statement> {
         statement.span = self.span(start, end);
         statement
     }
-    /// A statement, as yet without place.
+    /// A statement without a span.
     pub fn statement(&mut self, kind: StatementKind) -> Box<Statement> {
         Box::new(Statement { kind, span: Span::NONE })
     }
-    /// An expression without `:=`: a call, or a mistake.
+    /// An expression without `:=`: a call or an error.
     pub fn lone_statement(&mut self, expr: Box<Expr>) -> Box<Statement> {
         if matches!(expr.kind, ExprKind::Call { .. }) {
             return self.statement(StatementKind::Call(*expr));
@@ -135,7 +140,7 @@ impl Builder<'_> {
         });
         self.statement(kind)
     }
-    /// `a = b` among statements: reported, and taken for `a := b`.
+    /// `a = b` in an algorithm section: reported and treated as `a := b`.
     pub fn equal_statement(
         &mut self,
         left: Box<Expr>,
@@ -196,12 +201,12 @@ impl Builder<'_> {
             .filter(|t| t.end <= right.span.start)
             .map_or(left.span, |t| self.span(t.start, t.end))
     }
-    /// Reports an expression that should have been more, unless the parser is about to report
-    /// what follows it.
+    /// Reports an expression that should be part of an equation or statement, unless the parser is
+    /// about to report the tokens that follow it.
     fn incomplete(&mut self, expr: &Expr, wanted: &'static str) {
         let next = self.tokens.partition_point(|t| t.start < expr.span.end);
         let ends = self.tokens.get(next).is_none_or(|t| {
-            matches!(t.kind, Kind::Semicolon | Kind::String | Kind::Annotation)
+            matches!(t.kind, TokenKind::Semicolon | TokenKind::String | TokenKind::Annotation)
                 || t.kind.starts_section()
         });
         let follows_error = expr.span.start < self.quiet_until;

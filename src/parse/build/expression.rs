@@ -6,7 +6,7 @@ use super::Builder;
 use crate::ir::ast::*;
 use crate::parse::error::SyntaxError;
 
-/// What stands between the parentheses of a call.
+/// The arguments between the parentheses of a call.
 #[derive(Debug)]
 pub enum Args {
     /// Arguments.
@@ -25,21 +25,21 @@ pub enum Arg {
 }
 
 impl Builder<'_> {
-    /// An expression at its place.
+    /// An expression with its span.
     pub fn expr(&mut self, kind: ExprKind, start: u32, end: u32) -> Box<Expr> {
         Box::new(Expr { kind, span: self.span(start, end) })
     }
 
     // ---- Literals ----
 
-    /// An integer; one beyond 64 bits is read as a real number.
+    /// An Integer literal; beyond 64 bits it becomes a Real literal.
     pub fn integer(&mut self, start: u32, end: u32) -> Box<Expr> {
         match self.text(start, end).parse() {
             Ok(value) => self.expr(ExprKind::Integer(value), start, end),
             Err(_) => self.real(start, end),
         }
     }
-    /// A real number.
+    /// A Real literal.
     pub fn real(&mut self, start: u32, end: u32) -> Box<Expr> {
         let value: f64 = self.text(start, end).parse().unwrap_or(f64::INFINITY);
         if value.is_finite() {
@@ -54,7 +54,7 @@ impl Builder<'_> {
         let text = self.string(start, end);
         self.expr(ExprKind::String(text), start, end)
     }
-    /// The text of a string with its escapes resolved.
+    /// The value of a string literal with its escapes resolved.
     pub fn string(&mut self, start: u32, end: u32) -> Arc<str> {
         let quoted = self.text(start, end);
         let inner = quoted.strip_prefix('"').unwrap_or(quoted);
@@ -270,7 +270,7 @@ mod tests {
         let modification = clause.components[0].modification.as_ref().expect("a modification");
         modification.binding.as_deref().expect("a binding").clone()
     }
-    /// Every operator with its parentheses.
+    /// The tree in prefix form: every operator with its operands in parentheses.
     fn shape(e: &Expr) -> String {
         let list = |v: &[Expr]| v.iter().map(shape).collect::<Vec<_>>().join(", ");
         match &e.kind {
@@ -384,7 +384,7 @@ mod tests {
         }
     }
     #[test]
-    fn nesting_is_bounded_and_long_sums_are_not_a_problem() {
+    fn nesting_is_bounded_and_long_sums_are_accepted() {
         let codes = |expr: String| {
             let text = format!("model A Real x = {expr}; end A;");
             let mut problems = Problems::new();

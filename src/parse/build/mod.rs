@@ -1,29 +1,32 @@
 //! Builds the syntax tree: the functions that grammar actions call.
 //!
-//! The builder also checks what a context-free grammar can not (names after `end`, which prefixes
-//! stand together) and turns LALRPOP's recoveries into diagnostics.
+//! The builder also makes the checks that a context-free grammar cannot (names after `end`,
+//! combinations of prefixes) and turns LALRPOP's recoveries into diagnostics.
 //!
-//! Nodes come and go in boxes: every entry of the parser's stack is as large as the largest of them.
+//! Nodes are passed in boxes, because every entry of the parser's stack is as large as the largest.
 #![allow(clippy::boxed_local, clippy::vec_box)] // see above
 
 pub mod class;
+pub mod element;
 pub mod equation;
 pub mod expression;
+pub mod modification;
+pub mod prefix;
 
 use std::sync::Arc;
 
-use super::error::{Bound, Context, SyntaxError};
-use super::grammar::{Failure, Recovery};
-use super::token::{Kind, Token};
+use super::error::{NestingLimit, SyntaxContext, SyntaxError};
+use super::grammar::{ParseError, Recovery};
+use super::token::{Token, TokenKind};
 use crate::base::diag::Problems;
 use crate::base::name::name;
 use crate::base::source::{FileId, Span};
 use crate::ir::ast::{Class, Ident, Path};
 
-/// Classes and blocks of equations nested deeper than this are refused.
+/// Classes and blocks of equations nested deeper than this are rejected.
 pub const MAX_BLOCKS: usize = 250;
 
-/// After this many errors in a file, the rest is not worth reading.
+/// After this many errors in a file, further ones are not reported.
 const MAX_REPORTS: usize = 200;
 
 /// The state of one parse.
@@ -38,9 +41,9 @@ pub struct Builder<'t> {
     pub classes: Vec<Arc<Class>>,
     /// Heads of classes not yet closed.
     open: Vec<OpenClass>,
-    /// Starts of blocks of equations or statements not yet closed.
+    /// Number of open blocks of equations or statements.
     blocks: usize,
-    /// Consequences of an error, up to this byte, are not reported.
+    /// Errors before this byte are consequences of an earlier one and are not reported.
     pub(super) quiet_until: u32,
     /// Number of errors found so far.
     reported: usize,
@@ -56,7 +59,7 @@ struct OpenClass {
 }
 
 impl<'t> Builder<'t> {
-    /// Ready to build the tree of `text`.
+    /// A builder for the tree of `text`.
     pub fn new(
         file: FileId,
         text: &'t str,
@@ -78,7 +81,7 @@ impl<'t> Builder<'t> {
         }
     }
 
-    /// The bytes `start..end`.
+    /// The span of the bytes `start..end`.
     pub fn span(&self, start: u32, end: u32) -> Span {
         Span { file: self.file, start, end: end.max(start) }
     }
@@ -101,13 +104,13 @@ impl<'t> Builder<'t> {
         let path = self.path(parts);
         Path { global: true, span: Span { start, ..path.span }, ..path }
     }
-    /// Moves the nodes out of their boxes, which only keep the parser's stack narrow.
+    /// Moves the nodes out of their boxes, which only keep the parser's stack small.
     pub fn unbox<T>(&mut self, nodes: Vec<Box<T>>) -> Vec<T> {
         nodes.into_iter().map(|node| *node).collect()
     }
 
-    /// Counts a block of equations or statements; passes its head on.
-    pub fn enter<T>(&mut self, start: u32, head: T) -> Result<T, Failure> {
+    /// Counts an open block of equations or statements; returns its head unchanged.
+    pub fn enter<T>(&mut self, start: u32, head: T) -> Result<T, ParseError> {
         self.blocks += 1;
         if self.blocks > MAX_BLOCKS { Err(too_deep(start)) } else { Ok(head) }
     }
@@ -115,8 +118,8 @@ impl<'t> Builder<'t> {
         self.blocks = self.blocks.saturating_sub(1);
     }
 
-    /// Reports a recovered error, unless it follows from one already reported.
-    pub fn recover(&mut self, recovery: Recovery, context: Context) {
+    /// Reports a recovered error unless it is a consequence of one already reported.
+    pub fn recover(&mut self, recovery: Recovery, context: SyntaxContext) {
         self.syntax_error(recovery.error, context);
     }
 
@@ -124,7 +127,7 @@ impl<'t> Builder<'t> {
     pub(super) fn exhausted(&self) -> bool {
         self.reported >= MAX_REPORTS
     }
-    /// Reports what is wrong with a construct that has been read completely.
+    /// Reports an error in a construct that has been parsed completely.
     pub(super) fn report(&mut self, error: SyntaxError) {
         self.reported += 1;
         if self.reported <= MAX_REPORTS {
@@ -133,7 +136,7 @@ impl<'t> Builder<'t> {
     }
 
     /// The span of the first token of this kind at or after `start`.
-    fn first_of(&self, kind: Kind, start: u32) -> Span {
+    fn first_of(&self, kind: TokenKind, start: u32) -> Span {
         let from = self.tokens.partition_point(|t| t.start < start);
         self.tokens[from..]
             .iter()
@@ -142,6 +145,6 @@ impl<'t> Builder<'t> {
     }
 }
 
-fn too_deep(start: u32) -> Failure {
-    Failure::User { error: (start, Bound::Blocks) }
+fn too_deep(start: u32) -> ParseError {
+    ParseError::User { error: (start, NestingLimit::Blocks) }
 }

@@ -1,0 +1,451 @@
+//! Turns a parser error (an unexpected token and the set of expected ones) into its likely cause:
+//! an unclosed bracket, a missing semicolon, a misspelled keyword.
+
+mod expectation;
+mod surroundings;
+
+use crate::base::diag::did_you_mean;
+use crate::parse::build::Builder;
+use crate::parse::error::{SyntaxContext, SyntaxError};
+use crate::parse::grammar::ParseError;
+use crate::parse::token::{Token, TokenKind};
+
+/// Number of preceding tokens that are searched for a cause.
+const HORIZON: usize = 5000;
+
+/// Keywords that begin a line of a class: the candidates for "did you mean".
+const LINE_KEYWORDS: &[&str] = &[
+    "algorithm",
+    "annotation",
+    "block",
+    "class",
+    "connector",
+    "constant",
+    "discrete",
+    "elseif",
+    "elsewhen",
+    "else",
+    "encapsulated",
+    "end",
+    "equation",
+    "extends",
+    "external",
+    "final",
+    "flow",
+    "function",
+    "import",
+    "initial",
+    "inner",
+    "input",
+    "model",
+    "outer",
+    "output",
+    "package",
+    "parameter",
+    "partial",
+    "protected",
+    "public",
+    "record",
+    "redeclare",
+    "replaceable",
+    "return",
+    "stream",
+    "type",
+    "when",
+    "while",
+    "within",
+];
+/// Keywords that stand alone on their line.
+const SECTION_KEYWORDS: &[&str] = &["algorithm", "else", "equation", "protected", "public"];
+
+/// The token at which the parser failed.
+struct Obstacle<'e> {
+    /// Its index; the number of tokens at the end of the file.
+    at: usize,
+    kind: Option<TokenKind>,
+    expected: &'e [TokenKind],
+    context: SyntaxContext,
+}
+
+impl Obstacle<'_> {
+    fn expects(&self, kind: TokenKind) -> bool {
+        self.expected.contains(&kind)
+    }
+    /// Only the token set of an expression contains both numbers and parentheses.
+    fn expects_expression(&self) -> bool {
+        self.expects(TokenKind::LeftParen) && self.expects(TokenKind::Integer)
+    }
+}
+
+impl Builder<'_> {
+    /// Reports an error of the parser unless it is a consequence of one already reported.
+    pub(super) fn syntax_error(&mut self, failure: ParseError, context: SyntaxContext) {
+        let (start, kind, expected) = match failure {
+            ParseError::UnrecognizedToken { token: (start, kind, _), expected } => {
+                (start, Some(kind), expected)
+            }
+            ParseError::UnrecognizedEof { expected, .. } => {
+                (self.text.len() as u32, None, expected)
+            }
+            ParseError::User { error: (at, bound) } => {
+                let span = self.span(at, at);
+                self.report(SyntaxError::TooDeep { span, bound });
+                return;
+            }
+            // LALRPOP returns neither: it has no lexer of its own, and `$` follows the start symbol.
+            ParseError::InvalidToken { .. } | ParseError::ExtraToken { .. } => return,
+        };
+        if start < self.quiet_until || self.exhausted() {
+            return;
+        }
+        let at = self.tokens.partition_point(|t| t.start < start);
+        self.quiet_until = match context {
+            SyntaxContext::Class => self.next_class(at),
+            _ => self.resume_after(start),
+        };
+        if self.lexer_reported_near(at) {
+            return;
+        }
+        let expected: Vec<TokenKind> =
+            expected.iter().filter_map(|t| TokenKind::of_terminal(t)).collect();
+        let obstacle = Obstacle { at, kind, expected: &expected, context };
+        let error = self
+            .misspelled(&obstacle)
+            .or_else(|| self.unclosed_at_end(&obstacle))
+            .or_else(|| self.bracket(&obstacle))
+            .or_else(|| self.unclosed_block(&obstacle));
+        let error = match error {
+            Some(error) => error,
+            None if obstacle.kind.is_none() && self.unclosed_reported => return,
+            None => self.semicolon(&obstacle).unwrap_or_else(|| self.unexpected(&obstacle)),
+        };
+        self.report(error);
+    }
+
+    /// The offset at which parsing resumes after an error at `offset`.
+    pub(super) fn resume_after(&self, offset: u32) -> u32 {
+        let from = self.tokens.partition_point(|t| t.start < offset);
+        self.tokens[from..]
+            .iter()
+            .find(|t| t.kind == TokenKind::Semicolon || t.kind.starts_section())
+            .map_or(u32::MAX, |t| if t.kind == TokenKind::Semicolon { t.end } else { t.start })
+    }
+    /// The offset at which the next top-level class begins.
+    fn next_class(&self, at: usize) -> u32 {
+        let class = |kind| {
+            use TokenKind::*;
+            matches!(kind, Class | Model | Block | Record | Connector | Type | Package | Function)
+        };
+        self.tokens[at.min(self.tokens.len())..]
+            .windows(2)
+            .find(|w| w[0].kind == TokenKind::Semicolon && class(w[1].kind))
+            .map_or(u32::MAX, |w| w[1].start)
+    }
+
+    /// True if the lexer has already reported something at this token or just before it.
+    fn lexer_reported_near(&self, at: usize) -> bool {
+        let begin = self.before(at).map_or(0, |t| t.start);
+        let end = self.tokens.get(at).map_or(self.text.len() as u32, |t| t.end);
+        let lexical = ["MO0010", "MO0011", "MO0012", "MO0013"];
+        self.problems.iter().any(|p| {
+            let place = p.primary.0;
+            lexical.contains(&p.code)
+                && place.file == self.file
+                && (begin..=end).contains(&place.start)
+        })
+    }
+
+    // ---- Causes, most specific first ----
+
+    fn misspelled(&self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+        let suggest =
+            |token: &Token, keywords: &[&'static str]| {
+                let written = self.text(token.start, token.end);
+                let keyword = did_you_mean(written, keywords.iter().copied())?;
+                let span = self.span(token.start, token.end);
+                (token.kind == TokenKind::Ident && written.len() >= 3)
+                    .then(|| SyntaxError::Misspelt { span, written: written.into(), keyword })
+            };
+        if let Some(token) = self.tokens.get(o.at) {
+            let words: Vec<&'static str> = o
+                .expected
+                .iter()
+                .map(|k| k.text())
+                .filter(|t| TokenKind::KEYWORDS.contains(t))
+                .collect();
+            if let Some(error) = suggest(token, &words) {
+                return Some(error);
+            }
+        }
+        // The first word of the line with the error, followed by another word.
+        let first = self.line_start(o.at);
+        let words = &self.tokens[first..o.at.min(self.tokens.len())];
+        if let [word, ..] = words
+            && self.tokens.get(first + 1).is_some_and(|next| is_word(next.kind))
+            && let Some(error) = suggest(word, LINE_KEYWORDS)
+        {
+            return Some(error);
+        }
+        // A section keyword some lines above: `equaton` was parsed as a type.
+        let above = self.tokens[o.at.saturating_sub(HORIZON)..self.tokens.len().min(o.at + 1)]
+            .windows(3)
+            .rev()
+            .take_while(|w| !w[1].kind.starts_section());
+        above
+            .filter(|w| w[1].kind == TokenKind::Ident)
+            .filter(|w| self.lines_between(&w[0], &w[1]) && self.lines_between(&w[1], &w[2]))
+            .find_map(|w| suggest(&w[1], SECTION_KEYWORDS))
+    }
+
+    fn unclosed_at_end(&mut self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+        if o.kind.is_some() {
+            return None;
+        }
+        let class = self.innermost_class()?;
+        let first = !std::mem::replace(&mut self.unclosed_reported, true);
+        first.then_some(SyntaxError::UnclosedClass { class, found: None })
+    }
+
+    fn bracket(&self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+        let open = self.open_bracket(o.at);
+        match (open, o.kind) {
+            (None, Some(kind)) if kind.closes() => {
+                let token = self.tokens.get(o.at)?;
+                let span = self.span(token.start, token.end);
+                Some(SyntaxError::StrayBracket { span, bracket: kind })
+            }
+            (Some(open), kind) => {
+                let close = open.kind.partner()?;
+                let outside = kind.is_none_or(|k| {
+                    k == TokenKind::Semicolon || k.closes() || k.starts_section() || is_outside(k)
+                });
+                (outside && o.expects(close)).then(|| SyntaxError::UnclosedBracket {
+                    at: self.gap_before(o.at),
+                    open: self.span(open.start, open.end),
+                    bracket: open.kind,
+                })
+            }
+            _ => None,
+        }
+    }
+
+    fn unclosed_block(&self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+        let found = o.kind?;
+        if !found.starts_section() {
+            return None;
+        }
+        let ends = [TokenKind::EndIf, TokenKind::EndFor, TokenKind::EndWhen, TokenKind::EndWhile];
+        let keyword = ends.into_iter().find(|end| o.expects(*end))?;
+        let open = self.open_block(o.at, keyword)?;
+        let at = self.tokens.get(o.at)?;
+        let else_if = self.tokens[open..o.at]
+            .windows(2)
+            .any(|w| w[0].kind == TokenKind::Else && w[1].kind == TokenKind::If);
+        let help = (keyword == TokenKind::EndIf && else_if)
+            .then_some("`else if` opens another `if` with an `end if` of its own; write `elseif`");
+        let open = self.tokens[open];
+        Some(SyntaxError::UnclosedBlock {
+            span: self.span(at.start, at.end),
+            open: self.span(open.start, open.end),
+            keyword,
+            help: help.map(String::from),
+        })
+    }
+
+    fn semicolon(&mut self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+        let before = *self.before(o.at)?;
+        let incomplete = matches!(o.context, SyntaxContext::Equation if o.expects(TokenKind::Equals))
+            || matches!(o.context, SyntaxContext::Statement if o.expects(TokenKind::Assign));
+        let complete = !incomplete || before.kind == TokenKind::RightParen;
+        if !o.expects(TokenKind::Semicolon) || !complete {
+            return None;
+        }
+        let next = self.tokens.get(o.at).copied();
+        let new_line = next.is_none_or(|t| self.lines_between(&before, &t));
+        if !new_line && !next.is_some_and(|t| t.kind.starts_section()) {
+            return None;
+        }
+        // The following tokens form a line of their own and may have errors of their own.
+        self.quiet_until = next.map_or(u32::MAX, |t| t.start);
+        Some(SyntaxError::MissingSemicolon {
+            at: self.gap_before(o.at),
+            after: if before.kind == TokenKind::Ident && self.ends_class(o.at) {
+                SyntaxContext::Class
+            } else {
+                o.context
+            },
+            found: self.found(o.at),
+        })
+    }
+
+    fn unexpected(&self, o: &Obstacle<'_>) -> SyntaxError {
+        let expected = self.expectation(o);
+        let Some(token) = self.tokens.get(o.at) else {
+            let end = self.text.len() as u32;
+            return SyntaxError::UnexpectedEnd { span: self.span(end, end), expected };
+        };
+        let omitted = !o.expects_expression()
+            && self.before(o.at).is_some_and(|before| {
+                before.kind != TokenKind::Semicolon && self.lines_between(before, token)
+            });
+        if omitted {
+            let at = self.gap_before(o.at);
+            return SyntaxError::Missing { at, expected, found: self.found(o.at) };
+        }
+        SyntaxError::Unexpected {
+            span: self.span(token.start, token.end),
+            expected,
+            found: self.found(o.at),
+            help: self.remedy(o, token.kind).map(String::from),
+        }
+    }
+
+    /// Advice for common mistakes.
+    fn remedy(&self, o: &Obstacle<'_>, found: TokenKind) -> Option<&'static str> {
+        let before = self.before(o.at)?.kind;
+        let sign = matches!(
+            found,
+            TokenKind::Plus | TokenKind::Minus | TokenKind::DotPlus | TokenKind::DotMinus
+        );
+        if o.expects_expression() && sign && before.is_arithmetic() {
+            return Some("a sign after an operator needs parentheses, as in `a*(-b)`");
+        }
+        if found == TokenKind::Not && o.expects_expression() {
+            return Some("put the negation in parentheses: `(not a)`");
+        }
+        if found == TokenKind::If && o.expects_expression() {
+            return Some("put the if-expression in parentheses");
+        }
+        if o.expects_expression() {
+            return None;
+        }
+        if matches!(found, TokenKind::Caret | TokenKind::DotCaret) && !o.expects(found) {
+            return Some("powers do not chain: write `(a^b)^c` or `a^(b^c)`");
+        }
+        if found.is_relation() && !o.expects(found) {
+            return Some("relations do not chain: write `a < b and b < c`");
+        }
+        if found == TokenKind::Equals && o.expects(TokenKind::Then) {
+            return Some("`==` compares");
+        }
+        if found == TokenKind::Assign && o.expects(TokenKind::Then) {
+            return Some("`==` compares, `:=` assigns");
+        }
+        (found == TokenKind::Else
+            && before == TokenKind::Semicolon
+            && o.expects(TokenKind::ElseWhen))
+        .then_some("a `when` has `elsewhen`, but no `else`")
+    }
+}
+
+fn is_word(kind: TokenKind) -> bool {
+    kind == TokenKind::Ident || TokenKind::KEYWORDS.contains(&kind.text())
+}
+
+/// Keywords that cannot occur inside brackets.
+fn is_outside(kind: TokenKind) -> bool {
+    matches!(kind, TokenKind::Then | TokenKind::Loop | TokenKind::Annotation)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::base::diag::Problems;
+    use crate::base::render::{Style, render_all};
+    use crate::base::source::SourceMap;
+    use crate::parse::grammar::parse;
+
+    /// The codes of the errors in order, and the source followed by its rendered errors.
+    fn check(text: &str) -> (Vec<&'static str>, String) {
+        let mut sources = SourceMap::default();
+        let file = sources.add("a.mo", text);
+        let mut problems = Problems::new();
+        parse(file, text, &mut problems);
+        let codes = problems.sorted().iter().map(|p| p.code).collect();
+        (codes, format!("{text}\n----\n{}", render_all(&problems, &sources, Style::Plain)))
+    }
+    macro_rules! check_messages {
+        ($name:literal, $codes:expr, $text:expr) => {
+            let (codes, page) = check($text);
+            assert_eq!(codes, $codes, "{page}");
+            insta::assert_snapshot!($name, page);
+        };
+    }
+
+    #[test]
+    fn semicolons() {
+        check_messages!(
+            "semicolons",
+            ["MO0003", "MO0003", "MO0003"],
+            "model A\n  Real x\n  Real y;\nequation\n  x = 1\n  y = 2;\nend A\nmodel B end B;"
+        );
+    }
+    #[test]
+    fn brackets() {
+        check_messages!(
+            "brackets",
+            ["MO0004", "MO0004", "MO0004", "MO0004"],
+            "model A\n  Real x(start = 1;\nequation\n  x = (1 + 2*(y - 3);\n  y = sin(x));\n  x = {1, 2;\nend A;"
+        );
+    }
+    #[test]
+    fn misspelled_keywords() {
+        check_messages!(
+            "misspelled_keywords",
+            ["MO0020", "MO0020", "MO0020"],
+            "model A\n  paramter Real x = 1;\nequaton\n  der(y) = x;\n  whenn x > 1 then\n    y = 2;\n  end when;\nend A;"
+        );
+        assert_eq!(check("modle A\n  Real x;\nend A;").0, ["MO0020"]);
+    }
+    #[test]
+    fn ends() {
+        check_messages!(
+            "ends",
+            ["MO0005", "MO0006"],
+            "package P\n  model A\n  end B;\n  model C\n    Real y;\nend P;"
+        );
+        assert_eq!(check("package P\n  model A\n    Real x;").0, ["MO0006"]);
+    }
+    #[test]
+    fn equality_and_assignment() {
+        check_messages!(
+            "equality",
+            ["MO0007", "MO0007", "MO0009", "MO0001", "MO0008", "MO0008", "MO0018"],
+            "model A\nequation\n  x := 1;\n  x == y;\n  x + y;\n  if a = b then\n    x = 1;\n  end if;\n\
+             algorithm\n  x = 2;\n  x == 2;\n  x + 1 := 3;\nend A;"
+        );
+    }
+    #[test]
+    fn else_if() {
+        check_messages!(
+            "else_if",
+            ["MO0006"],
+            "model A\nequation\n  if a then\n    x = 1;\n  else if b then\n    x = 2;\n  end if;\nend A;"
+        );
+    }
+    #[test]
+    fn operators() {
+        check_messages!(
+            "operators",
+            ["MO0011", "MO0011", "MO0001", "MO0001", "MO0001"],
+            "model A\n  Boolean c = a != b && d;\nequation\n  x = a * -b;\n  x = a^b^c;\n  c = a < b < d;\nend A;"
+        );
+    }
+    #[test]
+    fn one_message_for_each_broken_line() {
+        check_messages!(
+            "broken_lines",
+            ["MO0001"; 6],
+            "model A\n  Real 3x;\n  Real x y;\nequation\n  x = ;\n  x y = 2;\n  connect(a, );\nalgorithm\n  \
+             while x > 1 then\n    x := 2;\n  end while;\nend A;"
+        );
+    }
+    #[test]
+    fn unterminated_strings_and_comments_are_reported_once() {
+        for (text, code) in [
+            ("model A \"text\n  Real x;\nend A;", "MO0012"),
+            ("model A\n  Real x; /* c\nend A;", "MO0013"),
+        ] {
+            assert_eq!(check(text).0, [code]);
+        }
+    }
+}
