@@ -35,8 +35,14 @@ pub mod parse;
 pub mod format;
 // Class names to class definitions.
 pub mod resolve;
+// Names to classes, and what classes have after inheritance.
+pub mod classes;
+// Expressions, functions and algorithms to values.
+pub mod evaluate;
 // Classes and modifications to component instances.
 pub mod instantiate;
+// The specification's rules that only report.
+pub mod rules;
 // Instances to scalar variables and equations.
 pub mod flatten;
 // Unit checking of a flat model.

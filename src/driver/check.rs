@@ -60,11 +60,16 @@ impl Session {
             cx.report_each_of_one(class);
             found.push((name, class));
         }
-        let seed = cx.seed();
+        let snapshot = cx.into_snapshot();
         self.problems.extend(problems);
         for (name, class) in found {
             let mut problems = Problems::new();
-            let cx = Context::grown(&mut self.sources, &mut problems, &mut library, seed.clone());
+            let cx = Context::from_snapshot(
+                &mut self.sources,
+                &mut problems,
+                &mut library,
+                snapshot.clone(),
+            );
             if runs.contains(&name) {
                 one(cx, class);
             } else if is_function(&cx, class) {

@@ -4,9 +4,9 @@ use super::variable::made as made_variable;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
+use crate::evaluate::draw::{Drawing, Draws};
+use crate::evaluate::history::{Carrying, Made};
 use crate::instantiate::Context;
-use crate::instantiate::evaluate::draw::{Drawing, Draws};
-use crate::instantiate::evaluate::past::{Carrying, Made};
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Delay, Equation, EquationKind, FlatModel, Origin, Reader, Transport};
@@ -16,10 +16,10 @@ use crate::symbolic::rewrite::Rewriter;
 /// their order: that is how they were counted when they were read.
 pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
     let draws = std::mem::take(&mut cx.evaluation.draws);
-    let draws_any = cx.evaluation.past.made.iter().any(|m| matches!(m, Made::Number(_)));
+    let draws_any = cx.evaluation.history.made.iter().any(|m| matches!(m, Made::Number(_)));
     let generator = draws.generator.as_ref().filter(|_| draws_any);
     let generator = generator.and_then(|state| seed(cx, flat, state));
-    for (k, made) in std::mem::take(&mut cx.evaluation.past.made).into_iter().enumerate() {
+    for (k, made) in std::mem::take(&mut cx.evaluation.history.made).into_iter().enumerate() {
         match made {
             Made::Delay(delay) => {
                 let name = format!("$delay{}", flat.delays.len() + 1);
@@ -43,7 +43,7 @@ pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
             }
         }
     }
-    for (k, line) in std::mem::take(&mut cx.evaluation.past.lines).into_iter().enumerate() {
+    for (k, line) in std::mem::take(&mut cx.evaluation.history.lines).into_iter().enumerate() {
         let line = transport(cx, flat, k + 1, line);
         flat.transports.push(line);
     }

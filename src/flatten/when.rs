@@ -2,9 +2,9 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::evaluate::external::Asserted;
+use crate::evaluate::value::Value;
 use crate::instantiate::Context;
-use crate::instantiate::evaluate::external::Asserted;
-use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Action, Assert, WhenBranch};
@@ -50,7 +50,7 @@ fn action(
         }
         ast::EquationKind::For { iterators, body } => {
             let mut done = Some(());
-            let body_of = crate::instantiate::evaluate::deduce::Body::Equations(body);
+            let body_of = crate::evaluate::implicit_ranges::Body::Equations(body);
             let iterators = cx.with_ranges(iterators, body_of, scope)?;
             super::equation::for_each(cx, &iterators, scope, &mut |cx| {
                 for e in body {

@@ -3,9 +3,9 @@
 use std::rc::Rc;
 
 use super::Context;
-use super::class::merge_prefix;
 use crate::base::index::FastSet;
 use crate::base::name::Name;
+use crate::classes::inheritance::merge_prefix;
 use crate::ir::ast::{self, ElementKind, Subscript};
 use crate::ir::instance::{
     ClassId, ClassTable, Declaration, Entry, EntryKind, Instance, InstanceId, InstanceKind,
@@ -57,7 +57,7 @@ impl Context<'_> {
         // Where a function reads a constant, its own variables are not those of the constant's package.
         let saved = self.enter_frame(false);
         let kind = match self.instances[id].declaration.clone() {
-            Some(declaration) => match self.plain(id, &declaration) {
+            Some(declaration) => match self.cached_declaration(id, &declaration) {
                 Some(kind) => Some(kind),
                 None => self.declared(id, &declaration),
             },
@@ -132,7 +132,7 @@ impl Context<'_> {
             self.check_instantiable(id, class);
         }
         if self.problems.iter().len() == said {
-            self.note_plain(id, declaration, prefix);
+            self.cache_declaration(id, declaration, prefix);
         }
         match table.scalar {
             Some(ty) => {
@@ -145,7 +145,7 @@ impl Context<'_> {
     }
 
     /// Gives a component the prefixes of its declaration and class, with those of the components around it.
-    pub(super) fn merge_prefix_around(&mut self, id: InstanceId, mut prefix: ast::TypePrefix) {
+    pub(crate) fn merge_prefix_around(&mut self, id: InstanceId, mut prefix: ast::TypePrefix) {
         let around = self.instances[id].prefix;
         prefix.variability = match (prefix.variability, around.variability) {
             (Some(a), Some(b)) => Some(a.min(b)),
@@ -157,7 +157,7 @@ impl Context<'_> {
     }
 
     /// Dimensions of a component, of its type as written, and of its short classes.
-    pub(super) fn sizes(
+    pub(crate) fn sizes(
         &mut self,
         id: InstanceId,
         declaration: &Declaration,
@@ -236,7 +236,7 @@ impl Context<'_> {
     }
 
     /// Dimension `k`, from 1, of a component whose sizes are being found, if that one is found already.
-    pub(super) fn size_found(&mut self, e: &ast::Expr, k: usize, scope: Scope) -> Option<usize> {
+    pub(crate) fn size_found(&mut self, e: &ast::Expr, k: usize, scope: Scope) -> Option<usize> {
         let ast::ExprKind::Ref(r) = &e.kind else { return None };
         let [part] = r.parts.as_slice() else { return None };
         let elsewhere = self.evaluation.sizing.is_empty() || self.evaluation.in_function;
@@ -249,7 +249,7 @@ impl Context<'_> {
     }
 
     /// The start value of a variable, from which its open sizes are taken where it has no other.
-    fn start_value(&mut self, id: InstanceId) -> Option<super::evaluate::value::Value> {
+    fn start_value(&mut self, id: InstanceId) -> Option<crate::evaluate::value::Value> {
         let start = self.attribute(id, crate::base::name::name("start"))?;
         self.evaluate(&start.value, start.scope)
     }
@@ -317,7 +317,7 @@ impl Context<'_> {
     }
 
     /// The children of a component with components.
-    pub(super) fn object(&mut self, id: InstanceId) -> Option<InstanceKind> {
+    pub(crate) fn object(&mut self, id: InstanceId) -> Option<InstanceKind> {
         let class = self.instances[id].class?;
         let table = self.table(class);
         self.check_modified_names(id, &table);

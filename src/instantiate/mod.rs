@@ -4,23 +4,11 @@
 //! `flatten`. Modelica specification, chapters 4, 5 and 7. The work is demand-driven: a component
 //! is looked into when something asks for it, so that a size may depend on a parameter declared
 //! later.
-pub mod access;
-pub mod body;
-pub mod class;
 pub mod component;
+mod declaration_cache;
 pub mod error;
-pub mod evaluate;
-pub mod hidden;
-pub mod idle;
-mod local;
-mod iterators;
-pub mod lookup;
-mod outer;
-mod plain;
-mod prefix;
-pub mod redeclare;
-pub mod restrict;
-pub mod seed;
+mod inner_outer;
+pub mod snapshot;
 
 use std::rc::Rc;
 
@@ -35,7 +23,8 @@ use crate::ir::instance::{
 };
 use crate::ir::modification::{Layer, Setting};
 use crate::resolve::library::Library;
-use seed::Seed;
+use crate::rules::visibility::AccessViolation;
+use snapshot::ContextSnapshot;
 
 /// The root package and its instance.
 pub const ROOT: Scope = Scope { instance: InstanceId(0), class: ClassId(0) };
@@ -54,10 +43,10 @@ pub struct Context<'a> {
     pub instances: IndexVec<InstanceId, Instance>,
     /// All expressions.
     pub graph: Graph,
-    pub(crate) tables: IndexVec<ClassId, class::TableState>,
+    pub(crate) tables: IndexVec<ClassId, crate::classes::inheritance::TableState>,
     pub(crate) class_cache: FastMap<(usize, ClassId, InstanceId), ClassId>,
     /// Declarations that say the same of all their components.
-    pub(crate) plain: FastMap<plain::Key, plain::Plain>,
+    pub(crate) declaration_cache: FastMap<declaration_cache::Key, declaration_cache::Cached>,
     /// Where the import clauses of classes stand.
     pub(crate) imports: FastMap<ClassId, Rc<[usize]>>,
     pub(crate) package_instances: FastMap<ClassId, InstanceId>,
@@ -72,13 +61,13 @@ pub struct Context<'a> {
     /// `inner` components that no text declares.
     pub(crate) added_inner: FastSet<InstanceId>,
     /// What was wrong with the last name that was looked up, until somebody needs it.
-    pub(crate) trespass: Option<access::Trespass>,
+    pub(crate) violation: Option<AccessViolation>,
     /// The problems of classes that are wrong.
     pub(crate) said: FastMap<ClassId, Problems>,
     /// No modifications and no sizes, which most components have: shared by all of them.
     pub(crate) no_layers: Rc<[Layer]>,
     pub(crate) no_sizes: Rc<[usize]>,
-    pub(crate) evaluation: evaluate::State,
+    pub(crate) evaluation: crate::evaluate::State,
     /// The model is a component by itself: what surrounds it is not there.
     pub surrounded: bool,
 }
@@ -90,7 +79,7 @@ impl<'a> Context<'a> {
         problems: &'a mut Problems,
         library: &'a mut Library,
     ) -> Self {
-        let mut cx = Context::grown(sources, problems, library, Seed::default());
+        let mut cx = Context::from_snapshot(sources, problems, library, ContextSnapshot::default());
         let root = cx.add_class(ClassText::Root, name(""), None, ROOT.instance, Rc::from([]));
         debug_assert_eq!(root, ROOT.class);
         cx.instances.push(Instance {

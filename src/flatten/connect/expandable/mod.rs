@@ -17,9 +17,9 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::evaluate::implicit_ranges::Body;
+use crate::evaluate::value::Value;
 use crate::instantiate::Context;
-use crate::instantiate::evaluate::deduce::Body;
-use crate::instantiate::evaluate::value::Value;
 use crate::ir::ast::{ClassKind, ComponentRef, Equation, EquationKind, Expr};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
 

@@ -1,0 +1,545 @@
+//! Classes in their lexical places and what they have after inheritance (sections 5.6.1 and 7.1 of
+//! the specification).
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use crate::base::name::{Name, name};
+use crate::base::source::Span;
+use crate::instantiate::Context;
+use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
+use crate::ir::expr::{EnumId, Enumeration, Type};
+use crate::ir::instance::{
+    ClassId, ClassInstance, ClassTable, ClassText, Declaration, Entry, EntryKind, InstanceId,
+    Redeclaration, Scope, Section, SectionKind,
+};
+
+/// How far the table of a class is.
+#[derive(Clone)]
+pub(crate) enum TableState {
+    Untouched,
+    InProgress,
+    Done(Rc<ClassTable>),
+}
+
+impl Context<'_> {
+    pub(crate) fn add_class(
+        &mut self,
+        body: ClassText,
+        full_name: Name,
+        enclosing: Option<ClassId>,
+        holder: InstanceId,
+        redeclared: Rc<[Redeclaration]>,
+    ) -> ClassId {
+        self.tables.push(TableState::Untouched);
+        self.classes.push(ClassInstance { body, full_name, enclosing, holder, redeclared })
+    }
+
+    /// The class of a text that stands in `enclosing`, found in `holder`; the same each time.
+    pub(crate) fn class_in(
+        &mut self,
+        class: &Arc<ast::Class>,
+        enclosing: ClassId,
+        holder: InstanceId,
+    ) -> ClassId {
+        let key = (Arc::as_ptr(class) as usize, enclosing, holder);
+        if let Some(id) = self.class_cache.get(&key) {
+            return *id;
+        }
+        let outer = self.classes[enclosing].full_name;
+        let full = if outer.is_empty() {
+            class.name.name
+        } else {
+            name(&format!("{outer}.{}", class.name.name))
+        };
+        let body = ClassText::Written(class.clone());
+        let id = self.add_class(body, full, Some(enclosing), holder, Rc::from([]));
+        self.class_cache.insert(key, id);
+        id
+    }
+
+    /// The class with local classes replaced; earlier redeclarations of the class win, since they
+    /// come from further outside.
+    pub(crate) fn with_redeclarations(
+        &mut self,
+        class: ClassId,
+        more: Vec<Redeclaration>,
+    ) -> ClassId {
+        if more.is_empty() {
+            return class;
+        }
+        let old = self.classes[class].clone();
+        let all: Vec<_> = more.into_iter().chain(old.redeclared.iter().cloned()).collect();
+        self.add_class(old.body, old.full_name, old.enclosing, old.holder, all.into())
+    }
+
+    /// The text of a class, if it has one.
+    pub fn text(&self, class: ClassId) -> Option<&Arc<ast::Class>> {
+        match &self.classes[class].body {
+            ClassText::Written(c) => Some(c),
+            _ => None,
+        }
+    }
+
+    /// The specialised kind of a class; short classes of kind `type` or `class` take their base's.
+    pub fn kind(&mut self, class: ClassId) -> ClassKind {
+        let Some(text) = self.text(class) else { return ClassKind::Type };
+        let kind = text.kind;
+        let ClassBody::Short(short) = &text.body else { return kind };
+        if !matches!(kind, ClassKind::Type | ClassKind::Class) {
+            return kind;
+        }
+        let (base, scope) = (short.base.clone(), self.outside(class));
+        match self.find_class(&base, scope) {
+            Some(base) if base != class => self.kind(base),
+            _ => kind,
+        }
+    }
+
+    /// Where a modification that stands in the text of `class` reads its names, for an instance of
+    /// the class: inside a long class, around a short one.
+    pub(crate) fn modification_scope(&self, class: ClassId, instance: InstanceId) -> Scope {
+        match self.text(class).map(|t| &t.body) {
+            Some(ClassBody::Short(_)) => self.outside(class),
+            _ => Scope { instance, class },
+        }
+    }
+
+    /// The scope around a class: where its base is looked up if it is a short class.
+    pub(crate) fn outside(&self, class: ClassId) -> Scope {
+        let c = &self.classes[class];
+        Scope { instance: c.holder, class: c.enclosing.unwrap_or(crate::instantiate::ROOT.class) }
+    }
+
+    /// Everything that a class has after inheritance.
+    pub fn table(&mut self, class: ClassId) -> Rc<ClassTable> {
+        match &self.tables[class] {
+            TableState::Done(table) => {
+                let table = table.clone();
+                self.say_again(class);
+                return table;
+            }
+            TableState::InProgress => {
+                self.report_inheritance_cycle(class);
+                return Rc::default();
+            }
+            TableState::Untouched => {}
+        }
+        self.tables[class] = TableState::InProgress;
+        let before = std::mem::take(self.problems);
+        let table = self.read_table(class);
+        self.note_said(class, before);
+        table
+    }
+
+    fn read_table(&mut self, class: ClassId) -> Rc<ClassTable> {
+        let mut table = ClassTable::default();
+        match self.classes[class].body.clone() {
+            ClassText::Root => {}
+            ClassText::Predefined(ty) => table.scalar = Some(ty),
+            ClassText::Written(text) => {
+                let first = !self.is_checked(&text);
+                if first {
+                    self.restrict(&text);
+                }
+                self.fill(class, &text, &mut table);
+                let table = Rc::new(table);
+                self.tables[class] = TableState::Done(table.clone());
+                if first {
+                    self.check_body(class, &text);
+                }
+                return table;
+            }
+        }
+        let table = Rc::new(table);
+        self.tables[class] = TableState::Done(table.clone());
+        table
+    }
+
+    /// True while the bases of a class are still being found.
+    pub(crate) fn table_in_progress(&self, class: ClassId) -> bool {
+        matches!(self.tables[class], TableState::InProgress)
+    }
+
+    fn fill(&mut self, class: ClassId, text: &Arc<ast::Class>, table: &mut ClassTable) {
+        match &text.body {
+            ClassBody::Enumeration(literals) => {
+                let id = self.enumeration(text, class, literals.as_deref().unwrap_or(&[]));
+                table.scalar = Some(Type::Enumeration(id));
+            }
+            ClassBody::Short(short) => {
+                let scope = self.outside(class);
+                let Some(base) = self.class_or_report(&short.base, scope) else {
+                    table.broken = true;
+                    return;
+                };
+                self.restrict_short(text, base, short.base.span);
+                let layers: Rc<[_]> =
+                    short.modification.iter().map(|m| (m.clone(), class)).collect();
+                let inherited = self.base_with_redeclarations(class, base, &short.modification);
+                self.inherit(table, inherited, &layers, false);
+                table.broken |= self.table(inherited).broken;
+                if !short.dims.is_empty() {
+                    table.dims.insert(0, (short.dims.clone(), class));
+                }
+                merge_prefix(&mut table.prefix, short.prefix);
+            }
+            ClassBody::Long(composition) => self.fill_long(class, composition, table),
+            ClassBody::PartialDerivative { function, variables } => {
+                let scope = self.outside(class);
+                let Some(base) = self.class_or_report(function, scope) else { return };
+                if !matches!(self.kind(base), ClassKind::Function { .. }) {
+                    self.report_underived(text, base, function.span);
+                    return;
+                }
+                self.inherit(table, base, &Rc::from([]), false);
+                table.by = table.by.iter().chain(variables).copied().collect();
+            }
+        }
+    }
+
+    fn fill_long(
+        &mut self,
+        class: ClassId,
+        composition: &ast::Composition,
+        table: &mut ClassTable,
+    ) {
+        let mut bases = Vec::new();
+        if let Some(modification) = &composition.class_extends
+            && let Some(base) = self.inherited_class(class)
+        {
+            bases.push(base);
+            let base = self.base_with_redeclarations(class, base, modification);
+            let layers: Rc<[_]> = modification.iter().map(|m| (m.clone(), class)).collect();
+            self.inherit(table, base, &layers, false);
+        }
+        // Classes redeclared by elements of this class replace those of its bases.
+        let own = redeclared_elements(class, composition);
+        for element in &composition.elements {
+            match &element.kind {
+                ElementKind::Import(_) => {}
+                ElementKind::Extends(extends) => {
+                    let scope = Scope { instance: self.classes[class].holder, class };
+                    let Some(base) = self.class_or_report(&extends.base, scope) else { continue };
+                    if let Some(text) = self.text(class).cloned() {
+                        self.restrict_base(&text, base, extends.base.span);
+                    }
+                    self.check_base(&extends.base, scope);
+                    self.restrict_prefixed_base(class, base, extends.base.span);
+                    bases.push(base);
+                    let base = self.with_redeclarations(base, own.clone());
+                    let base = self.base_with_redeclarations(class, base, &extends.modification);
+                    let layers: Rc<[_]> =
+                        extends.modification.iter().map(|m| (m.clone(), class)).collect();
+                    self.inherit(table, base, &layers, element.protected);
+                }
+                ElementKind::Components(clause) => {
+                    let shared = Rc::new(element.clone());
+                    for k in 0..clause.components.len() {
+                        let declaration = Declaration { element: shared.clone(), component: k };
+                        let entry = Entry {
+                            name: clause.components[k].name,
+                            kind: EntryKind::Component(declaration),
+                            element: shared.clone(),
+                            class,
+                            layers: Rc::from([]),
+                            protected: element.protected,
+                            component: None,
+                        };
+                        self.add_entry(table, entry, element.redeclare, class);
+                    }
+                }
+                ElementKind::Class(c) => {
+                    let entry = Entry {
+                        name: c.name,
+                        kind: EntryKind::Class(c.clone()),
+                        element: Rc::new(element.clone()),
+                        class,
+                        layers: Rc::from([]),
+                        protected: element.protected,
+                        component: None,
+                    };
+                    self.add_entry(table, entry, element.redeclare, class);
+                }
+            }
+        }
+        self.restrict_simple(class, table, &bases);
+        for s in &composition.equations {
+            let kind = SectionKind::Equations(s.equations.clone());
+            table.sections.push(Section { class, initial: s.initial, kind });
+        }
+        for s in &composition.algorithms {
+            let kind = SectionKind::Algorithm(s.statements.clone(), s.span);
+            table.sections.push(Section { class, initial: s.initial, kind });
+        }
+        if let Some(external) = &composition.external {
+            table.external = Some((external.clone(), class));
+        }
+    }
+
+    /// The base as an `extends` clause sees it: with the redeclarations of the clause, and with those
+    /// of the deriving class.
+    fn base_with_redeclarations(
+        &mut self,
+        class: ClassId,
+        base: ClassId,
+        modification: &Option<Arc<ast::Modification>>,
+    ) -> ClassId {
+        let mut all: Vec<Redeclaration> = self.classes[class].redeclared.to_vec();
+        for arg in modification.iter().flat_map(|m| &m.args) {
+            if let ast::ArgumentKind::Redeclare(element) = &arg.kind
+                && let ElementKind::Class(c) = &element.kind
+            {
+                let short = matches!(self.text(class).map(|t| &t.body), Some(ClassBody::Short(_)));
+                all.push(Redeclaration {
+                    name: c.name.name,
+                    class: c.clone(),
+                    written_in: class,
+                    instance: short.then_some(self.classes[class].holder),
+                });
+            }
+        }
+        self.with_redeclarations(base, all)
+    }
+
+    /// A class found in the package `base`, seen from a package that extends it: its names stand for the
+    /// constants and classes of that one.
+    fn seen_from(&mut self, found: ClassId, base: ClassId, holder: InstanceId) -> ClassId {
+        let package = self.is_package(base).then(|| self.package_instance(base));
+        if package != Some(self.classes[found].holder) {
+            return found;
+        }
+        match (self.text(found).cloned(), self.classes[found].enclosing) {
+            (Some(text), Some(enclosing)) => self.class_in(&text, enclosing, holder),
+            _ => found,
+        }
+    }
+
+    /// The class that `model extends M` extends: M as the class around it inherits it, with what that
+    /// class redeclares besides (section 7.3.1).
+    fn inherited_class(&mut self, class: ClassId) -> Option<ClassId> {
+        let wanted = self.text(class)?.name;
+        let around = self.classes[class].enclosing?;
+        let holder = self.classes[class].holder;
+        if let Some(ClassBody::Long(composition)) =
+            self.text(around).cloned().map(|t| t.body.clone())
+        {
+            let mut redeclared = self.classes[around].redeclared.to_vec();
+            redeclared.extend(redeclared_elements(around, &composition));
+            redeclared.retain(|r| r.name != wanted.name);
+            for element in &composition.elements {
+                let ElementKind::Extends(extends) = &element.kind else { continue };
+                let scope = Scope { instance: self.classes[around].holder, class: around };
+                let Some(base) = self.find_class(&extends.base, scope) else { continue };
+                let base = self.with_redeclarations(base, redeclared.clone());
+                if let Some(found) = self.member_class(base, wanted.name, holder)
+                    && !self.is_text(found, class)
+                {
+                    return Some(self.seen_from(found, base, holder));
+                }
+            }
+        }
+        self.problems.push(
+            crate::base::diag::Diagnostic::error(
+                "MO0201",
+                wanted.span,
+                format!("there is no inherited class `{}` to extend", wanted.name),
+            )
+            .help("`model extends A` extends the A of a base class; write `model A extends ...` for another one")
+            .note("section 7.3.1 of the specification"),
+        );
+        None
+    }
+
+    pub(crate) fn is_text(&self, a: ClassId, b: ClassId) -> bool {
+        matches!((self.text(a), self.text(b)), (Some(a), Some(b)) if Arc::ptr_eq(a, b))
+    }
+
+    fn inherit(
+        &mut self,
+        table: &mut ClassTable,
+        base: ClassId,
+        layers: &Rc<[(Arc<ast::Modification>, ClassId)]>,
+        protected: bool,
+    ) {
+        let inherited = self.table(base);
+        if let Some(ty) = inherited.scalar {
+            table.scalar = Some(ty);
+            table.layers.extend(layers.iter().cloned());
+            table.layers.extend(inherited.layers.iter().cloned());
+        }
+        if inherited.scalar.is_none() {
+            for arg in layers.iter().flat_map(|(m, _)| &m.args) {
+                let names = match &arg.kind {
+                    ast::ArgumentKind::Element { path, .. } => {
+                        path.parts.first().map(|p| (p.name, p.span)).into_iter().collect()
+                    }
+                    ast::ArgumentKind::Redeclare(element) => element.names(),
+                    ast::ArgumentKind::Removal(_) => Vec::new(),
+                };
+                for (text, span) in names {
+                    if !inherited.index.contains_key(&text) {
+                        self.report_unknown_modifier(Some(base), text, span, &inherited);
+                    }
+                }
+            }
+        }
+        table.dims.extend(inherited.dims.iter().cloned());
+        merge_prefix(&mut table.prefix, inherited.prefix);
+        for entry in &inherited.entries {
+            let all: Rc<[_]> = if layers.is_empty() {
+                entry.layers.clone()
+            } else {
+                layers.iter().chain(entry.layers.iter()).cloned().collect()
+            };
+            // The same element inherited twice is one element (section 7.1).
+            if let Some(&at) = table.index.get(&entry.name.name) {
+                let before = &table.entries[at];
+                if before.name.span != entry.name.span
+                    && !before.element.redeclare
+                    && !matches!(&before.kind, EntryKind::Class(c) if is_class_extends(c))
+                    && !self.identical(before, entry)
+                {
+                    let (before, entry) = (before.clone(), entry.clone());
+                    self.report_inherited_duplicate(&before, &entry.name);
+                }
+            } else {
+                let protected = protected || entry.protected;
+                insert(table, Entry { layers: all, protected, ..entry.clone() });
+            }
+        }
+        table.sections.extend(inherited.sections.iter().cloned());
+        if !inherited.by.is_empty() {
+            table.by = inherited.by.clone();
+        }
+        if table.external.is_none() {
+            table.external.clone_from(&inherited.external);
+        }
+    }
+
+    fn add_entry(&mut self, table: &mut ClassTable, entry: Entry, redeclare: bool, class: ClassId) {
+        let Some(&at) = table.index.get(&entry.name.name) else {
+            insert(table, entry);
+            return;
+        };
+        if redeclare {
+            // The type that it has already may always be written again.
+            let same = match (&table.entries[at].kind, &entry.kind) {
+                (EntryKind::Component(a), EntryKind::Component(b)) => {
+                    a.clause().type_name.to_string() == b.clause().type_name.to_string()
+                }
+                _ => false,
+            };
+            if table.entries[at].element.replaceable.is_none() && !same {
+                let old = table.entries[at].name.span;
+                self.report_not_replaceable(entry.name.name, entry.name.span, old);
+            }
+            self.check_redeclared_prefixes(&table.entries[at], &entry);
+            let old = &mut table.entries[at];
+            *old = Entry { component: old.component, layers: old.layers.clone(), ..entry };
+        } else if matches!(&entry.kind, EntryKind::Class(c) if is_class_extends(c)) {
+            // `model extends M` takes the place of the inherited M.
+            if table.entries[at].element.replaceable.is_none() {
+                let old = table.entries[at].name.span;
+                self.report_not_replaceable(entry.name.name, entry.name.span, old);
+            }
+            table.entries[at] = entry;
+        } else if table.entries[at].class == class {
+            self.report_duplicate(&entry, &table.entries[at].name);
+        } else {
+            // An inherited element declared again must be identical (section 7.3 of the
+            // specification); the new one stands.
+            if !self.identical(&table.entries[at], &entry) {
+                self.report_inherited_duplicate(&entry, &table.entries[at].name);
+            }
+            let component = table.entries[at].component;
+            table.entries[at] = Entry { component, ..entry };
+        }
+    }
+
+    /// Whether two declarations of one name say the same: type, sizes and modification, as written.
+    fn identical(&self, a: &Entry, b: &Entry) -> bool {
+        let words = |span: Span| {
+            let text = self.sources.text(span).unwrap_or_default();
+            text.split_whitespace().collect::<String>()
+        };
+        let written = |m: Option<&ast::Modification>| m.map(|m| words(m.span)).unwrap_or_default();
+        let (a, b) = match (&a.kind, &b.kind) {
+            (EntryKind::Component(a), EntryKind::Component(b)) => (a, b),
+            (EntryKind::Class(a), EntryKind::Class(b)) => {
+                // What a short one is defined as; descriptions and annotations may differ.
+                if let (ClassBody::Short(of_a), ClassBody::Short(of_b)) = (&a.body, &b.body) {
+                    return a.kind == b.kind
+                        && of_a.base.to_string() == of_b.base.to_string()
+                        && of_a.prefix == of_b.prefix
+                        && of_a.dims.len() == of_b.dims.len()
+                        && written(of_a.modification.as_deref())
+                            == written(of_b.modification.as_deref());
+                }
+                return words(a.span) == words(b.span);
+            }
+            _ => return false,
+        };
+        let (of_a, of_b) = (a.clause(), b.clause());
+        of_a.type_name.to_string() == of_b.type_name.to_string()
+            && of_a.prefix == of_b.prefix
+            && of_a.type_dims.len() + a.component().dims.len()
+                == of_b.type_dims.len() + b.component().dims.len()
+            && written(a.component().modification.as_deref())
+                == written(b.component().modification.as_deref())
+    }
+
+    fn enumeration(
+        &mut self,
+        text: &Arc<ast::Class>,
+        class: ClassId,
+        literals: &[ast::EnumLiteral],
+    ) -> EnumId {
+        let key = Arc::as_ptr(text) as usize;
+        if let Some(id) = self.enumerations.get(&key) {
+            return *id;
+        }
+        let full_name = self.classes[class].full_name.to_string();
+        let literals = literals.iter().map(|l| l.name.name).collect();
+        let id = self.graph.enumerations.push(Enumeration { name: full_name, literals });
+        self.enumerations.insert(key, id);
+        id
+    }
+}
+
+/// `model extends M ... end M`
+pub(crate) fn is_class_extends(class: &ast::Class) -> bool {
+    matches!(&class.body, ClassBody::Long(c) if c.class_extends.is_some())
+}
+
+/// Classes that elements of a class redeclare, for its bases.
+fn redeclared_elements(class: ClassId, composition: &ast::Composition) -> Vec<Redeclaration> {
+    let redeclared = composition.elements.iter().filter(|e| e.redeclare);
+    redeclared
+        .filter_map(|e| match &e.kind {
+            ElementKind::Class(c) => Some(Redeclaration {
+                name: c.name.name,
+                class: c.clone(),
+                written_in: class,
+                instance: None,
+            }),
+            _ => None,
+        })
+        .collect()
+}
+
+fn insert(table: &mut ClassTable, mut entry: Entry) {
+    if matches!(entry.kind, EntryKind::Component(_)) {
+        entry.component = Some(table.component_count);
+        table.component_count += 1;
+    }
+    table.index.insert(entry.name.name, table.entries.len());
+    table.entries.push(entry);
+}
+
+/// Prefixes written further outside win.
+pub(crate) fn merge_prefix(outer: &mut ast::TypePrefix, inner: ast::TypePrefix) {
+    outer.connection = outer.connection.or(inner.connection);
+    outer.variability = outer.variability.or(inner.variability);
+    outer.causality = outer.causality.or(inner.causality);
+}

@@ -1,0 +1,64 @@
+//! Types that are written as one name: no component of the class that the name stands in, and perhaps a
+//! local class that is modified from further outside (sections 5.3.1 and 7.2 of the specification).
+
+use std::rc::Rc;
+
+use crate::base::diag::Diagnostic;
+use crate::instantiate::Context;
+use crate::ir::ast;
+use crate::ir::instance::Scope;
+use crate::ir::modification::{Layer, LayerSource};
+
+impl Context<'_> {
+    /// A type is no component of the same class: that is reported. Else the modifications that a local
+    /// class has from further outside, outermost first.
+    pub(crate) fn check_type_name(&mut self, path: &ast::Path, scope: Scope) -> Option<Vec<Layer>> {
+        let none = Some(Vec::new());
+        let Some(first) = path.parts.first().filter(|_| !path.global) else { return none };
+        if self.table_in_progress(scope.class) {
+            return none;
+        }
+        let table = self.table(scope.class);
+        let Some(entry) = table.index.get(&first.name).map(|at| &table.entries[*at]) else {
+            return none;
+        };
+        if entry.component.is_none() {
+            return Some(self.class_modifications(path, scope));
+        }
+        let message = format!("`{}` is a component here, and a class is needed", first.name);
+        self.problems.push(
+            Diagnostic::error("MO0201", first.span, message)
+                .also(entry.name.span, "declared as a component")
+                .help("rename the component, or write the full name of the class with a dot before it")
+                .note("names are looked up from the inside (section 5.3.1)"),
+        );
+        None
+    }
+
+    /// Modifications of a local class: those of the component around, and of `extends` clauses.
+    fn class_modifications(&mut self, path: &ast::Path, scope: Scope) -> Vec<Layer> {
+        let mut found = Vec::new();
+        let [name] = path.parts.as_slice() else { return found };
+        // As the instance has it: it may have inherited the class.
+        let table = self.table_of(scope.instance);
+        let Some(entry) = table.index.get(&name.name).map(|at| &table.entries[*at]) else {
+            return found;
+        };
+        let outer = &self.instances[scope.instance].layers;
+        if entry.component.is_some() || (entry.layers.is_empty() && outer.is_empty()) {
+            return found;
+        }
+        for layer in outer.iter() {
+            layer.child(entry.name.name, &mut found);
+        }
+        for (modification, class) in entry.layers.iter() {
+            let layer = Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.modification_scope(*class, scope.instance),
+                subscripts: Rc::from([]),
+            };
+            layer.child(entry.name.name, &mut found);
+        }
+        found
+    }
+}

@@ -1,0 +1,454 @@
+//! Statements run on values. Where a condition is known, its branch is taken; where only a run knows
+//! it, both branches are run and every variable they touch becomes an `if` expression. Loops run
+//! as often as is known here. (Chapter 11 of the specification.)
+
+use super::Context;
+use super::implicit_ranges::Body;
+use super::reference::Selection;
+use super::subscript::{one_by_one, positions};
+use super::value::{Record, Value};
+use crate::base::index::FastMap;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind};
+use crate::ir::expr::{Const, ExprId, Type, VarId};
+use crate::ir::instance::{InstanceKind, Scope};
+
+/// No loop in a function that is evaluated here runs longer.
+const MAX_TURNS: usize = 1_000_000;
+
+/// How a list of statements ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Flow {
+    Next,
+    Break,
+    Return,
+}
+
+impl Context<'_> {
+    /// Runs statements; `None` after an error.
+    pub(crate) fn run_statements(&mut self, list: &[Statement], scope: Scope) -> Option<Flow> {
+        for s in list {
+            let flow = self.run_statement(s, scope)?;
+            if flow != Flow::Next {
+                return Some(flow);
+            }
+        }
+        Some(Flow::Next)
+    }
+
+    fn run_statement(&mut self, s: &Statement, scope: Scope) -> Option<Flow> {
+        match &s.kind {
+            StatementKind::Assign(target, value) => {
+                let value = match self.evaluate(value, scope)? {
+                    Value::Tuple(all) if !all.is_empty() => all[0].clone(),
+                    value => value,
+                };
+                self.assign(target, value, scope)?;
+            }
+            StatementKind::AssignTuple(targets, call) => {
+                let value = self.evaluate_outputs(call, scope)?;
+                let values: Vec<Value> = match &value {
+                    Value::Tuple(t) => t.to_vec(),
+                    other => vec![other.clone()],
+                };
+                if targets.len() > values.len() {
+                    let message = format!(
+                        "{} values are wanted, and the function gives {}",
+                        targets.len(),
+                        values.len()
+                    );
+                    self.error("MO0219", s.span, message);
+                    return None;
+                }
+                for (target, value) in targets.iter().zip(values) {
+                    if let Some(target) = target {
+                        self.assign(target, value, scope)?;
+                    }
+                }
+            }
+            StatementKind::Call(call) => self.run_call(call, scope)?,
+            StatementKind::If { branches, otherwise } => {
+                return self.run_if(branches, otherwise, scope, s.span);
+            }
+            StatementKind::For { iterators, body } => {
+                let iterators = self.with_ranges(iterators, Body::Statements(body), scope)?;
+                return self.run_for(&iterators, body, scope);
+            }
+            StatementKind::While { condition, body } => {
+                return self.run_while(condition, body, scope);
+            }
+            // Where it may not stand was said when the class was read.
+            StatementKind::When { .. } => return None,
+            StatementKind::Break => return Some(Flow::Break),
+            StatementKind::Return => return Some(Flow::Return),
+            StatementKind::Broken => return None,
+        }
+        Some(Flow::Next)
+    }
+
+    fn run_call(&mut self, call: &Expr, scope: Scope) -> Option<()> {
+        if let ExprKind::Call { function, args, named } = &call.kind
+            && function.simple().is_some_and(|n| n == "assert")
+        {
+            return self.run_assert(args, named, call.span, scope);
+        }
+        self.evaluate_outputs(call, scope).map(|_| ())
+    }
+
+    fn run_if(
+        &mut self,
+        branches: &[(Expr, Vec<Statement>)],
+        otherwise: &[Statement],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Flow> {
+        let Some(((condition, body), rest)) = branches.split_first() else {
+            return self.run_statements(otherwise, scope);
+        };
+        let c = self.evaluate(condition, scope)?;
+        let c = self.truth(&c, condition.span)?;
+        match self.decided(c) {
+            Some(Const::Boolean(true)) => return self.run_statements(body, scope),
+            Some(Const::Boolean(false)) => return self.run_if(rest, otherwise, scope, span),
+            _ => {}
+        }
+        let before = self.snapshot();
+        let left = (self.evaluation.broken, self.evaluation.returned);
+        let first = self.under(c, |cx| cx.run_statements(body, scope))?;
+        let after_first = self.snapshot();
+        self.restore(&before);
+        let left_first = (self.evaluation.broken, self.evaluation.returned);
+        (self.evaluation.broken, self.evaluation.returned) = left;
+        let not_c = self.graph.not(c);
+        let second = self.under(not_c, |cx| cx.run_if(rest, otherwise, scope, span))?;
+        self.merge(c, &after_first, span)?;
+        if first == second && first != Flow::Next {
+            return Some(first);
+        }
+        // A branch may leave: what follows counts only where that was not taken.
+        let left_second = (self.evaluation.broken, self.evaluation.returned);
+        let all = self.graph.boolean(true);
+        let leaves = |flow: Flow, kind: Flow, part: Option<ExprId>| {
+            if flow == kind { Some(all) } else { part }
+        };
+        self.evaluation.broken = self.either(
+            c,
+            leaves(first, Flow::Break, left_first.0),
+            leaves(second, Flow::Break, left_second.0),
+        );
+        self.evaluation.returned = self.either(
+            c,
+            leaves(first, Flow::Return, left_first.1),
+            leaves(second, Flow::Return, left_second.1),
+        );
+        Some(Flow::Next)
+    }
+
+    /// `if c then a else b` of conditions that are false where there is none.
+    fn either(&mut self, c: ExprId, a: Option<ExprId>, b: Option<ExprId>) -> Option<ExprId> {
+        if a == b {
+            return a;
+        }
+        let not_c = self.graph.not(c);
+        let a = a.map(|a| self.graph.and(c, a));
+        let b = b.map(|b| self.graph.and(not_c, b));
+        match (a, b) {
+            (Some(a), Some(b)) => Some(self.graph.or(a, b)),
+            (a, b) => a.or(b),
+        }
+    }
+
+    fn snapshot(&self) -> (Vec<(Name, Value)>, FastMap<VarId, ExprId>) {
+        let frame = self.evaluation.frame;
+        (self.evaluation.locals[frame..].to_vec(), self.evaluation.assigned.clone())
+    }
+
+    fn restore(&mut self, saved: &(Vec<(Name, Value)>, FastMap<VarId, ExprId>)) {
+        let frame = self.evaluation.frame;
+        self.evaluation.locals.truncate(frame);
+        self.evaluation.locals.extend(saved.0.iter().cloned());
+        self.evaluation.assigned.clone_from(&saved.1);
+    }
+
+    /// Every variable becomes `if c then (its value in first) else (its value now)`.
+    fn merge(
+        &mut self,
+        c: ExprId,
+        first: &(Vec<(Name, Value)>, FastMap<VarId, ExprId>),
+        span: Span,
+    ) -> Option<()> {
+        let frame = self.evaluation.frame;
+        for (k, (_, value)) in first.0.iter().enumerate() {
+            let now = self.evaluation.locals[frame + k].1.clone();
+            if *value != now {
+                let merged = self.if_values(c, value.clone(), now, span)?;
+                self.evaluation.locals[frame + k].1 = merged;
+            }
+        }
+        let mut keys: Vec<VarId> = first.1.keys().copied().collect();
+        keys.extend(self.evaluation.assigned.keys().copied());
+        keys.sort();
+        keys.dedup();
+        for v in keys {
+            let itself = self.variable_itself(v)?;
+            let a = first.1.get(&v).copied().unwrap_or(itself);
+            let b = self.evaluation.assigned.get(&v).copied().unwrap_or(itself);
+            let merged = self.graph.if_then_else(c, a, b);
+            self.evaluation.assigned.insert(v, merged);
+        }
+        Some(())
+    }
+
+    pub(super) fn run_for(
+        &mut self,
+        iterators: &[crate::ir::ast::Iterator],
+        body: &[Statement],
+        scope: Scope,
+    ) -> Option<Flow> {
+        let Some((first, rest)) = iterators.split_first() else {
+            return self.run_statements(body, scope);
+        };
+        let outer = self.evaluation.broken.take();
+        let mut end = Flow::Next;
+        if !self.evaluation.folding && self.repeat_for(iterators, body, scope)? {
+            self.evaluation.broken = outer;
+            return Some(Flow::Next);
+        }
+        for value in self.values_of(first, scope)? {
+            self.evaluation.locals.push((first.name.name, value));
+            let flow = self.run_for(rest, body, scope);
+            self.evaluation.locals.pop();
+            match flow? {
+                Flow::Next => {}
+                Flow::Break => break,
+                Flow::Return => {
+                    end = Flow::Return;
+                    break;
+                }
+            }
+        }
+        self.evaluation.broken = outer;
+        Some(end)
+    }
+
+    /// What a loop in an algorithm, a comprehension or a reduction runs over: how often is known here, the
+    /// values need not be.
+    pub(crate) fn values_of(
+        &mut self,
+        iterator: &crate::ir::ast::Iterator,
+        scope: Scope,
+    ) -> Option<Vec<Value>> {
+        if let Some(range) = &iterator.range
+            && !matches!(&range.kind, ExprKind::Range { .. })
+            && !self.evaluation.folding
+            && !matches!(&range.kind, ExprKind::Ref(r) if self.type_size(r, scope).is_some())
+            && let Value::Array(a) = self.evaluate(range, scope)?
+            && a.dims.len() == 1
+            && !self.may_be_subscripts(&a.elements)
+        {
+            return Some(a.elements.clone());
+        }
+        self.fold_range(iterator, scope)
+    }
+
+    /// Whether all of these are whole numbers and the like that may be known.
+    fn may_be_subscripts(&self, values: &[Value]) -> bool {
+        values.iter().all(|value| {
+            value.scalar().is_some_and(|e| {
+                self.graph.ty(e) != Type::Real
+                    && self.graph.postorder([e]).into_iter().all(|n| self.may_be_known(n, true))
+            })
+        })
+    }
+
+    fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {
+        let outer = self.evaluation.broken.take();
+        let before = self.evaluation.returned;
+        let flow = self.turn(condition, body, scope, before);
+        self.evaluation.broken = outer;
+        flow
+    }
+
+    /// Turns of a `while` loop for as long as it is known here whether there is another one.
+    fn turn(
+        &mut self,
+        condition: &Expr,
+        body: &[Statement],
+        scope: Scope,
+        before: Option<ExprId>,
+    ) -> Option<Flow> {
+        for _ in 0..MAX_TURNS {
+            let c = self.evaluate(condition, scope)?;
+            let c = self.truth(&c, condition.span)?;
+            let left = self.evaluation.broken.is_some() || self.evaluation.returned != before;
+            match self.decided(c) {
+                Some(Const::Boolean(false)) => return Some(Flow::Next),
+                Some(Const::Boolean(true)) if !left => {}
+                _ => {
+                    self.repeat_while(condition, body, scope)?;
+                    return Some(Flow::Next);
+                }
+            }
+            match self.run_statements(body, scope)? {
+                Flow::Next => {}
+                Flow::Break => return Some(Flow::Next),
+                Flow::Return => return Some(Flow::Return),
+            }
+        }
+        let message = format!("this loop runs more than {MAX_TURNS} times");
+        self.error("MO0221", condition.span, message);
+        None
+    }
+
+    /// `target := value`, for a local of a function or a variable of the model.
+    pub(crate) fn assign(
+        &mut self,
+        target: &ComponentRef,
+        value: Value,
+        scope: Scope,
+    ) -> Option<()> {
+        let first = target.parts[0].name.name;
+        let frame = self.evaluation.frame;
+        let at = self.evaluation.locals[frame..].iter().rposition(|(n, _)| *n == first);
+        if let Some(at) = at {
+            let old = self.evaluation.locals[frame + at].1.clone();
+            let mut new = self.updated(&old, &target.parts, value, scope, target.span)?;
+            for left in [self.evaluation.broken, self.evaluation.returned].into_iter().flatten() {
+                new = self.if_values(left, old.clone(), new, target.span)?;
+            }
+            self.evaluation.locals[frame + at].1 = new;
+            return Some(());
+        }
+        if self.evaluation.in_function {
+            self.report_unknown_name(first, target.span, scope);
+            return None;
+        }
+        let reading = std::mem::replace(&mut self.evaluation.reading, true);
+        let selection = self.select_target(target, scope);
+        self.evaluation.reading = reading;
+        // Records are taken apart in the order of their fields, as the variables are.
+        let mut scalars = Vec::new();
+        value.for_each_scalar(&mut |e| scalars.push(e));
+        self.assign_selected(&selection?, &scalars, target.span)
+    }
+
+    /// The scalar variables of a selection, row-major.
+    pub(crate) fn selected_variables(
+        &mut self,
+        selection: &Selection,
+        span: Span,
+    ) -> Option<Vec<VarId>> {
+        let mut out = Vec::new();
+        match selection {
+            Selection::Whole(id) => match self.instances[*id].kind.clone() {
+                InstanceKind::Variable { dims, first: Some(first), .. } => {
+                    let n: usize = dims.iter().product();
+                    out.extend((0..n as u32).map(|k| VarId(first.0 + k)));
+                }
+                InstanceKind::Object(children) => {
+                    for &child in children.iter() {
+                        out.extend(self.selected_variables(&Selection::Whole(child), span)?);
+                    }
+                }
+                InstanceKind::Array { elements, .. } => {
+                    for &element in elements.iter() {
+                        out.extend(self.selected_variables(&Selection::Whole(element), span)?);
+                    }
+                }
+                _ => {
+                    self.error("MO0212", span, "a variable is needed here");
+                    return None;
+                }
+            },
+            Selection::Element(id, k) => match self.instances[*id].kind {
+                InstanceKind::Variable { first: Some(first), .. } => {
+                    out.push(VarId(first.0 + *k as u32));
+                }
+                _ => return None,
+            },
+            Selection::Many(_, all) | Selection::Chosen(_, all) => {
+                for s in all {
+                    out.extend(self.selected_variables(s, span)?);
+                }
+            }
+            Selection::Absent => {
+                self.error("MO0217", span, "this component is switched off by its condition");
+                return None;
+            }
+        }
+        Some(out)
+    }
+
+    /// `old` with the part that `parts` name replaced; the first part names `old` itself.
+    fn updated(
+        &mut self,
+        old: &Value,
+        parts: &[RefPart],
+        value: Value,
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        let (part, rest) = parts.split_first()?;
+        if part.subscripts.is_empty() {
+            let Some(next) = rest.first() else {
+                return Some(value);
+            };
+            let Value::Record(record) = old else {
+                self.error("MO0202", span, "this is no record");
+                return None;
+            };
+            let mut fields = record.fields.clone();
+            let Some(at) = fields.iter().position(|(n, _)| *n == next.name.name) else {
+                let message = format!("there is no field `{}`", next.name.name);
+                self.error("MO0202", next.name.span, message);
+                return None;
+            };
+            fields[at].1 = self.updated(&fields[at].1, rest, value, scope, span)?;
+            return Some(Value::Record(std::rc::Rc::new(Record { class: record.class, fields })));
+        }
+        let Value::Array(array) = old else {
+            self.error("MO0216", span, "this is no array");
+            return None;
+        };
+        let selectors = self.selectors(&array.dims, &part.subscripts, scope, span)?;
+        let mut elements = array.elements.clone();
+        let assigned = match one_by_one(&array.dims, &selectors) {
+            None => vec![(selectors, value)],
+            Some((_, all)) => {
+                if value.elements().len() != all.len() {
+                    self.report_count(value.elements().len(), all.len(), span);
+                    return None;
+                }
+                let values = value.elements().to_vec();
+                all.into_iter().zip(values).collect()
+            }
+        };
+        for (selectors, value) in assigned {
+            for (condition, selectors) in self.fixed(&array.dims, &selectors) {
+                let (sizes, positions) = positions(&array.dims, &selectors);
+                let single = sizes.is_empty() && selectors.len() == array.dims.len();
+                if !single && value.elements().len() != positions.len() {
+                    self.report_count(value.elements().len(), positions.len(), span);
+                    return None;
+                }
+                for (k, p) in positions.iter().enumerate() {
+                    let new = if single { value.clone() } else { value.elements().get(k)?.clone() };
+                    let new = if rest.is_empty() {
+                        new
+                    } else {
+                        let bare = RefPart { name: part.name, subscripts: Vec::new() };
+                        let parts: Vec<RefPart> =
+                            std::iter::once(bare).chain(rest.iter().cloned()).collect();
+                        self.updated(&elements[*p], &parts, new, scope, span)?
+                    };
+                    elements[*p] = match condition {
+                        Some(c) => self.if_values(c, new, elements[*p].clone(), span)?,
+                        None => new,
+                    };
+                }
+            }
+        }
+        Some(Value::array(array.dims.clone(), elements))
+    }
+}

@@ -1,0 +1,642 @@
+//! Built-in operators and functions with function syntax (sections 3.7 and 10.3 of the
+//! specification).
+
+use super::Context;
+use super::reference::Selection;
+use super::value::Value;
+use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::classes::lookup::Found;
+use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
+use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
+use crate::symbolic::gradient::{Leaf, time_derivative};
+
+/// Names of the functions of one number.
+pub(super) const UNARY: [(&str, Unary); 20] = [
+    ("sin", Unary::Sin),
+    ("cos", Unary::Cos),
+    ("tan", Unary::Tan),
+    ("asin", Unary::Asin),
+    ("acos", Unary::Acos),
+    ("atan", Unary::Atan),
+    ("sinh", Unary::Sinh),
+    ("cosh", Unary::Cosh),
+    ("tanh", Unary::Tanh),
+    ("exp", Unary::Exp),
+    ("log", Unary::Log),
+    ("log10", Unary::Log10),
+    ("sqrt", Unary::Sqrt),
+    ("abs", Unary::Abs),
+    ("sign", Unary::Sign),
+    ("floor", Unary::Floor),
+    ("ceil", Unary::Ceil),
+    ("integer", Unary::ToInteger),
+    ("Integer", Unary::Ordinal),
+    ("Real", Unary::Ordinal),
+];
+
+/// Names of the functions of two numbers.
+const BINARY: [(&str, Binary); 4] = [
+    ("atan2", Binary::Atan2),
+    ("div", Binary::Quotient),
+    ("mod", Binary::Mod),
+    ("rem", Binary::Rem),
+];
+
+/// Everything else that is called by a simple name, for "did you mean".
+const OTHERS: [&str; 42] = [
+    "getInstanceName",
+    "der",
+    "pre",
+    "edge",
+    "change",
+    "initial",
+    "terminal",
+    "sample",
+    "noEvent",
+    "smooth",
+    "homotopy",
+    "delay",
+    "spatialDistribution",
+    "cardinality",
+    "semiLinear",
+    "String",
+    "min",
+    "max",
+    "sum",
+    "product",
+    "size",
+    "ndims",
+    "zeros",
+    "ones",
+    "fill",
+    "identity",
+    "diagonal",
+    "linspace",
+    "transpose",
+    "cross",
+    "skew",
+    "outerProduct",
+    "symmetric",
+    "vector",
+    "scalar",
+    "matrix",
+    "cat",
+    "assert",
+    "terminate",
+    "reinit",
+    "connect",
+    "time",
+];
+
+/// Operators of the language that are not supported, and what they belong to.
+const LATER: &[(&str, &[&str])] = &[
+    ("`stream` connectors", &["inStream", "actualStream"]),
+    (
+        "clocks",
+        &[
+            "Clock",
+            "previous",
+            "hold",
+            "subSample",
+            "superSample",
+            "shiftSample",
+            "backSample",
+            "noClock",
+            "interval",
+            "firstTick",
+        ],
+    ),
+    (
+        "state machines",
+        &["transition", "initialState", "activeState", "ticksInState", "timeInState"],
+    ),
+];
+
+/// An argument by its position, counted from 0, or by its name.
+pub(crate) fn argument<'e>(
+    args: &'e [Expr],
+    named: &'e [(Ident, Expr)],
+    k: usize,
+    name: &str,
+) -> Option<&'e Expr> {
+    let by_name = || named.iter().find(|(n, _)| n.name == name).map(|(_, e)| e);
+    args.get(k).or_else(by_name)
+}
+
+impl Context<'_> {
+    /// A call in an expression.
+    pub(crate) fn call(
+        &mut self,
+        function: &ComponentRef,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        // `.sin` means the built-in where a library defines a `sin` of its own.
+        let name = match function.parts.as_slice() {
+            [one] if one.subscripts.is_empty() => Some(one.name.name),
+            _ => None,
+        };
+        if let Some(name) = name
+            && let Some(Value::Function(f)) = self.local(name)
+        {
+            return self.call_value(&f, args, named, span, scope);
+        }
+        if let Some(name) = name
+            && (function.global || !self.is_hidden_builtin(name, scope))
+            && let Some(result) = self.builtin(name, args, named, span, scope)
+        {
+            return result;
+        }
+        let path = crate::ir::ast::Path {
+            global: function.global,
+            parts: function.parts.iter().map(|p| p.name).collect(),
+            span: function.span,
+        };
+        let Some(class) = self.find_class(&path, scope) else {
+            if let Some(class) = self.function_of_component(&path, function, scope) {
+                return self.call_with(class, args, named, span, scope);
+            }
+            self.report_unknown_function(&path);
+            return None;
+        };
+        self.report_access_violation();
+        self.call_with(class, args, named, span, scope)
+    }
+
+    /// Whether a function that is declared around hides the predefined one of its name, which stands
+    /// outside of everything (section 5.3.1).
+    fn is_hidden_builtin(&mut self, name: Name, scope: Scope) -> bool {
+        let place = (scope.class, name);
+        if self.evaluation.plain_names.contains(&place) {
+            return false;
+        }
+        let found = self.find_first(name, scope);
+        let hidden = matches!(found, Some(Found::Class(c))
+            if matches!(self.kind(c), ClassKind::Function { .. }));
+        if !hidden && !self.table_in_progress(scope.class) {
+            self.evaluation.plain_names.insert(place);
+        }
+        hidden
+    }
+
+    fn is_operator_of_record(&mut self, holder: InstanceId) -> bool {
+        let class = self.instances[holder].class;
+        class.is_some_and(|c| self.kind(c) == ClassKind::OperatorRecord)
+    }
+
+    /// `a.B.f`, where `a` is a component and all that follows are classes (section 5.3.2).
+    fn function_of_component(
+        &mut self,
+        path: &crate::ir::ast::Path,
+        function: &ComponentRef,
+        scope: Scope,
+    ) -> Option<ClassId> {
+        let (first, rest) = path.parts.split_first()?;
+        if path.global || rest.is_empty() || self.evaluation.in_function {
+            return None;
+        }
+        let mut holder = self.child(scope.instance, first.name)?;
+        self.complete(holder);
+        if let InstanceKind::Outer(inner) = self.instances[holder].kind {
+            holder = inner;
+        }
+        self.check_conditional(holder, first.span);
+        if matches!(self.instances[holder].kind, InstanceKind::Array { .. })
+            || !function.parts[0].subscripts.is_empty()
+        {
+            let message = format!("`{}` is an array: its functions cannot be called", first.name);
+            self.problems.push(
+                Diagnostic::error("MO0202", function.span, message)
+                    .help("name the class of the component instead: `Class.function(...)`")
+                    .note("section 5.3.2 of the specification"),
+            );
+        }
+        let mut class = self.instances[holder].class?;
+        let mut operator = None;
+        for part in rest {
+            let inner = self.member_class(class, part.name, holder)?;
+            if let Some(declared) = self.protected_in(class, part.name) {
+                self.report_protected(*part, declared);
+            }
+            class = inner;
+            // A name in quotes is that of an operator, whose functions are called by writing it.
+            if part.name.starts_with('\'') {
+                operator = operator.or(Some(*part));
+            }
+        }
+        if let Some(operator) = operator.filter(|_| self.is_operator_of_record(holder)) {
+            let message = format!("operator {} is called by way of a component", operator.name);
+            self.problems.push(
+                Diagnostic::error("MO0202", operator.span, message)
+                    .help("write the operator between its operands, or name the class")
+                    .note("section 5.3.2 of the specification"),
+            );
+        }
+        matches!(self.kind(class), ClassKind::Function { .. }).then_some(class)
+    }
+
+    fn call_with(
+        &mut self,
+        class: ClassId,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let mut positional = Vec::with_capacity(args.len());
+        for a in args {
+            positional.push(self.argument(a, scope)?);
+        }
+        let mut by_name = Vec::with_capacity(named.len());
+        for (n, e) in named {
+            by_name.push((*n, self.argument(e, scope)?));
+        }
+        self.call_class(class, positional, by_name, span)
+    }
+
+    fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
+        let name = path.to_string();
+        if path.parts.len() > 1 && path.parts[0].name == "Connections" {
+            return self.unsupported(path.span, "over-constrained connection graphs");
+        }
+        if let Some((what, _)) = LATER.iter().find(|(_, names)| names.contains(&&*name)) {
+            return self.unsupported(path.span, what);
+        }
+        let known = UNARY.iter().map(|u| u.0).chain(BINARY.iter().map(|b| b.0)).chain(OTHERS);
+        let mut d =
+            Diagnostic::error("MO0202", path.span, format!("there is no function `{path}`"))
+                .label("not found");
+        d = match did_you_mean(&path.to_string(), known) {
+            Some(near) => d.help(format!("did you mean `{near}`?")),
+            None => d.help("define it, or name the folder of its library with `--lib DIR`"),
+        };
+        self.problems.push(d);
+    }
+
+    /// `None` if the name is no built-in.
+    fn builtin(
+        &mut self,
+        name: Name,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Option<Value>> {
+        if let Some((_, op)) = UNARY.iter().find(|(n, _)| name == *n) {
+            return Some(self.unary_call(*op, args, span, scope));
+        }
+        if let Some((_, op)) = BINARY.iter().find(|(n, _)| name == *n) {
+            return Some(self.binary_call(*op, args, span, scope));
+        }
+        let result = match name.as_str() {
+            "der" => self.der(args, span, scope),
+            "pre" => self.of_variable(args, span, scope, |cx, v, ty| cx.graph.pre(v, ty)),
+            "edge" => self.of_variable(args, span, scope, |cx, v, ty| {
+                let (now, before) = (cx.graph.var(v, ty), cx.graph.pre(v, ty));
+                let not_before = cx.graph.not(before);
+                cx.graph.and(now, not_before)
+            }),
+            "change" => self.of_variable(args, span, scope, |cx, v, ty| {
+                let (now, before) = (cx.graph.var(v, ty), cx.graph.pre(v, ty));
+                cx.graph.binary(Binary::NotEqual, now, before)
+            }),
+            "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
+            "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
+            "sample" => self.sample_call(args, span, scope),
+            "noEvent" => self
+                .one(args, span, scope)
+                .and_then(|v| v.map(|e| e.scalar().map(|e| Value::Scalar(self.graph.no_event(e))))),
+            "smooth" => self.smooth_call(args, span, scope),
+            "homotopy" => self.homotopy_call(args, named, span, scope),
+            "semiLinear" => self.semi_linear(args, span, scope),
+            "delay" => self.delay(args, span, scope),
+            "spatialDistribution" => self.spatial_distribution(args, named, span, scope),
+            "cardinality" => self.cardinality(args, span, scope),
+            "getInstanceName" => self.instance_name(scope),
+            "String" => self.string_call(args, named, span, scope),
+            "min" | "max" => self.min_max(name.as_str(), args, span, scope),
+            "sum" | "product" => {
+                self.one(args, span, scope).and_then(|v| self.reduce(name.as_str(), &v, span))
+            }
+            "size" | "ndims" | "zeros" | "ones" | "fill" | "identity" | "diagonal" | "linspace"
+            | "transpose" | "cross" | "skew" | "outerProduct" | "symmetric" | "vector"
+            | "scalar" | "matrix" | "cat" | "array" => {
+                self.array_call(name.as_str(), args, span, scope)
+            }
+            "reinit" => {
+                self.problems.push(
+                    Diagnostic::error("MO0219", span, "`reinit` stands outside of a when-equation")
+                        .help("write it in a `when` of an `equation` section")
+                        .note("section 8.3.6 of the specification"),
+                );
+                None
+            }
+            "assert" | "terminate" => {
+                self.error(
+                    "MO0219",
+                    span,
+                    format!("`{name}` is an equation or statement, and has no value"),
+                );
+                None
+            }
+            _ => return None,
+        };
+        Some(result)
+    }
+
+    pub(super) fn wrong_arguments(&mut self, span: Span, wanted: &str) {
+        self.error("MO0219", span, format!("wrong number of arguments: {wanted} needed"));
+    }
+
+    fn one(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        match args {
+            [a] => self.evaluate(a, scope),
+            _ => {
+                self.wrong_arguments(span, "one is");
+                None
+            }
+        }
+    }
+
+    /// `sample(start, interval)`; of one argument, or of an array, it belongs to clocks.
+    fn sample_call(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let (start, interval) = match args {
+            [_] => return self.clocked(span),
+            [start, interval] => (start, interval),
+            _ => {
+                self.wrong_arguments(span, "two are");
+                return None;
+            }
+        };
+        let value = self.evaluate(start, scope);
+        if value.as_ref().is_some_and(|value| !value.dims().is_empty()) {
+            return self.clocked(span);
+        }
+        let a = value.and_then(|value| self.scalar_of(value, start.span));
+        let b = self.evaluate_scalar(interval, scope);
+        Some(Value::Scalar(self.graph.intern(Node::Sample(a?, b?), Type::Boolean)))
+    }
+
+    fn clocked(&mut self, span: Span) -> Option<Value> {
+        self.unsupported(span, "clocks");
+        None
+    }
+
+    fn unary_call(&mut self, op: Unary, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let value = self.one(args, span, scope)?;
+        if op == Unary::Ordinal {
+            return value.map(|v| Some(Value::Scalar(self.graph.unary(op, v.scalar()?))));
+        }
+        self.each_number(op, &value, span)
+    }
+
+    fn binary_call(
+        &mut self,
+        op: Binary,
+        args: &[Expr],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let [a, b] = args else {
+            self.wrong_arguments(span, "two are");
+            return None;
+        };
+        let (a, b) = (self.evaluate(a, scope)?, self.evaluate(b, scope)?);
+        self.each_pair(op, &a, &b, span)
+    }
+
+    /// `der(e)`: of a variable its derivative, of anything else the total derivative by time.
+    fn der(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let value = self.one(args, span, scope)?;
+        value.map(|v| {
+            let e = v.scalar()?;
+            if self.graph.ty(e) != Type::Real {
+                let given = crate::symbolic::print::type_name(&self.graph, self.graph.ty(e));
+                let message = format!("`der` of an expression of type {given}");
+                self.problems.push(
+                    Diagnostic::error("MO0212", span, message)
+                        .label("only Real expressions have derivatives")
+                        .help("write `der` of a Real variable (section 3.7.4)"),
+                );
+                return None;
+            }
+            if matches!(self.graph.node(e), Node::Var(_))
+                && self.variability(e) == crate::ir::ast::Variability::Discrete
+            {
+                self.problems.push(
+                    Diagnostic::error("MO0212", span, "`der` of a discrete variable")
+                        .label("changes at events only")
+                        .help("leave `discrete` out where it is declared, or write 0"),
+                );
+                return None;
+            }
+            if let Node::Var(x) = self.graph.node(e)
+                && self.variability(e) == crate::ir::ast::Variability::Continuous
+            {
+                return Some(Value::Scalar(self.graph.der(x)));
+            }
+            let nodes = self.graph.postorder([e]);
+            if nodes.into_iter().any(|n| matches!(self.graph.node(n), Node::Der(_))) {
+                self.problems.push(
+                    Diagnostic::error(
+                        "MO0200",
+                        span,
+                        "not supported yet: the derivative of a derivative",
+                    )
+                    .help(
+                        "give the first derivative a name, as in `v = der(x)`, and write `der(v)`",
+                    ),
+                );
+                return None;
+            }
+            let continuous: Vec<VarId> = self
+                .graph
+                .variables(e)
+                .into_iter()
+                .filter(|x| {
+                    let read = self.graph.var(*x, Type::Real);
+                    self.variability(read) == crate::ir::ast::Variability::Continuous
+                })
+                .collect();
+            let d = time_derivative(&mut self.graph, e, |g, leaf| match leaf {
+                Leaf::Var(x) if continuous.contains(&x) => Some(g.der(x)),
+                _ => None,
+            });
+            Some(Value::Scalar(d))
+        })
+    }
+
+    fn of_variable(
+        &mut self,
+        args: &[Expr],
+        span: Span,
+        scope: Scope,
+        act: impl Fn(&mut Self, VarId, Type) -> ExprId,
+    ) -> Option<Value> {
+        let before = std::mem::replace(&mut self.evaluation.unassigned, true);
+        let value = self.one(args, span, scope);
+        self.evaluation.unassigned = before;
+        value?.map(|v| self.of_chosen(v.scalar()?, span, &act).map(Value::Scalar))
+    }
+
+    /// As [`Context::of_variable`], of a variable or of one among those that a run chooses from.
+    fn of_chosen(
+        &mut self,
+        e: ExprId,
+        span: Span,
+        act: &impl Fn(&mut Self, VarId, Type) -> ExprId,
+    ) -> Option<ExprId> {
+        match self.graph.node(e) {
+            Node::Var(x) => {
+                let ty = self.graph.ty(e);
+                Some(act(self, x, ty))
+            }
+            // What never changes is its own past.
+            Node::Const(_) => Some(e),
+            Node::If(c, a, b) => {
+                let (a, b) = (self.of_chosen(a, span, act)?, self.of_chosen(b, span, act)?);
+                Some(self.graph.if_then_else(c, a, b))
+            }
+            _ => {
+                self.error("MO0219", span, "the argument must be a variable");
+                None
+            }
+        }
+    }
+
+    fn smooth_call(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let [order, e] = args else {
+            self.wrong_arguments(span, "two are");
+            return None;
+        };
+        let order = self.fold_size(order, scope)? as u32;
+        let value = self.evaluate(e, scope)?;
+        value.map(|v| v.scalar().map(|e| Value::Scalar(self.graph.smooth(order, e))))
+    }
+
+    fn homotopy_call(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let find = |k: usize, name: &str| argument(args, named, k, name);
+        let (Some(actual), Some(simplified)) = (find(0, "actual"), find(1, "simplified")) else {
+            self.wrong_arguments(span, "two are");
+            return None;
+        };
+        let values = [actual, simplified].map(|e| self.evaluate(e, scope));
+        let [Some(a), Some(b)] = values else { return None };
+        self.each_of([a, b], span, |cx, [a, b]| cx.graph.intern(Node::Homotopy(a, b), Type::Real))
+    }
+
+    /// What an operator makes of scalars. With arrays it is called for each element (section 12.4.6).
+    fn each_of<const N: usize>(
+        &mut self,
+        values: [Value; N],
+        span: Span,
+        act: impl Fn(&mut Self, [ExprId; N]) -> ExprId,
+    ) -> Option<Value> {
+        let shape = values.iter().find(|v| !v.dims().is_empty());
+        let (dims, count) = shape
+            .map_or_else(Default::default, |shape| (shape.dims().to_vec(), shape.elements().len()));
+        if values.iter().any(|v| !v.dims().is_empty() && v.dims() != dims) {
+            self.error("MO0215", span, "arrays of different sizes in one vectorised call");
+            return None;
+        }
+        let scalars = |k: usize| {
+            let part =
+                |v: &Value| v.elements().get(if v.dims().is_empty() { 0 } else { k })?.scalar();
+            let parts: Option<Vec<ExprId>> = values.iter().map(part).collect();
+            <[ExprId; N]>::try_from(parts?).ok()
+        };
+        if dims.is_empty() {
+            return Some(Value::Scalar(act(self, scalars(0)?)));
+        }
+        let mut elements = Vec::with_capacity(count);
+        for k in 0..count {
+            elements.push(Value::Scalar(act(self, scalars(k)?)));
+        }
+        Some(Value::array(dims, elements))
+    }
+
+    /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.2.3).
+    fn cardinality(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let [Expr { kind: ExprKind::Ref(r), .. }] = args else {
+            self.error("MO0219", span, "`cardinality` takes one connector");
+            return None;
+        };
+        let n = match self.select(r, scope)? {
+            Selection::Whole(mut id) => {
+                while let InstanceKind::Outer(inner) = self.instances[id].kind {
+                    id = inner;
+                }
+                let kind = self.instances[id].class.map(|c| self.kind(c));
+                if !matches!(kind, Some(ClassKind::Connector | ClassKind::ExpandableConnector)) {
+                    let message = "`cardinality` of something that is no connector";
+                    self.problems.push(
+                        Diagnostic::error("MO0219", r.span, message)
+                            .help("only connectors can be connected (section 3.7.4.3)"),
+                    );
+                    return None;
+                }
+                let Some(counts) = &self.evaluation.cardinality else {
+                    self.unsupported(
+                        span,
+                        "`cardinality` outside of equations and values of variables",
+                    );
+                    return None;
+                };
+                counts.get(&id).copied().unwrap_or(0)
+            }
+            Selection::Absent => 0,
+            Selection::Element(..) | Selection::Many(..) | Selection::Chosen(..) => {
+                self.unsupported(span, "`cardinality` of an array");
+                return None;
+            }
+        };
+        Some(Value::Scalar(self.graph.integer(n as i64)))
+    }
+
+    /// `getInstanceName()`: the simple name of the model, and the component in hand (section 3.7.4.4).
+    fn instance_name(&mut self, scope: Scope) -> Option<Value> {
+        let mut top = scope.instance;
+        while let Some(around) = self.instances[top].parent {
+            top = around;
+        }
+        let model = self.instances[top].class.map(|c| self.classes[c].full_name);
+        let model = model.map(|n| n.rsplit('.').next().unwrap_or_default().to_string());
+        let mut text = model.unwrap_or_default();
+        let path = self.path(scope.instance);
+        if !path.is_empty() && top != scope.instance {
+            text.push('.');
+            text.push_str(&path);
+        }
+        Some(Value::Scalar(self.graph.string(&text)))
+    }
+
+    /// `semiLinear(x, p, n) = if x >= 0 then p*x else n*x` (section 3.7.4).
+    fn semi_linear(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let [x, p, n] = args else {
+            self.wrong_arguments(span, "three are");
+            return None;
+        };
+        let values = [x, p, n].map(|e| self.evaluate(e, scope));
+        let [Some(x), Some(p), Some(n)] = values else { return None };
+        self.each_of([x, p, n], span, |cx, [x, p, n]| cx.semi_linear_scalar(x, p, n))
+    }
+
+    fn semi_linear_scalar(&mut self, x: ExprId, p: ExprId, n: ExprId) -> ExprId {
+        let zero = self.graph.real(0.0);
+        let c = self.graph.binary(Binary::GreaterEqual, x, zero);
+        let (a, b) = (self.graph.mul(p, x), self.graph.mul(n, x));
+        let e = self.graph.if_then_else(c, a, b);
+        self.graph.smooth(0, e)
+    }
+}

@@ -1,0 +1,181 @@
+//! Functions without events (section 12.4 of the specification): what a function compares or rounds
+//! makes none; what its arguments compare or round does, as anywhere.
+//!
+//! An inlined function is one expression with its arguments, so it is closed by `noEvent` as a whole
+//! only where no argument makes events. Otherwise each operator that the function adds is closed by
+//! itself, unless its operands change at events only.
+
+use super::Context;
+use super::value::Value;
+use crate::base::index::{FastMap, FastSet};
+use crate::ir::ast::Variability;
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary};
+use crate::symbolic::rewrite::Rewriter;
+
+/// Relations of arguments below one relation of the function that are told apart by cases.
+const MAX_CASES: usize = 4;
+
+/// What is known of an expression.
+#[derive(Clone, Copy, Default)]
+pub struct EventBehaviour {
+    /// It reads what changes between events.
+    reads: bool,
+    /// It changes between events itself: a relation does not, for its changes are events.
+    moves: bool,
+    /// It makes events.
+    live: bool,
+}
+
+impl Context<'_> {
+    /// What is known of each expression so far; operands stand before their users.
+    fn note_motions(&mut self) {
+        for k in self.evaluation.motions.len()..self.graph.len() {
+            let motion = self.motion_of_node(ExprId(k as u32));
+            self.evaluation.motions.push(motion);
+        }
+    }
+
+    fn motion_of_node(&self, e: ExprId) -> EventBehaviour {
+        let mut all = EventBehaviour::default();
+        self.graph.for_each_operand(e, |a| {
+            let of = self.evaluation.motions[a.0 as usize];
+            all.reads |= of.reads;
+            all.moves |= of.moves;
+            all.live |= of.live;
+        });
+        match self.graph.node(e) {
+            Node::Var(v) => {
+                let moves = self.variable_variability(v) == Variability::Continuous;
+                EventBehaviour { reads: moves, moves, live: false }
+            }
+            Node::Time | Node::Der(_) | Node::Recorded(..) => {
+                EventBehaviour { reads: true, moves: true, live: false }
+            }
+            Node::NoEvent(_) | Node::Smooth(..) => {
+                EventBehaviour { moves: all.reads, live: false, ..all }
+            }
+            Node::Binary(Binary::Mod | Binary::Rem, ..) => {
+                EventBehaviour { live: all.live || all.moves, ..all }
+            }
+            _ if makes_events(&self.graph, e) => {
+                EventBehaviour { moves: false, live: all.live || all.moves, ..all }
+            }
+            _ => all,
+        }
+    }
+
+    fn motion(&self, e: ExprId) -> EventBehaviour {
+        self.evaluation.motions[e.0 as usize]
+    }
+
+    /// The operators in arguments that make events.
+    pub(crate) fn events_of_arguments(&mut self, arguments: &[Option<Value>]) -> FastSet<ExprId> {
+        self.note_motions();
+        let mut roots = Vec::new();
+        for value in arguments.iter().flatten() {
+            value.for_each_scalar(&mut |e| roots.push(e));
+        }
+        self.events_below(roots, |_| true)
+    }
+
+    /// The operators at or below `roots` that make events, of those that are `wanted`.
+    fn events_below(
+        &self,
+        mut roots: Vec<ExprId>,
+        wanted: impl Fn(ExprId) -> bool,
+    ) -> FastSet<ExprId> {
+        let mut seen = FastSet::default();
+        let mut found = FastSet::default();
+        while let Some(e) = roots.pop() {
+            if !self.motion(e).live || !seen.insert(e) {
+                continue;
+            }
+            if makes_events(&self.graph, e) && wanted(e) {
+                found.insert(e);
+            }
+            self.graph.for_each_operand(e, |a| roots.push(a));
+        }
+        found
+    }
+
+    /// What a function gives, without events but those of its arguments.
+    pub(crate) fn without_events(&mut self, result: &Value, given: &FastSet<ExprId>) -> Value {
+        self.note_motions();
+        let mut roots = Vec::new();
+        result.for_each_scalar(&mut |e| roots.push(e));
+        let mut closed: FastMap<ExprId, ExprId> = FastMap::default();
+        let mut operands = Vec::new();
+        for e in self.graph.postorder(roots) {
+            if given.contains(&e) || !self.motion(e).live {
+                closed.insert(e, e);
+                continue;
+            }
+            operands.clear();
+            self.graph.for_each_operand(e, |a| operands.push(closed[&a]));
+            let rebuilt = self.graph.rebuild(e, &operands);
+            self.note_motions();
+            let new = match makes_events(&self.graph, rebuilt) && self.is_on_moving(rebuilt) {
+                true if !given.contains(&rebuilt) => self.close(rebuilt, given),
+                _ => rebuilt,
+            };
+            closed.insert(e, new);
+        }
+        result.each_scalar(&mut |e| closed[&e])
+    }
+
+    /// Whether an operand changes between events.
+    fn is_on_moving(&self, e: ExprId) -> bool {
+        let mut moves = false;
+        self.graph.for_each_operand(e, |a| moves |= self.motion(a).moves);
+        moves
+    }
+
+    /// `noEvent(e)`, where relations of arguments in `e` keep their events: a case for each.
+    fn close(&mut self, e: ExprId, given: &FastSet<ExprId>) -> ExprId {
+        let cases =
+            self.events_below(vec![e], |n| given.contains(&n) && self.graph.ty(n) == Type::Boolean);
+        let mut cases: Vec<ExprId> = cases.into_iter().collect();
+        cases.sort_unstable();
+        if cases.len() > MAX_CASES {
+            return self.graph.no_event(e);
+        }
+        self.by_cases(e, &cases)
+    }
+
+    /// The last case is the outermost: operands stand before their users.
+    fn by_cases(&mut self, e: ExprId, cases: &[ExprId]) -> ExprId {
+        let Some((case, rest)) = cases.split_last() else { return self.graph.no_event(e) };
+        let [yes, no] = [true, false].map(|holds| {
+            let value = self.graph.boolean(holds);
+            let settled = Rewriter::new()
+                .apply(&mut self.graph, e, &mut |_, n| (n == *case).then_some(value));
+            self.by_cases(settled, rest)
+        });
+        self.graph.if_then_else(*case, yes, no)
+    }
+
+    /// Of the scalars of a result those of discrete type that change between events, since what the
+    /// function reads does.
+    pub(crate) fn note_moving(&mut self, result: &Value) {
+        self.note_motions();
+        let mut moving = Vec::new();
+        result.for_each_scalar(&mut |e| {
+            let discrete = !matches!(self.graph.ty(e), Type::Real | Type::String);
+            if discrete && self.motion(e).moves {
+                moving.push(e);
+            }
+        });
+        self.evaluation.moving.extend(moving);
+    }
+}
+
+/// The operators whose value jumps where their operands do not.
+fn makes_events(graph: &Graph, e: ExprId) -> bool {
+    match graph.node(e) {
+        Node::Binary(op, ..) => {
+            op.is_relation() || matches!(op, Binary::Quotient | Binary::Mod | Binary::Rem)
+        }
+        Node::Unary(op, _) => matches!(op, Unary::Floor | Unary::Ceil | Unary::ToInteger),
+        _ => false,
+    }
+}

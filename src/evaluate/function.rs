@@ -1,0 +1,623 @@
+//! Calls of functions and record constructors (chapter 12 of the specification). A function is run on
+//! its arguments, symbolic or not, and so becomes part of the expression that calls it.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::Context;
+use super::value::{Record, Value};
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastSet;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{
+    ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Subscript, Variability,
+};
+use crate::ir::expr::{Const, ExprId, Type};
+use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
+
+/// The components of a function.
+pub(super) type Components = [(Entry, Declaration)];
+
+/// The size of an array whose size nobody says, where a function is only read.
+const OPEN_SIZE: usize = 3;
+
+impl Context<'_> {
+    /// Calls a class: a function, a record constructor, or an enumeration by number.
+    pub(crate) fn call_class(
+        &mut self,
+        class: ClassId,
+        args: Vec<Value>,
+        named: Vec<(Ident, Value)>,
+        span: Span,
+    ) -> Option<Value> {
+        match self.kind(class) {
+            ClassKind::Function { .. } => self.call_function(class, args, named, span),
+            _ if self.is_external_object(class) => {
+                let constructor = super::external::constructor();
+                let holder = self.classes[class].holder;
+                match self.member_class(class, constructor, holder) {
+                    Some(f) => self.call_function(f, args, named, span),
+                    None => {
+                        let full_name = self.classes[class].full_name;
+                        let message = format!("`{full_name}` has no constructor");
+                        self.error("MO0219", span, message);
+                        None
+                    }
+                }
+            }
+            ClassKind::OperatorRecord
+                if let Some(made) = self.overloaded_constructor(class, &args, &named, span) =>
+            {
+                made
+            }
+            ClassKind::Record | ClassKind::OperatorRecord => {
+                self.construct(class, args, named, span)
+            }
+            _ => {
+                let full_name = self.classes[class].full_name;
+                self.error("MO0219", span, format!("`{full_name}` is no function"));
+                None
+            }
+        }
+    }
+
+    pub(super) fn components(&mut self, class: ClassId) -> Vec<(Entry, Declaration)> {
+        let table = self.table(class);
+        table
+            .entries
+            .iter()
+            .filter_map(|e| match &e.kind {
+                EntryKind::Component(d) => Some((e.clone(), d.clone())),
+                EntryKind::Class(_) => None,
+            })
+            .collect()
+    }
+
+    fn call_function(
+        &mut self,
+        class: ClassId,
+        args: Vec<Value>,
+        named: Vec<(Ident, Value)>,
+        span: Span,
+    ) -> Option<Value> {
+        self.check_function(class);
+        let components = self.components(class);
+        let full_name = self.classes[class].full_name;
+        if let Some(partial) = self.partial_text(class) {
+            self.problems.push(
+                Diagnostic::error("MO0208", span, format!("function `{full_name}` is partial"))
+                    .also(partial.name.span, "declared `partial` here")
+                    .help("call a function that extends it")
+                    .note("section 12.2 of the specification"),
+            );
+            return None;
+        }
+        let mut inputs: Vec<&(Entry, Declaration)> = Vec::new();
+        for c in &components {
+            if self.causality(&c.0, &c.1) == Some(Causality::Input) {
+                inputs.push(c);
+            }
+        }
+        let given = self.matched(full_name, &inputs, args, named, span)?;
+        if let Some(result) = self.vectorised(class, &inputs, &given, span) {
+            return result;
+        }
+        if let Some(result) = self.recursive(class, &components, &given, span) {
+            return result;
+        }
+        let result = self.run_function(class, &components, given.clone(), span);
+        self.caught(class, &components, &given, span).unwrap_or(result)
+    }
+
+    /// Runs a function on its arguments.
+    pub(super) fn run_function(
+        &mut self,
+        class: ClassId,
+        components: &Components,
+        mut given: Vec<Option<Value>>,
+        span: Span,
+    ) -> Option<Value> {
+        let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
+        // Where its caller was left before, it is not called.
+        let reached = self.neither(left.0, left.1);
+        let result = self.under(reached, |cx| {
+            cx.open_call(class, left);
+            let saved = cx.enter_frame(true);
+            // What is called in a function becomes part of it.
+            let outermost = !saved.1;
+            let events =
+                if outermost { cx.events_of_arguments(&given) } else { FastSet::default() };
+            let by = cx.table(class).by.clone();
+            let mut result = match by.is_empty() {
+                true => cx.run(class, components, &mut given, span),
+                false => cx.run_differentiated(class, components, &mut given, &by, span),
+            };
+            if outermost && let Some(made) = &mut result {
+                *made = match events.is_empty() {
+                    true => made.each_scalar(&mut |e| cx.graph.no_event(e)),
+                    false => cx.without_events(made, &events),
+                };
+                cx.note_moving(made);
+            }
+            cx.leave_frame(saved);
+            cx.close_call();
+            result
+        });
+        (self.evaluation.broken, self.evaluation.returned) = left;
+        result
+    }
+
+    /// The value of a condition where one branch only is followed. A function that has called itself must
+    /// know whether it will do so again, even if that fixes parameters that are real numbers.
+    pub(super) fn decided(&mut self, condition: ExprId) -> Option<Const> {
+        let recurs = match self.evaluation.calls.split_last() {
+            Some((last, before)) => before.iter().any(|c| c.class == last.class),
+            None => false,
+        };
+        self.parameter_expression(condition, recurs)
+    }
+
+    /// Arguments in the order of the inputs; `None` for those left to their defaults.
+    pub(super) fn matched(
+        &mut self,
+        full_name: Name,
+        inputs: &[&(Entry, Declaration)],
+        args: Vec<Value>,
+        named: Vec<(Ident, Value)>,
+        span: Span,
+    ) -> Option<Vec<Option<Value>>> {
+        if args.len() > inputs.len() {
+            let message = format!(
+                "`{full_name}` takes {} arguments, and there are {}",
+                inputs.len(),
+                args.len()
+            );
+            self.error("MO0219", span, message);
+            return None;
+        }
+        let mut given: Vec<Option<Value>> = args.into_iter().map(Some).collect();
+        given.resize(inputs.len(), None);
+        for (name, value) in named {
+            let at = inputs.iter().position(|(e, _)| e.name.name == name.name);
+            match at {
+                Some(k) if given[k].is_none() => given[k] = Some(value),
+                Some(_) => {
+                    let message = format!("argument `{}` is given twice", name.name);
+                    self.error("MO0219", name.span, message);
+                    return None;
+                }
+                None => {
+                    let names: Vec<&str> =
+                        inputs.iter().map(|(e, _)| e.name.name.as_str()).collect();
+                    let message = format!("`{full_name}` has no argument `{}`", name.name);
+                    let mut d = Diagnostic::error("MO0219", name.span, message);
+                    if !names.is_empty() {
+                        d = d.help(format!(
+                            "it takes {}",
+                            crate::instantiate::error::listed(&names)
+                        ));
+                    }
+                    self.problems.push(d);
+                    return None;
+                }
+            }
+        }
+        Some(given)
+    }
+
+    /// A function of scalars called with arrays is called for each element (section 12.4.6).
+    fn vectorised(
+        &mut self,
+        class: ClassId,
+        inputs: &[&(Entry, Declaration)],
+        given: &[Option<Value>],
+        span: Span,
+    ) -> Option<Option<Value>> {
+        let mut extra: Option<Vec<usize>> = None;
+        let mut spread = vec![false; given.len()];
+        for (k, value) in given.iter().enumerate() {
+            let Some(value) = value else { continue };
+            let (entry, declaration) = inputs[k];
+            let formal = self.formal_rank(entry, declaration);
+            if value.dims().len() > formal {
+                let dims = value.dims()[..value.dims().len() - formal].to_vec();
+                if extra.as_ref().is_some_and(|e| *e != dims) {
+                    self.error("MO0215", span, "arrays of different sizes in one vectorised call");
+                    return Some(None);
+                }
+                extra = Some(dims);
+                spread[k] = true;
+            }
+        }
+        let dims = extra?;
+        let count: usize = dims.iter().product();
+        let mut subscripts = vec![1; dims.len()];
+        let mut results = Vec::with_capacity(count);
+        for _ in 0..count {
+            let element: Vec<(Ident, Value)> = given
+                .iter()
+                .enumerate()
+                .filter_map(|(k, v)| {
+                    let v = v.as_ref()?;
+                    let part = if spread[k] { v.select(&subscripts)? } else { v.clone() };
+                    Some((inputs[k].0.name, part))
+                })
+                .collect();
+            match self.call_function(class, Vec::new(), element, span) {
+                Some(v) => results.push(v),
+                None => return Some(None),
+            }
+            crate::instantiate::component::advance(&mut subscripts, &dims);
+        }
+        Some(Some(Value::array(dims, results)))
+    }
+
+    pub(super) fn formal_rank(&mut self, entry: &Entry, declaration: &Declaration) -> usize {
+        let clause = declaration.clause();
+        let scope = self.declaration_scope(entry);
+        let inner = match self.find_class(&clause.type_name, scope) {
+            Some(c) => self.table(c).dims.iter().map(|(d, _)| d.len()).sum(),
+            None => 0,
+        };
+        declaration.component().dims.len() + clause.type_dims.len() + inner
+    }
+
+    /// The types of the scalars that a component is declared with, of one element if it is an array; none
+    /// if it is a function.
+    pub(super) fn scalar_types(&mut self, entry: &Entry, declaration: &Declaration) -> Vec<Type> {
+        let scope = self.declaration_scope(entry);
+        let mut types = Vec::new();
+        if let Some(of) = self.find_class(&declaration.clause().type_name, scope)
+            && !matches!(self.kind(of), ClassKind::Function { .. })
+            && !self.is_external_object(of)
+            && let Some(zero) = self.zero_of_class(of, entry.name.span)
+        {
+            zero.for_each_scalar(&mut |e| types.push(self.graph.ty(e)));
+        }
+        types
+    }
+
+    /// `input` or `output`, as declared or by the type.
+    pub(crate) fn causality(&mut self, entry: &Entry, d: &Declaration) -> Option<Causality> {
+        let clause = d.clause();
+        let fixed = clause.prefix.variability.is_some();
+        if clause.prefix.causality.is_some() || entry.protected || fixed {
+            return clause.prefix.causality;
+        }
+        let scope = self.declaration_scope(entry);
+        let class = self.find_class(&clause.type_name, scope)?;
+        if self.table_in_progress(class) {
+            return None;
+        }
+        self.table(class).prefix.causality
+    }
+
+    fn declaration_scope(&self, entry: &Entry) -> Scope {
+        Scope { instance: self.classes[entry.class].holder, class: entry.class }
+    }
+
+    /// Whether a value is a number other than 0.
+    fn is_number(&self, value: &Value) -> bool {
+        let number = value.scalar().and_then(|e| self.graph.as_const(e)).and_then(Const::number);
+        number.is_some_and(|x| x != 0.0)
+    }
+
+    /// Reads the body of a function that nobody may call, with unknown arguments. Open sizes are taken
+    /// to be [`OPEN_SIZE`], so that what is said of sizes need not hold for others.
+    pub fn read_function(&mut self, class: ClassId) {
+        let components = self.components(class);
+        let mut arguments = Vec::new();
+        for (entry, declaration) in &components {
+            if self.causality(entry, declaration) != Some(Causality::Input) {
+                continue;
+            }
+            let scope = self.declaration_scope(entry);
+            let Some(of) = self.class_or_report(&declaration.clause().type_name, scope) else {
+                return;
+            };
+            if matches!(self.kind(of), ClassKind::Function { .. }) || self.is_external_object(of) {
+                return;
+            }
+            let count = declaration.component().dims.len() + declaration.clause().type_dims.len();
+            let Some(zero) = self.zero_of_class(of, entry.name.span) else { return };
+            let Some(inner) = self.sizes_of_type(of) else { return };
+            let mut dims = vec![OPEN_SIZE; count];
+            dims.extend(inner.into_iter().map(|size| size.unwrap_or(OPEN_SIZE)));
+            let zeros = vec![zero; dims.iter().product()];
+            let zero = Value::array(dims, zeros);
+            let graph = &mut self.graph;
+            let symbols = &mut self.evaluation.symbols;
+            let unknown = zero.each_scalar(&mut |e| {
+                *symbols += 1;
+                let ty = graph.ty(e);
+                graph.var(super::runtime_loop::symbol(*symbols), ty)
+            });
+            arguments.push(unknown);
+        }
+        let span = self.text(class).map_or(Span::NONE, |t| t.name.span);
+        self.call_function(class, arguments, Vec::new(), span);
+    }
+
+    pub(super) fn run(
+        &mut self,
+        class: ClassId,
+        components: &[(Entry, Declaration)],
+        given: &mut [Option<Value>],
+        span: Span,
+    ) -> Option<Value> {
+        let mut outputs = Vec::new();
+        let mut arguments = Vec::with_capacity(components.len());
+        let mut given = given.iter_mut();
+        for (entry, declaration) in components {
+            let causality = self.causality(entry, declaration);
+            let input = causality == Some(Causality::Input);
+            arguments.push(if input { given.next().and_then(Option::take) } else { None });
+            if causality == Some(Causality::Output) {
+                outputs.push(entry.name.name);
+            }
+        }
+        for k in self.initial_order(class, components).iter() {
+            let (entry, declaration) = &components[*k];
+            let name = entry.name.name;
+            let value = match arguments[*k].take() {
+                Some(value) => value,
+                None => match self.local_start(entry, declaration) {
+                    Some(value) => value,
+                    None => {
+                        if self.causality(entry, declaration) == Some(Causality::Input) {
+                            let full_name = self.classes[class].full_name;
+                            let message = format!("argument `{name}` of `{full_name}` is missing");
+                            self.error("MO0219", span, message);
+                        }
+                        return None;
+                    }
+                },
+            };
+            // A number in place of a quantity has its unit, which is not seen any more.
+            self.evaluation.lost_unit |= !is_plain(declaration) && self.is_number(&value);
+            self.evaluation.locals.push((name, value));
+        }
+        let table = self.table(class);
+        if let Some((external, at)) = &table.external {
+            let inputs: Vec<Name> = components
+                .iter()
+                .filter(|(_, d)| d.clause().prefix.causality == Some(Causality::Input))
+                .map(|(e, _)| e.name.name)
+                .collect();
+            let scope = Scope { instance: self.classes[*at].holder, class: *at };
+            self.run_external(class, external, &inputs, &outputs, scope, span)?;
+        }
+        for section in &table.sections {
+            if let SectionKind::Algorithm(statements, _) = &section.kind {
+                let scope =
+                    Scope { instance: self.classes[section.class].holder, class: section.class };
+                self.run_statements(statements, scope)?;
+            }
+        }
+        let frame = self.evaluation.frame;
+        let mut results = Vec::with_capacity(outputs.len());
+        for name in outputs {
+            let (_, value) = self.evaluation.locals[frame..].iter().find(|(n, _)| *n == name)?;
+            results.push(value.clone());
+        }
+        match results.len() {
+            1 => results.pop(),
+            _ => Some(Value::Tuple(results.into())),
+        }
+    }
+
+    /// What the binding and the sizes of a declaration read: the first names of all references.
+    pub(super) fn read_by(&self, entry: &Entry, declaration: &Declaration) -> Vec<Name> {
+        let mut read: Vec<Name> = Vec::new();
+        let mut see = |r: &crate::ir::ast::ComponentRef| read.push(r.parts[0].name.name);
+        if let Some((binding, _)) = self.declared_value(entry, declaration) {
+            super::implicit_ranges::in_expression(&binding, &mut see);
+        }
+        read.extend(read_by_sizes(declaration));
+        read
+    }
+
+    /// The order in which the variables of a function get their first values: those that others read come
+    /// before these, wherever they are declared (section 12.4.4).
+    pub(super) fn initial_order(&mut self, class: ClassId, components: &Components) -> Rc<[usize]> {
+        if let Some(known) = self.evaluation.initial_orders.get(&class) {
+            return known.clone();
+        }
+        let position = |name: Name| components.iter().position(|(e, _)| e.name.name == name);
+        let read: Vec<Vec<usize>> = components
+            .iter()
+            .map(|(e, d)| self.read_by(e, d).into_iter().filter_map(position).collect())
+            .collect();
+        let mut order = Vec::with_capacity(components.len());
+        let mut met = vec![false; components.len()];
+        for k in 0..components.len() {
+            put_after_what_it_reads(k, &read, &mut met, &mut order);
+        }
+        let order: Rc<[usize]> = order.into();
+        self.evaluation.initial_orders.insert(class, order.clone());
+        order
+    }
+
+    /// The value that a declaration, or what extends it, gives a local or a field.
+    fn declared_value(
+        &self,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> Option<(Arc<Expr>, Scope)> {
+        let name = entry.name.name;
+        for (modification, class) in entry.layers.iter() {
+            for argument in &modification.args {
+                if let ArgumentKind::Element { path, modification: Some(inner), .. } =
+                    &argument.kind
+                    && let [one] = path.parts.as_slice()
+                    && one.name == name
+                    && let Some(binding) = &inner.binding
+                {
+                    // What the modification names are the other fields, and what its class sees.
+                    let scope = Scope { instance: self.classes[*class].holder, class: *class };
+                    return Some((binding.clone(), scope));
+                }
+            }
+        }
+        let binding = declaration.component().modification.as_ref()?.binding.clone()?;
+        Some((binding, self.declaration_scope(entry)))
+    }
+
+    /// Evaluates what a declaration or a modification gives. A short class opens no scope for its
+    /// modifications: they see what is around it, and not the variables of the function (section 4.5.1).
+    fn evaluate_declared(&mut self, binding: &Expr, written_in: Scope) -> Option<Value> {
+        let text = self.text(written_in.class);
+        if !text.is_some_and(|t| matches!(t.body, ClassBody::Short(_))) {
+            return self.evaluate(binding, written_in);
+        }
+        let around = self.outside(written_in.class);
+        let saved = self.enter_frame(false);
+        let value = self.evaluate(binding, around);
+        self.leave_frame(saved);
+        value
+    }
+
+    /// The sizes of a local or a field, those of its type last; `None` for one that is left open.
+    fn declared_sizes(
+        &mut self,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> Option<Vec<Option<usize>>> {
+        let scope = self.declaration_scope(entry);
+        let clause = declaration.clause();
+        let written = declaration.component().dims.iter().chain(&clause.type_dims);
+        let mut sizes = self.written_sizes(written, scope)?;
+        if let Some(class) = self.find_class(&clause.type_name, scope) {
+            sizes.extend(self.sizes_of_type(class)?);
+        }
+        Some(sizes)
+    }
+
+    /// The sizes that a type has of its own. It sees what is around it, and not the variables of a function.
+    fn sizes_of_type(&mut self, class: ClassId) -> Option<Vec<Option<usize>>> {
+        let mut sizes = Vec::new();
+        for (list, holder) in self.table(class).dims.clone() {
+            let around = self.outside(holder);
+            let saved = self.enter_frame(false);
+            let found = self.written_sizes(&list, around);
+            self.leave_frame(saved);
+            sizes.extend(found?);
+        }
+        Some(sizes)
+    }
+
+    fn written_sizes<'s>(
+        &mut self,
+        list: impl IntoIterator<Item = &'s Subscript>,
+        scope: Scope,
+    ) -> Option<Vec<Option<usize>>> {
+        let size = |s: &Subscript| match s {
+            Subscript::Expr(e) => Some(Some(self.fold_size(e, scope)?)),
+            Subscript::Colon(_) => Some(None),
+        };
+        list.into_iter().map(size).collect()
+    }
+
+    /// What a local variable, an output or an omitted input starts with.
+    pub(super) fn local_start(
+        &mut self,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> Option<Value> {
+        let input = self.causality(entry, declaration) == Some(Causality::Input);
+        if let Some((binding, written_in)) = self.declared_value(entry, declaration) {
+            let value = self.evaluate_declared(&binding, written_in)?;
+            let sizes = self.declared_sizes(entry, declaration)?;
+            let Some(dims) = sizes.into_iter().collect::<Option<Vec<usize>>>() else {
+                return Some(value);
+            };
+            return self.spread(value, &dims, &Rc::from([]), binding.span);
+        }
+        if input {
+            return None;
+        }
+        self.declared_zero(entry, declaration)
+    }
+
+    /// A zero of the sizes and the type that a local or a field is declared with; open sizes are 0.
+    pub(super) fn declared_zero(
+        &mut self,
+        entry: &Entry,
+        declaration: &Declaration,
+    ) -> Option<Value> {
+        let scope = self.declaration_scope(entry);
+        let component = declaration.component();
+        let sizes = self.declared_sizes(entry, declaration)?;
+        let dims: Vec<usize> = sizes.into_iter().map(Option::unwrap_or_default).collect();
+        self.check_count(&dims, component.name.span)?;
+        let class = self.class_or_report(&declaration.clause().type_name, scope)?;
+        let mut zero = self.zero_of_class(class, component.name.span)?;
+        // Fields may be given values one by one: `output Complex result(re=re, im=im)`.
+        if let (Value::Record(record), Some(m)) = (&zero, &component.modification) {
+            let mut fields = record.fields.clone();
+            let class = record.class;
+            for argument in &m.args {
+                if let ArgumentKind::Element { path, modification: Some(inner), .. } =
+                    &argument.kind
+                    && let [field] = path.parts.as_slice()
+                    && let Some(binding) = &inner.binding
+                    && let Some(at) = fields.iter().position(|(n, _)| *n == field.name)
+                {
+                    fields[at].1 = self.evaluate(binding, scope)?;
+                }
+            }
+            zero = Value::Record(Rc::new(Record { class, fields }));
+        }
+        let n: usize = dims.iter().product();
+        let elements = vec![zero; n];
+        Some(Value::array(dims, elements))
+    }
+}
+
+/// What the sizes of a declaration read: the first names of all references.
+pub(super) fn read_by_sizes(declaration: &Declaration) -> Vec<Name> {
+    let mut read = Vec::new();
+    for s in declaration.component().dims.iter().chain(&declaration.clause().type_dims) {
+        if let Subscript::Expr(e) = s {
+            super::implicit_ranges::in_expression(e, &mut |r| read.push(r.parts[0].name.name));
+        }
+    }
+    read
+}
+
+/// Whether the type of a component is predefined, and says nothing of a unit.
+fn is_plain(declaration: &Declaration) -> bool {
+    let parts = &declaration.clause().type_name.parts;
+    let first = parts.last().map_or("", |p| p.name.as_str());
+    parts.len() == 1 && matches!(first, "Real" | "Integer" | "Boolean" | "String")
+}
+
+/// Constants and final fields that have a value are no inputs of the constructor (section 12.6).
+pub(super) fn is_settled(declaration: &Declaration) -> bool {
+    is_constant(declaration) || declaration.element.is_final && has_value(declaration)
+}
+
+/// A constant with a value.
+pub(super) fn is_constant(declaration: &Declaration) -> bool {
+    declaration.clause().prefix.variability == Some(Variability::Constant) && has_value(declaration)
+}
+
+fn has_value(declaration: &Declaration) -> bool {
+    declaration.component().modification.as_ref().is_some_and(|m| m.binding.is_some())
+}
+
+fn put_after_what_it_reads(
+    k: usize,
+    read: &[Vec<usize>],
+    met: &mut [bool],
+    order: &mut Vec<usize>,
+) {
+    if std::mem::replace(&mut met[k], true) {
+        return;
+    }
+    for other in &read[k] {
+        put_after_what_it_reads(*other, read, met, order);
+    }
+    order.push(k);
+}

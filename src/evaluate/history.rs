@@ -1,0 +1,302 @@
+//! What expressions were some time ago, and what is carried along a line: `delay` and `spatialDistribution`
+//! (section 3.7.4.2 of the specification).
+
+use super::Context;
+use super::builtin::argument;
+use super::draw::Drawing;
+use super::value::Value;
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::ir::ast::{Expr, Ident, Variability};
+use crate::ir::expr::{Binary, Carried, Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::flat::Level;
+use crate::ir::instance::Scope;
+
+/// What is read of the past, as far as it was met.
+#[derive(Clone, Default)]
+pub(crate) struct History {
+    /// The variables after all others, in their order.
+    pub made: Vec<Made>,
+    /// Lines along which something is carried.
+    pub lines: Vec<Carrying>,
+}
+
+/// A variable that is made for what equations read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Made {
+    /// A delayed expression.
+    Delay(Delaying),
+    /// How often a when-clause has drawn random numbers.
+    Counter(Span),
+    /// A random number.
+    Number(Drawing),
+}
+
+/// An expression that is delayed by a time that stays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Delaying {
+    /// What is delayed.
+    pub value: ExprId,
+    /// By how much, s.
+    pub time: ExprId,
+    /// Place of the call.
+    pub span: Span,
+}
+
+/// A line along which something is carried, see [`crate::ir::flat::Transport`].
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Carrying {
+    /// Places of the low and of the high end.
+    pub ends: [ExprId; 2],
+    /// What enters there, if anything does.
+    pub entering: [Option<ExprId>; 2],
+    /// What is on the line in the beginning: places from the low end on, and values.
+    pub initial: Vec<(ExprId, ExprId)>,
+    /// Where time is the line, how far what is read lies back at most.
+    pub longest: Option<ExprId>,
+    /// The places that are read.
+    pub readers: Vec<ExprId>,
+    /// Place of the call.
+    pub span: Span,
+}
+
+impl Context<'_> {
+    /// `delay(e, T)`: what `e` was a time `T` ago; a bound on `T` may follow.
+    pub(crate) fn delay(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
+        let ([e, time] | [e, time, _]) = args else {
+            self.wrong_arguments(span, "an expression and a time are");
+            return None;
+        };
+        let place = time.span;
+        let (value, time) = (self.evaluate(e, scope)?, self.evaluate_scalar(time, scope)?);
+        let varies = self.variability(time) > Variability::Parameter;
+        if args.len() == 2 && varies {
+            self.problems.push(
+                Diagnostic::error("MO0219", place, "this delay changes while the model runs")
+                    .help("give the longest delay as third argument: `delay(x, t, t_max)`")
+                    .note("section 3.7.4.1 of the specification"),
+            );
+            return None;
+        }
+        let fixed = self.evaluation.structural.len();
+        let known = self.parameter_expression(time, true).and_then(Const::number);
+        if known != Some(0.0) {
+            // Only that there is no delay would be structure.
+            for id in self.evaluation.structural.split_off(fixed) {
+                self.evaluation.folded.remove(&id);
+            }
+        }
+        if known.is_some_and(|t| t < 0.0) {
+            self.error("MO0219", span, "a delay can not be negative");
+            return None;
+        }
+        let mut bound = None;
+        if let Some(longest) = args.get(2) {
+            bound = Some(self.longest_delay(longest, known, scope)?);
+        }
+        if known == Some(0.0) || self.evaluation.folding || self.evaluation.shaping {
+            return Some(value);
+        }
+        if let Some(bound) = bound.filter(|_| varies) {
+            self.assert_delay(time, bound, span)?;
+        }
+        value.map(|v| {
+            let value = v.scalar()?;
+            // What never changes was always so.
+            if self.variability(value) <= Variability::Parameter {
+                return Some(Value::Scalar(value));
+            }
+            if let Some(bound) = bound.filter(|_| varies) {
+                return Some(Value::Scalar(self.varying_delay(value, time, bound, span)));
+            }
+            let same = |m: &Made| matches!(m, Made::Delay(d) if (d.value, d.time) == (value, time));
+            let known = self.evaluation.history.made.iter().position(same);
+            let v = match known {
+                Some(k) => self.made_variable(k),
+                None => self.make(Made::Delay(Delaying { value, time, span })),
+            };
+            Some(Value::Scalar(self.graph.intern(Node::Recorded(v, 0), Type::Real)))
+        })
+    }
+
+    /// A variable after all others.
+    pub(crate) fn make(&mut self, made: Made) -> VarId {
+        self.evaluation.history.made.push(made);
+        self.made_variable(self.evaluation.history.made.len() - 1)
+    }
+
+    /// How a variable changes that stands after all others.
+    pub(crate) fn made_variability(&self, v: VarId) -> Variability {
+        let after = (v.0 as usize).checked_sub(self.evaluation.instance_of.len());
+        match after.and_then(|k| self.evaluation.history.made.get(k)) {
+            Some(Made::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
+            Some(Made::Number(_) | Made::Counter(_)) => Variability::Discrete,
+            Some(Made::Delay(_)) | None => Variability::Continuous,
+        }
+    }
+
+    fn made_variable(&self, k: usize) -> VarId {
+        VarId((self.evaluation.instance_of.len() + k) as u32)
+    }
+
+    /// The bound on a delay is known before the model runs, and is a bound.
+    fn longest_delay(&mut self, longest: &Expr, time: Option<f64>, scope: Scope) -> Option<ExprId> {
+        let bound = self.evaluate_scalar(longest, scope)?;
+        let wrong = if self.variability(bound) > Variability::Parameter {
+            "the longest delay changes while the model runs".to_string()
+        } else {
+            match (time, self.graph.as_number(bound)) {
+                (Some(t), Some(most)) if t > most => {
+                    format!("a delay of {t} s is longer than the longest, {most} s")
+                }
+                _ => return Some(bound),
+            }
+        };
+        self.problems.push(
+            Diagnostic::error("MO0219", longest.span, wrong)
+                .help("give a parameter that no delay exceeds")
+                .note("section 3.7.4.1 of the specification"),
+        );
+        None
+    }
+
+    /// A delay that varies stays between zero and its bound.
+    fn assert_delay(&mut self, time: ExprId, bound: ExprId, span: Span) -> Option<()> {
+        let zero = self.graph.real(0.0);
+        let positive = self.graph.binary(Binary::GreaterEqual, time, zero);
+        let message = self.graph.string("the time of `delay` is negative");
+        self.assert_now_or_later(positive, message, Level::Error, span)?;
+        let bounded = self.graph.binary(Binary::LessEqual, time, bound);
+        let message = self.graph.string("the time of `delay` is longer than its bound");
+        self.assert_now_or_later(bounded, message, Level::Error, span)
+    }
+
+    /// Time itself is the line: the present enters at its high end.
+    fn varying_delay(&mut self, value: ExprId, by: ExprId, bound: ExprId, span: Span) -> ExprId {
+        let now = self.graph.time();
+        let ends = [self.graph.sub(now, bound), now];
+        let place = self.graph.sub(now, by);
+        let entering = [None, Some(value)];
+        let (initial, longest, readers) = (Vec::new(), Some(bound), vec![place]);
+        self.carried(Carrying { ends, entering, initial, longest, readers, span })
+    }
+
+    /// `(out0, out1) = spatialDistribution(in0, in1, x, positiveVelocity, initialPoints, initialValues)`:
+    /// what has come to the ends of a line of length 1 along which `x` says how far everything has moved.
+    pub(crate) fn spatial_distribution(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let find = |k: usize, name: &str| argument(args, named, k, name);
+        let needed = [find(0, "in0"), find(1, "in1"), find(2, "x"), find(3, "positiveVelocity")];
+        let [Some(in0), Some(in1), Some(x), Some(forward)] = needed else {
+            self.wrong_arguments(span, "what enters at both ends, a place and a direction are");
+            return None;
+        };
+        let position = x.span;
+        let [in0, in1, x, forward] = [in0, in1, x, forward].map(|e| self.evaluate_scalar(e, scope));
+        let (in0, in1, x, forward) = (in0?, in1?, x?, forward?);
+        for (e, span) in [(in0, span), (in1, span), (x, position)] {
+            if !matches!(self.graph.ty(e), Type::Real | Type::Integer) {
+                self.error("MO0212", span, "`spatialDistribution` carries numbers");
+                return None;
+            }
+        }
+        if self.graph.ty(forward) != Type::Boolean {
+            self.error("MO0212", span, "`positiveVelocity` is no truth value");
+            return None;
+        }
+        let points = self.points(find(4, "initialPoints"), [0.0, 1.0], scope)?;
+        let values = self.points(find(5, "initialValues"), [0.0, 0.0], scope)?;
+        self.check_points(&points, &values, find(4, "initialPoints").map_or(span, |e| e.span))?;
+        if self.evaluation.folding || self.evaluation.shaping {
+            return Some(Value::Tuple([Value::Scalar(in0), Value::Scalar(in1)].into()));
+        }
+        if self.variability(x) <= Variability::Parameter {
+            self.problems.push(
+                Diagnostic::error("MO0219", position, "this place never changes")
+                    .help("give the integral of the velocity, `der(x) = v`")
+                    .note("section 3.7.4.2 of the specification"),
+            );
+            return None;
+        }
+        let one = self.graph.real(1.0);
+        let (low, high) = (self.graph.neg(x), self.graph.sub(one, x));
+        let line = |readers| Carrying {
+            ends: [low, high],
+            entering: [Some(in0), Some(in1)],
+            initial: points.iter().copied().zip(values.iter().copied()).collect(),
+            longest: None,
+            readers,
+            span,
+        };
+        let (at_low, at_high) = (self.carried(line(vec![low])), self.carried(line(vec![high])));
+        let out0 = self.graph.if_then_else(forward, in0, at_low);
+        let out1 = self.graph.if_then_else(forward, at_high, in1);
+        Some(Value::Tuple([out0, out1].map(Value::Scalar).into()))
+    }
+
+    /// A vector of parameters, or its default.
+    fn points(
+        &mut self,
+        given: Option<&Expr>,
+        default: [f64; 2],
+        scope: Scope,
+    ) -> Option<Vec<ExprId>> {
+        let Some(given) = given else {
+            return Some(default.map(|x| self.graph.real(x)).to_vec());
+        };
+        let value = self.evaluate(given, scope)?;
+        if value.dims().len() != 1 {
+            self.error("MO0215", given.span, "a vector is needed here");
+            return None;
+        }
+        value.elements().iter().map(Value::scalar).collect()
+    }
+
+    /// The points rise from 0 to 1, and each has a value.
+    fn check_points(&mut self, points: &[ExprId], values: &[ExprId], span: Span) -> Option<()> {
+        let known: Option<Vec<f64>> = points.iter().map(|p| self.graph.as_number(*p)).collect();
+        let wrong = if points.len() != values.len() {
+            format!("{} points with {} values", points.len(), values.len())
+        } else if points.len() < 2 {
+            "two points at least are needed, 0 and 1".to_string()
+        } else if known.is_some_and(|p| {
+            p[0] != 0.0 || p[p.len() - 1] != 1.0 || p.windows(2).any(|w| w[0] > w[1])
+        }) {
+            "the points do not rise from 0 to 1".to_string()
+        } else {
+            return Some(());
+        };
+        self.problems.push(
+            Diagnostic::error("MO0219", span, wrong)
+                .help("give as many values as points, from 0 at one end to 1 at the other")
+                .note("section 3.7.4.2 of the specification"),
+        );
+        None
+    }
+
+    /// What a reader of a line reads. Lines that are the same but for their readers are one.
+    fn carried(&mut self, mut wanted: Carrying) -> ExprId {
+        let places = std::mem::take(&mut wanted.readers);
+        let lines = &mut self.evaluation.history.lines;
+        let same = |l: &Carrying| {
+            (&l.ends, &l.entering, &l.initial) == (&wanted.ends, &wanted.entering, &wanted.initial)
+        };
+        let line = lines.iter().position(same).unwrap_or_else(|| {
+            lines.push(wanted);
+            lines.len() - 1
+        });
+        let place = places[0];
+        let readers = &mut lines[line].readers;
+        let reader = readers.iter().position(|r| *r == place).unwrap_or_else(|| {
+            readers.push(place);
+            readers.len() - 1
+        });
+        let what = Carried { line: line as u16, reader: reader as u16, order: 0 };
+        self.graph.unary(Unary::Carried(what), place)
+    }
+}

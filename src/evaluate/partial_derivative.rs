@@ -1,0 +1,135 @@
+//! Functions that are partial derivatives of others, `function f_x = der(f, x)` (section 12.7.2 of the
+//! specification): the function is run on symbols, and its outputs are differentiated by them.
+
+use std::rc::Rc;
+
+use super::Context;
+use super::value::Value;
+use crate::base::diag::Diagnostic;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{Causality, Ident};
+use crate::ir::expr::{ExprId, Node, Type, VarId};
+use crate::ir::instance::{ClassId, Declaration, Entry};
+use crate::symbolic::gradient::{Leaf, forward_derivative};
+use crate::symbolic::rewrite::Rewriter;
+
+/// An input by which is differentiated.
+struct Symbol {
+    variable: VarId,
+    /// What it stands for.
+    argument: ExprId,
+}
+
+impl Context<'_> {
+    /// Runs a function, and differentiates what it gives by some of its inputs, one after the other.
+    pub(crate) fn run_differentiated(
+        &mut self,
+        class: ClassId,
+        components: &[(Entry, Declaration)],
+        given: &mut [Option<Value>],
+        by: &Rc<[Ident]>,
+        span: Span,
+    ) -> Option<Value> {
+        let mut inputs = Vec::new();
+        for (entry, declaration) in components {
+            if self.causality(entry, declaration) == Some(Causality::Input) {
+                inputs.push(entry.name.name);
+            }
+        }
+        let mut symbols: Vec<(Name, Symbol)> = Vec::new();
+        for variable in by.iter() {
+            if symbols.iter().all(|(name, _)| *name != variable.name) {
+                let symbol = self.symbol_of_input(class, &inputs, given, variable, span)?;
+                symbols.push((variable.name, symbol));
+            }
+        }
+        let value = self.run(class, components, given, span)?;
+        let mut failed = None;
+        let mut rewriter = Rewriter::new();
+        let derivative = value.each_scalar(&mut |e| {
+            if self.graph.ty(e) != Type::Real {
+                failed.get_or_insert("an output that is not Real");
+                return e;
+            }
+            let mut derivative = e;
+            for variable in by.iter() {
+                let Some((_, symbol)) = symbols.iter().find(|s| s.0 == variable.name) else {
+                    continue;
+                };
+                if self.calls_on(derivative, symbol.variable) {
+                    failed.get_or_insert("a loop whose length only a run knows");
+                }
+                let one = self.graph.real(1.0);
+                derivative = forward_derivative(&mut self.graph, derivative, |_, leaf| {
+                    (leaf == Leaf::Var(symbol.variable)).then_some(one)
+                });
+            }
+            rewriter.apply(&mut self.graph, derivative, &mut |graph, e| match graph.node(e) {
+                Node::Var(v) => {
+                    symbols.iter().find(|(_, s)| s.variable == v).map(|(_, s)| s.argument)
+                }
+                _ => None,
+            })
+        });
+        if let Some(what) = failed {
+            self.unsupported(span, &format!("the derivative of a function with {what}"));
+            return None;
+        }
+        Some(derivative)
+    }
+
+    /// Puts a symbol in the place of the argument for an input.
+    fn symbol_of_input(
+        &mut self,
+        class: ClassId,
+        inputs: &[Name],
+        given: &mut [Option<Value>],
+        variable: &Ident,
+        span: Span,
+    ) -> Option<Symbol> {
+        let full_name = self.classes[class].full_name;
+        let name = variable.name;
+        let Some(at) = inputs.iter().position(|input| *input == name) else {
+            let listed: Vec<&str> = inputs.iter().map(|n| n.as_str()).collect();
+            let message = format!("`{full_name}` is differentiated by `{name}`, which is no input");
+            let diagnostic = Diagnostic::error("MO0219", variable.span, message)
+                .help(format!("it has {}", crate::instantiate::error::listed(&listed)))
+                .note("section 12.7.2 of the specification");
+            self.problems.push(diagnostic);
+            return None;
+        };
+        let Some(value) = &given[at] else {
+            let message = format!(
+                "argument `{name}` of `{full_name}` is missing, by which the function is differentiated"
+            );
+            self.error("MO0219", span, message);
+            return None;
+        };
+        let Some(argument) = value.scalar() else {
+            self.unsupported(span, "derivatives of functions by arrays and records");
+            return None;
+        };
+        if !matches!(self.graph.ty(argument), Type::Real | Type::Integer) {
+            let message = format!("`{full_name}` is differentiated by `{name}`, which is not Real");
+            self.error("MO0219", variable.span, message);
+            return None;
+        }
+        self.evaluation.symbols += 1;
+        let variable = super::runtime_loop::symbol(self.evaluation.symbols);
+        given[at] = Some(Value::Scalar(self.graph.var(variable, Type::Real)));
+        Some(Symbol { variable, argument })
+    }
+
+    /// True if a call that is left in an expression depends on a variable.
+    fn calls_on(&self, e: ExprId, variable: VarId) -> bool {
+        let mut roots = Vec::new();
+        for node in self.graph.postorder([e]) {
+            if let Node::Call { args, .. } = self.graph.node(node) {
+                roots.extend(self.graph.list(args));
+            }
+        }
+        let below = self.graph.postorder(roots);
+        below.into_iter().any(|node| self.graph.node(node) == Node::Var(variable))
+    }
+}

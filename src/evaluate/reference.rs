@@ -1,0 +1,604 @@
+//! Component references: what a dotted name with subscripts stands for.
+
+use std::rc::Rc;
+
+use super::Context;
+use super::subscript::Selector;
+use super::value::{Record, Value};
+use crate::base::diag::Diagnostic;
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::classes::lookup::Found;
+use crate::ir::ast::{ComponentRef, ExprKind, Ident, RefPart, Subscript, Variability};
+use crate::ir::expr::{Const, ExprId, Type};
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
+
+/// The instances that a reference names.
+#[derive(Clone, Debug)]
+pub enum Selection {
+    /// A component as a whole.
+    Whole(InstanceId),
+    /// One scalar of an array variable, by its position.
+    Element(InstanceId, usize),
+    /// Several, row-major.
+    Many(Vec<usize>, Vec<Selection>),
+    /// One of these, by a subscript that only a run knows.
+    Chosen(ExprId, Vec<Selection>),
+    /// A component whose condition is false.
+    Absent,
+}
+
+/// What the first identifiers of a reference stand for.
+enum Start {
+    Instance(InstanceId, usize),
+    Literal(ExprId),
+}
+
+impl Context<'_> {
+    /// The value of a reference.
+    pub(crate) fn reference(&mut self, r: &ComponentRef, scope: Scope) -> Option<Value> {
+        let first = &r.parts[0];
+        if !r.global {
+            if let Some(value) = self.local(first.name.name) {
+                let mut value = self.subscripted(value, &first.subscripts, scope, r.span)?;
+                for part in &r.parts[1..] {
+                    let Some(field) = value.field(part.name.name) else {
+                        self.error(
+                            "MO0202",
+                            part.name.span,
+                            format!("`{}` is no field of `{}`", part.name.name, first.name.name),
+                        );
+                        return None;
+                    };
+                    value = self.subscripted(field, &part.subscripts, scope, r.span)?;
+                }
+                return Some(value);
+            }
+            if r.simple().is_some_and(|n| n == "time") {
+                self.restrict_time(r.span, scope);
+                return Some(Value::Scalar(self.graph.time()));
+            }
+        }
+        match self.start_of(r, scope)? {
+            Start::Literal(e) => Some(Value::Scalar(e)),
+            Start::Instance(id, used) => {
+                self.value_of_parts(id, &r.parts[used - 1..], scope, r.span)
+            }
+        }
+    }
+
+    /// The components that a reference names, where a run may choose among them.
+    pub(crate) fn select_target(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
+        match self.start_of(r, scope)? {
+            Start::Literal(_) => {
+                self.error("MO0212", r.span, "a component is needed here");
+                None
+            }
+            Start::Instance(id, used) => self.walk(id, &r.parts[used - 1..], true, scope, r.span),
+        }
+    }
+
+    pub(super) fn local(&self, wanted: Name) -> Option<Value> {
+        let visible = &self.evaluation.locals[self.evaluation.frame..];
+        visible.iter().rev().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
+    }
+
+    /// The instance that the name starts with, and how many of its parts lead to it.
+    fn start_of(&mut self, r: &ComponentRef, scope: Scope) -> Option<Start> {
+        let first = &r.parts[0];
+        if !r.global
+            && !self.evaluation.in_function
+            && let Some(id) = self.visible(scope, first.name.name)
+        {
+            return Some(Start::Instance(self.seen(id), 1));
+        }
+        let found = if r.global {
+            let root = crate::instantiate::ROOT;
+            self.member_class(root.class, first.name.name, root.instance).map(Found::Class)
+        } else {
+            self.find_first(first.name.name, scope)
+        };
+        let mut class = match found {
+            Some(Found::Component(id)) => return Some(Start::Instance(id, 1)),
+            Some(Found::Class(c)) => c,
+            None => {
+                self.report_unknown_name(first.name.name, first.name.span, scope);
+                return None;
+            }
+        };
+        for (k, part) in r.parts.iter().enumerate().skip(1) {
+            let holder = self.classes[class].holder;
+            if let Some(c) = self.member_class(class, part.name.name, holder) {
+                self.check_step(class, part.name);
+                class = c;
+            } else if let Some(id) = self.package_component(class, part.name.name) {
+                self.check_step(class, part.name);
+                self.check_not_partial(class, part.name, scope);
+                return Some(Start::Instance(id, k + 1));
+            } else {
+                return self.literal(class, &part.name).map(Start::Literal);
+            }
+        }
+        let full_name = self.classes[class].full_name;
+        self.error(
+            "MO0212",
+            r.span,
+            format!("`{full_name}` is a class, and a value is needed here"),
+        );
+        None
+    }
+
+    /// In what is partial nothing is looked up from outside (section 5.3.2).
+    fn check_not_partial(&mut self, class: ClassId, part: Ident, scope: Scope) {
+        let Some(partial) = self.partial_text(class) else { return };
+        let mut around = Some(scope.class);
+        while let Some(at) = around {
+            if self.text(at).is_some_and(|t| std::sync::Arc::ptr_eq(t, &partial)) {
+                return;
+            }
+            around = self.classes[at].enclosing;
+        }
+        if self.from_outside(part.span) {
+            return;
+        }
+        let message =
+            format!("`{}` stands in `{}`, which is partial", part.name, partial.name.name);
+        self.problems.push(
+            Diagnostic::error("MO0208", part.span, message)
+                .also(partial.name.span, "declared `partial` here")
+                .help("name a package that extends it")
+                .note("section 5.3.2 of the specification"),
+        );
+    }
+
+    /// The component of the instance in hand that a name in the text of `scope.class` means: what a class
+    /// that extends this one adds is not known in it (section 7.1).
+    fn visible(&mut self, scope: Scope, wanted: Name) -> Option<InstanceId> {
+        let id = self.child(scope.instance, wanted)?;
+        let own = self.instances[scope.instance].class;
+        if own.is_none_or(|own| own == scope.class) || self.table_in_progress(scope.class) {
+            return Some(id);
+        }
+        let of_text = self.table(scope.class);
+        if of_text.index.contains_key(&wanted) {
+            return Some(id);
+        }
+        // What connections have added to a bus stands in no class.
+        let of_instance = self.table_of(scope.instance);
+        (!of_instance.index.contains_key(&wanted) || self.is_short(scope.class)).then_some(id)
+    }
+
+    fn is_short(&self, class: ClassId) -> bool {
+        let short =
+            |t: &crate::ir::ast::Class| matches!(t.body, crate::ir::ast::ClassBody::Short(_));
+        self.text(class).is_none_or(|t| short(t))
+    }
+
+    fn literal(&mut self, class: ClassId, part: &Ident) -> Option<ExprId> {
+        let table = self.table(class);
+        let full_name = self.classes[class].full_name;
+        let Some(Type::Enumeration(id)) = table.scalar else {
+            let names: Vec<String> =
+                table.entries.iter().map(|e| e.name.name.to_string()).collect();
+            let near =
+                crate::base::diag::did_you_mean(&part.name, names.iter().map(String::as_str));
+            let mut d = Diagnostic::error(
+                "MO0202",
+                part.span,
+                format!("there is no `{}` in `{full_name}`", part.name),
+            )
+            .label("not found");
+            if let Some(near) = near {
+                d = d.help(format!("did you mean `{near}`?"));
+            }
+            self.problems.push(d);
+            return None;
+        };
+        let literals = self.graph.enumerations[id].literals.clone();
+        if let Some(at) = literals.iter().position(|l| *l == part.name) {
+            return Some(self.graph.constant(Const::Enumeration(id, at as u32 + 1)));
+        }
+        let names: Vec<&str> = literals.iter().map(|l| l.as_str()).collect();
+        let mut d = Diagnostic::error(
+            "MO0202",
+            part.span,
+            format!("`{full_name}` has no literal `{}`", part.name),
+        )
+        .label("not found");
+        d = match crate::base::diag::did_you_mean(&part.name, names.iter().copied()) {
+            Some(near) => d.help(format!("did you mean `{near}`?")),
+            None => d.help(format!("it has {}", crate::instantiate::error::listed(&names))),
+        };
+        self.problems.push(d);
+        None
+    }
+
+    /// The number of values of an enumeration or of `Boolean` named as a size.
+    pub(crate) fn type_size(&mut self, r: &ComponentRef, scope: Scope) -> Option<usize> {
+        match self.named_type(r, scope)? {
+            Type::Boolean => Some(2),
+            Type::Enumeration(id) => Some(self.graph.enumerations[id].literals.len()),
+            _ => None,
+        }
+    }
+
+    /// The values of an enumeration or of `Boolean` named as a range.
+    pub(crate) fn type_values(&mut self, r: &ComponentRef, scope: Scope) -> Option<Vec<Value>> {
+        match self.named_type(r, scope)? {
+            Type::Boolean => {
+                Some([false, true].map(|b| Value::Scalar(self.graph.boolean(b))).to_vec())
+            }
+            Type::Enumeration(id) => {
+                let n = self.graph.enumerations[id].literals.len() as u32;
+                let literal = |k| Const::Enumeration(id, k);
+                Some((1..=n).map(|k| Value::Scalar(self.graph.constant(literal(k)))).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn named_type(&mut self, r: &ComponentRef, scope: Scope) -> Option<Type> {
+        if r.parts.iter().any(|p| !p.subscripts.is_empty()) {
+            return None;
+        }
+        if !r.global
+            && (self.local(r.parts[0].name.name).is_some()
+                || (!self.evaluation.in_function
+                    && self.child(scope.instance, r.parts[0].name.name).is_some()))
+        {
+            return None;
+        }
+        let path = crate::ir::ast::Path {
+            global: r.global,
+            parts: r.parts.iter().map(|p| p.name).collect(),
+            span: r.span,
+        };
+        let class = self.find_class(&path, scope)?;
+        self.table(class).scalar
+    }
+
+    /// Follows the parts of a reference; the first part belongs to `id` itself, whose subscripts are
+    /// dealt with unless they are `open`.
+    fn walk(
+        &mut self,
+        id: InstanceId,
+        parts: &[RefPart],
+        open: bool,
+        scope: Scope,
+        span: Span,
+    ) -> Option<Selection> {
+        self.complete(id);
+        let (part, rest) = parts.split_first()?;
+        if open && self.evaluation.reading {
+            self.check_conditional(id, part.name.span);
+        }
+        let subscripts: &[Subscript] = if open { &part.subscripts } else { &[] };
+        match self.instances[id].kind.clone() {
+            InstanceKind::Outer(inner) => {
+                if let Some(next) = rest.first() {
+                    self.check_outer_member(id, &next.name);
+                }
+                self.walk(inner, parts, open, scope, span)
+            }
+            InstanceKind::Absent => Some(Selection::Absent),
+            InstanceKind::Object(_) => {
+                self.no_subscripts(part, subscripts)?;
+                let Some(next) = rest.first() else { return Some(Selection::Whole(id)) };
+                match self.child(id, next.name.name) {
+                    Some(child) => {
+                        self.check_member(id, next.name);
+                        let child = self.seen(child);
+                        self.walk(child, rest, true, scope, span)
+                    }
+                    None => {
+                        self.report_unknown_member(id, &next.name);
+                        None
+                    }
+                }
+            }
+            InstanceKind::Array { dims, elements } => {
+                if subscripts.is_empty() && rest.is_empty() {
+                    return Some(Selection::Whole(id));
+                }
+                self.check_index_types(id, subscripts, scope);
+                let selectors = self.selectors(&dims, subscripts, scope, span)?;
+                // The subscripts are dealt with: the element follows the rest of the name.
+                self.selected(&dims, selectors, &mut |cx, k| {
+                    cx.walk(elements[k], parts, false, scope, span)
+                })
+            }
+            InstanceKind::Variable { dims, .. } => {
+                if let Some(next) = rest.first() {
+                    self.report_unknown_member(id, &next.name);
+                    return None;
+                }
+                if subscripts.is_empty() {
+                    return Some(Selection::Whole(id));
+                }
+                self.check_index_types(id, subscripts, scope);
+                let selectors = self.selectors(&dims, subscripts, scope, span)?;
+                self.selected(&dims, selectors, &mut |_, k| Some(Selection::Element(id, k)))
+            }
+            InstanceKind::Pending | InstanceKind::InProgress | InstanceKind::Broken => None,
+        }
+    }
+
+    /// A dimension that is declared by an enumeration or by `Boolean` is counted by its values, not by
+    /// numbers (section 10.5.1).
+    fn check_index_types(&mut self, id: InstanceId, subscripts: &[Subscript], scope: Scope) {
+        let Some(declaration) = self.instances[id].declaration.clone() else { return };
+        let declared_in = self.instances[id].scope;
+        let dims = declaration.component().dims.iter().chain(&declaration.clause().type_dims);
+        for (dim, subscript) in dims.zip(subscripts) {
+            let (Subscript::Expr(dim), Subscript::Expr(e)) = (dim, subscript) else { continue };
+            let ExprKind::Ref(name) = &dim.kind else { continue };
+            let Some(wanted) = self.named_type(name, declared_in) else { continue };
+            if wanted == Type::Integer || matches!(e.kind, ExprKind::End) {
+                continue;
+            }
+            let before = std::mem::replace(&mut self.evaluation.reading, false);
+            let asserted = self.evaluation.asserts.len();
+            self.evaluation.ends.push(0);
+            let value = self.evaluate(e, scope);
+            self.evaluation.ends.pop();
+            self.evaluation.reading = before;
+            // It is read once more, for its value.
+            self.evaluation.asserts.truncate(asserted);
+            let given = value.and_then(|v| v.elements().first().and_then(Value::scalar));
+            let Some(given) = given.map(|e| self.graph.ty(e)).filter(|t| *t != wanted) else {
+                continue;
+            };
+            let kind = crate::symbolic::print::type_name(&self.graph, given);
+            let name = self.sources.text(dim.span).unwrap_or_default();
+            let message =
+                format!("`{name}` counts this dimension, and the subscript is of type {kind}");
+            self.problems.push(
+                Diagnostic::error("MO0216", e.span, message)
+                    .also(dim.span, "declared here")
+                    .help("write one of its values")
+                    .note("section 10.5.1 of the specification"),
+            );
+        }
+    }
+
+    fn no_subscripts(&mut self, part: &RefPart, subscripts: &[Subscript]) -> Option<()> {
+        if subscripts.is_empty() {
+            return Some(());
+        }
+        let message = format!("`{}` is no array", part.name.name);
+        self.error("MO0216", part.name.span, message);
+        None
+    }
+
+    fn value_of_parts(
+        &mut self,
+        id: InstanceId,
+        parts: &[RefPart],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        // A variable subscripted by what only a run knows is chosen among by conditions.
+        if let [part] = parts
+            && !part.subscripts.is_empty()
+        {
+            self.complete(id);
+            if let InstanceKind::Variable { dims, .. } = self.instances[id].kind.clone() {
+                self.check_index_types(id, &part.subscripts, scope);
+                let selectors = self.selectors(&dims, &part.subscripts, scope, span)?;
+                if selectors.iter().any(Selector::is_chosen) {
+                    let whole = self.instance_value(id, span)?;
+                    return self.apply(&whole, &selectors, span);
+                }
+            }
+        }
+        let before = std::mem::replace(&mut self.evaluation.reading, true);
+        let selection = self.walk(id, parts, true, scope, span);
+        self.evaluation.reading = before;
+        self.selection_value(&selection?, span)
+    }
+
+    fn selection_value(&mut self, selection: &Selection, span: Span) -> Option<Value> {
+        match selection {
+            Selection::Whole(id) => self.instance_value(*id, span),
+            Selection::Element(id, k) => self.variable_element(*id, *k, span).map(Value::Scalar),
+            Selection::Many(dims, all) => {
+                let values: Vec<Value> =
+                    all.iter().map(|s| self.selection_value(s, span)).collect::<Option<_>>()?;
+                let mut dims = dims.clone();
+                if let Some(Value::Array(inner)) = values.first() {
+                    dims.extend(&inner.dims);
+                    let flat = values.iter().flat_map(|v| v.elements().to_vec()).collect();
+                    return Some(Value::array(dims, flat));
+                }
+                Some(Value::array(dims, values))
+            }
+            Selection::Chosen(e, all) => {
+                let values: Vec<Value> =
+                    all.iter().map(|s| self.selection_value(s, span)).collect::<Option<_>>()?;
+                self.choose(*e, &values, span)
+            }
+            Selection::Absent => {
+                self.report_absent(span);
+                None
+            }
+        }
+    }
+
+    fn report_absent(&mut self, span: Span) {
+        self.problems.push(
+            Diagnostic::error("MO0217", span, "this component is not there")
+                .label("its condition is false, or nothing is connected to it")
+                .note("a conditional component may stand in `connect` only (section 4.4.5)")
+                .note("a variable of an expandable connector is there if a connection reaches it (section 9.1.3)"),
+        );
+    }
+
+    /// The value of a component as a whole.
+    pub(crate) fn instance_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
+        self.complete(id);
+        match self.instances[id].kind.clone() {
+            InstanceKind::Outer(inner) => self.instance_value(inner, span),
+            InstanceKind::Variable { dims, .. } => {
+                if let Some(value) = self.known_value(id, span)? {
+                    return self.spread(value, &dims, &Rc::from([]), span);
+                }
+                if dims.is_empty() {
+                    return self.variable_element(id, 0, span).map(Value::Scalar);
+                }
+                let n: usize = dims.iter().product();
+                let elements = (0..n)
+                    .map(|k| self.variable_element(id, k, span).map(Value::Scalar))
+                    .collect::<Option<Vec<_>>>()?;
+                Some(Value::array(dims.to_vec(), elements))
+            }
+            InstanceKind::Object(children) => {
+                let mut fields = Vec::with_capacity(children.len());
+                for &child in children.iter() {
+                    let name = self.instances[child].name;
+                    self.complete(child);
+                    if !matches!(self.instances[child].kind, InstanceKind::Absent) {
+                        fields.push((name, self.instance_value(child, span)?));
+                    }
+                }
+                let class = self.instances[id].class;
+                Some(Value::Record(Rc::new(Record { class, fields })))
+            }
+            InstanceKind::Array { dims, elements } => {
+                if elements.iter().any(|e| matches!(self.instances[*e].kind, InstanceKind::Absent))
+                {
+                    self.report_absent(span);
+                }
+                let values = elements
+                    .iter()
+                    .map(|e| self.instance_value(*e, span))
+                    .collect::<Option<Vec<_>>>()?;
+                Some(Value::array(dims.to_vec(), values))
+            }
+            InstanceKind::Absent
+            | InstanceKind::Broken
+            | InstanceKind::Pending
+            | InstanceKind::InProgress => None,
+        }
+    }
+
+    /// The value of a constant, and while folding of a parameter; `Some(None)` where the variable stands
+    /// for itself.
+    fn known_value(&mut self, id: InstanceId, span: Span) -> Option<Option<Value>> {
+        let variability = self.instances[id].prefix.variability;
+        let folds = match variability {
+            Some(Variability::Constant) => {
+                self.evaluation.lost_unit |= self.has_unit(id);
+                true
+            }
+            Some(Variability::Parameter) => {
+                if let Some(constant) = self.evaluation.constant
+                    && !self.evaluation.shaping
+                {
+                    self.report_variability(constant, span, "a parameter");
+                    return None;
+                }
+                // Sizes may depend on choices of parameters.
+                let ty = match self.instances[id].kind {
+                    InstanceKind::Variable { ty, .. } => ty,
+                    _ => Type::Real,
+                };
+                self.evaluation.folding
+                    || self.evaluation.shaping && ty != Type::Real && self.bound(id)
+            }
+            _ => false,
+        };
+        if folds {
+            return match self.parameter_value(id, span) {
+                Some(value) => Some(Some(value)),
+                None => {
+                    self.report_no_value(id, span);
+                    None
+                }
+            };
+        }
+        let InstanceKind::Variable { first, ty, .. } = self.instances[id].kind else {
+            return None;
+        };
+        if self.evaluation.shaping {
+            // What fixes the structure decides shapes too.
+            if variability == Some(Variability::Parameter)
+                && ty != Type::Real
+                && self.bound(id)
+                && let Some(value) = self.parameter_value(id, span)
+            {
+                return Some(Some(value));
+            }
+            return Some(Some(self.zero_of_type(ty)));
+        }
+        if self.evaluation.folding || first.is_none() {
+            let path = self.path(id);
+            let declared = self.declared_at(id);
+            self.problems.push(
+                Diagnostic::error(
+                    "MO0213",
+                    span,
+                    format!("`{path}` is needed before the model runs, and is no parameter"),
+                )
+                .label("needed to fix the structure of the model")
+                .also(declared, "declared here")
+                .help("make it a parameter or a constant"),
+            );
+            return None;
+        }
+        Some(None)
+    }
+
+    /// Whether a Real constant is declared with a unit.
+    fn has_unit(&mut self, id: InstanceId) -> bool {
+        if !matches!(self.instances[id].kind, InstanceKind::Variable { ty: Type::Real, .. }) {
+            return false;
+        }
+        if let Some(known) = self.evaluation.has_unit.get(&id) {
+            return *known;
+        }
+        let unit = self.attribute(id, crate::base::name::name("unit"));
+        let found = unit.is_some_and(
+            |b| !matches!(&b.value.kind, ExprKind::String(s) if s.is_empty() || &**s == "1"),
+        );
+        self.evaluation.has_unit.insert(id, found);
+        found
+    }
+
+    /// A parameter that depends on itself has no value; what else is missing was reported before.
+    fn report_no_value(&mut self, id: InstanceId, span: Span) {
+        if self.problems.has_errors() {
+            return;
+        }
+        let path = self.path(id);
+        self.problems.push(
+            Diagnostic::error("MO0218", span, format!("the value of `{path}` depends on itself"))
+                .also(self.declared_at(id), "declared here")
+                .help("break the circle of bindings"),
+        );
+    }
+
+    fn variable_element(&mut self, id: InstanceId, k: usize, span: Span) -> Option<ExprId> {
+        if let Some(value) = self.known_value(id, span)? {
+            let InstanceKind::Variable { dims, .. } = self.instances[id].kind.clone() else {
+                return None;
+            };
+            let value = self.spread(value, &dims, &Rc::from([]), span)?;
+            return value.elements().get(k)?.scalar();
+        }
+        let InstanceKind::Variable { ty, first: Some(first), .. } = self.instances[id].kind else {
+            return None;
+        };
+        let v = crate::ir::expr::VarId(first.0 + k as u32);
+        if !self.evaluation.unassigned
+            && let Some(assigned) = self.evaluation.assigned.get(&v)
+        {
+            return Some(*assigned);
+        }
+        Some(self.graph.var(v, ty))
+    }
+}
+
+/// One of one, or several.
+pub(super) fn many(dims: Vec<usize>, mut all: Vec<Selection>) -> Selection {
+    if dims.is_empty() && all.len() == 1 { all.remove(0) } else { Selection::Many(dims, all) }
+}

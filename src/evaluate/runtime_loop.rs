@@ -1,0 +1,455 @@
+//! Loops whose length only a run knows: they become functions of the flat model.
+//!
+//! The variables that a loop changes are the locals of such a function. Its body is run once on them
+//! as symbols, and what it leaves in them is what one turn assigns. Whatever else the loop reads
+//! goes in as an argument.
+
+use super::Context;
+use super::algorithm::Flow;
+use super::external::Asserted;
+use super::value::Value;
+use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::name::Name;
+use crate::base::source::Span;
+use crate::ir::ast::{Expr, ExprKind, Iterator as Loop, Statement};
+use crate::ir::expr::{Binary, Const, ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
+use crate::ir::flat::{Assert, Function, LocalId, Statement as Step};
+use crate::ir::instance::Scope;
+use crate::symbolic::rewrite::Rewriter;
+
+/// The k-th symbol.
+pub(crate) fn symbol(k: u32) -> VarId {
+    VarId(FIRST_SYMBOL + k)
+}
+
+/// What one turn of a loop makes of what it finds, in terms of symbols.
+#[derive(Default)]
+struct Turn {
+    symbols: Vec<VarId>,
+    /// What the symbols stand for before the first turn.
+    initial: Vec<ExprId>,
+    /// What they stand for after a turn.
+    turned: Vec<ExprId>,
+    /// What is asserted in a turn.
+    asserts: Vec<Asserted>,
+    /// The condition for it.
+    condition: Option<ExprId>,
+}
+
+impl Turn {
+    /// A new symbol for what is `initial` before the first turn.
+    fn symbol(&mut self, graph: &mut Graph, counter: &mut u32, initial: ExprId) -> ExprId {
+        let v = symbol(*counter);
+        *counter += 1;
+        self.symbols.push(v);
+        self.initial.push(initial);
+        graph.var(v, graph.ty(initial))
+    }
+}
+
+/// A range whose bounds only a run knows.
+struct Range {
+    start: ExprId,
+    step: ExprId,
+    stop: ExprId,
+}
+
+impl Context<'_> {
+    /// Makes a function of `while condition loop body` and assigns its outputs.
+    pub(crate) fn repeat_while(
+        &mut self,
+        condition: &Expr,
+        body: &[Statement],
+        scope: Scope,
+    ) -> Option<()> {
+        let mut names = FastSet::default();
+        super::implicit_ranges::assigned(body, &mut names);
+        self.repeat(&names, condition.span, |cx| {
+            let value = cx.evaluate(condition, scope)?;
+            let holds = cx.truth(&value, condition.span)?;
+            let flow = cx.under(holds, |cx| cx.run_statements(body, scope))?;
+            Some((holds, flow))
+        })
+    }
+
+    /// Makes a function of a loop over `iterators` whose first range has bounds that only a run knows, and
+    /// assigns its outputs; false if the bounds are known.
+    pub(crate) fn repeat_for(
+        &mut self,
+        iterators: &[Loop],
+        body: &[Statement],
+        scope: Scope,
+    ) -> Option<bool> {
+        let Some((first, rest)) = iterators.split_first() else { return Some(false) };
+        let Some(range) = self.open_range(first, scope)? else { return Some(false) };
+        let span = first.range.as_ref().map_or(first.name.span, |r| r.span);
+        // The iterator is computed from the number of the turn: a sum of steps would round.
+        let turns = crate::base::name::name("$turn");
+        let mut names: FastSet<Name> = std::iter::once(turns).collect();
+        super::implicit_ranges::assigned(body, &mut names);
+        let zero = self.graph.integer(0);
+        self.evaluation.locals.push((turns, Value::Scalar(zero)));
+        let at = self.evaluation.locals.len() - 1;
+        let done = self.repeat(&names, span, |cx| {
+            let turn = cx.evaluation.locals[at].1.scalar()?;
+            let holds = cx.is_within(turn, &range);
+            let passed = cx.graph.binary(Binary::Mul, turn, range.step);
+            let value = cx.graph.binary(Binary::Add, range.start, passed);
+            cx.evaluation.locals.push((first.name.name, Value::Scalar(value)));
+            let flow = cx.under(holds, |cx| cx.run_for(rest, body, scope));
+            cx.evaluation.locals.pop();
+            let one = cx.graph.integer(1);
+            let next = cx.graph.binary(Binary::Add, turn, one);
+            cx.evaluation.locals[at].1 = Value::Scalar(next);
+            Some((holds, flow?))
+        });
+        self.evaluation.locals.pop();
+        done.map(|()| true)
+    }
+
+    /// What stands for every value of an iterator whose range only a run knows.
+    pub(crate) fn unknown_turn(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Value>> {
+        let Some(range) = self.open_range(iterator, scope)? else { return Some(None) };
+        let ty = self.graph.common_type(range.start, range.step);
+        let any = symbol(self.evaluation.symbols);
+        self.evaluation.symbols += 1;
+        Some(Some(Value::Scalar(self.graph.var(any, ty))))
+    }
+
+    /// The bounds of a range that only a run knows.
+    fn open_range(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Range>> {
+        let Some(range) = &iterator.range else { return Some(None) };
+        let ExprKind::Range { start, step, stop } = &range.kind else { return Some(None) };
+        let start = self.evaluate(start, scope)?.scalar();
+        let stop = self.evaluate(stop, scope)?.scalar();
+        let step = match step {
+            Some(step) => self.evaluate(step, scope)?.scalar(),
+            None => Some(self.graph.integer(1)),
+        };
+        let (Some(start), Some(step), Some(stop)) = (start, step, stop) else { return Some(None) };
+        let is_number = |e: &ExprId| matches!(self.graph.ty(*e), Type::Integer | Type::Real);
+        if ![start, step, stop].iter().all(is_number) {
+            return Some(None);
+        }
+        let parts = self.graph.postorder([start, step, stop]);
+        let known = parts.into_iter().all(|n| self.may_be_known(n, true));
+        Some((!known).then_some(Range { start, step, stop }))
+    }
+
+    /// Whether there is a turn of this number, counted from 0 (as many as a vector of the range has elements).
+    fn is_within(&mut self, turn: ExprId, range: &Range) -> ExprId {
+        let way = self.graph.sub(range.stop, range.start);
+        let whole = [way, range.step].into_iter().all(|e| self.graph.ty(e) == Type::Integer);
+        let mut last = self.graph.div(way, range.step);
+        if !whole {
+            let margin = self.graph.real(super::collection::MARGIN);
+            last = self.graph.add(last, margin);
+        }
+        self.graph.binary(Binary::LessEqual, turn, last)
+    }
+
+    /// Makes a function of a loop in which locals of these names change, and assigns its outputs. `turn` runs
+    /// one: the condition for it, and how it ends.
+    fn repeat(
+        &mut self,
+        names: &FastSet<Name>,
+        span: Span,
+        run: impl FnOnce(&mut Self) -> Option<(ExprId, Flow)>,
+    ) -> Option<()> {
+        let frame = self.evaluation.frame;
+        let before: Vec<(Name, Value)> = self.evaluation.locals[frame..].to_vec();
+        let changed: Vec<usize> =
+            (0..before.len()).filter(|k| names.contains(&before[*k].0)).collect();
+        let mut turn = Turn::default();
+        for &k in &changed {
+            let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+            let symbolic = before[k].1.each_scalar(&mut |e| turn.symbol(graph, counter, e));
+            self.evaluation.locals[frame + k].1 = symbolic;
+        }
+        // In a model, what its algorithm assigns.
+        let outside = match self.evaluation.in_function {
+            true => FastMap::default(),
+            false => self.evaluation.assigned.clone(),
+        };
+        let mut variables: Vec<VarId> = outside.keys().copied().collect();
+        variables.sort_unstable();
+        for v in &variables {
+            let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+            let symbolic = turn.symbol(graph, counter, outside[v]);
+            self.evaluation.assigned.insert(*v, symbolic);
+        }
+        let asserted = self.evaluation.asserts.len();
+        let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
+        let reached = self.neither(left.0, left.1);
+        let (condition, flow) = self.under(reached, run)?;
+        // An assertion about a turn has no place outside of the loop.
+        turn.asserts = self.evaluation.asserts.split_off(asserted);
+        turn.condition = Some(condition);
+        for &k in &changed {
+            self.evaluation.locals[frame + k].1.for_each_scalar(&mut |e| turn.turned.push(e));
+        }
+        turn.turned.extend(variables.iter().map(|v| self.evaluation.assigned[v]));
+        if turn.turned.len() != turn.symbols.len() {
+            self.unsupported(span, "arrays that grow in a loop");
+            return None;
+        }
+        if !self.evaluation.in_function && self.evaluation.assigned.len() != variables.len() {
+            self.unsupported(
+                span,
+                "variables that are first assigned in a loop whose length only a run knows",
+            );
+            return None;
+        }
+        let (condition, returns) = self.until_left(condition, flow, left, &mut turn);
+        let results = self.called_loop(turn, condition, span);
+        let mut next = results.iter().copied();
+        for &k in &changed {
+            let result = before[k].1.each_scalar(&mut |e| next.next().unwrap_or(e));
+            self.evaluation.locals[frame + k].1 = result;
+        }
+        for (v, e) in variables.into_iter().zip(next) {
+            self.evaluation.assigned.insert(v, e);
+        }
+        self.evaluation.broken = left.0;
+        self.evaluation.returned = if returns { results.last().copied() } else { left.1 };
+        Some(())
+    }
+
+    /// A loop that may be left by `break` or `return`, or was left before, goes on while a symbol says
+    /// so; a last symbol says whether it was left by `return`. In comes how it was left `before`, out go
+    /// the condition for another turn, and whether there is that last symbol.
+    fn until_left(
+        &mut self,
+        condition: ExprId,
+        flow: Flow,
+        before: (Option<ExprId>, Option<ExprId>),
+        turn: &mut Turn,
+    ) -> (ExprId, bool) {
+        let sure = self.graph.boolean(true);
+        let now = |kind: Flow, part: Option<ExprId>| if flow == kind { Some(sure) } else { part };
+        let broken = now(Flow::Break, self.evaluation.broken);
+        let returned = now(Flow::Return, self.evaluation.returned);
+        if broken.or(returned).or(before.0).or(before.1).is_none() {
+            return (condition, false);
+        }
+        let goes_on = self.neither(before.0, before.1);
+        let next = self.neither(broken, returned);
+        let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+        let goes_on = turn.symbol(graph, counter, goes_on);
+        turn.turned.push(next);
+        let condition = graph.and(goes_on, condition);
+        if let Some(returned) = returned {
+            let never = graph.boolean(false);
+            turn.symbol(graph, counter, before.1.unwrap_or(never));
+            turn.turned.push(returned);
+        }
+        (condition, returned.is_some())
+    }
+
+    /// `not (a or b)`, of conditions that are false where there is none.
+    pub(crate) fn neither(&mut self, a: Option<ExprId>, b: Option<ExprId>) -> ExprId {
+        let mut result = self.graph.boolean(true);
+        for c in [a, b].into_iter().flatten() {
+            let not_c = self.graph.not(c);
+            result = self.graph.and(result, not_c);
+        }
+        result
+    }
+
+    /// Calls a loop as a function: what its symbols stand for in the end.
+    fn called_loop(&mut self, turn: Turn, condition: ExprId, span: Span) -> Vec<ExprId> {
+        // A whole number may become a real one in the loop.
+        let both = turn.initial.iter().zip(&turn.turned);
+        let types: Vec<Type> = both.map(|(a, b)| self.graph.common_type(*a, *b)).collect();
+        let name = match self.evaluation.calls.last() {
+            Some(call) => self.classes[call.class].full_name.to_string(),
+            None => "an algorithm".to_string(),
+        };
+        let (function, captured) = function(&mut self.graph, name, span, &turn, condition);
+        let key = (span, function.inputs.len(), function.values());
+        let next = FunctionId::from_usize(self.evaluation.functions.len());
+        let id = *self.evaluation.loops.entry(key).or_insert(next);
+        if id == next {
+            self.evaluation.functions.push(function);
+        }
+        let mut arguments = turn.initial;
+        arguments.extend(captured);
+        let args = self.graph.intern_list(&arguments);
+        let calls = types.into_iter().enumerate().map(|(output, ty)| {
+            let call = Node::Call { function: id, output: output as u32, args };
+            self.graph.intern(call, ty)
+        });
+        calls.collect()
+    }
+}
+
+/// What an assertion in a loop may compute beside what a turn always does. One that needs more, such as what is
+/// computed in one branch alone, would make each turn take longer: it is left out.
+const MOST_ASSERTED: usize = 32;
+
+/// A truth value that only an assertion reads may be computed from so many parts.
+const MOST_CAPTURED: usize = 8;
+
+/// Whether these are so few, and none is a call.
+fn costs_at_most(graph: &Graph, all: impl IntoIterator<Item = ExprId>, most: usize) -> bool {
+    let mut count = 0;
+    all.into_iter().all(|n| {
+        count += 1;
+        count <= most && !matches!(graph.node(n), Node::Call { .. })
+    })
+}
+
+/// The largest parts below these that are not computed `inside`, but for constants.
+fn outside(
+    graph: &Graph,
+    roots: impl IntoIterator<Item = ExprId>,
+    inside: &FastSet<ExprId>,
+) -> FastSet<ExprId> {
+    let mut seen: FastSet<ExprId> = FastSet::default();
+    let mut found = FastSet::default();
+    let mut pending: Vec<ExprId> = roots.into_iter().collect();
+    while let Some(n) = pending.pop() {
+        if graph.as_const(n).is_some() || !seen.insert(n) {
+            continue;
+        }
+        match inside.contains(&n) {
+            true => graph.for_each_operand(n, |a| pending.push(a)),
+            false => {
+                found.insert(n);
+            }
+        }
+    }
+    found
+}
+
+/// What is computed whatever branches are taken.
+fn always(graph: &Graph, roots: &[ExprId]) -> FastSet<ExprId> {
+    let mut found: FastSet<ExprId> = FastSet::default();
+    let mut pending = roots.to_vec();
+    while let Some(n) = pending.pop() {
+        if !found.insert(n) {
+            continue;
+        }
+        match graph.node(n) {
+            Node::If(c, ..) => pending.push(c),
+            Node::Binary(Binary::And | Binary::Or, a, _) => pending.push(a),
+            _ => graph.for_each_operand(n, |a| pending.push(a)),
+        }
+    }
+    found
+}
+
+/// The function of a loop over symbols, and what it reads besides them.
+fn function(
+    graph: &mut Graph,
+    name: String,
+    span: Span,
+    Turn { symbols, turned, asserts, condition: turns, .. }: &Turn,
+    condition: ExprId,
+) -> (Function, Vec<ExprId>) {
+    let mut asserts: Vec<(Assert, Span)> =
+        asserts.iter().filter_map(Asserted::in_function).collect();
+    // In a turn its condition holds.
+    let mut rewriter = Rewriter::new();
+    for (assert, _) in &mut asserts {
+        assert.condition = rewriter.apply(graph, assert.condition, &mut |g, n| {
+            (Some(n) == *turns).then(|| g.boolean(true))
+        });
+    }
+    let mut roots: Vec<ExprId> = std::iter::once(condition).chain(turned.iter().copied()).collect();
+    let always = always(graph, &roots);
+    asserts.retain(|(a, _)| {
+        let more = graph.postorder([a.condition]).into_iter().filter(|n| !always.contains(n));
+        let is_sure = graph.as_const(a.condition) == Some(Const::Boolean(true));
+        !is_sure && costs_at_most(graph, more, MOST_ASSERTED)
+    });
+    let mut locals: FastMap<VarId, u32> = FastMap::default();
+    for (k, v) in symbols.iter().enumerate() {
+        locals.insert(*v, k as u32);
+    }
+    // What reads a symbol is computed inside, and so are calls in branches that may not be taken; the largest
+    // parts that are not are arguments.
+    let mut inside: FastSet<ExprId> = FastSet::default();
+    let mut calls: FastSet<ExprId> = FastSet::default();
+    roots.extend(asserts.iter().flat_map(|(a, _)| [a.condition, a.message]));
+    for n in graph.postorder(roots.iter().copied()) {
+        let mut reads = matches!(graph.node(n), Node::Var(v) if locals.contains_key(&v));
+        let mut has_call = matches!(graph.node(n), Node::Call { .. });
+        graph.for_each_operand(n, |a| {
+            reads |= inside.contains(&a);
+            has_call |= calls.contains(&a);
+        });
+        if has_call {
+            calls.insert(n);
+        }
+        if reads || has_call && !always.contains(&n) {
+            inside.insert(n);
+        }
+    }
+    // A message is put together where it is said.
+    let messages = graph.postorder(asserts.iter().map(|(a, _)| a.message));
+    inside.extend(messages.into_iter().filter(|n| graph.ty(*n) == Type::String));
+    // Assertions have few arguments of their own: calls are differentiated by each.
+    let read = outside(graph, std::iter::once(condition).chain(turned.iter().copied()), &inside);
+    let is_cheap = |graph: &Graph, n: ExprId| {
+        graph.ty(n) == Type::Boolean && costs_at_most(graph, graph.postorder([n]), MOST_CAPTURED)
+    };
+    asserts.retain_mut(|(a, _)| {
+        let mut all = outside(graph, [a.condition], &inside).into_iter();
+        if !all.all(|n| read.contains(&n) || is_cheap(graph, n)) {
+            return false;
+        }
+        if !outside(graph, [a.message], &inside).is_subset(&read) {
+            a.message = graph.string("its condition is false");
+        }
+        true
+    });
+    let mut captured: Vec<ExprId> = Vec::new();
+    let mut rewriter = Rewriter::new();
+    let mut local = |graph: &mut Graph, root: ExprId| {
+        rewriter.apply(graph, root, &mut |g, n| {
+            if let Node::Var(v) = g.node(n)
+                && let Some(k) = locals.get(&v)
+            {
+                let ty = g.ty(n);
+                return Some(g.var(VarId(*k), ty));
+            }
+            if inside.contains(&n) || g.as_const(n).is_some() {
+                return None;
+            }
+            let at = captured.iter().position(|c| *c == n).unwrap_or_else(|| {
+                captured.push(n);
+                captured.len() - 1
+            });
+            let ty = g.ty(n);
+            Some(g.var(VarId((symbols.len() + at) as u32), ty))
+        })
+    };
+    let condition = local(graph, condition);
+    let turned: Vec<ExprId> = turned.iter().map(|e| local(graph, *e)).collect();
+    let mut turn: Vec<Step> = Vec::new();
+    for (a, span) in asserts {
+        let (condition, message) = (local(graph, a.condition), local(graph, a.message));
+        turn.push(Step::Assert(Assert { condition, message, ..a }, span));
+    }
+    let (count, inputs) = (symbols.len(), symbols.len() + captured.len());
+    let mut names: Vec<String> = (1..=inputs).map(|k| format!("x{k}")).collect();
+    // All are assigned at once: new values first stand beside the old ones.
+    names.extend((1..=count).map(|k| format!("next{k}")));
+    let id = |k: usize| LocalId::from_usize(k);
+    turn.extend(turned.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)));
+    for (k, e) in turned.iter().enumerate().take(count) {
+        let ty = graph.ty(*e);
+        let next = graph.var(VarId((inputs + k) as u32), ty);
+        turn.push(Step::Assign(id(k), next));
+    }
+    let function = Function {
+        name,
+        span,
+        inputs: (0..inputs).map(id).collect(),
+        outputs: (0..count).map(id).collect(),
+        locals: names.into_iter().collect(),
+        body: vec![Step::While(condition, turn)],
+    };
+    (function, captured)
+}

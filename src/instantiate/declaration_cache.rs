@@ -1,0 +1,105 @@
+//! Declarations that say the same of every component that they declare: in an array of components each
+//! element has its own, but what they are is found out once.
+
+use std::rc::Rc;
+
+use super::{Context, ROOT};
+use crate::ir::ast::{Element, TypePrefix};
+use crate::ir::expr::Type;
+use crate::ir::instance::{ClassId, ClassText, Declaration, InstanceId, InstanceKind, Scope};
+
+/// A declared component, by the address of its element, its position there and the class of its scope.
+pub(crate) type Key = (usize, usize, ClassId);
+
+/// What a declaration says wherever it stands.
+pub(crate) struct Cached {
+    class: ClassId,
+    /// Of the declaration and of the class.
+    prefix: TypePrefix,
+    scalar: Option<Type>,
+    /// Holds the address that it is found by.
+    _element: Rc<Element>,
+}
+
+impl Context<'_> {
+    /// What a component is, if its declaration has said the same of another one: `None` if that is not known.
+    pub(super) fn cached_declaration(
+        &mut self,
+        id: InstanceId,
+        declaration: &Declaration,
+    ) -> Option<InstanceKind> {
+        if !self.is_unmodified(id, declaration) {
+            return None;
+        }
+        let found = self.declaration_cache.get(&key(declaration, self.instances[id].scope))?;
+        let (class, prefix, scalar) = (found.class, found.prefix, found.scalar);
+        self.instances[id].class = Some(class);
+        self.merge_prefix_around(id, prefix);
+        match scalar {
+            Some(ty) => {
+                Some(InstanceKind::Variable { ty, dims: self.no_sizes.clone(), first: None })
+            }
+            None => Some(self.object(id).unwrap_or(InstanceKind::Broken)),
+        }
+    }
+
+    /// Remembers what a declaration says, if it holds for all of its components.
+    pub(super) fn cache_declaration(
+        &mut self,
+        id: InstanceId,
+        declaration: &Declaration,
+        prefix: TypePrefix,
+    ) {
+        let scope = self.instances[id].scope;
+        let (Some(class), true) = (self.instances[id].class, self.is_unmodified(id, declaration))
+        else {
+            return;
+        };
+        let (element, clause) = (&declaration.element, declaration.clause());
+        let component = declaration.component();
+        let table = self.table(class);
+        let changeable = element.replaceable.is_some() || element.redeclare;
+        let depends = component.condition.is_some() || element.inner || element.outer;
+        let sized =
+            !component.dims.is_empty() || !clause.type_dims.is_empty() || !table.dims.is_empty();
+        // With redeclarations in it, the class is one of its own.
+        let as_named = self.find_class(&clause.type_name, scope) == Some(class);
+        if changeable
+            || depends
+            || sized
+            || !as_named
+            || !self.is_fixed_name(&clause.type_name, scope)
+        {
+            return;
+        }
+        let scalar = table.scalar;
+        let cached = Cached { class, prefix, scalar, _element: element.clone() };
+        self.declaration_cache.insert(key(declaration, scope), cached);
+    }
+
+    /// Whether a component is modified by its own declaration at most.
+    fn is_unmodified(&self, id: InstanceId, declaration: &Declaration) -> bool {
+        let own = usize::from(declaration.component().modification.is_some());
+        self.instances[id].layers.len() == own
+    }
+
+    /// Whether the name of a class stands for the same one in all instances of the class around it: found
+    /// in a package, not among what an instance may have replaced.
+    fn is_fixed_name(&mut self, path: &crate::ir::ast::Path, scope: Scope) -> bool {
+        let Some(first) = path.parts.first() else { return false };
+        let in_component = self.instances[scope.instance].parent.is_some();
+        if !in_component || self.table(scope.class).index.contains_key(&first.name) {
+            return false;
+        }
+        let head = crate::ir::ast::Path { parts: vec![*first], ..path.clone() };
+        let Some(class) = self.find_class(&head, scope) else { return false };
+        let of = &self.classes[class];
+        let around = of.enclosing.unwrap_or(ROOT.class);
+        matches!(of.body, ClassText::Predefined(_))
+            || self.package_instances.get(&around) == Some(&of.holder)
+    }
+}
+
+fn key(declaration: &Declaration, scope: Scope) -> Key {
+    (Rc::as_ptr(&declaration.element) as usize, declaration.component, scope.class)
+}
