@@ -19,9 +19,9 @@ const PNG_SCALE: u32 = 2;
 /// Prints the flat model.
 pub fn flatten(options: &Model) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
-    let pieces = match session.flatten(&options.request()) {
+    let fragments = match session.flatten(&options.request()) {
         Ok(flat) => {
-            let pieces = crate::flatten::print::pieces(&flat).map_err(|why| {
+            let fragments = crate::flatten::print::fragments(&flat).map_err(|why| {
                 session.problems.push(
                     Diagnostic::error("MO0275", flat.span, why.to_string())
                         .help("`mocc simulate` runs it, and `mocc structure` shows its blocks"),
@@ -30,14 +30,14 @@ pub fn flatten(options: &Model) -> Status {
             });
             // The process ends: a large model need not be given back piece by piece.
             std::mem::forget(flat);
-            pieces
+            fragments
         }
         Err(wrong) => Err(wrong.into()),
     };
     say(&session);
-    match pieces {
-        Ok(pieces) => {
-            let failed = pieces.iter().map(|piece| print(piece)).find(|s| *s != Status::Done);
+    match fragments {
+        Ok(fragments) => {
+            let failed = fragments.iter().map(|piece| print(piece)).find(|s| *s != Status::Done);
             failed.unwrap_or(Status::Done)
         }
         Err(status) => status,

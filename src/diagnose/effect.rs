@@ -1,7 +1,7 @@
 //! The catalogue of effects: what a class of `lib/Effects` says about itself in its annotation.
 
 use crate::driver::compile::{Request, Session};
-use crate::flatten::inventory::{End, Inventory};
+use crate::flatten::inventory::{Inventory, InventoryConnector};
 
 /// An effect as its class describes it.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub struct Effect {
     /// A sentence with `%at` for the place.
     pub explains: String,
     /// Its connectors.
-    pub connectors: Vec<End>,
+    pub connectors: Vec<InventoryConnector>,
     /// It stands between a signal's variable and the recording.
     pub of_signal: bool,
     /// Units of its parameters.

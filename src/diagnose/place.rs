@@ -3,7 +3,7 @@
 
 use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
-use crate::flatten::inventory::{End, Inventory, Part};
+use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 
 use super::effect::Effect;
 
@@ -80,7 +80,7 @@ fn signals(plan: &Plan) -> Vec<Place> {
     plan.signals.iter().enumerate().map(place).collect()
 }
 
-fn built_in(effect: &Effect, part: &Part) -> Option<Place> {
+fn built_in(effect: &Effect, part: &InventoryPart) -> Option<Place> {
     (part.class == effect.class).then(|| Place {
         at: vec![part.name.clone()],
         connections: Vec::new(),
@@ -90,7 +90,7 @@ fn built_in(effect: &Effect, part: &Part) -> Option<Place> {
     })
 }
 
-fn hosted(effect: &Effect, part: &Part, variables: &FastSet<&str>) -> Option<Place> {
+fn hosted(effect: &Effect, part: &InventoryPart, variables: &FastSet<&str>) -> Option<Place> {
     if part.name.is_empty() {
         return None;
     }
@@ -112,18 +112,19 @@ fn hosted(effect: &Effect, part: &Part, variables: &FastSet<&str>) -> Option<Pla
 
 /// One place for each set of connected connectors of the class. It is called after the component that
 /// has the fewest connectors of the class: a volume rather than what leads to it.
-fn nodes(end: &End, inventory: &Inventory) -> Vec<Place> {
-    let mut found: Vec<(usize, &Part, &End)> = Vec::new();
+fn nodes(end: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
+    let mut found: Vec<(usize, &InventoryPart, &InventoryConnector)> = Vec::new();
     for (part, connector) in ends(inventory, &end.class) {
-        let rank =
-            |p: &Part| (p.connectors.iter().filter(|c| c.class == end.class).count(), p.name.len());
+        let rank = |p: &InventoryPart| {
+            (p.connectors.iter().filter(|c| c.class == end.class).count(), p.name.len())
+        };
         match found.iter_mut().find(|(node, ..)| *node == connector.node) {
             None => found.push((connector.node, part, connector)),
             Some(entry) if rank(part) < rank(entry.1) => *entry = (connector.node, part, connector),
             Some(_) => {}
         }
     }
-    let place = |(_, part, connector): (usize, &Part, &End)| Place {
+    let place = |(_, part, connector): (usize, &InventoryPart, &InventoryConnector)| Place {
         at: vec![part.name.clone()],
         connections: vec![(end.name.clone(), format!("{}.{}", part.name, connector.name))],
         binds: Vec::new(),
@@ -136,8 +137,9 @@ fn nodes(end: &End, inventory: &Inventory) -> Vec<Place> {
 /// Pairs that a component with two connectors of the class bridges, and every volume with ambient. Of
 /// several components that bridge one pair the one with most connectors gives the name: a seal rather
 /// than a line.
-fn pairs(a: &End, b: &End, inventory: &Inventory) -> Vec<Place> {
-    let mut parts: Vec<&Part> = inventory.parts.iter().filter(|p| !p.name.is_empty()).collect();
+fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
+    let mut parts: Vec<&InventoryPart> =
+        inventory.parts.iter().filter(|p| !p.name.is_empty()).collect();
     parts.sort_by_key(|p| std::cmp::Reverse(p.connectors.len()));
     let mut known: Vec<(usize, usize)> = Vec::new();
     let mut out = Vec::new();
@@ -156,9 +158,11 @@ fn pairs(a: &End, b: &End, inventory: &Inventory) -> Vec<Place> {
             others: Vec::new(),
         });
     };
-    let path = |p: &Part, c: &End| (format!("{}.{}", p.name, c.name), c.node);
+    let path =
+        |p: &InventoryPart, c: &InventoryConnector| (format!("{}.{}", p.name, c.name), c.node);
     for part in &parts {
-        let own: Vec<&End> = part.connectors.iter().filter(|c| c.class == a.class).collect();
+        let own: Vec<&InventoryConnector> =
+            part.connectors.iter().filter(|c| c.class == a.class).collect();
         if let [x, y] = own.as_slice() {
             add(&part.name, path(part, x), path(part, y));
         }
@@ -175,7 +179,10 @@ fn pairs(a: &End, b: &End, inventory: &Inventory) -> Vec<Place> {
     out
 }
 
-fn ends<'a>(inventory: &'a Inventory, class: &'a str) -> impl Iterator<Item = (&'a Part, &'a End)> {
+fn ends<'a>(
+    inventory: &'a Inventory,
+    class: &'a str,
+) -> impl Iterator<Item = (&'a InventoryPart, &'a InventoryConnector)> {
     let parts = inventory.parts.iter().filter(|p| !p.name.is_empty());
     parts
         .flat_map(|p| p.connectors.iter().map(move |c| (p, c)))

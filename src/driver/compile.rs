@@ -20,7 +20,7 @@ use crate::ir::dae::Kind;
 use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::instance::{ClassId, Scope};
-use crate::ir::modification::Setting;
+use crate::ir::modification::ParameterOverride;
 use crate::ir::program::{Continuation, Form, Program};
 use crate::measure::model as extended;
 use crate::measure::observe::Plan;
@@ -89,7 +89,7 @@ impl Session {
     fn flatten_by<T>(
         &mut self,
         request: &Request,
-        by: impl FnOnce(&mut Context<'_>, ClassId, &[Rc<Setting>]) -> T,
+        by: impl FnOnce(&mut Context<'_>, ClassId, &[Rc<ParameterOverride>]) -> T,
     ) -> Result<T, Wrong> {
         let begun = Instant::now();
         let path = request.modelica_path.as_deref();

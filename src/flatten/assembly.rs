@@ -1,5 +1,5 @@
-//! What a model is put together from: its components with their connectors, what `connect` joins,
-//! and which inputs read which components.
+//! The component diagram of a model: its components with their connectors, the links of `connect`,
+//! and the links from components to the inputs that read them.
 
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
@@ -14,33 +14,34 @@ use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 
 use super::connect::Connections;
 
-/// Takes the model at `root` apart, whose variables are numbered and whose connections are noted.
+/// The assembly of the model at `root`, whose variables are numbered and whose connections are
+/// recorded.
 pub(super) fn of(
     cx: &mut Context<'_>,
     root: InstanceId,
     connections: &Connections,
     flat: &FlatModel,
 ) -> Assembly {
-    let mut found = Finder::default();
+    let mut found = AssemblyBuilder::default();
     for object in super::objects(cx, root) {
         if !is_connector(cx, object) {
             found.part(cx, object, flat);
         }
     }
-    for noted in connections.noted.iter().flatten() {
-        found.connect(cx, noted.holder, noted.ends, noted.span);
+    for recorded in connections.recorded.iter().flatten() {
+        found.connect(cx, recorded.holder, recorded.ends, recorded.span);
     }
     found.inputs(cx, flat);
     found.assembly
 }
 
 #[derive(Default)]
-struct Finder {
+struct AssemblyBuilder {
     assembly: Assembly,
     position: FastMap<InstanceId, usize>,
 }
 
-impl Finder {
+impl AssemblyBuilder {
     fn part(&mut self, cx: &mut Context<'_>, id: InstanceId, flat: &FlatModel) {
         let InstanceKind::Object(children) = cx.instances[id].kind.clone() else { return };
         let mut ports = Vec::new();
@@ -76,19 +77,19 @@ impl Finder {
         self.assembly.parts.push(part);
     }
 
-    /// The nearest component around an instance.
+    /// The nearest enclosing component of an instance.
     fn holder(&self, cx: &Context<'_>, id: InstanceId) -> Option<usize> {
         let mut at = cx.instances[id].parent;
-        while let Some(around) = at {
-            if let Some(&k) = self.position.get(&around) {
+        while let Some(parent) = at {
+            if let Some(&k) = self.position.get(&parent) {
                 return Some(k);
             }
-            at = cx.instances[around].parent;
+            at = cx.instances[parent].parent;
         }
         None
     }
 
-    /// The end of a link at the connector or variable `id`, as seen from the class of `holder`.
+    /// The end of a link at the connector or variable `id`, seen from the class of `holder`.
     fn end(&self, cx: &Context<'_>, id: InstanceId, holder: usize) -> Option<End> {
         let mut part = self.holder(cx, id)?;
         if !self.assembly.within(part, holder) {
@@ -98,8 +99,8 @@ impl Finder {
             part = self.assembly.parts[part].parent?;
         }
         let full = cx.path(id);
-        let around = &self.assembly.parts[part].name;
-        let port = full.strip_prefix(around.as_str()).unwrap_or(&full).trim_start_matches('.');
+        let owner = &self.assembly.parts[part].name;
+        let port = full.strip_prefix(owner.as_str()).unwrap_or(&full).trim_start_matches('.');
         Some(End { part, port: port.to_owned() })
     }
 
@@ -120,7 +121,7 @@ impl Finder {
         Some(())
     }
 
-    /// Inputs whose values read variables of other components.
+    /// Adds links to inputs whose bindings read variables of other components.
     fn inputs(&mut self, cx: &mut Context<'_>, flat: &FlatModel) {
         let mut known: FastSet<(usize, String, usize, String)> = FastSet::default();
         for (v, variable) in flat.variables.enumerate() {
@@ -160,8 +161,8 @@ impl Finder {
         while !self.assembly.within(reader, holder) {
             holder = self.assembly.parts[holder].parent?;
         }
-        // What a component reads of itself or of the one around it is no line between components,
-        // unless it comes in through a connector.
+        // Reading a variable of the component itself or of the enclosing one is not a link between
+        // components, unless the variable belongs to a connector.
         if holder == reader {
             return None;
         }
@@ -186,8 +187,8 @@ fn elements(cx: &mut Context<'_>, id: InstanceId) -> Vec<InstanceId> {
 }
 
 fn within(cx: &Context<'_>, id: InstanceId, holder: InstanceId) -> String {
-    let (full, around) = (cx.path(id), cx.path(holder));
-    full.strip_prefix(&around).unwrap_or(&full).trim_start_matches('.').to_owned()
+    let (full, owner) = (cx.path(id), cx.path(holder));
+    full.strip_prefix(&owner).unwrap_or(&full).trim_start_matches('.').to_owned()
 }
 
 fn class_of(cx: &Context<'_>, id: InstanceId) -> String {
@@ -199,7 +200,7 @@ fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
     matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
 }
 
-/// What flows through a connector.
+/// The physical domain of a connector, by the unit of its flow.
 fn domain(cx: &Context<'_>, connector: InstanceId, flat: &FlatModel) -> Domain {
     let InstanceKind::Object(children) = &cx.instances[connector].kind else {
         return Domain::Signal;

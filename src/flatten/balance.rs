@@ -1,8 +1,9 @@
-//! Is a component balanced: has it as many equations as unknowns? Modelica specification, section 4.7.
+//! Checks that a component is balanced, i.e. has as many equations as unknowns (Modelica 3.6, section
+//! 4.7).
 //!
-//! The component is flattened by itself. Its inputs are known from outside, and so is one of each
-//! potential and flow of its connectors: the flows are zero where nothing is connected, and that
-//! equation stands for the one that the surroundings would have added.
+//! The component is flattened on its own. Its inputs are known, and so is one variable of each pair of
+//! potential and flow of its connectors: the flows of unconnected connectors are zero, and this
+//! equation represents the one that a connection would add.
 
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::index::{FastMap, FastSet};
@@ -22,7 +23,7 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// Says so if the numbers differ.
+    /// Reports an error if the numbers differ.
     pub fn report(&self, flat: &FlatModel, problems: &mut Problems) {
         let Balance { unknowns, equations } = *self;
         if unknowns == equations {
@@ -50,7 +51,8 @@ impl Balance {
     }
 }
 
-/// Counts; nothing for a component whose expandable connectors decide what it has.
+/// Counts equations and unknowns; `None` for a component with expandable connectors, whose variables
+/// depend on the surroundings.
 pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Option<Balance> {
     if let InstanceKind::Object(children) = cx.instances[root].kind.clone() {
         for child in children.iter() {
@@ -63,13 +65,13 @@ pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Op
     }
     let mut unknowns = 0;
     let mut bound = 0;
-    // Of a connector's inputs those of the component itself are known.
+    // Inputs of the component itself, also in its connectors, are known.
     let mut known: FastMap<InstanceId, bool> = FastMap::default();
     for (v, variable) in flat.variables.enumerate() {
         if matches!(variable.variability, Variability::Constant | Variability::Parameter) {
             continue;
         }
-        // What an expression was some time ago belongs to no instance, and has an equation of its own.
+        // A delayed expression belongs to no instance and has an equation of its own.
         let from_outside = match cx.evaluation.instance_of.get(v.0 as usize) {
             None => false,
             Some(&(instance, _)) => match known.get(&instance) {
@@ -107,9 +109,9 @@ pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Op
     Some(Balance { unknowns, equations })
 }
 
-/// An input of the component: declared in it, or in one of its connectors.
+/// True for an input of the component, declared in it or in one of its connectors.
 fn is_input(cx: &mut Context<'_>, id: InstanceId, root: InstanceId) -> bool {
-    // What is protected has its equations inside.
+    // Protected inputs are determined inside the component.
     if cx.instances[id].prefix.causality != Some(Causality::Input) || cx.instances[id].protected {
         return false;
     }

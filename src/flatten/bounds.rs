@@ -1,12 +1,12 @@
-//! Parameters and constants whose values lie beyond their `min` and `max` as they are written: `mocc
-//! check` says so without a run (section 4.9.1 of the specification).
+//! Checks the values of parameters and constants against their `min` and `max` attributes without a
+//! simulation, for `mocc check` (Modelica 3.6, section 4.8).
 
 use crate::base::diag::{Diagnostic, Problems};
 use crate::ir::ast::Variability;
 use crate::ir::expr::ExprId;
 use crate::ir::flat::FlatModel;
 
-/// Warns of each.
+/// Warns of each value outside its bounds.
 pub fn check(flat: &FlatModel, problems: &mut Problems) {
     let number = |e: Option<ExprId>| flat.graph.as_const(e?)?.number();
     for v in flat.variables.iter() {

@@ -1,6 +1,6 @@
-//! What equations read of the past: delayed expressions, and what is carried along lines.
+//! Introduces variables for operators with history: `delay`, `spatialDistribution`, random numbers.
 
-use super::variable::made as made_variable;
+use super::variable::add_synthetic;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
@@ -12,13 +12,14 @@ use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Delay, Equation, EquationKind, FlatModel, Origin, Reader, Transport};
 use crate::symbolic::rewrite::Rewriter;
 
-/// Gives what is read of the past, and what is drawn, variables of its own. They follow all others, in
-/// their order: that is how they were counted when they were read.
+/// Adds a variable for each delayed expression, transport line and random number. They follow all
+/// declared variables in the order in which the evaluator met the operators, because the evaluator
+/// has already numbered them in this order.
 pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
     let draws = std::mem::take(&mut cx.evaluation.draws);
     let draws_any = cx.evaluation.history.made.iter().any(|m| matches!(m, Made::Number(_)));
     let generator = draws.generator.as_ref().filter(|_| draws_any);
-    let generator = generator.and_then(|state| seed(cx, flat, state));
+    let generator = generator.and_then(|state| generator_state(cx, flat, state));
     for (k, made) in std::mem::take(&mut cx.evaluation.history.made).into_iter().enumerate() {
         match made {
             Made::Delay(delay) => {
@@ -28,14 +29,14 @@ pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
             }
             Made::Counter(span) => {
                 let zero = cx.graph.integer(0);
-                let counter = made_variable(flat, format!("$drawn{}", k + 1), Type::Integer, span);
+                let counter = add_synthetic(flat, format!("$drawn{}", k + 1), Type::Integer, span);
                 flat.variables[counter].start = Some(zero);
                 flat.variables[counter].fixed = Some(true);
             }
             Made::Number(drawing) => {
                 let value = number(cx, &draws, generator.as_deref(), drawing);
                 let name = format!("$random{}", k + 1);
-                let variable = made_variable(flat, name, Type::Real, drawing.span);
+                let variable = add_synthetic(flat, name, Type::Real, drawing.span);
                 let at_start = drawing.counter.is_none();
                 flat.variables[variable].binding = Some(value);
                 flat.variables[variable].variability =
@@ -49,11 +50,15 @@ pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
     }
 }
 
-/// How far parameters are followed that are given by others.
-const FAR: usize = 20;
+/// Maximum length of a chain of parameters that are bound to other parameters.
+const MAX_PARAMETER_CHAIN: usize = 20;
 
-/// The state of the generator at the start, if it is known before the model runs.
-fn seed(cx: &mut Context<'_>, flat: &mut FlatModel, state: &[ExprId]) -> Option<Vec<i64>> {
+/// The initial state of the random number generator, if it can be evaluated before simulation.
+fn generator_state(
+    cx: &mut Context<'_>,
+    flat: &mut FlatModel,
+    state: &[ExprId],
+) -> Option<Vec<i64>> {
     let mut given: FastMap<VarId, ExprId> = FastMap::default();
     for e in &flat.initial_equations {
         let EquationKind::Equal(a, b) = e.kind else { continue };
@@ -72,7 +77,7 @@ fn seed(cx: &mut Context<'_>, flat: &mut FlatModel, state: &[ExprId]) -> Option<
     let mut words = Vec::with_capacity(state.len());
     for &e in state {
         let mut e = e;
-        for _ in 0..FAR {
+        for _ in 0..MAX_PARAMETER_CHAIN {
             if cx.graph.as_const(e).is_some() {
                 break;
             }
@@ -89,8 +94,9 @@ fn seed(cx: &mut Context<'_>, flat: &mut FlatModel, state: &[ExprId]) -> Option<
     Some(words)
 }
 
-/// A random number by its number: after those of the start come those of all clauses, which at one instant
-/// draw in their order.
+/// The value of a random number as an element of the generator's sequence: the samples of the
+/// initialization come first, then those of all when-clauses, which sample in their order if they are
+/// active at the same instant.
 fn number(
     cx: &mut Context<'_>,
     draws: &Draws,
@@ -104,7 +110,7 @@ fn number(
                 drawing.span,
                 "what this generator begins with is not known",
             )
-            .help("call `initializeImpureRandom` with a seed that is known before the model runs"),
+            .help("call `initializeImpureRandom` with a generator_state that is known before the model runs"),
         );
         return cx.graph.real(0.5);
     };
@@ -125,7 +131,7 @@ fn number(
     cx.drawn(generator, at)
 }
 
-/// A variable with the equation that says what it is.
+/// A variable with the equation that defines it.
 fn defined(
     cx: &mut Context<'_>,
     flat: &mut FlatModel,
@@ -134,16 +140,21 @@ fn defined(
     span: Span,
 ) -> VarId {
     let ty = cx.graph.ty(value);
-    let variable = made_variable(flat, name, ty, span);
+    let variable = add_synthetic(flat, name, ty, span);
     let lhs = cx.graph.var(variable, ty);
     let origin = Origin { span, component: "".into() };
     flat.equations.push(Equation { kind: EquationKind::Equal(lhs, value), origin });
     variable
 }
 
-/// A variable of which the run says what it is.
-fn told(cx: &mut Context<'_>, flat: &mut FlatModel, name: String, span: Span) -> VarId {
-    let variable = made_variable(flat, name, Type::Real, span);
+/// A variable whose value the simulator supplies.
+fn external_variable(
+    cx: &mut Context<'_>,
+    flat: &mut FlatModel,
+    name: String,
+    span: Span,
+) -> VarId {
+    let variable = add_synthetic(flat, name, Type::Real, span);
     let lhs = cx.graph.var(variable, Type::Real);
     let value = cx.graph.intern(Node::Recorded(variable, 0), Type::Real);
     let origin = Origin { span, component: "".into() };
@@ -172,14 +183,17 @@ fn transport(
         let name = |what: &str| format!("$line{number}.reader{}.{what}", k + 1);
         let place = cx.graph.as_real(place);
         let place = defined(cx, flat, name("place"), place, span);
-        let (from, to) = (told(cx, flat, name("from"), span), told(cx, flat, name("to"), span));
-        // The event at which the reader comes to the end of its piece.
-        let mut border = |op: Binary, v: VarId| {
-            let border = cx.graph.var(v, Type::Real);
+        let (from, to) = (
+            external_variable(cx, flat, name("from"), span),
+            external_variable(cx, flat, name("to"), span),
+        );
+        // The event at which the reader leaves its segment of the history.
+        let mut compare = |op: Binary, v: VarId| {
+            let limit = cx.graph.var(v, Type::Real);
             let place = cx.graph.var(place, Type::Real);
-            cx.graph.binary(op, place, border)
+            cx.graph.binary(op, place, limit)
         };
-        let (above, below) = (border(Binary::GreaterEqual, to), border(Binary::Less, from));
+        let (above, below) = (compare(Binary::GreaterEqual, to), compare(Binary::Less, from));
         let arrives = cx.graph.or(above, below);
         let arrives = defined(cx, flat, name("arrives"), arrives, span);
         readers.push(Reader { place, from, to, arrives });

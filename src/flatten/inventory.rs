@@ -1,7 +1,7 @@
-//! What a model is made of: its components, their connectors, and what is connected with what.
+//! Inventory of a model: its components, their connectors, and the nodes that connections form.
 //!
-//! For tools that attach something to a model: two connectors of one class that stand at the same node
-//! are the same place.
+//! For tools that attach components to a model: two connectors of the same class at the same node are
+//! equivalent places to attach to.
 
 use crate::instantiate::Context;
 use crate::ir::ast::{Causality, ClassKind};
@@ -9,38 +9,38 @@ use crate::ir::instance::{InstanceId, InstanceKind};
 
 use super::connect::Connections;
 
-/// The parts of a model.
+/// The components of a model and its free inputs.
 #[derive(Clone, Debug, Default)]
 pub struct Inventory {
-    /// Components of the model in order; first the model itself, with an empty name.
-    pub parts: Vec<Part>,
+    /// Components in order of declaration; the first is the model itself, with an empty name.
+    pub parts: Vec<InventoryPart>,
     /// Inputs of the model itself without a value.
     pub inputs: Vec<String>,
 }
 
 /// A component of a model.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct InventoryPart {
     /// Its name.
     pub name: String,
     /// Full name of its class.
     pub class: String,
     /// Its connectors.
-    pub connectors: Vec<End>,
+    pub connectors: Vec<InventoryConnector>,
 }
 
 /// A connector of a component.
 #[derive(Clone, Debug)]
-pub struct End {
-    /// Its name in the component.
+pub struct InventoryConnector {
+    /// Its name within the component.
     pub name: String,
     /// Full name of its class.
     pub class: String,
-    /// The same for all that are connected.
+    /// The node that it belongs to: connectors are connected if their nodes are equal.
     pub node: usize,
 }
 
-/// Takes stock of the model at `root`, whose connections are known.
+/// Takes the inventory of the model at `root`, whose connections have been collected.
 pub(super) fn of(
     cx: &mut Context<'_>,
     root: InstanceId,
@@ -66,17 +66,21 @@ pub(super) fn of(
         for &end in inner.iter() {
             let Some(class) = connector_class(cx, end) else { continue };
             let node = first_variable(cx, end).and_then(|v| connections.node(v));
-            // What is connected to nothing is a node of its own.
+            // An unconnected connector has a node of its own.
             let node = node.unwrap_or_else(|| {
                 free -= 1;
                 free
             });
-            connectors.push(End { name: cx.instances[end].name.to_string(), class, node });
+            connectors.push(InventoryConnector {
+                name: cx.instances[end].name.to_string(),
+                class,
+                node,
+            });
         }
         let class = cx.instances[id].class;
         let class = class.map_or_else(String::new, |c| cx.classes[c].full_name.to_string());
         if name.is_empty() || connector_class(cx, id).is_none() {
-            inventory.parts.push(Part { name, class, connectors });
+            inventory.parts.push(InventoryPart { name, class, connectors });
         }
     }
     inventory

@@ -1,4 +1,4 @@
-//! Settings from outside: `NAME=VALUE` of the command line as modifications of the model.
+//! Parameter overrides: `NAME=VALUE` on the command line as a modification of the model.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -9,11 +9,15 @@ use crate::base::source::{SourceMap, Span};
 use crate::instantiate::Context;
 use crate::ir::ast::{Expr, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
-use crate::ir::modification::Setting;
+use crate::ir::modification::ParameterOverride;
 use crate::parse::fragment::binding;
 
-/// Reads `NAME=VALUE`; the value is an expression of the language.
-pub fn read(text: &str, sources: &mut SourceMap, problems: &mut Problems) -> Option<Rc<Setting>> {
+/// Parses `NAME=VALUE`; the value is a Modelica expression.
+pub fn read(
+    text: &str,
+    sources: &mut SourceMap,
+    problems: &mut Problems,
+) -> Option<Rc<ParameterOverride>> {
     let usage = |problems: &mut Problems, why: &str| {
         problems.push(
             Diagnostic::error("MO0240", Span::NONE, format!("the setting `{text}` {why}"))
@@ -24,12 +28,12 @@ pub fn read(text: &str, sources: &mut SourceMap, problems: &mut Problems) -> Opt
         usage(problems, "has no `=`");
         return None;
     };
-    let Some(parts) = left.trim().split('.').map(part).collect::<Option<Vec<_>>>() else {
+    let Some(parts) = left.trim().split('.').map(name_part).collect::<Option<Vec<_>>>() else {
         usage(problems, "does not start with a name");
         return None;
     };
     let value = expression(right, text, sources, problems)?;
-    Some(Rc::new(Setting {
+    Some(Rc::new(ParameterOverride {
         parts,
         value: Arc::new(value),
         text: left.trim().to_string(),
@@ -38,7 +42,7 @@ pub fn read(text: &str, sources: &mut SourceMap, problems: &mut Problems) -> Opt
 }
 
 /// `name` or `name[1,2]`
-fn part(text: &str) -> Option<(crate::base::name::Name, Vec<usize>)> {
+fn name_part(text: &str) -> Option<(crate::base::name::Name, Vec<usize>)> {
     let (word, rest) = text.split_once('[').unwrap_or((text, "]"));
     let list = rest.strip_suffix(']')?;
     let subscripts = if list.is_empty() {
@@ -52,7 +56,7 @@ fn part(text: &str) -> Option<(crate::base::name::Name, Vec<usize>)> {
     (plain || quoted).then(|| (name(word), subscripts))
 }
 
-/// Parses the value.
+/// Parses the value of an override.
 fn expression(
     value: &str,
     whole: &str,
@@ -73,11 +77,15 @@ fn expression(
     found
 }
 
-/// Reports settings that no component took, and settings of what is no parameter.
-pub(super) fn report_unused(cx: &mut Context<'_>, root: InstanceId, settings: &[Rc<Setting>]) {
+/// Reports overrides that no component matches, and overrides of variables that are not parameters.
+pub(super) fn report_unused(
+    cx: &mut Context<'_>,
+    root: InstanceId,
+    overrides: &[Rc<ParameterOverride>],
+) {
     let mut parameters: Option<Vec<(String, bool)>> = None;
-    for s in settings {
-        if s.used.get() && settable(cx, root, s) != Some(false) {
+    for s in overrides {
+        if s.used.get() && is_parameter(cx, root, s) != Some(false) {
             continue;
         }
         let all = parameters.get_or_insert_with(|| scalar_names(cx, root));
@@ -107,8 +115,8 @@ pub(super) fn report_unused(cx: &mut Context<'_>, root: InstanceId, settings: &[
     }
 }
 
-/// Whether the variable of this name is a parameter, if there is one of exactly this name.
-fn settable(cx: &mut Context<'_>, root: InstanceId, s: &Setting) -> Option<bool> {
+/// Whether the variable with exactly this name is a parameter; `None` if it does not exist.
+fn is_parameter(cx: &mut Context<'_>, root: InstanceId, s: &ParameterOverride) -> Option<bool> {
     let mut at = root;
     for (part, subscripts) in &s.parts {
         if !matches!(cx.instances[at].kind, InstanceKind::Object(_)) {
@@ -127,7 +135,7 @@ fn settable(cx: &mut Context<'_>, root: InstanceId, s: &Setting) -> Option<bool>
         .then_some(instance.prefix.variability == Some(Variability::Parameter))
 }
 
-/// Names of variables and whether they are parameters.
+/// The names of all variables, each with a flag that is true for parameters.
 fn scalar_names(cx: &Context<'_>, root: InstanceId) -> Vec<(String, bool)> {
     let mut out = Vec::new();
     let mut stack = vec![root];

@@ -14,8 +14,8 @@ use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::flat::{FlatModel, StateSelect, Variable};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
-/// Where a variable keeps an attribute.
-type Slot<T> = fn(&mut Variable) -> &mut T;
+/// Access to the field of a variable that holds an attribute.
+type AttributeField<T> = fn(&mut Variable) -> &mut T;
 
 /// Numbers all scalar variables, depth first.
 pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
@@ -49,20 +49,20 @@ pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
     }
 }
 
-fn own_path(cx: &Context<'_>, id: InstanceId, around: &str) -> String {
+fn own_path(cx: &Context<'_>, id: InstanceId, parent: &str) -> String {
     let instance = &cx.instances[id];
     if !instance.subscripts.is_empty() {
-        return [around, &subscript_text(&instance.subscripts)].concat();
+        return [parent, &subscript_text(&instance.subscripts)].concat();
     }
-    match (around.is_empty(), instance.name.is_empty()) {
-        (_, true) => around.to_string(),
+    match (parent.is_empty(), instance.name.is_empty()) {
+        (_, true) => parent.to_string(),
         (true, false) => instance.name.to_string(),
-        (false, false) => [around, ".", instance.name.as_str()].concat(),
+        (false, false) => [parent, ".", instance.name.as_str()].concat(),
     }
 }
 
-/// A variable that is made for what equations read.
-pub fn made(flat: &mut FlatModel, name: String, ty: Type, span: Span) -> VarId {
+/// Adds a variable that the compiler introduces, such as a delayed expression.
+pub fn add_synthetic(flat: &mut FlatModel, name: String, ty: Type, span: Span) -> VarId {
     let slowest = if ty == Type::Real { Variability::Continuous } else { Variability::Discrete };
     let variable = Variable::bare(name, ty, slowest, span);
     let id = flat.variables.push(Variable { protected: true, ..variable });
@@ -70,7 +70,7 @@ pub fn made(flat: &mut FlatModel, name: String, ty: Type, span: Span) -> VarId {
     id
 }
 
-/// A variable as its declaration says, without attributes.
+/// A variable with the prefixes of its declaration, without attributes.
 fn declared(
     cx: &Context<'_>,
     id: InstanceId,
@@ -163,7 +163,7 @@ fn attributes(
         cx.check_extent(id, &value, &binding.subscripts, span);
         Some((cx.spread(value, dims, &binding.subscripts, span)?, span))
     };
-    let numeric: [(Name, Slot<Option<ExprId>>); 4] = [
+    let numeric: [(Name, AttributeField<Option<ExprId>>); 4] = [
         (names.start, |v| &mut v.start),
         (names.min, |v| &mut v.min),
         (names.max, |v| &mut v.max),
@@ -179,7 +179,7 @@ fn attributes(
         for (k, e) in all.elements().iter().enumerate() {
             let v = VarId(first.0 + k as u32);
             let Some(e) = e.scalar() else { continue };
-            let e = fitted(cx, e, ty, span, &text);
+            let e = converted(cx, e, ty, span, &text);
             *slot(&mut flat.variables[v]) = e;
         }
     }
@@ -193,9 +193,9 @@ fn attributes(
             flat.variables[VarId(first.0 + k as u32)].fixed = fixed;
         }
     }
-    let texts: [(Name, Slot<Name>); 2] =
+    let strings: [(Name, AttributeField<Name>); 2] =
         [(names.unit, |v| &mut v.unit), (names.display_unit, |v| &mut v.display_unit)];
-    for (text, slot) in texts {
+    for (text, slot) in strings {
         let Some((all, _)) = value(cx, text, true) else { continue };
         for (k, e) in all.elements().iter().enumerate() {
             if let Some(Const::String(s)) = e.scalar().and_then(|e| cx.graph.as_const(e)) {
@@ -230,10 +230,10 @@ fn binding(
         return;
     }
     let span = cx.binding(id).map_or_else(|| cx.declared_at(id), |b| b.value.span);
-    // A constant is known, and so are parameters that have fixed the structure: one value serves all.
+    // Constants, and parameters that have fixed the structure, are already evaluated.
     let constant = cx.instances[id].prefix.variability == Some(Variability::Constant);
     let outside = std::mem::take(&mut cx.evaluation.lost_unit);
-    // What a variable is bound to holds all the time.
+    // The binding of a time-varying variable holds at all times.
     let varies = !matches!(
         cx.instances[id].prefix.variability,
         Some(Variability::Constant | Variability::Parameter)
@@ -289,11 +289,12 @@ fn binding(
     for (k, e) in value.elements().iter().enumerate() {
         let v = VarId(first.0 + k as u32);
         let Some(e) = e.scalar() else { continue };
-        flat.variables[v].binding = fitted(cx, e, ty, span, "value");
+        flat.variables[v].binding = converted(cx, e, ty, span, "value");
     }
 }
 
-/// A `discrete` Real has its value from when-clauses (section 4.5.2).
+/// Reports a `discrete` Real with a binding: its value must come from when-clauses (Modelica 3.6,
+/// section 4.5).
 fn report_bound_discrete(cx: &mut Context<'_>, id: InstanceId, span: Span) {
     let path = cx.path(id);
     let declared = cx.declared_at(id);
@@ -306,9 +307,9 @@ fn report_bound_discrete(cx: &mut Context<'_>, id: InstanceId, span: Span) {
     );
 }
 
-/// The expression as a value of the type: integer literals become real ones; what does not fit is
+/// Converts an expression to the type: Integer literals become Real literals; incompatible types are
 /// reported.
-fn fitted(cx: &mut Context<'_>, e: ExprId, ty: Type, span: Span, what: &str) -> Option<ExprId> {
+fn converted(cx: &mut Context<'_>, e: ExprId, ty: Type, span: Span, what: &str) -> Option<ExprId> {
     let given = cx.graph.ty(e);
     match (ty, given) {
         (Type::Real, Type::Integer) => match cx.graph.as_const(e) {

@@ -1,4 +1,4 @@
-//! When-clauses: conditions, and what happens at the instants (section 8.3.5 of the specification).
+//! Expands when-clauses into conditions and actions (Modelica 3.6, section 8.3.5).
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -31,7 +31,7 @@ pub(super) fn branches(
     Some(out)
 }
 
-/// A scalar condition, or each of a vector of them.
+/// The scalar conditions of a branch: one, or the elements of a vector.
 fn conditions(cx: &mut Context<'_>, e: &Expr, scope: Scope) -> Option<Vec<ExprId>> {
     let value = cx.evaluate(e, scope)?;
     value.elements().iter().map(|v| cx.truth(v, e.span)).collect()
@@ -66,7 +66,7 @@ fn action(
             cx.error(
                 "MO0231",
                 e.span,
-                "when-clauses cannot be nested; write `elsewhen` or join the conditions",
+                "when-clauses cannot be nested; write `elsewhen` or merge_branches the conditions",
             );
             None
         }
@@ -107,7 +107,7 @@ fn equal(
     assign(cx, &left, &right, span, out)
 }
 
-/// The variables on a left side.
+/// The variables on a left-hand side.
 fn targets(lhs: &Expr) -> Vec<&ast::ComponentRef> {
     match &lhs.kind {
         ExprKind::Ref(r) => vec![r],
@@ -116,8 +116,8 @@ fn targets(lhs: &Expr) -> Vec<&ast::ComponentRef> {
     }
 }
 
-/// What a when-clause determines belongs to its own class: else the component would have an equation
-/// more than it seems to have (section 8.3.5).
+/// Checks that a when-clause only determines variables of its own class; otherwise a component would
+/// have one more equation than its class shows (Modelica 3.6, section 8.3.5.1).
 fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) {
     let [first, .., last] = target.parts.as_slice() else { return };
     let Some(mut at) = cx.child(scope.instance, first.name.name) else { return };
@@ -141,7 +141,7 @@ fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) 
     }
 }
 
-/// Assertions met while a clause was read belong to it; those from before stay.
+/// Moves the assertions met in a clause into its actions; restores those from before it.
 fn keep_asserts(cx: &mut Context<'_>, outside: Vec<Asserted>, out: &mut Vec<Action>) {
     for p in std::mem::replace(&mut cx.evaluation.asserts, outside) {
         let Asserted { condition, message, level, .. } = p;
@@ -237,8 +237,8 @@ fn call_action(
     }
 }
 
-/// `if` inside a when-clause: assignments are joined variable by variable, a variable that a branch
-/// does not assign keeps its `pre` value there.
+/// `if` inside a when-clause: assignments are merged variable by variable; in a branch that does not
+/// assign a variable, it keeps its `pre` value.
 fn if_actions(
     cx: &mut Context<'_>,
     branches: &[(Expr, Vec<ast::Equation>)],
@@ -266,12 +266,12 @@ fn if_actions(
     cx.under(c, |cx| actions_of_body(cx, &mut first))?;
     let not_c = cx.graph.not(c);
     cx.under(not_c, |cx| if_actions(cx, rest, otherwise, scope, &mut second))?;
-    join(cx, c, first, second, out);
+    merge_branches(cx, c, first, second, out);
     Some(())
 }
 
-/// `if c then first else second`
-pub(super) fn join(
+/// Merges the actions of two branches into `if c then first else second`.
+pub(super) fn merge_branches(
     cx: &mut Context<'_>,
     c: ExprId,
     first: Vec<Action>,
@@ -343,7 +343,7 @@ pub(super) fn statement_branches(
     Some(out)
 }
 
-/// Assignments are kept in the evaluator; `reinit` and the like become actions.
+/// Executes statements: assignments remain in the evaluator; `reinit` and the like become actions.
 fn statement_actions(
     cx: &mut Context<'_>,
     body: &[ast::Statement],
@@ -361,8 +361,8 @@ fn statement_actions(
     Some(())
 }
 
-/// When-statements of one algorithm section, made such that each variable is assigned by one of them:
-/// where several assign it, the last that is active counts (section 11.2.7 of the specification).
+/// Rewrites the when-statements of one algorithm section so that only one of them assigns each
+/// variable: if several do, the last active one counts (Modelica 3.6, section 11.2.7).
 pub(super) fn last_wins(whens: Vec<(Vec<WhenBranch>, Span)>) -> Vec<(Vec<WhenBranch>, Span)> {
     let assigned = |branches: &[WhenBranch]| -> Vec<VarId> {
         let actions = branches.iter().flat_map(|b| &b.actions);

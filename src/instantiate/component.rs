@@ -496,7 +496,7 @@ impl Context<'_> {
         let mut found = Vec::new();
         for layer in self.instances[id].layers.iter() {
             match &layer.source {
-                LayerSource::Setting(s, depth) => {
+                LayerSource::ParameterOverride(s, depth) => {
                     found.extend(s.parts.get(*depth).map(|(part, _)| *part));
                 }
                 _ => found.extend(layer.modified_names().map(|(part, _)| part)),
@@ -560,7 +560,7 @@ impl Context<'_> {
     fn check_attribute_names(&mut self, id: InstanceId) {
         self.check_final(id);
         for layer in self.instances[id].layers.clone().iter() {
-            if let LayerSource::Setting(s, depth) = &layer.source {
+            if let LayerSource::ParameterOverride(s, depth) = &layer.source {
                 if s.parts.len() == *depth
                     || (s.parts.len() == depth + 1 && is_attribute(s.parts[*depth].0))
                 {
@@ -580,7 +580,7 @@ impl Context<'_> {
 
     fn check_modified_names(&mut self, id: InstanceId, table: &ClassTable) {
         for layer in self.instances[id].layers.clone().iter() {
-            if let LayerSource::Setting(s, depth) = &layer.source
+            if let LayerSource::ParameterOverride(s, depth) = &layer.source
                 && s.parts.len() == *depth
             {
                 s.used.set(true);

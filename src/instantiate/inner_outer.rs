@@ -108,7 +108,7 @@ impl Context<'_> {
     pub(crate) fn check_outer_unmodified(&mut self, id: InstanceId, name: ast::Ident) {
         for layer in self.instances[id].layers.clone().iter() {
             let modified = match &layer.source {
-                LayerSource::Setting(..) => None,
+                LayerSource::ParameterOverride(..) => None,
                 _ => layer.inner().filter(|m| m.binding.is_some() || !m.args.is_empty()),
             };
             let Some(modified) = modified else { continue };

@@ -21,7 +21,7 @@ use crate::ir::expr::{EnumId, Enumeration, Graph, Type};
 use crate::ir::instance::{
     ClassId, ClassInstance, ClassTable, ClassText, Instance, InstanceId, InstanceKind, Scope,
 };
-use crate::ir::modification::{Layer, Setting};
+use crate::ir::modification::{Layer, ParameterOverride};
 use crate::resolve::library::Library;
 use crate::rules::visibility::AccessViolation;
 use snapshot::ContextSnapshot;
@@ -122,12 +122,16 @@ impl<'a> Context<'a> {
     }
 
     /// Instantiates the model `class` with settings from outside, and everything in it.
-    pub fn instantiate_model(&mut self, class: ClassId, settings: &[Rc<Setting>]) -> InstanceId {
+    pub fn instantiate_model(
+        &mut self,
+        class: ClassId,
+        settings: &[Rc<ParameterOverride>],
+    ) -> InstanceId {
         let scope = Scope { instance: self.instances.next_id(), class };
         let layers: Vec<Layer> = settings
             .iter()
             .map(|s| Layer {
-                source: crate::ir::modification::LayerSource::Setting(s.clone(), 0),
+                source: crate::ir::modification::LayerSource::ParameterOverride(s.clone(), 0),
                 scope,
                 subscripts: Rc::from([]),
             })

@@ -29,12 +29,12 @@ pub enum LayerSource {
     /// Argument `.1` of a modification, of whose dotted name the first `.2 + 1` parts are matched.
     Argument(Arc<Modification>, usize, usize),
     /// A setting from outside the text, of whose name the first `.1` parts are matched.
-    Setting(Rc<Setting>, usize),
+    ParameterOverride(Rc<ParameterOverride>, usize),
 }
 
 /// `NAME=VALUE` from the command line or a program.
 #[derive(Debug)]
-pub struct Setting {
+pub struct ParameterOverride {
     /// The dotted name with subscripts.
     pub parts: Vec<(Name, Vec<usize>)>,
     /// Its value.
@@ -77,9 +77,9 @@ impl Layer {
                     self.arguments(inner, name, out);
                 }
             }
-            LayerSource::Setting(s, depth) => {
+            LayerSource::ParameterOverride(s, depth) => {
                 if s.parts.get(*depth).is_some_and(|(part, _)| *part == name) {
-                    out.push(self.at(LayerSource::Setting(s.clone(), depth + 1), false));
+                    out.push(self.at(LayerSource::ParameterOverride(s.clone(), depth + 1), false));
                 }
             }
         }
@@ -102,7 +102,7 @@ impl Layer {
 
     /// The layer for one element of an array of components.
     pub fn element(&self, subscripts: &[usize]) -> Option<Layer> {
-        if let LayerSource::Setting(s, depth) = &self.source
+        if let LayerSource::ParameterOverride(s, depth) = &self.source
             && let Some((_, wanted)) = depth.checked_sub(1).and_then(|d| s.parts.get(d))
             && !wanted.is_empty()
         {
@@ -131,7 +131,7 @@ impl Layer {
                 }
                 _ => None,
             },
-            LayerSource::Setting(s, depth) => {
+            LayerSource::ParameterOverride(s, depth) => {
                 (s.parts.len() == *depth).then(|| make(&s.value, false, true))
             }
         }
@@ -149,7 +149,7 @@ impl Layer {
                 }
                 _ => None,
             },
-            LayerSource::Setting(..) => None,
+            LayerSource::ParameterOverride(..) => None,
         }
     }
 
@@ -164,7 +164,7 @@ impl Layer {
     /// Whether this layer gives the component itself a binding.
     pub fn binds(&self) -> bool {
         match &self.source {
-            LayerSource::Setting(s, depth) => s.parts.len() == *depth,
+            LayerSource::ParameterOverride(s, depth) => s.parts.len() == *depth,
             _ => self.inner().is_some_and(|m| m.binding.is_some()),
         }
     }

@@ -1,21 +1,20 @@
-//! How many connections each connector is in, for `cardinality` (Modelica specification, section
-//! 3.7.2.3).
+//! Number of connections of each connector, for `cardinality` (Modelica 3.6, section 3.7.4.3).
 //!
-//! Counted before any equation is written, and only if a text that was read uses the operator.
+//! Counted before equations are expanded, and only if a source file uses the operator.
 
 use crate::base::index::FastMap;
 use crate::instantiate::Context;
 use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
 
-use super::expandable::connection_ends::At;
-use super::expandable::{Written, collect, pairs};
+use super::expandable::connection_ends::EndTarget;
+use super::expandable::{WrittenConnect, collect, pairs};
 
 /// Counts the connections below `root`.
 pub(crate) fn count(cx: &mut Context<'_>, root: InstanceId) {
     if !cx.sources.contents().any(|text| text.contains("cardinality(")) {
         return;
     }
-    let mut written: Vec<Written> = Vec::new();
+    let mut written: Vec<WrittenConnect> = Vec::new();
     for object in crate::flatten::objects(cx, root) {
         let table = cx.table_of(object);
         for section in table.sections.iter().filter(|s| !s.initial) {
@@ -27,20 +26,20 @@ pub(crate) fn count(cx: &mut Context<'_>, root: InstanceId) {
     let mut counts: FastMap<InstanceId, usize> = FastMap::default();
     for connect in &written {
         for (a, b) in pairs(cx, connect) {
-            // A connection to a component that is switched off is none.
-            if let (At::Instance(a), At::Instance(b)) = (a.at, b.at) {
-                raise(cx, a, &mut counts);
-                raise(cx, b, &mut counts);
+            // Connections to disabled conditional components do not count.
+            if let (EndTarget::Instance(a), EndTarget::Instance(b)) = (a.at, b.at) {
+                increment(cx, a, &mut counts);
+                increment(cx, b, &mut counts);
             }
         }
     }
     cx.evaluation.cardinality = Some(counts);
 }
 
-fn raise(cx: &Context<'_>, id: InstanceId, counts: &mut FastMap<InstanceId, usize>) {
+fn increment(cx: &Context<'_>, id: InstanceId, counts: &mut FastMap<InstanceId, usize>) {
     match &cx.instances[id].kind {
         InstanceKind::Array { elements, .. } => {
-            elements.iter().for_each(|e| raise(cx, *e, counts));
+            elements.iter().for_each(|e| increment(cx, *e, counts));
         }
         _ => *counts.entry(id).or_default() += 1,
     }

@@ -1,27 +1,32 @@
-//! What connector classes and connection sets must fulfil: as many flows as potentials, and one source
-//! of each signal (sections 9.3 and 9.3.1 of the specification).
+//! Checks of connector classes and connection sets: as many flows as potentials, and one source of
+//! each signal (Modelica 3.6, sections 9.3 and 9.3.1).
 
+use super::sets::SetMember;
+use super::{expandable, is_connector};
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
+use crate::base::source::Span;
+use crate::evaluate::reference::Selection;
 use crate::instantiate::Context;
 use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, TypePrefix};
 use crate::ir::expr::VarId;
-use crate::ir::instance::{ClassId, InstanceId, InstanceKind};
+use crate::ir::flat::FlatModel;
+use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 
-/// Numbers of scalars of a connector.
+/// Numbers of scalar variables of a connector by kind.
 #[derive(Default)]
-struct Count {
+struct ScalarCounts {
     potentials: usize,
     flows: usize,
     streams: usize,
-    /// Part of an over-constrained graph: its sizes say nothing.
+    /// Part of an overconstrained connection graph, where the numbers need not match.
     overdetermined: bool,
 }
 
 /// Checks the classes of all connectors among `components`, each class once.
 pub(crate) fn check(cx: &mut Context<'_>, root: InstanceId) {
     if cx.problems.has_errors() {
-        // What is missing may have been refused for another reason.
+        // A missing variable may be the consequence of an earlier error.
         return;
     }
     let mut seen: FastSet<ClassId> = FastSet::default();
@@ -46,9 +51,9 @@ pub(crate) fn check(cx: &mut Context<'_>, root: InstanceId) {
         {
             let text = cx.text(class).cloned();
             if seen.insert(class) && text.is_some_and(|t| !t.partial) {
-                let mut count = Count::default();
-                tally(cx, id, &mut count);
-                report(cx, id, class, &count);
+                let mut counts = ScalarCounts::default();
+                count_scalars(cx, id, &mut counts);
+                report(cx, id, class, &counts);
             }
             continue;
         }
@@ -61,7 +66,8 @@ pub(crate) fn check(cx: &mut Context<'_>, root: InstanceId) {
     }
 }
 
-/// What a block has to do with its surroundings are inputs and outputs (section 4.7).
+/// Checks that all public connectors of a block consist of inputs and outputs (Modelica 3.6, section
+/// 4.6).
 fn check_block(cx: &mut Context<'_>, block: InstanceId) {
     let InstanceKind::Object(children) = cx.instances[block].kind.clone() else { return };
     for child in children.iter().copied() {
@@ -103,8 +109,8 @@ fn report_undirected(cx: &mut Context<'_>, connector: InstanceId, variable: Inst
     );
 }
 
-/// What is conserved must be summed: a flow that is an operator record needs the operators for that
-/// (section 9.2).
+/// Checks that a flow variable of an operator record type has the operators that its sum needs
+/// (Modelica 3.6, section 9.2).
 fn check_conserved(cx: &mut Context<'_>, id: InstanceId) {
     let Some(class) = cx.instances[id].class else { return };
     if cx.instances[id].prefix.connection != Some(ConnectionPrefix::Flow)
@@ -128,38 +134,40 @@ fn check_conserved(cx: &mut Context<'_>, id: InstanceId) {
     );
 }
 
-fn tally(cx: &mut Context<'_>, id: InstanceId, count: &mut Count) {
+fn count_scalars(cx: &mut Context<'_>, id: InstanceId, counts: &mut ScalarCounts) {
     let equality = crate::base::name::name("equalityConstraint");
-    count.overdetermined |= cx.table_of(id).index.contains_key(&equality);
+    counts.overdetermined |= cx.table_of(id).index.contains_key(&equality);
     match cx.instances[id].kind.clone() {
         InstanceKind::Variable { dims, .. } => {
             let n: usize = dims.iter().product();
             match cx.instances[id].prefix {
                 TypePrefix { variability: Some(v), .. }
                     if v < crate::ir::ast::Variability::Discrete => {}
-                TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => count.streams += n,
-                TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => count.flows += n,
+                TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => {
+                    counts.streams += n
+                }
+                TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => counts.flows += n,
                 TypePrefix { causality: Some(_), .. } => {}
-                _ => count.potentials += n,
+                _ => counts.potentials += n,
             }
         }
         InstanceKind::Object(children) => {
             check_conserved(cx, id);
-            // A connector inside is counted by itself, but for its prefixes.
-            children.iter().for_each(|c| tally(cx, *c, count));
+            // The variables of a nested connector count as well.
+            children.iter().for_each(|c| count_scalars(cx, *c, counts));
         }
         InstanceKind::Array { elements, .. } => {
-            elements.iter().for_each(|c| tally(cx, *c, count));
+            elements.iter().for_each(|c| count_scalars(cx, *c, counts));
         }
         _ => {}
     }
 }
 
-fn report(cx: &mut Context<'_>, id: InstanceId, class: ClassId, count: &Count) {
-    let Count { potentials, flows, streams, overdetermined } = *count;
+fn report(cx: &mut Context<'_>, id: InstanceId, class: ClassId, counts: &ScalarCounts) {
+    let ScalarCounts { potentials, flows, streams, overdetermined } = *counts;
     let full_name = cx.classes[class].full_name;
     let name = full_name.rsplit('.').next().unwrap_or_default();
-    let declared = cx.text(class).map_or(crate::base::source::Span::NONE, |t| t.name.span);
+    let declared = cx.text(class).map_or(Span::NONE, |t| t.name.span);
     if streams > 0 && flows != 1 {
         let message = format!(
             "connector `{name}` has {} and {}",
@@ -204,7 +212,7 @@ fn counted(n: usize, what: &str) -> String {
     }
 }
 
-/// Whether a variable of a connection set gives the others their value: an output of a component inside,
+/// True if a variable determines the value of its connection set: an output of an inside component,
 /// or a public input of the component itself.
 pub(crate) fn is_source(cx: &Context<'_>, v: VarId, outside: bool) -> bool {
     let (id, _) = cx.evaluation.instance_of[v.0 as usize];
@@ -213,4 +221,61 @@ pub(crate) fn is_source(cx: &Context<'_>, v: VarId, outside: bool) -> bool {
         Some(Causality::Input) => outside && !cx.instances[id].protected,
         None => false,
     }
+}
+
+/// Checks that an end of a connection is a connector or part of one (Modelica 3.6, section 9.1).
+pub(super) fn check_connectable(
+    cx: &mut Context<'_>,
+    selection: &Selection,
+    scope: Scope,
+    span: Span,
+) -> Option<()> {
+    let mut selection = selection;
+    while let Selection::Many(_, all) = selection {
+        selection = all.first()?;
+    }
+    let (Selection::Whole(id) | Selection::Element(id, _)) = selection else { return Some(()) };
+    if !matches!(cx.instances[*id].kind, InstanceKind::Variable { .. }) {
+        return Some(());
+    }
+    let mut at = Some(*id).filter(|id| *id != scope.instance);
+    while let Some(id) = at {
+        if is_connector(cx, id) {
+            return Some(());
+        }
+        at = cx.instances[id].parent;
+    }
+    let path = cx.path(*id);
+    cx.problems.push(
+        Diagnostic::error("MO0230", span, format!("`{path}` is no connector"))
+            .help("write an equation, or declare it with a connector class")
+            .note("section 9.1 of the specification"),
+    );
+    None
+}
+
+/// Checks that a connection set has at most one source of its signal.
+pub(super) fn check_single_source(
+    cx: &mut Context<'_>,
+    flat: &FlatModel,
+    members: &[SetMember],
+    span: Span,
+) {
+    let mut sources = members.iter().filter(|(v, outside)| is_source(cx, *v, *outside));
+    let (Some((a, _)), Some((b, _))) = (sources.next(), sources.next()) else { return };
+    let expandable = members
+        .iter()
+        .any(|(v, _)| expandable::is_within(cx, cx.evaluation.instance_of[v.0 as usize].0));
+    if a == b || expandable {
+        return;
+    }
+    let (a, b) = (&flat.variables[*a], &flat.variables[*b]);
+    let message = format!("`{}` and `{}` are connected, and both give a value", a.name, b.name);
+    cx.problems.push(
+        Diagnostic::error("MO0246", span, message)
+            .also(a.span, format!("`{}`", a.name))
+            .also(b.span, format!("`{}`", b.name))
+            .help("connect each input to one output only")
+            .note("outputs of components and inputs of the model itself give values (section 9.3)"),
+    );
 }

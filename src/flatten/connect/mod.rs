@@ -1,13 +1,15 @@
-//! Connections: sets of connected variables, equal potentials, flows that sum to zero (chapter 9 of
-//! the specification).
+//! Connections: sets of connected variables, equal potentials, flows that sum to zero (Modelica 3.6,
+//! chapter 9).
 
 pub(crate) mod cardinality;
 pub(crate) mod connector;
 pub(crate) mod expandable;
+mod sets;
 
 use std::sync::Arc;
 
-use self::connector::is_source;
+use self::connector::{check_connectable, check_single_source};
+use self::sets::ConnectionSets;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
@@ -18,23 +20,20 @@ use crate::ir::expr::{Binary, Const, ExprId, VarId};
 use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Level, Origin};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 
-/// A variable of a connector, seen from inside or outside the component that has it.
-type Member = (VarId, bool);
-
 /// The connections of a model.
 #[derive(Default)]
 pub struct Connections {
-    potentials: Sets,
-    flows: Sets,
-    /// Parameters that connections make equal.
+    potentials: ConnectionSets,
+    flows: ConnectionSets,
+    /// Assertions that connected parameters are equal.
     equalities: Vec<(Assert, Origin)>,
-    /// Each `connect` of two connectors, if somebody wants to know.
-    pub(super) noted: Option<Vec<Noted>>,
+    /// Each `connect` of two connectors, if they are recorded.
+    pub(super) recorded: Option<Vec<RecordedConnect>>,
 }
 
-/// A `connect` as it is written.
-pub(super) struct Noted {
-    /// The component in whose class it stands.
+/// A `connect` of two connectors as it occurs in the source.
+pub(super) struct RecordedConnect {
+    /// The component whose class contains it.
     pub(super) holder: InstanceId,
     /// The connectors.
     pub(super) ends: [InstanceId; 2],
@@ -42,77 +41,14 @@ pub(super) struct Noted {
     pub(super) span: Span,
 }
 
-/// Sets of members that grow together (union-find with path halving), in order of first mention.
-#[derive(Default)]
-struct Sets {
-    /// The number of each variable's member inside and outside, 0 for none.
-    number: Vec<[u32; 2]>,
-    members: Vec<Member>,
-    parent: Vec<usize>,
-    origins: Vec<Origin>,
-}
-
-impl Sets {
-    fn number(&self, (v, outside): Member) -> Option<usize> {
-        let numbers = self.number.get(v.0 as usize)?;
-        (numbers[usize::from(outside)] as usize).checked_sub(1)
-    }
-
-    fn add(&mut self, member: Member, origin: &Origin) -> usize {
-        if let Some(k) = self.number(member) {
-            return k;
-        }
-        let k = self.members.len();
-        let (v, outside) = (member.0.0 as usize, member.1);
-        if self.number.len() <= v {
-            self.number.resize(v + 1, [0; 2]);
-        }
-        self.number[v][usize::from(outside)] = k as u32 + 1;
-        self.members.push(member);
-        self.parent.push(k);
-        self.origins.push(origin.clone());
-        k
-    }
-
-    fn root(&mut self, mut k: usize) -> usize {
-        while self.parent[k] != k {
-            self.parent[k] = self.parent[self.parent[k]];
-            k = self.parent[k];
-        }
-        k
-    }
-
-    fn join(&mut self, a: Member, b: Member, origin: &Origin) {
-        let (a, b) = (self.add(a, origin), self.add(b, origin));
-        let (a, b) = (self.root(a), self.root(b));
-        // The older set keeps its name, so that the order of the text is kept.
-        self.parent[a.max(b)] = a.min(b);
-    }
-
-    /// Each set with the place of the connection that began it.
-    fn sets(&mut self) -> Vec<(Vec<Member>, Origin)> {
-        let mut at: Vec<Option<usize>> = vec![None; self.members.len()];
-        let mut out: Vec<(Vec<Member>, Origin)> = Vec::new();
-        for k in 0..self.members.len() {
-            let root = self.root(k);
-            let slot = *at[root].get_or_insert_with(|| {
-                out.push((Vec::new(), self.origins[k].clone()));
-                out.len() - 1
-            });
-            out[slot].0.push(self.members[k]);
-        }
-        out
-    }
-}
-
 impl Connections {
-    /// None yet, each to be noted as it is written.
-    pub(super) fn noting() -> Self {
-        Connections { noted: Some(Vec::new()), ..Connections::default() }
+    /// No connections; each `connect` that is added will also be recorded.
+    pub(super) fn recording() -> Self {
+        Connections { recorded: Some(Vec::new()), ..Connections::default() }
     }
 
-    /// The set that a variable of a component's connector is in; potentials and flows have sets of their
-    /// own.
+    /// The number of the set that contains a variable of an inside connector; the sets of potentials
+    /// and of flows have different numbers.
     pub(super) fn node(&mut self, v: VarId) -> Option<usize> {
         for (k, sets) in [&mut self.potentials, &mut self.flows].into_iter().enumerate() {
             if let Some(member) = sets.number((v, false)) {
@@ -122,7 +58,7 @@ impl Connections {
         None
     }
 
-    /// `connect(a, b)` in the class of `scope.instance`.
+    /// Adds `connect(a, b)` in the class of `scope.instance`.
     pub(super) fn connect(
         &mut self,
         cx: &mut Context<'_>,
@@ -135,7 +71,7 @@ impl Connections {
         let (left, right) = (cx.select(a, scope), cx.select(b, scope));
         let (left, right) = (left?, right?);
         for (selection, end) in [(&left, a.span), (&right, b.span)] {
-            connectable(cx, selection, scope, end)?;
+            check_connectable(cx, selection, scope, end)?;
         }
         if !cx.restrict_connect(a, scope) || !cx.restrict_connect(b, scope) {
             return None;
@@ -143,7 +79,8 @@ impl Connections {
         let outside = (is_outside(cx, a, scope), is_outside(cx, b, scope));
         let origin = Origin { span, component: component.clone() };
         let of = [&left, &right].map(first_instance);
-        let pair = Pair { outside, origin, ends: (a.span, b.span), of, holder: scope.instance };
+        let pair =
+            ConnectedPair { outside, origin, ends: (a.span, b.span), of, holder: scope.instance };
         self.pair(cx, &left, &right, &pair)
     }
 
@@ -152,7 +89,7 @@ impl Connections {
         cx: &mut Context<'_>,
         a: &Selection,
         b: &Selection,
-        pair: &Pair,
+        pair: &ConnectedPair,
     ) -> Option<()> {
         match (a, b) {
             (Selection::Absent, _) | (_, Selection::Absent) => Some(()),
@@ -161,7 +98,7 @@ impl Connections {
             | (Selection::Whole(_), Selection::Element(..)) => {
                 match (scalar(cx, a), scalar(cx, b)) {
                     (Some(x), Some(y)) => {
-                        self.note(cx, x.0, y.0, pair);
+                        self.record(cx, x.0, y.0, pair);
                         self.scalars(cx, x, y, pair)
                     }
                     _ => mismatch(cx, pair, "are not of one kind"),
@@ -175,7 +112,7 @@ impl Connections {
                 for (x, y) in left.iter().zip(&right) {
                     match (scalar(cx, x), scalar(cx, y)) {
                         (Some(x), Some(y)) => {
-                            self.note(cx, x.0, y.0, pair);
+                            self.record(cx, x.0, y.0, pair);
                             self.scalars(cx, x, y, pair)?;
                         }
                         (None, None) => self.pair(cx, x, y, pair)?,
@@ -192,7 +129,7 @@ impl Connections {
         cx: &mut Context<'_>,
         x: InstanceId,
         y: InstanceId,
-        pair: &Pair,
+        pair: &ConnectedPair,
     ) -> Option<()> {
         cx.complete(x);
         cx.complete(y);
@@ -206,7 +143,7 @@ impl Connections {
                 if d != e {
                     return mismatch(cx, pair, "have different sizes");
                 }
-                self.note(cx, x, y, pair);
+                self.record(cx, x, y, pair);
                 for k in 0..d.iter().product() {
                     self.scalars(cx, (x, k), (y, k), pair)?;
                 }
@@ -228,15 +165,15 @@ impl Connections {
                 }
                 let expandable = [x, y].map(|i| expandable::is_expandable(cx, i));
                 if expandable[0] != expandable[1] {
-                    // The elaboration has said so.
+                    // The elaboration has already reported this.
                     return None;
                 }
-                self.note(cx, x, y, pair);
+                self.record(cx, x, y, pair);
                 if expandable == [true; 2]
                     && children.len() != others.len()
                     && cx.problems.has_errors()
                 {
-                    // It came to no end, and has said so.
+                    // The expansion would not terminate, which has already been reported.
                     return None;
                 }
                 for child in children.iter() {
@@ -266,7 +203,7 @@ impl Connections {
                 }
                 Some(())
             }
-            // An array that connections have put together, and one that is declared.
+            // An array assembled from connections, and a declared one.
             (InstanceKind::Array { dims: d, .. }, InstanceKind::Variable { dims: e, .. })
             | (InstanceKind::Variable { dims: d, .. }, InstanceKind::Array { dims: e, .. })
                 if d == e =>
@@ -282,12 +219,16 @@ impl Connections {
         }
     }
 
-    /// Remembers a pair of connectors, but not what is inside them.
-    fn note(&mut self, cx: &mut Context<'_>, x: InstanceId, y: InstanceId, pair: &Pair) {
-        let Some(noted) = &mut self.noted else { return };
+    /// Records a pair of connectors, but not the connectors nested in them.
+    fn record(&mut self, cx: &mut Context<'_>, x: InstanceId, y: InstanceId, pair: &ConnectedPair) {
+        let Some(recorded) = &mut self.recorded else { return };
         let inside = cx.instances[x].parent.is_some_and(|p| is_connector(cx, p));
         if !inside {
-            noted.push(Noted { holder: pair.holder, ends: [x, y], span: pair.origin.span });
+            recorded.push(RecordedConnect {
+                holder: pair.holder,
+                ends: [x, y],
+                span: pair.origin.span,
+            });
         }
     }
 
@@ -296,7 +237,7 @@ impl Connections {
         cx: &mut Context<'_>,
         x: (InstanceId, usize),
         y: (InstanceId, usize),
-        pair: &Pair,
+        pair: &ConnectedPair,
     ) -> Option<()> {
         let flow =
             |i: InstanceId| cx.instances[i].prefix.connection == Some(ConnectionPrefix::Flow);
@@ -318,7 +259,7 @@ impl Connections {
         if ty(x.0) != ty(y.0) {
             return mismatch(cx, pair, "do not match: their variables have different types");
         }
-        // Signals are connected to signals.
+        // Signals must be connected to signals.
         let causal = [x.0, y.0].map(|i| cx.instances[i].prefix.causality.is_some());
         let bus = [x.0, y.0].into_iter().any(|i| expandable::is_within(cx, i));
         if causal[0] != causal[1] && !bus {
@@ -365,13 +306,14 @@ impl Connections {
         Some(())
     }
 
-    /// Connected parameters and constants must have the same value (section 9.3).
+    /// Requires that connected parameters and constants have the same value (Modelica 3.6, section
+    /// 9.3).
     fn equal(
         &mut self,
         cx: &mut Context<'_>,
         x: (InstanceId, usize),
         y: (InstanceId, usize),
-        pair: &Pair,
+        pair: &ConnectedPair,
     ) -> Option<()> {
         let mut read = |(i, k): (InstanceId, usize)| -> Option<ExprId> {
             let value = cx.instance_value(i, pair.origin.span)?;
@@ -396,13 +338,13 @@ impl Connections {
         Some(())
     }
 
-    /// Writes the sets out: equal potentials, sums of flows, and zero for flows of connectors that
-    /// nothing is connected to.
+    /// Generates the connection equations: equal potentials, flows that sum to zero, and zero flows
+    /// of unconnected connectors.
     pub(super) fn equations(&mut self, cx: &mut Context<'_>, flat: &mut FlatModel) {
         let (mut seen, mut seen_in) = (vec![0; self.potentials.number.len()], 0_u32);
         for (members, origin) in self.potentials.sets() {
-            one_source(cx, flat, &members, origin.span);
-            // A variable may be there twice: seen from inside and from outside.
+            check_single_source(cx, flat, &members, origin.span);
+            // A variable may occur twice, as an inside and as an outside connector.
             seen_in += 1;
             let mut variables = members
                 .iter()
@@ -435,11 +377,12 @@ impl Connections {
             if cx.instances[instance].prefix.connection != Some(ConnectionPrefix::Flow) {
                 continue;
             }
-            // What connections have added to a bus is open on the inside, too (section 9.2).
+            // Variables that connections have added to a bus also need a zero flow on the inside
+            // (Modelica 3.6, section 9.2).
             let inside = self.flows.number((v, false)).is_some();
             let outside = self.flows.number((v, true)).is_some();
             if inside && (outside || !expandable::is_within(cx, instance))
-                || !stands_in_connector(cx, instance, &mut in_connector)
+                || !is_in_connector(cx, instance, &mut in_connector)
             {
                 continue;
             }
@@ -455,60 +398,8 @@ impl Connections {
     }
 }
 
-/// What is connected is a connector, or stands in one (section 9.1).
-fn connectable(
-    cx: &mut Context<'_>,
-    selection: &Selection,
-    scope: Scope,
-    span: Span,
-) -> Option<()> {
-    let mut selection = selection;
-    while let Selection::Many(_, all) = selection {
-        selection = all.first()?;
-    }
-    let (Selection::Whole(id) | Selection::Element(id, _)) = selection else { return Some(()) };
-    if !matches!(cx.instances[*id].kind, InstanceKind::Variable { .. }) {
-        return Some(());
-    }
-    let mut at = Some(*id).filter(|id| *id != scope.instance);
-    while let Some(id) = at {
-        if is_connector(cx, id) {
-            return Some(());
-        }
-        at = cx.instances[id].parent;
-    }
-    let path = cx.path(*id);
-    cx.problems.push(
-        Diagnostic::error("MO0230", span, format!("`{path}` is no connector"))
-            .help("write an equation, or declare it with a connector class")
-            .note("section 9.1 of the specification"),
-    );
-    None
-}
-
-/// A set has one source of its signal at most.
-fn one_source(cx: &mut Context<'_>, flat: &FlatModel, members: &[Member], span: Span) {
-    let mut sources = members.iter().filter(|(v, outside)| is_source(cx, *v, *outside));
-    let (Some((a, _)), Some((b, _))) = (sources.next(), sources.next()) else { return };
-    let expandable = members
-        .iter()
-        .any(|(v, _)| expandable::is_within(cx, cx.evaluation.instance_of[v.0 as usize].0));
-    if a == b || expandable {
-        return;
-    }
-    let (a, b) = (&flat.variables[*a], &flat.variables[*b]);
-    let message = format!("`{}` and `{}` are connected, and both give a value", a.name, b.name);
-    cx.problems.push(
-        Diagnostic::error("MO0246", span, message)
-            .also(a.span, format!("`{}`", a.name))
-            .also(b.span, format!("`{}`", b.name))
-            .help("connect each input to one output only")
-            .note("outputs of components and inputs of the model itself give values (section 9.3)"),
-    );
-}
-
-/// Whether a flow is one of a connector: others are variables like any.
-fn stands_in_connector(
+/// True if a flow variable belongs to a connector; others are ordinary variables.
+fn is_in_connector(
     cx: &mut Context<'_>,
     id: InstanceId,
     known: &mut FastMap<InstanceId, bool>,
@@ -518,17 +409,18 @@ fn stands_in_connector(
     }
     let parent = cx.instances[id].parent;
     let found =
-        is_connector(cx, id) || parent.is_some_and(|parent| stands_in_connector(cx, parent, known));
+        is_connector(cx, id) || parent.is_some_and(|parent| is_in_connector(cx, parent, known));
     known.insert(id, found);
     found
 }
 
-struct Pair {
+/// The context of a `connect`.
+struct ConnectedPair {
     holder: InstanceId,
     outside: (bool, bool),
     origin: Origin,
     ends: (Span, Span),
-    /// What is connected, for messages.
+    /// The connected instances, for messages.
     of: [Option<InstanceId>; 2],
 }
 
@@ -536,7 +428,7 @@ fn read(cx: &mut Context<'_>, flat: &FlatModel, v: VarId) -> ExprId {
     cx.graph.var(v, flat.variables[v].ty)
 }
 
-fn mismatch(cx: &mut Context<'_>, pair: &Pair, why: &str) -> Option<()> {
+fn mismatch(cx: &mut Context<'_>, pair: &ConnectedPair, why: &str) -> Option<()> {
     let class = |id: Option<InstanceId>, otherwise: &str| {
         let class = id.and_then(|id| cx.instances[id].class);
         class.map_or(otherwise.to_string(), |c| format!("`{}`", cx.classes[c].full_name))
@@ -551,7 +443,7 @@ fn mismatch(cx: &mut Context<'_>, pair: &Pair, why: &str) -> Option<()> {
     None
 }
 
-/// One of the instances that are selected.
+/// The first of the selected instances.
 fn first_instance(s: &Selection) -> Option<InstanceId> {
     match s {
         Selection::Whole(id) | Selection::Element(id, _) => Some(*id),
@@ -560,7 +452,7 @@ fn first_instance(s: &Selection) -> Option<InstanceId> {
     }
 }
 
-/// Scalars of array variables, or the parts of a slice.
+/// The elements of an array, or the parts of a slice.
 fn parts(cx: &Context<'_>, s: &Selection) -> Vec<Selection> {
     match s {
         Selection::Many(_, all) => all.clone(),
@@ -577,7 +469,7 @@ fn parts(cx: &Context<'_>, s: &Selection) -> Vec<Selection> {
     }
 }
 
-/// A scalar variable, or one element of an array of them.
+/// The instance and element number of a scalar variable.
 fn scalar(cx: &mut Context<'_>, s: &Selection) -> Option<(InstanceId, usize)> {
     match s {
         Selection::Element(id, k) => Some((*id, *k)),
@@ -589,7 +481,7 @@ fn scalar(cx: &mut Context<'_>, s: &Selection) -> Option<(InstanceId, usize)> {
     }
 }
 
-/// A connector of the class itself is seen from inside the component: an *outside* connector.
+/// True for an *outside* connector: a connector of the class that contains the `connect`.
 fn is_outside(cx: &mut Context<'_>, r: &ComponentRef, scope: Scope) -> bool {
     match cx.child(scope.instance, r.parts[0].name.name) {
         Some(first) => is_connector(cx, first),

@@ -1,9 +1,9 @@
-//! Parts of expressions that become variables where the text of a model would be much longer than the
-//! model: expressions share what they have in common, and a text writes it out at each place.
+//! Introduces variables for common subexpressions if the printed model would otherwise be much larger
+//! than the expression graph: the graph shares subexpressions, and printing repeats them.
 //!
-//! What stands in branches of an `if` alone is computed there alone: a root or a quotient may have no
-//! value where the branch is not taken. If the condition of such a branch needs the part itself, in a
-//! branch of its own, then the part is written out at each place.
+//! A subexpression that occurs only in branches of an `if` is computed only there: a root or a quotient
+//! may be undefined if the branch is not taken. If the condition of such a branch needs the
+//! subexpression itself, in a branch of its own, it is printed in full at each occurrence.
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::graph::scc::nodes_on_cycles;
@@ -15,68 +15,72 @@ use crate::ir::flat::{
 use crate::symbolic::rewrite::Rewriter;
 use crate::symbolic::uses::{Guard, Root, Uses};
 
-/// Nodes of a text that is never too long.
-const SHORT: u64 = 100_000;
-/// How many times as long as its expressions a text may be.
-const FACTOR: u64 = 8;
-/// Nodes of the longest text, which has gigabytes.
-const LONGEST: u64 = 100_000_000;
-/// Nodes of the smallest part that is worth a variable.
-pub(crate) const LARGE: u64 = 16;
+/// Models with at most this many printed nodes are printed as they are.
+const ACCEPTABLE_SIZE: u64 = 100_000;
+/// Maximum ratio of printed nodes to nodes of the graph.
+const MAX_EXPANSION: u64 = 8;
+/// Maximum number of printed nodes; such a model has gigabytes.
+const MAX_SIZE: u64 = 100_000_000;
+/// Number of nodes of the smallest subexpression that gets a variable.
+pub(crate) const MIN_PART_SIZE: u64 = 16;
 
-/// The text of a model has more than so many operators and names.
+/// The printed model would have more than [`MAX_SIZE`] operators and names.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("the flat text of this model would have more than {LONGEST} operators and names")]
+#[error("the flat text of this model would have more than {MAX_SIZE} operators and names")]
 pub struct TooLong;
 
-/// Where a part stands, and so what its variable is.
+/// The context of a subexpression, which determines the kind of its variable.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    /// In equations: its relations make events.
+enum PartContext {
+    /// In equations, where its relations generate events.
     Equations,
-    /// Below `noEvent` or `smooth` in equations: they do not.
+    /// Below `noEvent` or `smooth` in equations, where they do not.
     Literal,
-    /// In a when-clause, which assigns it.
+    /// In a when-clause, which assigns the variable.
     When,
 }
 
-/// The model with variables for what its text would write again and again; `None` if the text is
-/// as good as it is.
-pub(crate) fn shared(flat: &FlatModel) -> Result<Option<FlatModel>, TooLong> {
+/// The model with variables for common subexpressions; `None` if it can be printed as it is.
+pub(crate) fn extract(flat: &FlatModel) -> Result<Option<FlatModel>, TooLong> {
     let sizes = sizes(&flat.graph);
-    if length(flat, &sizes) <= SHORT.max(FACTOR * flat.graph.len() as u64) {
+    if length(flat, &sizes) <= ACCEPTABLE_SIZE.max(MAX_EXPANSION * flat.graph.len() as u64) {
         return Ok(None);
     }
-    let mut apart = FastSet::default();
+    let mut excluded = FastSet::default();
     loop {
         let mut shared = flat.clone();
-        let around = share(&mut shared, &sizes, &apart);
-        if around.is_empty() {
+        let cyclic = share(&mut shared, &sizes, &excluded);
+        if cyclic.is_empty() {
             let sizes = self::sizes(&shared.graph);
-            return if length(&shared, &sizes) > LONGEST { Err(TooLong) } else { Ok(Some(shared)) };
+            return if length(&shared, &sizes) > MAX_SIZE {
+                Err(TooLong)
+            } else {
+                Ok(Some(shared))
+            };
         }
-        apart.extend(around);
+        excluded.extend(cyclic);
     }
 }
 
-/// Gives parts variables, but not those `apart`. The result are parts that would need themselves.
-fn share(flat: &mut FlatModel, sizes: &[u64], apart: &FastSet<ExprId>) -> Vec<ExprId> {
-    let mut around = Vec::new();
+/// Introduces variables for all common subexpressions except those `excluded`. Returns the
+/// subexpressions whose variables would depend on themselves.
+fn share(flat: &mut FlatModel, sizes: &[u64], excluded: &FastSet<ExprId>) -> Vec<ExprId> {
+    let mut cyclic = Vec::new();
     let mut equations = std::mem::take(&mut flat.equations);
     for e in &mut equations {
         if let EquationKind::When(branches) = &mut e.kind {
-            branches.iter_mut().for_each(|b| around.extend(in_branch(flat, b, sizes, apart)));
+            branches.iter_mut().for_each(|b| cyclic.extend(in_branch(flat, b, sizes, excluded)));
         }
     }
-    around.extend(in_equations(flat, &mut equations, sizes, apart));
+    cyclic.extend(in_equations(flat, &mut equations, sizes, excluded));
     flat.equations = equations;
     for function in flat.functions.iter_mut() {
         super::function_locals::in_function(&mut flat.graph, function, sizes);
     }
-    around
+    cyclic
 }
 
-/// How many nodes the text of a model has.
+/// Number of nodes of the printed model.
 fn length(flat: &FlatModel, sizes: &[u64]) -> u64 {
     let mut total = 0_u64;
     for_each_root(flat, &mut |e| total = total.saturating_add(sizes[e.0 as usize]));
@@ -86,7 +90,7 @@ fn length(flat: &FlatModel, sizes: &[u64]) -> u64 {
     total
 }
 
-/// How many nodes each expression has as a text; operands stand before their users.
+/// Number of nodes of each expression when printed; operands precede their users in the graph.
 fn sizes(graph: &Graph) -> Vec<u64> {
     let mut sizes: Vec<u64> = Vec::with_capacity(graph.len());
     for e in graph.ids() {
@@ -113,7 +117,7 @@ fn for_each_root(flat: &FlatModel, visit: &mut dyn FnMut(ExprId)) {
     }
 }
 
-/// What an action computes, and the condition under which it does.
+/// The expression that an action evaluates, and the condition under which it does.
 fn value(action: &Action) -> Option<Root> {
     match action {
         Action::Assign(_, e) => Some((*e, None)),
@@ -126,24 +130,24 @@ fn in_branch(
     flat: &mut FlatModel,
     branch: &mut WhenBranch,
     sizes: &[u64],
-    apart: &FastSet<ExprId>,
+    excluded: &FastSet<ExprId>,
 ) -> Vec<ExprId> {
     let roots: Vec<Root> = branch.actions.iter().filter_map(value).collect();
-    let mut naming = Naming::of(flat, &roots, Place::When, sizes, apart);
-    let parts = naming.definitions(flat);
-    let around = around(&flat.graph, &parts, &naming.parts);
+    let mut bindings = LetBindings::of(flat, &roots, PartContext::When, sizes, excluded);
+    let parts = bindings.definitions(flat);
+    let cyclic = cyclic(&flat.graph, &parts, &bindings.parts);
     for action in &mut branch.actions {
         if let Action::Assign(_, e) | Action::Reinit { value: e, .. } = action {
-            *e = naming.named(&mut flat.graph, *e);
+            *e = bindings.substitute(&mut flat.graph, *e);
         }
     }
     let parts = parts.into_iter().map(|(v, e)| Action::Assign(v, e));
     branch.actions.splice(0..0, parts);
-    around
+    cyclic
 }
 
-/// Parts that need themselves, by what their variables are.
-fn around(
+/// Subexpressions whose variables depend on themselves.
+fn cyclic(
     graph: &Graph,
     definitions: &[(VarId, ExprId)],
     parts: &[(VarId, ExprId)],
@@ -169,7 +173,7 @@ fn in_equations(
     flat: &mut FlatModel,
     equations: &mut Vec<Equation>,
     sizes: &[u64],
-    apart: &FastSet<ExprId>,
+    excluded: &FastSet<ExprId>,
 ) -> Vec<ExprId> {
     let mut roots = Vec::new();
     for e in equations.iter() {
@@ -186,29 +190,29 @@ fn in_equations(
     let bindings = flat.variables.iter().filter(|v| moving(v)).filter_map(|v| v.binding);
     roots.extend(bindings.map(|e| (e, None)));
     let bound: Vec<VarId> = flat.variables.ids().filter(|v| moving(&flat.variables[*v])).collect();
-    let mut naming = Naming::of(flat, &roots, Place::Equations, sizes, apart);
-    let mut literal = naming.below_closed(flat, sizes, apart);
-    let parts = [naming.definitions(flat), literal.definitions(flat)].concat();
-    let around = around(&flat.graph, &parts, &[&naming.parts[..], &literal.parts].concat());
+    let mut bindings = LetBindings::of(flat, &roots, PartContext::Equations, sizes, excluded);
+    let mut literal = bindings.bind_literal_parts(flat, sizes, excluded);
+    let parts = [bindings.definitions(flat), literal.definitions(flat)].concat();
+    let cyclic = cyclic(&flat.graph, &parts, &[&bindings.parts[..], &literal.parts].concat());
     for e in equations.iter_mut() {
         match &mut e.kind {
             EquationKind::Equal(a, b) => {
-                [a, b].into_iter().for_each(|e| *e = naming.named(&mut flat.graph, *e));
+                [a, b].into_iter().for_each(|e| *e = bindings.substitute(&mut flat.graph, *e));
             }
             EquationKind::Algorithm { values, .. } => {
-                values.iter_mut().for_each(|e| *e = naming.named(&mut flat.graph, *e));
+                values.iter_mut().for_each(|e| *e = bindings.substitute(&mut flat.graph, *e));
             }
             EquationKind::Assert(a) => {
                 [&mut a.condition, &mut a.message]
                     .into_iter()
-                    .for_each(|e| *e = naming.named(&mut flat.graph, *e));
+                    .for_each(|e| *e = bindings.substitute(&mut flat.graph, *e));
             }
             EquationKind::When(_) => {}
         }
     }
     for v in bound {
         if let Some(e) = flat.variables[v].binding {
-            flat.variables[v].binding = Some(naming.named(&mut flat.graph, e));
+            flat.variables[v].binding = Some(bindings.substitute(&mut flat.graph, e));
         }
     }
     for (v, e) in parts {
@@ -216,47 +220,47 @@ fn in_equations(
         let lhs = flat.graph.var(v, flat.variables[v].ty);
         equations.push(Equation { kind: EquationKind::Equal(lhs, e), origin });
     }
-    around
+    cyclic
 }
 
-/// Parts that are variables now.
-struct Naming {
-    place: Place,
+/// Let-bindings: subexpressions and the variables that replace them.
+struct LetBindings {
+    place: PartContext,
     uses: Uses,
     parts: Vec<(VarId, ExprId)>,
-    /// What stands for each.
+    /// The replacement of each subexpression.
     names: FastMap<ExprId, ExprId>,
     rewriter: Rewriter,
 }
 
-impl Naming {
+impl LetBindings {
     fn of(
         flat: &mut FlatModel,
         roots: &[Root],
-        place: Place,
+        place: PartContext,
         sizes: &[u64],
-        apart: &FastSet<ExprId>,
-    ) -> Naming {
+        excluded: &FastSet<ExprId>,
+    ) -> LetBindings {
         let uses = Uses::of(&mut flat.graph, roots, &|graph, e| is_closed(graph, e, place));
         let mut parts = Vec::new();
         let mut names = FastMap::default();
         let repeated = repeated(&uses, &flat.graph, place, sizes).into_iter();
-        for part in repeated.filter(|part| !apart.contains(part)) {
+        for part in repeated.filter(|part| !excluded.contains(part)) {
             let variable = variable(flat, part, place);
             let v = flat.variables.push(variable);
             names.insert(part, flat.graph.var(v, flat.graph.ty(part)));
             parts.push((v, part));
         }
-        Naming { place, uses, parts, names, rewriter: Rewriter::new() }
+        LetBindings { place, uses, parts, names, rewriter: Rewriter::new() }
     }
 
-    /// Names what stands below `noEvent` and `smooth`.
-    fn below_closed(
+    /// Introduces variables below `noEvent` and `smooth`.
+    fn bind_literal_parts(
         &mut self,
         flat: &mut FlatModel,
         sizes: &[u64],
-        apart: &FastSet<ExprId>,
-    ) -> Naming {
+        excluded: &FastSet<ExprId>,
+    ) -> LetBindings {
         let closed =
             |e: &ExprId| matches!(flat.graph.node(*e), Node::NoEvent(_) | Node::Smooth(..));
         let mut closed: Vec<ExprId> = self.uses.of.keys().copied().filter(closed).collect();
@@ -267,16 +271,16 @@ impl Naming {
             let condition = self.uses.all(&mut flat.graph, guard, 0);
             flat.graph.for_each_operand(e, |a| roots.push((a, Some(condition))));
         }
-        let mut literal = Naming::of(flat, &roots, Place::Literal, sizes, apart);
+        let mut literal = LetBindings::of(flat, &roots, PartContext::Literal, sizes, excluded);
         for (&e, (root, _)) in closed.iter().zip(roots) {
-            let inside = literal.named(&mut flat.graph, root);
+            let inside = literal.substitute(&mut flat.graph, root);
             let new = flat.graph.rebuild(e, &[inside]);
             self.names.insert(e, new);
         }
         literal
     }
 
-    /// What the variables are.
+    /// The definitions of the variables.
     fn definitions(&mut self, flat: &mut FlatModel) -> Vec<(VarId, ExprId)> {
         let graph = &mut flat.graph;
         let mut definitions = Vec::with_capacity(self.parts.len());
@@ -284,17 +288,17 @@ impl Naming {
             let mut operands = Vec::new();
             graph.for_each_operand(part, |a| operands.push(a));
             for a in &mut operands {
-                *a = self.named(graph, *a);
+                *a = self.substitute(graph, *a);
             }
             let mut value = graph.rebuild(part, &operands);
-            let nothing = nothing(graph, part);
+            let default_value = default_value(graph, part);
             for Guard { condition, holds, depth, .. } in self.uses.guards_of(part) {
-                // The outermost is the place of the `noEvent`.
-                if self.place == Place::Literal && depth == 1 {
+                // The `noEvent` belongs inside the outermost condition.
+                if self.place == PartContext::Literal && depth == 1 {
                     value = graph.no_event(value);
                 }
-                let c = self.named(graph, condition);
-                let (yes, no) = if holds { (value, nothing) } else { (nothing, value) };
+                let c = self.substitute(graph, condition);
+                let (yes, no) = if holds { (value, default_value) } else { (default_value, value) };
                 value = graph.if_then_else(c, yes, no);
             }
             definitions.push((v, value));
@@ -302,8 +306,8 @@ impl Naming {
         definitions
     }
 
-    /// An expression with the names of its parts.
-    fn named(&mut self, graph: &mut Graph, e: ExprId) -> ExprId {
+    /// Replaces subexpressions by their variables.
+    fn substitute(&mut self, graph: &mut Graph, e: ExprId) -> ExprId {
         let (names, place) = (&self.names, self.place);
         self.rewriter.apply(graph, e, &mut |graph, n| {
             names.get(&n).copied().or_else(|| is_closed(graph, n, place).then_some(n))
@@ -311,23 +315,23 @@ impl Naming {
     }
 }
 
-/// The variable of a part.
-fn variable(flat: &mut FlatModel, part: ExprId, place: Place) -> Variable {
+/// The variable of a subexpression.
+fn variable(flat: &mut FlatModel, part: ExprId, place: PartContext) -> Variable {
     let name = format!("$shared{}", flat.variables.len() + 1);
     let ty = flat.graph.ty(part);
     let variability = match (ty, place) {
-        (Type::Real, Place::Equations | Place::Literal) => Variability::Continuous,
+        (Type::Real, PartContext::Equations | PartContext::Literal) => Variability::Continuous,
         _ => Variability::Discrete,
     };
     let bare = Variable::bare(name, ty, variability, flat.span);
-    if place != Place::When {
+    if place != PartContext::When {
         return bare;
     }
-    Variable { start: Some(nothing(&mut flat.graph, part)), fixed: Some(true), ..bare }
+    Variable { start: Some(default_value(&mut flat.graph, part)), fixed: Some(true), ..bare }
 }
 
-/// What stands for a part where it is not computed.
-fn nothing(graph: &mut Graph, part: ExprId) -> ExprId {
+/// The value of a variable if its subexpression is not computed.
+fn default_value(graph: &mut Graph, part: ExprId) -> ExprId {
     match graph.ty(part) {
         Type::Boolean => graph.boolean(false),
         Type::Integer => graph.integer(0),
@@ -335,22 +339,22 @@ fn nothing(graph: &mut Graph, part: ExprId) -> ExprId {
     }
 }
 
-/// Whether what stands below a node means something else outside of it.
-fn is_closed(graph: &Graph, e: ExprId, place: Place) -> bool {
-    place == Place::Equations
+/// True for nodes whose operands have a different meaning outside them.
+fn is_closed(graph: &Graph, e: ExprId, place: PartContext) -> bool {
+    place == PartContext::Equations
         && matches!(graph.node(e), Node::NoEvent(_) | Node::Smooth(..) | Node::Homotopy(..))
 }
 
-/// Large expressions that stand at several places; those inside of others first.
-fn repeated(uses: &Uses, graph: &Graph, place: Place, sizes: &[u64]) -> Vec<ExprId> {
+/// Large expressions that occur several times, nested ones first.
+fn repeated(uses: &Uses, graph: &Graph, place: PartContext, sizes: &[u64]) -> Vec<ExprId> {
     let shared = |(e, (count, _)): (&ExprId, &(u32, usize))| {
         let fits = match graph.ty(*e) {
             Type::Real => true,
-            Type::Boolean => place != Place::Literal,
-            Type::Integer => place == Place::When,
+            Type::Boolean => place != PartContext::Literal,
+            Type::Integer => place == PartContext::When,
             _ => false,
         };
-        (fits && *count > 1 && sizes[e.0 as usize] >= LARGE).then_some(*e)
+        (fits && *count > 1 && sizes[e.0 as usize] >= MIN_PART_SIZE).then_some(*e)
     };
     let mut parts: Vec<ExprId> = uses.of.iter().filter_map(shared).collect();
     parts.sort_unstable();

@@ -1,16 +1,16 @@
-//! The functions of a flat model as text: one for each output that is read.
+//! Prints the functions of a flat model: one for each output that is used.
 
 use std::collections::hash_map::Entry;
 
-use super::push_quoted;
+use super::identifier::{push_quoted, quoted};
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::expr::{ExprId, FunctionId, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Function, LocalId, Statement};
 use crate::ir::native::Native;
 use crate::symbolic::print::{Printer, type_name};
 
-/// What a function that gives one output is called: as [`Printer`] writes its calls.
-fn title(function: FunctionId, output: u32) -> String {
+/// The name of the function for one output, as [`Printer`] writes it in calls.
+fn function_name(function: FunctionId, output: u32) -> String {
     format!("function{}_{}", function.0, output + 1)
 }
 
@@ -32,7 +32,7 @@ pub(crate) fn functions(flat: &FlatModel, tables: &[Native]) -> String {
                     Entry::Vacant(new) => {
                         new.insert(types.collect());
                     }
-                    // Whole numbers of one call may be real ones of another.
+                    // An argument may be Integer in one call and Real in another.
                     Entry::Occupied(mut known) => {
                         for (known, ty) in known.get_mut().iter_mut().zip(types) {
                             if ty == Type::Real {
@@ -52,13 +52,13 @@ pub(crate) fn functions(flat: &FlatModel, tables: &[Native]) -> String {
     for ((id, output), inputs) in all {
         let function = &flat.functions[id];
         let types = types(flat, function, &inputs);
-        Definition { flat, function, tables, types, out: &mut out }
-            .write(&title(id, output), output);
+        FunctionPrinter { flat, function, tables, types, out: &mut out }
+            .write(&function_name(id, output), output);
     }
     out
 }
 
-/// The types of the locals: those of the arguments, and of what is assigned.
+/// The types of the locals: those of the arguments and of the assigned values.
 fn types(flat: &FlatModel, function: &Function, inputs: &[Type]) -> Vec<Type> {
     let mut types = vec![Type::Real; function.locals.len()];
     for (local, ty) in function.inputs.iter().zip(inputs) {
@@ -71,7 +71,7 @@ fn types(flat: &FlatModel, function: &Function, inputs: &[Type]) -> Vec<Type> {
                 Statement::Assign(local, e) => {
                     let (known, ty) = (&mut types[local.idx()], flat.graph.ty(*e));
                     let is_input = function.inputs.contains(local);
-                    // A whole number may become a real one.
+                    // An Integer input becomes Real if a Real is assigned to it.
                     if !is_input || ty == Type::Real && *known == Type::Integer {
                         *known = ty;
                     }
@@ -85,7 +85,7 @@ fn types(flat: &FlatModel, function: &Function, inputs: &[Type]) -> Vec<Type> {
     types
 }
 
-struct Definition<'a> {
+struct FunctionPrinter<'a> {
     flat: &'a FlatModel,
     function: &'a Function,
     tables: &'a [Native],
@@ -93,11 +93,11 @@ struct Definition<'a> {
     out: &'a mut String,
 }
 
-impl Definition<'_> {
-    fn write(&mut self, title: &str, output: u32) {
+impl FunctionPrinter<'_> {
+    fn write(&mut self, function_name: &str, output: u32) {
         let function = self.function;
-        self.line(1, &format!("function {title}"));
-        // Inputs may not be assigned: locals begin with their values.
+        self.line(1, &format!("function {function_name}"));
+        // Inputs cannot be assigned, so locals are initialised with their values.
         for local in &function.inputs {
             let declared = self.declared(*local, "in_");
             self.line(2, &format!("input {declared};"));
@@ -118,7 +118,7 @@ impl Definition<'_> {
         self.statements(&function.body, 2);
         let name = &function.locals[result];
         self.line(2, &format!("out_{name} := {name};"));
-        self.line(1, &format!("end {title};"));
+        self.line(1, &format!("end {function_name};"));
     }
 
     fn line(&mut self, depth: usize, text: &str) {
@@ -129,7 +129,7 @@ impl Definition<'_> {
 
     fn declared(&self, local: LocalId, prefix: &str) -> String {
         let mut out = match self.types[local.idx()] {
-            Type::Enumeration(e) => super::quoted(&self.flat.graph.enumerations[e].name),
+            Type::Enumeration(e) => quoted(&self.flat.graph.enumerations[e].name),
             ty => type_name(&self.flat.graph, ty),
         };
         out.push(' ');
@@ -179,7 +179,7 @@ impl Definition<'_> {
             variable: &|v: VarId, out: &mut String| {
                 push_quoted(&self.function.locals[LocalId::from_usize(v.idx())], out)
             },
-            enumeration: &super::quoted,
+            enumeration: &quoted,
             relation: &|_| None,
             special: &|node, out| {
                 super::element(self.tables, node, out, &mut |e, out: &mut String| {

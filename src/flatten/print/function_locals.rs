@@ -1,12 +1,13 @@
-//! Parts of expressions that become locals of a function where its text would write them again and again.
+//! Introduces locals for common subexpressions of functions.
 
-use super::common_subexpressions::LARGE;
+use super::common_subexpressions::MIN_PART_SIZE;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::expr::{ExprId, Graph, Node, VarId};
 use crate::ir::flat::{Assert, Function, LocalId, Statement};
 use crate::symbolic::rewrite::Rewriter;
 
-/// Gives a function locals for what its assignments share; `sizes` says how long expressions are as texts.
+/// Adds locals for the common subexpressions of a function; `sizes` holds the printed sizes of
+/// expressions.
 pub(crate) fn in_function(graph: &mut Graph, function: &mut Function, sizes: &[u64]) {
     let body = std::mem::take(&mut function.body);
     function.body = in_statements(graph, function, body, sizes);
@@ -19,17 +20,17 @@ fn in_statements(
     sizes: &[u64],
 ) -> Vec<Statement> {
     let mut out = Vec::with_capacity(list.len());
-    let mut names = Names::default();
-    // Assignments and assertions that follow each other share parts until what these read changes.
+    let mut names = LocalNames::default();
+    // Successive assignments and assertions share subexpressions until a variable in them changes.
     for at in 0..list.len() {
         if at == 0 || !matches!(list[at - 1], Statement::Assign(..) | Statement::Assert(..)) {
-            names = Names::of(graph, &list[at..]);
+            names = LocalNames::of(graph, &list[at..]);
         }
         match list[at].clone() {
             Statement::Assign(local, value) => {
                 let value = names.named(graph, function, value, sizes, &mut out);
                 out.push(Statement::Assign(local, value));
-                names.forget(graph, local);
+                names.invalidate(graph, local);
             }
             Statement::Assert(a, span) => {
                 let condition = names.named(graph, function, a.condition, sizes, &mut out);
@@ -51,17 +52,17 @@ fn in_statements(
     out
 }
 
-/// The locals that stand for parts.
+/// The locals that replace subexpressions.
 #[derive(Default)]
-struct Names {
-    /// How often each part is read by the statements that share them.
+struct LocalNames {
+    /// Number of uses of each subexpression in the statements that share it.
     uses: FastMap<ExprId, u32>,
     names: FastMap<ExprId, ExprId>,
 }
 
-impl Names {
-    /// None yet, for the assignments and assertions that a list begins with.
-    fn of(graph: &Graph, list: &[Statement]) -> Names {
+impl LocalNames {
+    /// No locals yet, for the assignments and assertions at the start of a list.
+    fn of(graph: &Graph, list: &[Statement]) -> LocalNames {
         let mut roots: Vec<ExprId> = Vec::new();
         for statement in list {
             match statement {
@@ -75,10 +76,10 @@ impl Names {
             graph.for_each_operand(e, |a| *uses.entry(a).or_default() += 1);
         }
         roots.into_iter().for_each(|e| *uses.entry(e).or_default() += 1);
-        Names { uses, names: FastMap::default() }
+        LocalNames { uses, names: FastMap::default() }
     }
 
-    /// The expression in terms of locals that are assigned before it.
+    /// Rewrites an expression in terms of locals, which are assigned before it.
     fn named(
         &mut self,
         graph: &mut Graph,
@@ -88,8 +89,8 @@ impl Names {
         out: &mut Vec<Statement>,
     ) -> ExprId {
         for e in graph.postorder([root]) {
-            let is_long = sizes.get(e.idx()).is_some_and(|s| *s >= LARGE);
-            // Two outputs of a call are written with its arguments twice.
+            let is_long = sizes.get(e.idx()).is_some_and(|s| *s >= MIN_PART_SIZE);
+            // A call is printed once for each of its outputs, each time with all arguments.
             let is_call = matches!(graph.node(e), Node::Call { .. });
             let is_shared = self.uses.get(&e).is_some_and(|n| *n > 1);
             if !is_long || !(is_shared || is_call && e != root) || self.names.contains_key(&e) {
@@ -104,8 +105,8 @@ impl Names {
         self.replaced(graph, root, true)
     }
 
-    /// The parts that read a local have another value from now on.
-    fn forget(&mut self, graph: &Graph, local: LocalId) {
+    /// Discards the subexpressions that read a local whose value has changed.
+    fn invalidate(&mut self, graph: &Graph, local: LocalId) {
         let changed = VarId(local.idx() as u32);
         let mut reading: FastSet<ExprId> = FastSet::default();
         for e in graph.postorder(self.names.keys().copied()) {

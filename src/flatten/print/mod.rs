@@ -1,41 +1,42 @@
-//! The flat model as text that is itself valid Modelica: dotted names are written as quoted
-//! identifiers (section 2.3.1 of the specification), so that any Modelica tool reads it.
+//! Prints a flat model as valid Modelica: dotted names become quoted identifiers (Modelica 3.6,
+//! section 2.3.1), so that any Modelica tool can read it.
 
 pub mod common_subexpressions;
+mod equation;
 pub(crate) mod function;
 pub(crate) mod function_locals;
+mod identifier;
 
 use crate::base::index::FastSet;
 use crate::ir::ast::{Causality, Variability};
 use crate::ir::expr::{Binary, EnumId, ExprId, Graph, Node, Type, Unary, VarId};
-use crate::ir::flat::{
-    Action, Assert, Equation, EquationKind, FlatModel, Level, StateSelect, Transport, Variable,
-    WhenBranch,
-};
+use crate::ir::flat::{Equation, FlatModel, StateSelect, Transport, Variable};
 use crate::ir::native::Native;
 use crate::symbolic::print::{Printer, real_literal, type_name};
 use common_subexpressions::TooLong;
+use identifier::{push_quoted, quoted};
 
-/// Variables and equations of a model whose text is long.
-const LONG: usize = 50_000;
+/// Models with at least this many variables and equations are printed by two threads.
+const PARALLEL_THRESHOLD: usize = 50_000;
 
-/// Prints the model. What a long text would write again and again has a variable of its own there; some is
-/// too long even so.
+/// Prints the model, with variables for common subexpressions if it is large. Fails if it is too large
+/// even so.
 pub fn print(flat: &FlatModel) -> Result<String, TooLong> {
-    pieces(flat).map(|pieces| pieces.concat())
+    fragments(flat).map(|fragments| fragments.concat())
 }
 
-/// As [`print`], in pieces that follow each other: a long text is written by two threads.
-pub fn pieces(flat: &FlatModel) -> Result<Vec<String>, TooLong> {
-    let shared = common_subexpressions::shared(flat)?;
+/// Like [`print`], as consecutive fragments: large models are printed by two threads.
+pub fn fragments(flat: &FlatModel) -> Result<Vec<String>, TooLong> {
+    let shared = common_subexpressions::extract(flat)?;
     let flat = shared.as_ref().unwrap_or(flat);
-    let (unsaid, tables) = (unsaid(flat), tables(flat));
-    let write = |act: &dyn Fn(&mut Text<'_>)| {
-        let mut text = Text { flat, unsaid: &unsaid, tables: &tables, out: String::new() };
+    let (implicit, tables) = (implicit(flat), tables(flat));
+    let write = |act: &dyn Fn(&mut ModelPrinter<'_>)| {
+        let mut text =
+            ModelPrinter { flat, implicit: &implicit, tables: &tables, out: String::new() };
         act(&mut text);
         text.out
     };
-    if flat.variables.len() + flat.equations.len() < LONG {
+    if flat.variables.len() + flat.equations.len() < PARALLEL_THRESHOLD {
         return Ok(vec![write(&|text| {
             text.declarations();
             text.equations(&flat.equations);
@@ -62,8 +63,8 @@ pub fn pieces(flat: &FlatModel) -> Result<Vec<String>, TooLong> {
     })
 }
 
-/// The variables that calls of `delay` and `spatialDistribution` say without words.
-fn unsaid(flat: &FlatModel) -> FastSet<VarId> {
+/// The variables that are implicit in calls of `delay` and `spatialDistribution`.
+fn implicit(flat: &FlatModel) -> FastSet<VarId> {
     let mut found = FastSet::default();
     for line in &flat.transports {
         found.insert(line.ends[1]);
@@ -80,7 +81,7 @@ fn unsaid(flat: &FlatModel) -> FastSet<VarId> {
     found
 }
 
-/// The tables whose elements are chosen while the model runs.
+/// The tables whose subscripts vary during simulation.
 fn tables(flat: &FlatModel) -> Vec<Native> {
     let mut found = Vec::new();
     for e in flat.graph.ids() {
@@ -94,7 +95,8 @@ fn tables(flat: &FlatModel) -> Vec<Native> {
     found
 }
 
-/// The function that compares real numbers: an equality of them stands in functions only (section 3.5).
+/// The function that compares Real values: `==` on Reals is only allowed in functions (Modelica 3.6,
+/// section 3.5).
 const EQUAL: &str = "'$equal'";
 
 fn is_equality(graph: &Graph, op: Binary, a: ExprId, b: ExprId) -> bool {
@@ -104,7 +106,7 @@ fn is_equality(graph: &Graph, op: Binary, a: ExprId, b: ExprId) -> bool {
         && numbers.iter().all(|ty| matches!(ty, Type::Real | Type::Integer))
 }
 
-/// Whether real numbers are compared that are not in functions.
+/// True if Real values are compared for equality outside functions.
 fn has_equalities(flat: &FlatModel) -> bool {
     let found = |e: ExprId| match flat.graph.node(e) {
         Node::Binary(op, a, b) => is_equality(&flat.graph, op, a, b),
@@ -118,47 +120,14 @@ fn has_equalities(flat: &FlatModel) -> bool {
     flat.graph.postorder(roots).into_iter().any(found)
 }
 
-/// The constant of the text that is a table.
-fn table(k: usize) -> String {
-    format!("'$table{}'", k + 1)
+/// The name of the constant that holds a table.
+fn table_name(k: usize) -> String {
+    format!("'$table_name{}'", k + 1)
 }
 
-/// The variable of the text that has what a reader of a line reads.
-fn reading(line: usize, reader: usize) -> String {
+/// The name of the variable that holds the value at a reader of a transport line.
+fn reader_value(line: usize, reader: usize) -> String {
     format!("'$line{}.reader{}.value'", line + 1, reader + 1)
-}
-
-/// An identifier, quoted if it is none by itself.
-pub fn quoted(name: &str) -> String {
-    let mut out = String::with_capacity(name.len() + 2);
-    push_quoted(name, &mut out);
-    out
-}
-
-pub(super) fn push_quoted(name: &str, out: &mut String) {
-    let plain = name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
-        && name.bytes().next().is_some_and(|c| !c.is_ascii_digit());
-    let already = name.starts_with('\'')
-        && name.ends_with('\'')
-        && name.len() > 1
-        && !name[1..name.len() - 1].contains('\'');
-    if plain || already {
-        out.push_str(name);
-        return;
-    }
-    out.push('\'');
-    if !name.contains('\'') {
-        out.push_str(name);
-        out.push('\'');
-        return;
-    }
-    for (k, part) in name.split('\'').enumerate() {
-        if k > 0 {
-            out.push_str("\\'");
-        }
-        out.push_str(part);
-    }
-    out.push('\'');
 }
 
 fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
@@ -176,15 +145,15 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
     out
 }
 
-/// The text so far.
-struct Text<'a> {
+/// Prints the parts of a model to `out`.
+struct ModelPrinter<'a> {
     flat: &'a FlatModel,
-    unsaid: &'a FastSet<VarId>,
+    implicit: &'a FastSet<VarId>,
     tables: &'a [Native],
     out: String,
 }
 
-/// Writes an element of a table, by a printer of its subscript.
+/// Prints an element of a table, given a printer for its subscript.
 pub(super) fn element(
     tables: &[Native],
     node: Node,
@@ -193,15 +162,15 @@ pub(super) fn element(
 ) -> bool {
     let Node::Unary(Unary::Native(f), a) = node else { return false };
     let Some(k) = tables.iter().position(|t| *t == f) else { return false };
-    out.push_str(&table(k));
+    out.push_str(&table_name(k));
     out.push('[');
     subscript(a, out);
     out.push(']');
     true
 }
 
-impl Text<'_> {
-    /// Everything before the equations.
+impl ModelPrinter<'_> {
+    /// Prints everything before the equations.
     fn declarations(&mut self) {
         let flat = self.flat;
         let title = quoted(&flat.name);
@@ -220,7 +189,17 @@ impl Text<'_> {
             let ty = if whole { "Integer" } else { "Real" };
             let list: Vec<String> = all.iter().map(literal).collect();
             let (size, list) = (all.len().to_string(), list.join(", "));
-            self.push(&["  constant ", ty, " ", &table(k), "[", &size, "] = {", &list, "};\n"]);
+            self.push(&[
+                "  constant ",
+                ty,
+                " ",
+                &table_name(k),
+                "[",
+                &size,
+                "] = {",
+                &list,
+                "};\n",
+            ]);
         }
         if has_equalities(flat) {
             self.push(&["  function ", EQUAL, "\n    input Real a;\n    input Real b;\n"]);
@@ -228,13 +207,13 @@ impl Text<'_> {
         }
         self.out.push_str(&function::functions(flat, self.tables));
         for (id, v) in flat.variables.enumerate() {
-            if !self.unsaid.contains(&id) {
+            if !self.implicit.contains(&id) {
                 self.declaration(v);
             }
         }
         for (k, line) in flat.transports.iter().enumerate() {
             for reader in 0..line.readers.len() {
-                self.push(&["  Real ", &reading(k, reader), ";\n"]);
+                self.push(&["  Real ", &reader_value(k, reader), ";\n"]);
             }
         }
         if !flat.initial_equations.is_empty() {
@@ -243,7 +222,7 @@ impl Text<'_> {
         }
     }
 
-    /// The first equations.
+    /// Prints the equation section with the given first equations.
     fn equations(&mut self, list: &[Equation]) {
         if !self.flat.equations.is_empty() {
             self.out.push_str("equation\n");
@@ -251,12 +230,12 @@ impl Text<'_> {
         }
     }
 
-    /// Everything after the equations.
+    /// Prints everything after the equations.
     fn end(&mut self) {
         let flat = self.flat;
         for (k, line) in flat.transports.iter().enumerate() {
             for reader in 0..line.readers.len() {
-                self.reader(line, &reading(k, reader), reader);
+                self.reader(line, &reader_value(k, reader), reader);
             }
         }
         if let Some(text) = experiment(flat) {
@@ -280,7 +259,7 @@ impl Text<'_> {
     }
 
     fn expression(&mut self, e: ExprId) {
-        let (flat, unsaid, tables) = (self.flat, self.unsaid, self.tables);
+        let (flat, implicit, tables) = (self.flat, self.implicit, self.tables);
         Printer {
             graph: &flat.graph,
             variable: &|v: VarId, out: &mut String| push_quoted(&flat.variables[v].name, out),
@@ -288,12 +267,12 @@ impl Text<'_> {
             relation: &|_| None,
             special: &|node: Node, out: &mut String| match node {
                 Node::Recorded(v, 0) => {
-                    // They stand in the order of their variables.
+                    // Delays are sorted by variable.
                     let Ok(k) = flat.delays.binary_search_by_key(&v, |d| d.variable) else {
                         return false;
                     };
                     let delay = &flat.delays[k];
-                    let mut call = Text { flat, unsaid, tables, out: String::new() };
+                    let mut call = ModelPrinter { flat, implicit, tables, out: String::new() };
                     call.out.push_str("delay(");
                     call.name(v);
                     call.out.push_str(", ");
@@ -305,7 +284,7 @@ impl Text<'_> {
                 Node::Binary(op @ (Binary::Equal | Binary::NotEqual), a, b)
                     if is_equality(&flat.graph, op, a, b) =>
                 {
-                    let mut call = Text { flat, unsaid, tables, out: String::new() };
+                    let mut call = ModelPrinter { flat, implicit, tables, out: String::new() };
                     call.push(&[if op == Binary::Equal { "" } else { "not " }, EQUAL, "("]);
                     call.expression(a);
                     call.out.push_str(", ");
@@ -315,11 +294,11 @@ impl Text<'_> {
                     true
                 }
                 Node::Unary(Unary::Carried(what), _) if what.order == 0 => {
-                    out.push_str(&reading(usize::from(what.line), usize::from(what.reader)));
+                    out.push_str(&reader_value(usize::from(what.line), usize::from(what.reader)));
                     true
                 }
                 _ => element(tables, node, out, &mut |e, out: &mut String| {
-                    let mut subscript = Text { flat, unsaid, tables, out: String::new() };
+                    let mut subscript = ModelPrinter { flat, implicit, tables, out: String::new() };
                     subscript.expression(e);
                     out.push_str(&subscript.out);
                 }),
@@ -329,7 +308,7 @@ impl Text<'_> {
         .print_to(e, &mut self.out);
     }
 
-    /// The equation that gives what a reader of a line reads.
+    /// Prints the equation for the value at a reader of a transport line.
     fn reader(&mut self, line: &Transport, value: &str, reader: usize) {
         let entering = line.entering.map(|v| v.map(|v| quoted(&self.flat.variables[v].name)));
         let [low, high] = entering.map(Option::unwrap_or_default);
@@ -392,10 +371,10 @@ impl Text<'_> {
     }
 
     fn attributes(&mut self, v: &Variable) {
-        // Before the first stands a parenthesis, before the others a comma.
-        let begun = self.out.len();
+        // A parenthesis precedes the first attribute, a comma the others.
+        let start = self.out.len();
         let next = |text: &mut Self, parts: &[&str]| {
-            text.out.push_str(if text.out.len() == begun { "(" } else { ", " });
+            text.out.push_str(if text.out.len() == start { "(" } else { ", " });
             text.push(parts);
         };
         for (attribute, unit) in [("unit", v.unit), ("displayUnit", v.display_unit)] {
@@ -417,101 +396,9 @@ impl Text<'_> {
             let text = format!("{:?}", v.state_select).to_lowercase();
             next(self, &["stateSelect = StateSelect.", &text]);
         }
-        if self.out.len() > begun {
+        if self.out.len() > start {
             self.out.push(')');
         }
-    }
-
-    fn list(&mut self, list: &[Equation]) {
-        for e in list {
-            match &e.kind {
-                EquationKind::Equal(a, _) if matches!(self.flat.graph.node(*a), Node::Var(v) if self.unsaid.contains(&v)) =>
-                    {}
-                EquationKind::Equal(a, b) => self.equality(*a, *b),
-                EquationKind::When(branches) => self.when(branches),
-                EquationKind::Assert(a) => {
-                    self.out.push_str("  ");
-                    self.assertion(a);
-                    self.out.push_str(";\n");
-                }
-                EquationKind::Algorithm { outputs, values } => {
-                    for (v, e) in outputs.iter().zip(values) {
-                        self.out.push_str("  ");
-                        self.assignment(*v, *e);
-                        self.out.push_str(";\n");
-                    }
-                }
-            }
-        }
-    }
-
-    /// An `if` on the left side must stand in parentheses.
-    fn equality(&mut self, a: ExprId, b: ExprId) {
-        self.out.push_str("  ");
-        let chosen = matches!(self.flat.graph.node(a), Node::If(..));
-        self.out.push_str(if chosen { "(" } else { "" });
-        self.expression(a);
-        self.out.push_str(if chosen { ") = " } else { " = " });
-        self.expression(b);
-        self.out.push_str(";\n");
-    }
-
-    fn assignment(&mut self, v: VarId, e: ExprId) {
-        self.name(v);
-        self.out.push_str(" = ");
-        self.expression(e);
-    }
-
-    fn when(&mut self, branches: &[WhenBranch]) {
-        for (k, branch) in branches.iter().enumerate() {
-            self.out.push_str(if k == 0 { "  when " } else { "  elsewhen " });
-            let several = branch.conditions.len() != 1;
-            self.out.push_str(if several { "{" } else { "" });
-            for (k, c) in branch.conditions.iter().enumerate() {
-                self.out.push_str(if k > 0 { ", " } else { "" });
-                self.expression(*c);
-            }
-            self.out.push_str(if several { "} then\n" } else { " then\n" });
-            for a in &branch.actions {
-                self.out.push_str("    ");
-                self.action(a);
-                self.out.push_str(";\n");
-            }
-        }
-        self.out.push_str("  end when;\n");
-    }
-
-    fn action(&mut self, action: &Action) {
-        match action {
-            Action::Assign(v, e) => self.assignment(*v, *e),
-            Action::Reinit { state, value, guard } => {
-                if let Some(guard) = guard {
-                    self.out.push_str("if ");
-                    self.expression(*guard);
-                    self.out.push_str(" then ");
-                }
-                self.out.push_str("reinit(");
-                self.name(*state);
-                self.out.push_str(", ");
-                self.expression(*value);
-                self.out.push_str(if guard.is_some() { "); end if" } else { ")" });
-            }
-            Action::Assert(a) => self.assertion(a),
-            Action::Terminate(message) => {
-                self.out.push_str("terminate(");
-                self.expression(*message);
-                self.out.push(')');
-            }
-        }
-    }
-
-    fn assertion(&mut self, a: &Assert) {
-        self.out.push_str("assert(");
-        self.expression(a.condition);
-        self.out.push_str(", ");
-        self.expression(a.message);
-        let level = if a.level == Level::Error { ")" } else { ", AssertionLevel.warning)" };
-        self.out.push_str(level);
     }
 }
 

@@ -1,21 +1,26 @@
-//! New variables of expandable connectors: copies of what they are connected to.
+//! Augments expandable connectors by new variables: copies of the variables they are connected to.
 
 use std::rc::Rc;
 
-use super::connection_ends::{At, Missing, unfilled};
-use super::{Buses, is_expandable};
+use super::connection_ends::{EndTarget, MissingVariable, is_unfilled};
+use super::{AugmentationSets, is_expandable};
 use crate::base::name::Name;
 use crate::instantiate::{Context, package_like};
 use crate::ir::ast::TypePrefix;
 use crate::ir::instance::{Instance, InstanceId, InstanceKind};
 
-/// Elements that one array may be given: a subscript beyond it is a slip, not a model.
-const MOST: usize = 100_000;
+/// Maximum number of elements of an array that connections create; larger subscripts are errors.
+const MAX_ELEMENTS: usize = 100_000;
 
-/// Gives a connector the variable that a connection names; true if there is something new.
-pub(crate) fn add(cx: &mut Context<'_>, missing: &Missing, like: &At, buses: &mut Buses) -> bool {
-    let Missing { bus, name, index } = *missing;
-    if !matches!(like, At::Instance(_) | At::Element(_)) {
+/// Adds the variable that a connection refers to; true if the connector has changed.
+pub(crate) fn add(
+    cx: &mut Context<'_>,
+    missing: &MissingVariable,
+    like: &EndTarget,
+    buses: &mut AugmentationSets,
+) -> bool {
+    let MissingVariable { bus, name, index } = *missing;
+    if !matches!(like, EndTarget::Instance(_) | EndTarget::Element(_)) {
         return false;
     }
     match index {
@@ -32,8 +37,12 @@ pub(crate) fn add(cx: &mut Context<'_>, missing: &Missing, like: &At, buses: &mu
     }
 }
 
-/// Gives each connector of a set what the others have; true if there is something new.
-pub(crate) fn even_out(cx: &mut Context<'_>, set: &[InstanceId], buses: &mut Buses) -> bool {
+/// Gives each connector of a set the variables of all others; true if a connector has changed.
+pub(crate) fn equalize(
+    cx: &mut Context<'_>,
+    set: &[InstanceId],
+    buses: &mut AugmentationSets,
+) -> bool {
     let mut changed = false;
     let mut names: Vec<(Name, InstanceId)> = Vec::new();
     for &bus in set {
@@ -43,7 +52,7 @@ pub(crate) fn even_out(cx: &mut Context<'_>, set: &[InstanceId], buses: &mut Bus
                 None => names.push((name, child)),
                 Some((_, first)) => {
                     let first = *first;
-                    changed |= same(cx, first, child, bus, buses);
+                    changed |= unify(cx, first, child, bus, buses);
                 }
             }
         }
@@ -51,7 +60,7 @@ pub(crate) fn even_out(cx: &mut Context<'_>, set: &[InstanceId], buses: &mut Bus
     for &bus in set {
         for (name, like) in &names {
             if cx.child(bus, *name).is_none()
-                && let Some(child) = copy(cx, &At::Instance(*like), bus, *name, &[], buses)
+                && let Some(child) = copy(cx, &EndTarget::Instance(*like), bus, *name, &[], buses)
             {
                 if buses.open.contains(like) {
                     buses.open.insert(child);
@@ -64,14 +73,14 @@ pub(crate) fn even_out(cx: &mut Context<'_>, set: &[InstanceId], buses: &mut Bus
     changed
 }
 
-/// Two variables of one name in one set: buses in buses belong together too, and arrays get the same
-/// elements.
-fn same(
+/// Unifies two variables of the same name in one set: nested buses join the same set, and arrays get
+/// the same elements.
+fn unify(
     cx: &mut Context<'_>,
     a: InstanceId,
     b: InstanceId,
     bus_of_b: InstanceId,
-    buses: &mut Buses,
+    buses: &mut AugmentationSets,
 ) -> bool {
     match (cx.instances[a].kind.clone(), cx.instances[b].kind.clone()) {
         (InstanceKind::Object(_), InstanceKind::Object(_)) => {
@@ -86,17 +95,17 @@ fn same(
             let Some(bus_of_a) = cx.instances[a].parent else { return false };
             for k in 0..mine.len().max(theirs.len()) {
                 let of = |list: &[InstanceId], cx: &Context<'_>| {
-                    list.get(k).copied().filter(|e| !unfilled(cx, *e))
+                    list.get(k).copied().filter(|e| !is_unfilled(cx, *e))
                 };
                 changed |= match (of(&mine, cx), of(&theirs, cx)) {
                     (Some(x), Some(y)) => {
                         is_expandable(cx, x) && is_expandable(cx, y) && buses.join(x, y)
                     }
                     (Some(x), None) if buses.open.contains(&b) => {
-                        element(cx, bus_of_b, name, k + 1, &At::Instance(x), buses)
+                        element(cx, bus_of_b, name, k + 1, &EndTarget::Instance(x), buses)
                     }
                     (None, Some(y)) if buses.open.contains(&a) => {
-                        element(cx, bus_of_a, name, k + 1, &At::Instance(y), buses)
+                        element(cx, bus_of_a, name, k + 1, &EndTarget::Instance(y), buses)
                     }
                     _ => false,
                 };
@@ -109,12 +118,12 @@ fn same(
     }
 }
 
-/// An array declared with `:` takes the sizes of what it is connected to.
+/// Gives an array declared with `:` the sizes of the array it is connected to.
 pub(crate) fn resize(
     cx: &mut Context<'_>,
     id: InstanceId,
     like: InstanceId,
-    buses: &mut Buses,
+    buses: &mut AugmentationSets,
 ) -> bool {
     let open = cx.instances[id].parent.is_some_and(|p| is_expandable(cx, p));
     let InstanceKind::Variable { ty, dims, .. } = cx.instances[id].kind.clone() else {
@@ -132,29 +141,29 @@ pub(crate) fn resize(
         {
             let (name, parent) = (cx.instances[id].name, cx.instances[id].parent);
             let Some(bus) = parent else { return false };
-            let Some(k) = elements.iter().position(|e| !unfilled(cx, *e)) else { return false };
-            element(cx, bus, name, k + 1, &At::Instance(elements[k]), buses)
+            let Some(k) = elements.iter().position(|e| !is_unfilled(cx, *e)) else { return false };
+            element(cx, bus, name, k + 1, &EndTarget::Instance(elements[k]), buses)
         }
         _ => false,
     }
 }
 
-/// Makes element `index` of the array `name` of a connector, and the array, if need be.
+/// Creates element `index` of the array `name` of a connector and, if necessary, the array.
 fn element(
     cx: &mut Context<'_>,
     bus: InstanceId,
     name: Name,
     index: usize,
-    like: &At,
-    buses: &mut Buses,
+    like: &EndTarget,
+    buses: &mut AugmentationSets,
 ) -> bool {
-    if index > MOST {
+    if index > MAX_ELEMENTS {
         return false;
     }
     let array = match cx.child(bus, name) {
         Some(id) => id,
         None => {
-            let holder = blank(cx, bus, name, &[]);
+            let holder = new_instance(cx, bus, name, &[]);
             let array = cx.instances.push(Instance {
                 kind: InstanceKind::Array { dims: Rc::from([0]), elements: Rc::from([]) },
                 ..holder
@@ -166,7 +175,7 @@ fn element(
     };
     let mut elements = match cx.instances[array].kind.clone() {
         InstanceKind::Array { dims, elements } if dims.len() == 1 => elements.to_vec(),
-        // Declared with `:`, and not connected as a whole.
+        // Declared with `:` and not connected as a whole.
         InstanceKind::Variable { dims, .. } if *dims == [0] => {
             buses.open.insert(array);
             Vec::new()
@@ -178,11 +187,11 @@ fn element(
     }
     while elements.len() < index {
         let k = elements.len() + 1;
-        let place = blank(cx, array, name, &[k]);
+        let place = new_instance(cx, array, name, &[k]);
         elements.push(cx.instances.push(Instance { kind: InstanceKind::Absent, ..place }));
     }
     let mut changed = false;
-    if unfilled(cx, elements[index - 1])
+    if is_unfilled(cx, elements[index - 1])
         && let Some(new) = copy(cx, like, array, name, &[index], buses)
     {
         elements[index - 1] = new;
@@ -194,7 +203,12 @@ fn element(
 }
 
 /// An instance without declaration and class.
-fn blank(cx: &Context<'_>, parent: InstanceId, name: Name, subscripts: &[usize]) -> Instance {
+fn new_instance(
+    cx: &Context<'_>,
+    parent: InstanceId,
+    name: Name,
+    subscripts: &[usize],
+) -> Instance {
     let scope = cx.instances[parent].scope;
     Instance {
         parent: Some(parent),
@@ -206,20 +220,20 @@ fn blank(cx: &Context<'_>, parent: InstanceId, name: Name, subscripts: &[usize])
     }
 }
 
-/// A new instance of the type of another one; `None` where that is broken. Values and attributes stay
-/// behind: they belong to the other one's declaration.
+/// A new instance with the type of another one; `None` if that one is broken. Values and attributes
+/// are not copied, because they belong to the declaration of the other one.
 fn copy(
     cx: &mut Context<'_>,
-    like: &At,
+    like: &EndTarget,
     parent: InstanceId,
     name: Name,
     subscripts: &[usize],
-    buses: &mut Buses,
+    buses: &mut AugmentationSets,
 ) -> Option<InstanceId> {
     let (id, scalar) = match like {
-        At::Instance(id) => (*id, false),
-        At::Element(id) => (*id, true),
-        At::Missing(_) | At::Absent => return None,
+        EndTarget::Instance(id) => (*id, false),
+        EndTarget::Element(id) => (*id, true),
+        EndTarget::Missing(_) | EndTarget::Absent => return None,
     };
     cx.complete(id);
     let original = cx.instances[id].clone();
@@ -229,11 +243,11 @@ fn copy(
         declaration: original.declaration.clone(),
         scope: original.scope,
         prefix,
-        ..blank(cx, parent, name, subscripts)
+        ..new_instance(cx, parent, name, subscripts)
     };
     match original.kind {
         InstanceKind::Outer(inner) => {
-            copy(cx, &At::Instance(inner), parent, name, subscripts, buses)
+            copy(cx, &EndTarget::Instance(inner), parent, name, subscripts, buses)
         }
         InstanceKind::Variable { ty, dims, .. } => {
             let dims = if scalar { Rc::from([]) } else { dims };
@@ -241,7 +255,7 @@ fn copy(
             Some(cx.instances.push(Instance { kind, ..new }))
         }
         InstanceKind::Object(_) => {
-            // Without its declaration it is completed from its class alone.
+            // Without a declaration, it is completed from its class alone.
             let declaration = new.declaration.clone();
             let made = cx.instances.push(Instance {
                 layers: original.layers.clone(),
@@ -261,10 +275,10 @@ fn copy(
             let mut own = Vec::with_capacity(elements.len());
             for e in elements.iter() {
                 let at = cx.instances[*e].subscripts.clone();
-                let element = match copy(cx, &At::Instance(*e), made, name, &at, buses) {
+                let element = match copy(cx, &EndTarget::Instance(*e), made, name, &at, buses) {
                     Some(element) => element,
                     None => {
-                        let place = blank(cx, made, name, &at);
+                        let place = new_instance(cx, made, name, &at);
                         cx.instances.push(Instance { kind: InstanceKind::Absent, ..place })
                     }
                 };

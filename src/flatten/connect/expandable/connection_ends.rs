@@ -1,4 +1,4 @@
-//! The ends of connections, where a name may not exist yet.
+//! Resolves the ends of connections, whose names may not exist yet.
 
 use crate::base::name::Name;
 use crate::instantiate::Context;
@@ -8,32 +8,32 @@ use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 
 /// One end of a connection, or one element of it.
 #[derive(Clone, Debug)]
-pub(crate) struct End {
-    /// What is there.
-    pub(crate) at: At,
-    /// The variable of an expandable connector that it is or is part of; the innermost one.
-    pub(crate) member: Option<Member>,
+pub(crate) struct ConnectionEnd {
+    /// The instance or variable.
+    pub(crate) at: EndTarget,
+    /// The innermost variable of an expandable connector that contains it or is it.
+    pub(crate) member: Option<BusMember>,
 }
 
 /// A variable of an expandable connector, or an element of it, by its position.
-pub(in crate::flatten) type Member = (InstanceId, Name, Option<usize>);
+pub(crate) type BusMember = (InstanceId, Name, Option<usize>);
 
-/// What stands at an end.
+/// The instance or variable at an end.
 #[derive(Clone, Debug)]
-pub(crate) enum At {
+pub(crate) enum EndTarget {
     /// A component as a whole.
     Instance(InstanceId),
     /// A scalar of an array variable.
     Element(InstanceId),
-    /// Nothing yet.
-    Missing(Missing),
+    /// A variable that does not exist yet.
+    Missing(MissingVariable),
     /// A component whose condition is false.
     Absent,
 }
 
 /// A variable that an expandable connector does not have yet.
 #[derive(Clone, Debug)]
-pub(in crate::flatten) struct Missing {
+pub(crate) struct MissingVariable {
     /// The connector.
     pub(crate) bus: InstanceId,
     /// The name.
@@ -42,8 +42,12 @@ pub(in crate::flatten) struct Missing {
     pub(crate) index: Option<usize>,
 }
 
-/// The ends that a reference names, row-major; `None` if it can not be followed.
-pub(crate) fn of(cx: &mut Context<'_>, r: &ComponentRef, scope: Scope) -> Option<Vec<End>> {
+/// The ends that a reference denotes, row-major; `None` if it cannot be resolved.
+pub(crate) fn of(
+    cx: &mut Context<'_>,
+    r: &ComponentRef,
+    scope: Scope,
+) -> Option<Vec<ConnectionEnd>> {
     let first = cx.child(scope.instance, r.parts[0].name.name)?;
     let mut out = Vec::new();
     follow(cx, first, &r.parts, true, scope, None, &mut out)?;
@@ -56,8 +60,8 @@ fn follow(
     parts: &[RefPart],
     open: bool,
     scope: Scope,
-    member: Option<Member>,
-    out: &mut Vec<End>,
+    member: Option<BusMember>,
+    out: &mut Vec<ConnectionEnd>,
 ) -> Option<()> {
     cx.complete(id);
     let (part, rest) = parts.split_first()?;
@@ -65,12 +69,12 @@ fn follow(
     match cx.instances[id].kind.clone() {
         InstanceKind::Outer(inner) => follow(cx, inner, parts, open, scope, member, out),
         InstanceKind::Absent => {
-            out.push(End { at: At::Absent, member });
+            out.push(ConnectionEnd { at: EndTarget::Absent, member });
             Some(())
         }
         InstanceKind::Object(_) => {
             let Some(next) = rest.first() else {
-                out.push(End { at: At::Instance(id), member });
+                out.push(ConnectionEnd { at: EndTarget::Instance(id), member });
                 return Some(());
             };
             let name = next.name.name;
@@ -86,23 +90,23 @@ fn follow(
         }
         InstanceKind::Array { dims, elements } => {
             if subscripts.is_empty() && rest.is_empty() {
-                out.push(End { at: At::Instance(id), member });
+                out.push(ConnectionEnd { at: EndTarget::Instance(id), member });
                 return Some(());
             }
             for k in chosen(cx, &dims, subscripts, scope)? {
                 let member = member.map(|(bus, name, _)| (bus, name, Some(k)));
                 match elements.get(k) {
-                    // A place that no connection has filled so far.
-                    Some(e) if unfilled(cx, *e) => {
+                    // An element that no connection has created so far.
+                    Some(e) if is_unfilled(cx, *e) => {
                         let (bus, name, _) = member?;
-                        let missing = Missing { bus, name, index: Some(k + 1) };
-                        out.push(End { at: At::Missing(missing), member });
+                        let missing = MissingVariable { bus, name, index: Some(k + 1) };
+                        out.push(ConnectionEnd { at: EndTarget::Missing(missing), member });
                     }
                     Some(e) => follow(cx, *e, parts, false, scope, member, out)?,
                     None => {
                         let (bus, name, _) = member.filter(|_| dims.len() == 1)?;
-                        let missing = Missing { bus, name, index: Some(k + 1) };
-                        out.push(End { at: At::Missing(missing), member });
+                        let missing = MissingVariable { bus, name, index: Some(k + 1) };
+                        out.push(ConnectionEnd { at: EndTarget::Missing(missing), member });
                     }
                 }
             }
@@ -113,20 +117,20 @@ fn follow(
                 return None;
             }
             if subscripts.is_empty() {
-                out.push(End { at: At::Instance(id), member });
+                out.push(ConnectionEnd { at: EndTarget::Instance(id), member });
                 return Some(());
             }
             for k in chosen(cx, &dims, subscripts, scope)? {
                 let member = member.map(|(bus, name, _)| (bus, name, Some(k)));
                 let inside = k < dims.iter().product();
                 let at = match member {
-                    _ if inside => At::Element(id),
+                    _ if inside => EndTarget::Element(id),
                     Some((bus, name, _)) if dims.len() == 1 => {
-                        At::Missing(Missing { bus, name, index: Some(k + 1) })
+                        EndTarget::Missing(MissingVariable { bus, name, index: Some(k + 1) })
                     }
                     _ => return None,
                 };
-                out.push(End { at, member });
+                out.push(ConnectionEnd { at, member });
             }
             Some(())
         }
@@ -134,8 +138,8 @@ fn follow(
     }
 }
 
-/// An element of an augmented array between those that connections name.
-pub(crate) fn unfilled(cx: &Context<'_>, id: InstanceId) -> bool {
+/// True for an element of an augmented array to which no connection refers.
+pub(crate) fn is_unfilled(cx: &Context<'_>, id: InstanceId) -> bool {
     let instance = &cx.instances[id];
     matches!(instance.kind, InstanceKind::Absent) && instance.class.is_none()
 }
@@ -145,22 +149,29 @@ fn missing(
     bus: InstanceId,
     part: &RefPart,
     scope: Scope,
-    out: &mut Vec<End>,
+    out: &mut Vec<ConnectionEnd>,
 ) -> Option<()> {
     let name = part.name.name;
     if part.subscripts.is_empty() {
-        let missing = Missing { bus, name, index: None };
-        out.push(End { at: At::Missing(missing), member: Some((bus, name, None)) });
+        let missing = MissingVariable { bus, name, index: None };
+        out.push(ConnectionEnd {
+            at: EndTarget::Missing(missing),
+            member: Some((bus, name, None)),
+        });
         return Some(());
     }
     for k in chosen(cx, &[], &part.subscripts, scope)? {
-        let missing = Missing { bus, name, index: Some(k + 1) };
-        out.push(End { at: At::Missing(missing), member: Some((bus, name, Some(k))) });
+        let missing = MissingVariable { bus, name, index: Some(k + 1) };
+        out.push(ConnectionEnd {
+            at: EndTarget::Missing(missing),
+            member: Some((bus, name, Some(k))),
+        });
     }
     Some(())
 }
 
-/// Positions from 0, row-major, that subscripts choose. Beyond the end of one dimension is allowed.
+/// Positions from 0, row-major, that subscripts select. In an array with one dimension, they may lie
+/// beyond its end.
 fn chosen(
     cx: &mut Context<'_>,
     dims: &[usize],

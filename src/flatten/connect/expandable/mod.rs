@@ -1,13 +1,13 @@
-//! Expandable connectors: which variables each of them has.
+//! Expandable connectors: determines the variables of each of them.
 //!
-//! In: the completed instances. Out: the same, with what connections add to expandable connectors, and
-//! without what no connection reaches. Modelica specification, section 9.1.3.
+//! In: the completed instances. Out: the same instances, with the variables that connections add to
+//! expandable connectors and without those that no connection refers to. Modelica 3.6, section 9.1.3.
 //!
-//! An expandable connector gets a variable where a connection names one that it does not have; its
-//! type is that of the other end. Expandable connectors that are connected with each other, directly or
-//! through others, form an *augmentation set*: each of them gets what any of them has. Both rules
-//! are applied until neither adds anything, because a bus inside a bus may itself be added. After that
-//! the connectors are like any others, and `connect` makes equations of them.
+//! An expandable connector gets a variable if a connection refers to one that it does not have; its
+//! type is that of the other end. Expandable connectors that are connected with each other, directly
+//! or indirectly, form an *augmentation set*: each of them gets the variables of all others. Both
+//! rules are applied until neither adds a variable, because a nested bus may itself be added. After
+//! that, the connectors are ordinary ones, and `connect` generates their equations.
 
 mod augment;
 pub(crate) mod connection_ends;
@@ -23,28 +23,28 @@ use crate::instantiate::Context;
 use crate::ir::ast::{ClassKind, ComponentRef, Equation, EquationKind, Expr};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
 
-use connection_ends::{At, End};
+use connection_ends::{ConnectionEnd, EndTarget};
 
-/// A `connect` of the text, with the iterators around it.
-pub(crate) struct Written {
+/// A `connect` of the source with its enclosing iterators.
+pub(crate) struct WrittenConnect {
     ends: [ComponentRef; 2],
     scope: Scope,
     locals: Vec<(Name, Value)>,
     span: Span,
 }
 
-/// What is known of the augmentation sets.
+/// The augmentation sets (union-find).
 #[derive(Default)]
-struct Buses {
+struct AugmentationSets {
     /// The expandable connectors, in order of discovery.
     all: Vec<InstanceId>,
     number: FastMap<InstanceId, usize>,
     parent: Vec<usize>,
-    /// Arrays that have as many elements as connections name.
+    /// Arrays whose size is determined by connections.
     open: FastSet<InstanceId>,
 }
 
-impl Buses {
+impl AugmentationSets {
     fn add(&mut self, bus: InstanceId) -> usize {
         if let Some(k) = self.number.get(&bus) {
             return *k;
@@ -63,7 +63,7 @@ impl Buses {
         k
     }
 
-    /// Puts two connectors into one set; true if they were in two.
+    /// Merges the sets of two connectors; true if they were different.
     fn join(&mut self, a: InstanceId, b: InstanceId) -> bool {
         let (a, b) = (self.add(a), self.add(b));
         let (a, b) = (self.root(a), self.root(b));
@@ -89,7 +89,7 @@ impl Buses {
 /// Elaborates the expandable connectors below `root`.
 pub(crate) fn elaborate(cx: &mut Context<'_>, root: InstanceId) {
     let objects = crate::flatten::objects(cx, root);
-    let mut buses = Buses::default();
+    let mut buses = AugmentationSets::default();
     for id in objects.iter().copied().filter(|id| is_expandable(cx, *id)).collect::<Vec<_>>() {
         presence::check_declarations(cx, id);
         buses.add(id);
@@ -106,37 +106,37 @@ pub(crate) fn elaborate(cx: &mut Context<'_>, root: InstanceId) {
             }
         }
     }
-    // Each round adds at least one variable, and they come from finitely many declared ones: no bus has
-    // what a bus inside it has.
+    // Each round adds at least one variable, copied from finitely many declared ones. This terminates
+    // because no set contains both a bus and a part of that bus.
     loop {
         let mut changed = false;
         for connect in &written {
             changed |= augment(cx, connect, &mut buses);
         }
         for set in buses.sets() {
-            if let Some((inner, around)) = contained(cx, &set) {
-                report_endless(cx, inner, around, &set, &written);
+            if let Some((inner, outer)) = contained(cx, &set) {
+                report_self_containing(cx, inner, outer, &set, &written);
                 return;
             }
-            changed |= augment::even_out(cx, &set, &mut buses);
+            changed |= augment::equalize(cx, &set, &mut buses);
         }
         if !changed {
             break;
         }
     }
-    presence::settle(cx, &written, &buses, root);
+    presence::apply(cx, &written, &buses, root);
 }
 
-/// The connections of a list of equations that stand under conditions which hold.
+/// Collects the connections of a list of equations in branches whose conditions hold.
 pub(crate) fn collect(
     cx: &mut Context<'_>,
     list: &[Equation],
     scope: Scope,
-    out: &mut Vec<Written>,
+    out: &mut Vec<WrittenConnect>,
 ) {
     for e in list {
         match &e.kind {
-            EquationKind::Connect(a, b) => out.push(Written {
+            EquationKind::Connect(a, b) => out.push(WrittenConnect {
                 ends: [a.clone(), b.clone()],
                 scope,
                 locals: cx.evaluation.locals.clone(),
@@ -181,8 +181,11 @@ fn holds_connect(list: &[Equation]) -> bool {
     })
 }
 
-/// The two ends of a connection, element by element.
-pub(crate) fn pairs(cx: &mut Context<'_>, connect: &Written) -> Vec<(End, End)> {
+/// The pairs of ends of a connection, element by element.
+pub(crate) fn pairs(
+    cx: &mut Context<'_>,
+    connect: &WrittenConnect,
+) -> Vec<(ConnectionEnd, ConnectionEnd)> {
     let before = std::mem::replace(&mut cx.evaluation.locals, connect.locals.clone());
     let [a, b] = &connect.ends;
     let left = connection_ends::of(cx, a, connect.scope);
@@ -192,56 +195,56 @@ pub(crate) fn pairs(cx: &mut Context<'_>, connect: &Written) -> Vec<(End, End)> 
         (Some(left), Some(right)) if left.len() == right.len() => {
             left.into_iter().zip(right).collect()
         }
-        // `connect` itself says what is wrong with the sizes or names.
+        // `connect` itself reports wrong sizes and names.
         _ => Vec::new(),
     }
 }
 
-fn augment(cx: &mut Context<'_>, connect: &Written, buses: &mut Buses) -> bool {
+fn augment(cx: &mut Context<'_>, connect: &WrittenConnect, buses: &mut AugmentationSets) -> bool {
     let mut changed = false;
     for (a, b) in pairs(cx, connect) {
         changed |= match (&a.at, &b.at) {
-            (At::Missing(missing), there) | (there, At::Missing(missing)) => {
+            (EndTarget::Missing(missing), there) | (there, EndTarget::Missing(missing)) => {
                 augment::add(cx, missing, there, buses)
             }
-            (At::Instance(x), At::Instance(y)) => join(cx, *x, *y, buses),
+            (EndTarget::Instance(x), EndTarget::Instance(y)) => join(cx, *x, *y, buses),
             _ => false,
         };
     }
     changed
 }
 
-/// A member of a set that stands in another one, and that.
+/// A member of a set that is part of another member, and that other member.
 fn contained(cx: &Context<'_>, set: &[InstanceId]) -> Option<(InstanceId, InstanceId)> {
     let members: FastSet<InstanceId> = set.iter().copied().collect();
     set.iter().find_map(|&inner| {
         let mut at = cx.instances[inner].parent;
-        while let Some(around) = at.filter(|a| !members.contains(a)) {
-            at = cx.instances[around].parent;
+        while let Some(outer) = at.filter(|a| !members.contains(a)) {
+            at = cx.instances[outer].parent;
         }
-        at.map(|around| (inner, around))
+        at.map(|outer| (inner, outer))
     })
 }
 
-/// Says that a bus would have itself, at a connection that makes it so.
-fn report_endless(
+/// Reports that a bus would contain itself, at the connection that causes it.
+fn report_self_containing(
     cx: &mut Context<'_>,
     inner: InstanceId,
-    around: InstanceId,
+    outer: InstanceId,
     set: &[InstanceId],
-    written: &[Written],
+    written: &[WrittenConnect],
 ) {
     let mut span = Span::NONE;
     for connect in written {
         let joins = pairs(cx, connect).iter().any(|(a, b)| {
-            [a, b].iter().all(|end| matches!(end.at, At::Instance(id) if set.contains(&id)))
+            [a, b].iter().all(|end| matches!(end.at, EndTarget::Instance(id) if set.contains(&id)))
         });
         if joins {
             span = connect.span;
         }
     }
-    let [around, inner] = [around, inner].map(|id| cx.path(id));
-    let message = format!("`{around}` is connected with `{inner}`, which is a part of it");
+    let [outer, inner] = [outer, inner].map(|id| cx.path(id));
+    let message = format!("`{outer}` is connected with `{inner}`, which is a part of it");
     cx.problems.push(
         Diagnostic::error("MO0276", span, message)
             .label("each would have what the other has, without an end")
@@ -251,7 +254,7 @@ fn report_endless(
 }
 
 /// Joins expandable connectors, or arrays of them.
-fn join(cx: &mut Context<'_>, x: InstanceId, y: InstanceId, buses: &mut Buses) -> bool {
+fn join(cx: &mut Context<'_>, x: InstanceId, y: InstanceId, buses: &mut AugmentationSets) -> bool {
     match (cx.instances[x].kind.clone(), cx.instances[y].kind.clone()) {
         (InstanceKind::Array { elements, .. }, InstanceKind::Array { elements: others, .. }) => {
             let mut changed = false;
@@ -273,7 +276,7 @@ fn join(cx: &mut Context<'_>, x: InstanceId, y: InstanceId, buses: &mut Buses) -
     }
 }
 
-/// Whether an instance is a part of an expandable connector.
+/// True if an instance is part of an expandable connector.
 pub(crate) fn is_within(cx: &mut Context<'_>, id: InstanceId) -> bool {
     let mut at = cx.instances[id].parent;
     while let Some(holder) = at {
@@ -289,7 +292,7 @@ pub(crate) fn is_within(cx: &mut Context<'_>, id: InstanceId) -> bool {
     false
 }
 
-/// Whether an instance is an expandable connector.
+/// True if an instance is an expandable connector.
 pub(crate) fn is_expandable(cx: &mut Context<'_>, id: InstanceId) -> bool {
     let Some(class) = cx.instances[id].class else { return false };
     matches!(cx.instances[id].kind, InstanceKind::Object(_))

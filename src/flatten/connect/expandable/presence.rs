@@ -1,8 +1,8 @@
-//! Which variables of expandable connectors are present: those that a connection reaches. The others do
-//! not exist, and each that is read needs something that writes it.
+//! Presence of the variables of expandable connectors: a variable exists if a connection refers to
+//! it, and a variable that is read needs a source (Modelica 3.6, section 9.1.3).
 
-use super::connection_ends::{At, End, Member, unfilled};
-use super::{Buses, Written, pairs};
+use super::connection_ends::{BusMember, ConnectionEnd, EndTarget, is_unfilled};
+use super::{AugmentationSets, WrittenConnect, pairs};
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
@@ -10,16 +10,16 @@ use crate::instantiate::Context;
 use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
-/// What connections do with a variable of an augmentation set.
+/// How connections use a variable of an augmentation set.
 #[derive(Clone, Copy, Default)]
-struct Use {
-    /// Something gives it a value, or may.
+struct MemberUse {
+    /// A connection determines its value, or may do so.
     driven: bool,
     /// The first connection that only reads it.
     read: Option<Span>,
 }
 
-/// What may not be declared in an expandable connector.
+/// Checks the declarations in an expandable connector.
 pub(super) fn check_declarations(cx: &mut Context<'_>, bus: InstanceId) {
     let InstanceKind::Object(children) = cx.instances[bus].kind.clone() else { return };
     for &child in children.iter() {
@@ -50,23 +50,28 @@ pub(super) fn check_declarations(cx: &mut Context<'_>, bus: InstanceId) {
     }
 }
 
-/// Removes what no connection reaches, and reports what is read only.
-pub(super) fn settle(cx: &mut Context<'_>, written: &[Written], buses: &Buses, model: InstanceId) {
-    let mut uses: FastMap<Member, Use> = FastMap::default();
-    let mut order: Vec<Member> = Vec::new();
+/// Removes variables that no connection refers to, and reports variables that are only read.
+pub(super) fn apply(
+    cx: &mut Context<'_>,
+    written: &[WrittenConnect],
+    buses: &AugmentationSets,
+    model: InstanceId,
+) {
+    let mut uses: FastMap<BusMember, MemberUse> = FastMap::default();
+    let mut order: Vec<BusMember> = Vec::new();
     let root = |bus: InstanceId| buses.number.get(&bus).map(|k| buses.all[buses.root(*k)]);
     for connect in written {
         for (a, b) in pairs(cx, connect) {
             mismatched(cx, &a, &b, connect);
             for (end, other, k) in [(&a, &b, 1), (&b, &a, 0)] {
-                // A bus that is connected to a bus says nothing of its variables.
-                let whole = matches!(end.at, At::Instance(id) if is_bus(cx, id));
+                // A connection between buses does not make their variables present.
+                let whole = matches!(end.at, EndTarget::Instance(id) if is_bus(cx, id));
                 let Some((bus, name, index)) = end.member.filter(|_| !whole) else { continue };
                 let Some(first) = root(bus) else { continue };
                 let member = (first, name, index);
                 let entry = uses.entry(member).or_insert_with(|| {
                     order.push(member);
-                    Use::default()
+                    MemberUse::default()
                 });
                 match reads(cx, other, connect, k) {
                     true => entry.read = entry.read.or(Some(connect.span)),
@@ -75,31 +80,31 @@ pub(super) fn settle(cx: &mut Context<'_>, written: &[Written], buses: &Buses, m
             }
         }
     }
-    // What surrounds a component may give values to the buses that lead out of it.
-    let leads_out = |cx: &mut Context<'_>, mut bus: InstanceId| {
-        while let Some(around) = cx.instances[bus].parent.filter(|around| *around != model) {
-            let array = matches!(cx.instances[around].kind, InstanceKind::Array { .. });
-            if !array && !is_bus(cx, around) {
+    // The surroundings of a component may drive the buses of its interface.
+    let in_interface = |cx: &mut Context<'_>, mut bus: InstanceId| {
+        while let Some(parent) = cx.instances[bus].parent.filter(|parent| *parent != model) {
+            let array = matches!(cx.instances[parent].kind, InstanceKind::Array { .. });
+            if !array && !is_bus(cx, parent) {
                 return false;
             }
-            bus = around;
+            bus = parent;
         }
         !cx.instances[bus].protected
     };
     let mut open: FastSet<InstanceId> = FastSet::default();
     if cx.surrounded {
-        open.extend(buses.all.iter().filter(|b| leads_out(cx, **b)).filter_map(|b| root(*b)));
+        open.extend(buses.all.iter().filter(|b| in_interface(cx, **b)).filter_map(|b| root(*b)));
     }
     for member in order {
         let (bus, name, index) = member;
         if open.contains(&bus) {
             continue;
         }
-        // What is connected as a whole somewhere is driven element by element, too.
+        // A connection of the whole array drives all its elements.
         let whole = uses.get(&(bus, name, None)).is_some_and(|u| u.driven);
         let some = index.is_none()
             && uses.iter().any(|((b, n, _), u)| (*b, *n) == (bus, name) && u.driven);
-        let Use { driven, read: Some(span) } = uses[&member] else { continue };
+        let MemberUse { driven, read: Some(span) } = uses[&member] else { continue };
         if driven || whole || some {
             continue;
         }
@@ -129,7 +134,7 @@ pub(super) fn settle(cx: &mut Context<'_>, written: &[Written], buses: &Buses, m
             match cx.instances[child].kind.clone() {
                 InstanceKind::Array { elements, .. } => {
                     for (k, &e) in elements.iter().enumerate() {
-                        if !uses.contains_key(&(first, name, Some(k))) && !unfilled(cx, e) {
+                        if !uses.contains_key(&(first, name, Some(k))) && !is_unfilled(cx, e) {
                             cx.instances[e].kind = InstanceKind::Absent;
                         }
                     }
@@ -147,11 +152,11 @@ pub(super) fn settle(cx: &mut Context<'_>, written: &[Written], buses: &Buses, m
     }
 }
 
-/// Whether the other end of a connection only takes the value: an input of a component, or an output
-/// of the class in which the connection stands.
-fn reads(cx: &mut Context<'_>, other: &End, connect: &Written, k: usize) -> bool {
-    let (At::Instance(id) | At::Element(id)) = other.at else { return false };
-    // What is protected is no part of the interface: nothing is known of its direction.
+/// True if the other end of a connection only reads the value: an input of a component, or an output
+/// of the class that contains the connection.
+fn reads(cx: &mut Context<'_>, other: &ConnectionEnd, connect: &WrittenConnect, k: usize) -> bool {
+    let (EndTarget::Instance(id) | EndTarget::Element(id)) = other.at else { return false };
+    // A protected variable is not part of the interface, so its direction is unknown.
     if other.member.is_some() || cx.instances[id].protected {
         return false;
     }
@@ -166,9 +171,14 @@ fn reads(cx: &mut Context<'_>, other: &End, connect: &Written, k: usize) -> bool
     }
 }
 
-/// An expandable connector meets an ordinary one.
-fn mismatched(cx: &mut Context<'_>, a: &End, b: &End, connect: &Written) {
-    let (At::Instance(x), At::Instance(y)) = (&a.at, &b.at) else { return };
+/// Reports a connection between an expandable and an ordinary connector.
+fn mismatched(
+    cx: &mut Context<'_>,
+    a: &ConnectionEnd,
+    b: &ConnectionEnd,
+    connect: &WrittenConnect,
+) {
+    let (EndTarget::Instance(x), EndTarget::Instance(y)) = (&a.at, &b.at) else { return };
     if is_bus(cx, *x) == is_bus(cx, *y) {
         return;
     }

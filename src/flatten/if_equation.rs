@@ -1,0 +1,178 @@
+//! If-equations: decided by parameters, or merged branch by branch (Modelica 3.6, section 8.3.4).
+
+use super::equation::{Target, expand_all};
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::instantiate::Context;
+use crate::ir::ast::{self, Expr};
+use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
+use crate::ir::flat::{Assert, Equation, EquationKind};
+use crate::ir::instance::Scope;
+
+/// Expands an if-equation: the branch that parameters select, or all branches merged.
+pub(super) fn expand(
+    cx: &mut Context<'_>,
+    branches: &[(Expr, Vec<ast::Equation>)],
+    otherwise: &[ast::Equation],
+    span: Span,
+    scope: Scope,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    let Some(((condition, body), rest)) = branches.split_first() else {
+        expand_all(cx, otherwise, scope, target);
+        return Some(());
+    };
+    let c = cx.evaluate(condition, scope)?;
+    let c = cx.truth(&c, condition.span)?;
+    // Connections are part of the structure, and so are the conditions they depend on.
+    let structural = branches.iter().any(|(_, body)| connects(body)) || connects(otherwise);
+    match cx.parameter_expression(c, structural) {
+        Some(Const::Boolean(true)) => {
+            expand_all(cx, body, scope, target);
+            return Some(());
+        }
+        Some(Const::Boolean(false)) => {
+            return expand(cx, rest, otherwise, span, scope, target);
+        }
+        _ => {}
+    }
+    let not_c = cx.graph.not(c);
+    let first = collected(target, |t| cx.under(c, |cx| expand_all(cx, body, scope, t)));
+    let mut done = None;
+    let second = collected(target, |t| {
+        done = cx.under(not_c, |cx| expand(cx, rest, otherwise, span, scope, t));
+    });
+    done?;
+    // If the branches relate different unknowns, the condition is part of the structure as soon as
+    // its parameters have values (an example is `v = 0` for `R = 0`).
+    if unknowns(cx, &first) != unknowns(cx, &second)
+        && let Some(Const::Boolean(chosen)) = cx.parameter_expression(c, true)
+    {
+        target.list().extend(if chosen { first } else { second });
+        return Some(());
+    }
+    // If a branch has to be chosen, a parameter without a value decides by its start value.
+    if count(&first) != count(&second) && cx.variability(c) <= ast::Variability::Parameter {
+        let known = cx.fold(condition, scope)?;
+        let known = cx.truth(&known, condition.span)?;
+        if let Some(Const::Boolean(chosen)) = cx.graph.as_const(known) {
+            target.list().extend(if chosen { first } else { second });
+            return Some(());
+        }
+    }
+    merge(cx, c, first, second, span, target)
+}
+
+/// Number of equations, without assertions.
+fn count(list: &[Equation]) -> usize {
+    list.iter().filter(|e| matches!(e.kind, EquationKind::Equal(..))).count()
+}
+
+/// True if there is a `connect` among the equations.
+fn connects(list: &[ast::Equation]) -> bool {
+    list.iter().any(|e| match &e.kind {
+        ast::EquationKind::Connect(..) => true,
+        ast::EquationKind::If { branches, otherwise } => {
+            branches.iter().any(|(_, body)| connects(body)) || connects(otherwise)
+        }
+        ast::EquationKind::For { body, .. } => connects(body),
+        _ => false,
+    })
+}
+
+/// The variables, except parameters, and the derivatives that occur in equations, in order.
+fn unknowns(cx: &mut Context<'_>, equations: &[Equation]) -> Vec<(VarId, bool)> {
+    let sides = equations.iter().filter_map(|e| match e.kind {
+        EquationKind::Equal(a, b) => Some([a, b]),
+        _ => None,
+    });
+    let nodes = cx.graph.postorder(sides.flatten());
+    let mut found = Vec::new();
+    for n in nodes {
+        match cx.graph.node(n) {
+            Node::Var(v) if cx.variability(n) > ast::Variability::Parameter => {
+                found.push((v, false));
+            }
+            Node::Der(v) => found.push((v, true)),
+            _ => {}
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+/// Removes and returns the equations that `act` adds.
+fn collected(target: &mut Target<'_>, act: impl FnOnce(&mut Target<'_>)) -> Vec<Equation> {
+    let before = target.list().len();
+    act(target);
+    target.list().split_off(before)
+}
+
+/// Merges branches equation by equation into `if c then first else second` (Modelica 3.6, section
+/// 8.3.4).
+fn merge(
+    cx: &mut Context<'_>,
+    c: ExprId,
+    first: Vec<Equation>,
+    second: Vec<Equation>,
+    span: Span,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    let not_c = cx.graph.not(c);
+    let mut sides = [Vec::new(), Vec::new()];
+    for (k, (list, applies)) in [(first, c), (second, not_c)].into_iter().enumerate() {
+        for e in list {
+            match e.kind {
+                EquationKind::Equal(a, b) => sides[k].push((a, b, e.origin)),
+                EquationKind::Assert(a) => {
+                    let off = cx.graph.not(applies);
+                    let condition = cx.graph.or(off, a.condition);
+                    let kind = EquationKind::Assert(Assert { condition, ..a });
+                    target.push(kind, e.origin.span);
+                }
+                EquationKind::When(_) | EquationKind::Algorithm { .. } => {
+                    cx.error(
+                        "MO0231",
+                        e.origin.span,
+                        "`when` under a condition that only a run knows; put the condition inside",
+                    );
+                    return None;
+                }
+            }
+        }
+    }
+    let [first, second] = sides;
+    if first.len() != second.len() {
+        cx.problems.push(
+            Diagnostic::error(
+                "MO0232",
+                span,
+                format!(
+                    "the branches have {} and {} equations, and their condition changes while the model runs",
+                    first.len(),
+                    second.len()
+                ),
+            )
+            .help("give each branch, `else` included, the same number of equations (section 8.3.4)"),
+        );
+        return None;
+    }
+    for ((a, b, origin), (a2, b2, _)) in first.into_iter().zip(second) {
+        let kind = if a == a2 {
+            EquationKind::Equal(a, cx.graph.if_then_else(c, b, b2))
+        } else if cx.graph.ty(a) == Type::Real || cx.graph.ty(b) == Type::Real {
+            let (r, r2) = (cx.graph.sub(a, b), cx.graph.sub(a2, b2));
+            let zero = cx.graph.real(0.0);
+            EquationKind::Equal(zero, cx.graph.if_then_else(c, r, r2))
+        } else {
+            cx.error(
+                "MO0231",
+                origin.span,
+                "branches must define the same discrete variable in the same order",
+            );
+            return None;
+        };
+        target.push(kind, origin.span);
+    }
+    Some(())
+}

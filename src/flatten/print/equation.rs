@@ -1,0 +1,99 @@
+//! Prints equations, when-clauses and their actions.
+
+use super::ModelPrinter;
+use crate::ir::expr::{ExprId, Node, VarId};
+use crate::ir::flat::{Action, Assert, Equation, EquationKind, Level, WhenBranch};
+
+impl ModelPrinter<'_> {
+    pub(super) fn list(&mut self, list: &[Equation]) {
+        for e in list {
+            match &e.kind {
+                EquationKind::Equal(a, _) if matches!(self.flat.graph.node(*a), Node::Var(v) if self.implicit.contains(&v)) =>
+                    {}
+                EquationKind::Equal(a, b) => self.equality(*a, *b),
+                EquationKind::When(branches) => self.when(branches),
+                EquationKind::Assert(a) => {
+                    self.out.push_str("  ");
+                    self.assertion(a);
+                    self.out.push_str(";\n");
+                }
+                EquationKind::Algorithm { outputs, values } => {
+                    for (v, e) in outputs.iter().zip(values) {
+                        self.out.push_str("  ");
+                        self.assignment(*v, *e);
+                        self.out.push_str(";\n");
+                    }
+                }
+            }
+        }
+    }
+
+    /// An `if` on the left-hand side needs parentheses.
+    fn equality(&mut self, a: ExprId, b: ExprId) {
+        self.out.push_str("  ");
+        let chosen = matches!(self.flat.graph.node(a), Node::If(..));
+        self.out.push_str(if chosen { "(" } else { "" });
+        self.expression(a);
+        self.out.push_str(if chosen { ") = " } else { " = " });
+        self.expression(b);
+        self.out.push_str(";\n");
+    }
+
+    fn assignment(&mut self, v: VarId, e: ExprId) {
+        self.name(v);
+        self.out.push_str(" = ");
+        self.expression(e);
+    }
+
+    fn when(&mut self, branches: &[WhenBranch]) {
+        for (k, branch) in branches.iter().enumerate() {
+            self.out.push_str(if k == 0 { "  when " } else { "  elsewhen " });
+            let several = branch.conditions.len() != 1;
+            self.out.push_str(if several { "{" } else { "" });
+            for (k, c) in branch.conditions.iter().enumerate() {
+                self.out.push_str(if k > 0 { ", " } else { "" });
+                self.expression(*c);
+            }
+            self.out.push_str(if several { "} then\n" } else { " then\n" });
+            for a in &branch.actions {
+                self.out.push_str("    ");
+                self.action(a);
+                self.out.push_str(";\n");
+            }
+        }
+        self.out.push_str("  end when;\n");
+    }
+
+    fn action(&mut self, action: &Action) {
+        match action {
+            Action::Assign(v, e) => self.assignment(*v, *e),
+            Action::Reinit { state, value, guard } => {
+                if let Some(guard) = guard {
+                    self.out.push_str("if ");
+                    self.expression(*guard);
+                    self.out.push_str(" then ");
+                }
+                self.out.push_str("reinit(");
+                self.name(*state);
+                self.out.push_str(", ");
+                self.expression(*value);
+                self.out.push_str(if guard.is_some() { "); end if" } else { ")" });
+            }
+            Action::Assert(a) => self.assertion(a),
+            Action::Terminate(message) => {
+                self.out.push_str("terminate(");
+                self.expression(*message);
+                self.out.push(')');
+            }
+        }
+    }
+
+    fn assertion(&mut self, a: &Assert) {
+        self.out.push_str("assert(");
+        self.expression(a.condition);
+        self.out.push_str(", ");
+        self.expression(a.message);
+        let level = if a.level == Level::Error { ")" } else { ", AssertionLevel.warning)" };
+        self.out.push_str(level);
+    }
+}
