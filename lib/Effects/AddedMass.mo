@@ -1,6 +1,7 @@
 within Effects;
-model AddedMass "Mass that moves along"
-  // f = -m dv/dt: something heavier than the sheet says, or air and grease carried along.
+model AddedMass "Additional mass that moves along"
+  //   f = -m dv/dt
+  // A part heavier than specified, or air and grease that move along.
   extends PartialDrag;
   parameter Units.Mass m = 0 "Additional mass";
 

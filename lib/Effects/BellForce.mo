@@ -1,11 +1,12 @@
 within Effects;
 model BellForce "Force around one position"
-  // f = F exp(-((s - s_0)/w)^2): an edge, a burr, a groove, as the push-in force of the spool valve paper (section
-  // 4.2).
+  //   f = F exp(-((s - s_0)/w)^2)
+  // An edge, a burr or a groove. The shape is that of the push-in force of the spool valve paper.
+  // Source: "Component-based Modular System Modelling of a Spool Valve", section 4.2.
   extends PartialForce;
   parameter Units.Force    F   = 0      "Peak of the force, positive towards +s";
   parameter Units.Position s_0 = 0      "Position of the peak";
-  parameter Units.Length   w   = 0.2e-3 "Width: distance at which 37 % of it act";
+  parameter Units.Length   w   = 0.2e-3 "Width: distance at which 37 % of it acts";
 equation
   f = F*exp(-((s - s_0)/w)^2);
 

@@ -1,8 +1,10 @@
 within Effects;
-model CompliantStop "Elastic, damped contact in the last part of the stroke"
-  // f = x_c (c + d v_in) away from the end, x_c = max(0, w - x) the depth of penetration: a rubber pad of thickness w
-  // before the stop. With the depth as a factor of the damping the force starts and ends at 0. Hunt, Crossley (1975),
-  // "Coefficient of restitution interpreted as damping in vibroimpact", J. Applied Mechanics 42(2).
+model CompliantStop "Elastic, damped contact near an end of the stroke"
+  //   f = x_c (c + d v_in) away from the end,   x_c = max(0, w - x)
+  // x_c is the depth of penetration into a pad of thickness w in front of the stop. The damping is proportional to
+  // the depth, so the force starts and ends at 0.
+  // Source: Hunt and Crossley (1975), "Coefficient of restitution interpreted as damping in vibroimpact", Journal of
+  // Applied Mechanics 42(2).
   extends PartialEnd;
   parameter Units.SpringStiffness c = 0      "Stiffness";
   parameter Units.ContactDamping  d = 0      "Damping per depth";

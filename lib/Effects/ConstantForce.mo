@@ -1,6 +1,7 @@
 within Effects;
-model ConstantForce "Force that never changes"
-  // f = F: a weight, a bias spring, an offset of a pressure that nothing else sees.
+model ConstantForce "Constant force"
+  //   f = F
+  // A weight, a bias spring, or the offset of a pressure.
   extends PartialForce;
   parameter Units.Force F = 0 "The force, positive towards +s";
 equation

@@ -1,7 +1,8 @@
 within Effects;
-model CoulombDrag "Dry friction, always and everywhere the same"
-  // F against the motion, and up to F at rest. Alone on a mass m its speed falls with F/m until it locks, after the
-  // way m v_0^2/(2 F). It adds to what the spool's seals can hold, so locking stays exact.
+model CoulombDrag "Additional Coulomb friction"
+  //   |f| = F while sliding,   |f| <= F at rest
+  // It adds to the friction of the seals, so locking stays exact. A mass m with this friction alone decelerates with
+  // F/m and locks after the distance m v_0^2/(2 F).
   extends PartialFriction;
   parameter Units.Force F = 0 "The friction";
 equation
@@ -10,5 +11,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F>0",
-    explains = "Dry friction that nothing in the model accounts for acts on %at."));
+    explains = "Coulomb friction that the model does not account for acts on %at."));
 end CoulombDrag;

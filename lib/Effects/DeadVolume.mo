@@ -1,7 +1,8 @@
 within Effects;
-model DeadVolume "Volume that the sheet does not know"
-  // m_flow = V/(R T) dp/dt: isothermal air. It has no state of its own, so the port must belong to a volume, whose
-  // pressure it shares from the start.
+model DeadVolume "Additional volume"
+  //   m_flow = V/(R T) dp/dt
+  // Isothermal air. The effect has no state of its own: its port must be connected to a volume, whose pressure it
+  // shares from the start.
   extends PartialStorage;
   parameter Units.Volume V = 0 "Additional volume";
 equation
@@ -9,5 +10,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=V>0",
-    explains = "The volume at %at is greater than the sheet says."));
+    explains = "The volume at %at is greater than specified."));
 end DeadVolume;

@@ -1,8 +1,9 @@
 within Effects;
-model Detent "Position that holds the body, or pushes it away"
-  // f = -F x exp((1 - x^2)/2) with x = (s - s_0)/w: the slope of a bell-shaped potential. It draws towards s_0 from
-  // both sides, most at s_0 +- w, where it is F; a negative F pushes away. Stiffness at s_0: F sqrt(e)/w. Work from
-  // s_0 to infinity: F w sqrt(e). Ball and groove, snap-in.
+model Detent "Force that holds the body at one position, or pushes it away"
+  //   f = -F x exp((1 - x^2)/2),   x = (s - s_0)/w
+  // The slope of a bell-shaped potential, as of a ball in a groove. The force pulls towards s_0 from both sides, with
+  // the maximum F at s_0 +- w; a negative F pushes away. Stiffness at s_0: F sqrt(e)/w. Work from s_0 to infinity: F
+  // w sqrt(e).
   extends PartialForce;
   parameter Units.Force    F   = 0      "Greatest force";
   parameter Units.Position s_0 = 0      "Where it holds";

@@ -1,15 +1,15 @@
 within Effects;
-model DirectionalDrag "Damping that is greater one way than the other"
-  // f = -d |v|: d more than the damping that is there on the way to +s, d less on the way to -s. Drives and ball
-  // screws are damped so, the more the faster they turn: the asymmetric model of Janot, Gautier, Brunot (2019), "Data
-  // Set and Reference Models of EMPS". Alone on a mass m that moves to +s its speed falls as exp(-d t/m), to -s it
-  // grows as exp(d t/m).
+model DirectionalDrag "Damping that differs between the two directions"
+  //   f = -d |v|
+  // The damping is greater by d v towards +s and smaller by d v towards -s, as observed in drives and ball screws. A
+  // mass m with this force alone slows down as exp(-d t/m) towards +s and speeds up as exp(d t/m) towards -s.
+  // Source: Janot, Gautier and Brunot (2019), "Data Set and Reference Models of EMPS", asymmetric model.
   extends PartialDrag;
-  parameter Real d(unit = "N.s/m") = 0 "Half the difference of the damping coefficients of the two ways";
+  parameter Real d(unit = "N.s/m") = 0 "Half the difference between the damping coefficients of the two directions";
 equation
   f = -d*noEvent(abs(v));
 
   annotation(__mocc(
     effect   = "amplitude=d",
-    explains = "%at is damped more one way than the other."));
+    explains = "%at is damped more in one direction than in the other."));
 end DirectionalDrag;

@@ -1,9 +1,10 @@
 within Effects;
-model DirectionalFriction "Friction while sliding that is greater one way than the other"
-  // F more against +v, and F less against -v; nothing more at rest. A lip whose flanks differ does so.
-  // Smoothed over v_0; the spool needs other friction besides, which locks it.
+model DirectionalFriction "Sliding friction that differs between the two directions"
+  //   f = -F |tanh(v/v_0)|
+  // The friction is greater by F against +v and smaller by F against -v, as with a lip whose flanks differ; at rest
+  // nothing changes. It is smoothed over v_0, so the spool needs other friction to lock.
   extends PartialFriction;
-  parameter Units.Force    F   = 0    "Half the difference of the two ways";
+  parameter Units.Force    F   = 0    "Half the difference between the two directions";
   parameter Units.Velocity v_0 = 1e-3 "Speed at which 76 % of it acts";
 equation
   f_slide = F*tanh(v/v_0);
@@ -11,5 +12,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F",
-    explains = "%at rubs more one way than the other."));
+    explains = "%at rubs more in one direction than in the other."));
 end DirectionalFriction;

@@ -1,7 +1,7 @@
 within Effects;
 model EndCushion "Damping that grows towards an end of the stroke"
-  // f = -d max(0, 1 - x/w)^2 v, x the way left to the end: air or grease that has to leave a narrowing gap. It acts
-  // on the way in and on the way out.
+  //   f = -d max(0, 1 - x/w)^2 v
+  // x is the distance to the end. Air or grease has to leave a narrowing gap. The damping acts in both directions.
   extends PartialEnd;
   parameter Units.DampingCoefficient d = 0      "Damping coefficient at the end";
   parameter Units.Length             w = 0.5e-3 "Length over which it acts";

@@ -1,6 +1,7 @@
 within Effects;
 model ExtraSpring "Spring with preload to the housing"
-  // f = -(F_0 + c (s - s_0)). Alone on a mass m it makes it swing with sqrt(c/m).
+  //   f = -(F_0 + c (s - s_0))
+  // A mass m on this spring alone oscillates with sqrt(c/m).
   extends PartialForce;
   parameter Units.SpringStiffness c   = 0 "Stiffness";
   parameter Units.Force           F_0 = 0 "Preload at s_0, positive if it pulls towards -s";

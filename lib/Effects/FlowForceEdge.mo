@@ -1,13 +1,14 @@
 within Effects;
-model FlowForceEdge "Force of the air flowing through the gap of a seal while its edge meters: momentum of the jet"
-  // f = k |m_flow| v exp(-((s - s_ce)/w)^2): what flows through the gap leaves it as a jet with the speed v
-  // (Pneumatics.jetSpeed), and the spool takes up the axial part of its momentum, whichever way the air flows. That
-  // part is large only near the control edge s_ce: where the seal is far past it the jet leaves at a right angle to the
-  // spool, and what comes in carries as much momentum as what goes out. Merritt (1967), "Hydraulic Control Systems",
-  // section 5.6; for air with the isentropic speed. The bell is that of the push-in force of the spool valve paper.
+model FlowForceEdge "Momentum of the jet at a seal while its edge meters"
+  //   f = k |m_flow| v exp(-((s - s_ce)/w)^2)
+  // The air leaves the gap as a jet with speed v (Pneumatics.jetSpeed), and the spool takes up the axial part of its
+  // momentum, in either direction of the flow. The axial part is large only near the control edge s_ce: far past the
+  // edge the jet leaves at a right angle to the spool. The bell is that of the push-in force of the spool valve
+  // paper.
+  // Source: Merritt (1967), "Hydraulic Control Systems", section 5.6, with the isentropic speed of air.
   extends PartialSealForce;
   parameter Units.Fraction k = 0      "Axial part of the momentum at the edge, positive towards +s";
-  parameter Units.Length   w = 0.2e-3 "Width: distance from the edge at which 37 % of it act";
+  parameter Units.Length   w = 0.2e-3 "Width: distance from the edge at which 37 % of it acts";
 
   input Units.MassFlowRate m_flow "Mass flow through the gap";
   input Units.Position     s_ce   "Stroke at which the seal meets its control edge";

@@ -1,9 +1,10 @@
 within Effects;
-model FlowForceJet "Force of the air flowing through the gap of a seal: momentum of the jet, however far it is open"
-  // f = k |m_flow| w: what flows through the gap leaves it as a jet with the speed w (Pneumatics.jetSpeed), and the
-  // spool takes up the axial part of its momentum, k = cos(angle of the jet), whichever way the air flows. At a
-  // metering edge it pulls the spool towards closing. Merritt (1967), "Hydraulic Control Systems", section 5.6; for
-  // air with the isentropic speed.
+model FlowForceJet "Momentum of the jet at a seal, at any opening"
+  //   f = k |m_flow| w
+  // The air leaves the gap as a jet with speed w (Pneumatics.jetSpeed), and the spool takes up the axial part of its
+  // momentum, k = cos(angle of the jet), in either direction of the flow. At a metering edge the force pulls the
+  // spool towards closing.
+  // Source: Merritt (1967), "Hydraulic Control Systems", section 5.6, with the isentropic speed of air.
   extends PartialSealForce;
   parameter Units.Fraction k = 0 "Axial part of the momentum, positive towards +s";
 

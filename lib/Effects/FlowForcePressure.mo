@@ -1,8 +1,9 @@
 within Effects;
-model FlowForcePressure "Force of the air in the open gap of a seal: pressure on an area"
-  // f = A x (p_a - p_b), x the share of the gap that is open: where air flows the pressure on the face of the spool
-  // is not that of the chamber. The incompressible form of the flow force, 2 C_d A_gap cos(angle) dp, is of this
-  // kind. Merritt (1967), "Hydraulic Control Systems", section 5.6.
+model FlowForcePressure "Pressure in the open gap of a seal"
+  //   f = A x (p_a - p_b)
+  // x is the open fraction of the gap. Where air flows, the pressure on the face of the spool differs from that of
+  // the chamber. The incompressible flow force 2 C_d A_gap cos(angle) dp has this form.
+  // Source: Merritt (1967), "Hydraulic Control Systems", section 5.6.
   extends PartialSealForce;
   parameter Units.EffectiveArea A = 0 "Effective area, fully open, positive if p_a pushes towards +s";
 

@@ -1,10 +1,10 @@
 within Effects;
-model FreeFlow "Flow between two ports as a free curve over their pressure difference"
-  // The flow runs smoothly through 0 at dp = 0 and the n amplitudes Q at dp_hi/n, 2 dp_hi/n, ..., dp_hi
-  // (knotWeights), and the same the other way round. For flows of which nothing is known but that a pressure
-  // difference drives them.
+model FreeFlow "Flow between two ports as a free curve over the pressure difference"
+  //   m_flow = Q(dp),   Q(-dp) = -Q(dp)
+  // Q is a smooth curve through 0 and the n amplitudes Q at dp_hi/n, 2 dp_hi/n, ..., dp_hi (knotWeights). For flows
+  // of which only the dependence on the pressure difference is known.
   extends PartialLeak;
-  parameter Integer                  n     = 6        "Number of knots beside that at dp = 0";
+  parameter Integer                  n     = 6        "Number of knots in addition to dp = 0";
   parameter Units.MassFlowRate       Q[n]  = zeros(n) "Mass flow at each knot";
   parameter Units.PressureDifference dp_hi = 1e5      "Last knot";
 
@@ -15,5 +15,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=Q; dp_hi=max(size_of_dp)",
-    explains = "Air flows past %at, in no form known before."));
+    explains = "Air flows past %at by a law that is not known in advance."));
 end FreeFlow;

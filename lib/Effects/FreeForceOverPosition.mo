@@ -1,7 +1,8 @@
 within Effects;
-model FreeForceOverPosition "Force over the position as a free curve"
-  // f runs smoothly through the n amplitudes F at n positions, equally spaced from s_lo to s_hi (knotWeights). For
-  // effects of which nothing is known but that they depend on the position: what comes out shows what to look for.
+model FreeForceOverPosition "Force as a free curve over the position"
+  //   f = F(s)
+  // F is a smooth curve through the n amplitudes F at n positions, equally spaced from s_lo to s_hi (knotWeights).
+  // For effects of which only the dependence on the position is known: the curve shows where to look.
   extends PartialForce;
   parameter Integer        n    = 8        "Number of knots";
   parameter Units.Force    F[n] = zeros(n) "Force at each knot, positive towards +s";
@@ -12,5 +13,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F; s_lo=min(s); s_hi=max(s)",
-    explains = "A force that depends on position alone, in no form known before, acts on %at."));
+    explains = "A force that depends on position alone acts on %at, by a law that is not known in advance."));
 end FreeForceOverPosition;

@@ -1,7 +1,8 @@
 within Effects;
-model FreeForceOverVelocity "Friction over the speed as a free curve"
-  // The friction runs smoothly through the n amplitudes F at n speeds, equally spaced from 0 to v_hi (knotWeights);
-  // the first can also be mobilised at rest. For effects of which nothing is known but that they depend on the speed.
+model FreeForceOverVelocity "Friction as a free curve over the speed"
+  //   |f| = F(|v|) while sliding,   |f| <= F(0) at rest
+  // F is a smooth curve through the n amplitudes F at n speeds, equally spaced from 0 to v_hi (knotWeights). For
+  // effects of which only the dependence on the speed is known.
   extends PartialFriction;
   parameter Integer        n    = 8        "Number of knots";
   parameter Units.Force    F[n] = zeros(n) "Friction at each knot";
@@ -12,5 +13,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F; v_hi=max(speed)",
-    explains = "A friction that depends on speed alone, in no form known before, acts on %at."));
+    explains = "Friction that depends on speed alone acts on %at, by a law that is not known in advance."));
 end FreeForceOverVelocity;

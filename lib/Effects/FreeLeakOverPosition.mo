@@ -1,10 +1,11 @@
 within Effects;
-model FreeLeakOverPosition "Leak past a seal over the stroke as a free curve"
-  // m_flow after ISO 6358; the conductance runs smoothly through the n amplitudes C at n strokes, equally spaced from s_lo
-  // to s_hi (knotWeights). A seal that opens early, late, or not all the way differs from the sheet in this way.
+model FreeLeakOverPosition "Leak past a seal as a free curve over the stroke"
+  //   m_flow = iso6358(p_a, p_b, C(s), b)
+  // C is a smooth curve through the n amplitudes C at n strokes, equally spaced from s_lo to s_hi (knotWeights). A
+  // seal that opens early, late or only partly differs from its specification in this way.
   extends PartialLeak;
   parameter Integer                n    = 8        "Number of knots";
-  parameter Units.SonicConductance C[n] = zeros(n) "Sonic conductance at each knot, beside what the model has";
+  parameter Units.SonicConductance C[n] = zeros(n) "Additional sonic conductance at each knot";
   parameter Units.Fraction         b    = 0.3      "Critical pressure ratio";
   parameter Units.Position         s_lo = 0        "First knot";
   parameter Units.Position         s_hi = 1        "Last knot";
@@ -21,5 +22,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=C; host=spool,port_a,port_b; s_lo=min(s); s_hi=max(s)",
-    explains = "%at lets air through in another way over the stroke than the model says."));
+    explains = "The opening of %at over the stroke differs from the model."));
 end FreeLeakOverPosition;

@@ -1,6 +1,7 @@
 within Effects;
 model LeakOrifice "Leak through a hole"
-  // m_flow after ISO 6358, as any restriction of the library (Pneumatics.iso6358).
+  //   m_flow = iso6358(p_a, p_b, C, b)
+  // See Pneumatics.iso6358.
   extends PartialLeak;
   parameter Units.SonicConductance C = 0   "Sonic conductance";
   parameter Units.Fraction         b = 0.3 "Critical pressure ratio";

@@ -1,17 +1,18 @@
 within Effects;
 model Overflow "Liquid that runs over the edge of a tank"
-  // Over the edge of the height h_max runs w = (h - h_max)^(3/2), the law of a weir: the part k_in of it falls where
-  // the outlet leads, the part k_out is lost. Poleni (1717), "De motu aquae mixto"; Henderson (1966), "Open Channel
-  // Flow", section 6.2. Above an outlet that is shut the level falls as (h_0 - h_max)/(1 + k (h_0 - h_max)^(1/2) t/(2 A))^2.
-  parameter Real           k_in(unit = "m1.5/s")  = 0 "What falls where the outlet leads";
-  parameter Real           k_out(unit = "m1.5/s") = 0 "What is lost";
+  //   q_in = k_in (h - h_max)^(3/2),   q_out = k_out (h - h_max)^(3/2)
+  // The law of a weir with the height h_max: q_in falls where the outlet leads, q_out is lost. Above a closed outlet
+  // the level falls as (h_0 - h_max)/(1 + k (h_0 - h_max)^(1/2) t/(2 A))^2.
+  // Source: Poleni (1717), "De motu aquae mixto"; Henderson (1966), "Open Channel Flow", section 6.2.
+  parameter Real           k_in(unit = "m1.5/s")  = 0 "Coefficient of the flow to where the outlet leads";
+  parameter Real           k_out(unit = "m1.5/s") = 0 "Coefficient of the flow that is lost";
   parameter Units.Position h_max = 1 "Height of the edge";
 
   Units.Position h "Level";
-  Real           w(unit = "m1.5") "Course of the flow over the edge";
+  Real           w(unit = "m1.5") "Shape of the flow over the edge";
 
   Tanks.Port port_a "The tank";
-  Tanks.Port port_b "Where its outlet leads";
+  Tanks.Port port_b "Other end of its outlet";
 protected
   Units.Length over "Height of the liquid above the edge";
 equation
@@ -23,5 +24,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k_in>0,k_out>0; host=port_a,port_b; h_max=h(8)",
-    explains = "The tank before %at runs over."));
+    explains = "The tank in front of %at runs over."));
 end Overflow;

@@ -1,5 +1,5 @@
 within Effects;
-partial model PartialDrag "A force on a rigid connection that knows the speed"
+partial model PartialDrag "Force on a flange that depends on the speed"
   extends PartialForce;
   Units.Velocity v "Speed";
 equation

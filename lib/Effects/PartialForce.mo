@@ -1,5 +1,5 @@
 within Effects;
-partial model PartialForce "A force on a rigid connection"
+partial model PartialForce "Force on a flange"
   Units.Position s "Position";
   Units.Force    f "The force on what is connected, positive towards +s";
 

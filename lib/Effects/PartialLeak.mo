@@ -1,5 +1,5 @@
 within Effects;
-partial model PartialLeak "A flow between two ports beside what is there"
+partial model PartialLeak "Flow between two ports, in addition to existing ones"
   Units.AbsolutePressure   p_a    "Pressure at a";
   Units.AbsolutePressure   p_b    "Pressure at b";
   Units.PressureDifference dp     "p_a - p_b";

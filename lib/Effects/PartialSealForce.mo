@@ -1,5 +1,5 @@
 within Effects;
-partial model PartialSealForce "A force of the air on the spool at a seal"
+partial model PartialSealForce "Force of the air on the spool at a seal"
   Units.AbsolutePressure   p_a "Pressure on one side";
   Units.AbsolutePressure   p_b "Pressure on the other side";
   Units.PressureDifference dp  "p_a - p_b";

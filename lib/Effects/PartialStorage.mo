@@ -1,5 +1,5 @@
 within Effects;
-partial model PartialStorage "Air that a port takes up and gives back beside what is there"
+partial model PartialStorage "Air stored at a port, in addition to existing volumes"
   Units.AbsolutePressure p      "Pressure";
   Units.MassFlowRate     m_flow "Mass flow taken up";
 

@@ -1,10 +1,11 @@
 within Effects;
-model PositionFriction "Dry friction around one position"
-  // F exp(-((s - s_0)/w)^2) against the motion, and as much at rest: a rough or narrow place in the bore.
+model PositionFriction "Additional Coulomb friction around one position"
+  //   |f| = F exp(-((s - s_0)/w)^2) while sliding, and at most that at rest
+  // A rough or narrow place in the bore.
   extends PartialFriction;
   parameter Units.Force    F   = 0      "Friction at s_0";
   parameter Units.Position s_0 = 0      "Where it is greatest";
-  parameter Units.Length   w   = 0.4e-3 "Width: distance at which 37 % of it act";
+  parameter Units.Length   w   = 0.4e-3 "Width: distance at which 37 % of it acts";
 equation
   f_slide = F*exp(-((s - s_0)/w)^2);
   f_static = f_slide;

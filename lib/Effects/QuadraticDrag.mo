@@ -1,6 +1,7 @@
 within Effects;
-model QuadraticDrag "Drag with the square of the speed"
-  // f = -k v |v|: air or grease pushed through gaps, k = rho c_w A/2. Alone on a mass m: v = v_0/(1 + k v_0 t/m).
+model QuadraticDrag "Drag proportional to the square of the speed"
+  //   f = -k v |v|
+  // Air or grease pushed through gaps, k = rho c_w A/2. A mass m with this force alone: v = v_0/(1 + k v_0 t/m).
   extends PartialDrag;
   parameter Units.QuadraticDragCoefficient k = 0 "Drag per square of the speed";
 equation

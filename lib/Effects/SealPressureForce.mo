@@ -1,6 +1,7 @@
 within Effects;
-model SealPressureForce "Pressure difference of a seal acting on a ring of the spool"
-  // f = A (p_a - p_b): the two sides of a seal do not balance, for their diameters differ.
+model SealPressureForce "Pressure difference across a seal, acting on the spool"
+  //   f = A (p_a - p_b)
+  // The two sides of the seal have different diameters.
   extends PartialSealForce;
   parameter Units.EffectiveArea A = 0 "Area, positive if p_a pushes towards +s";
 equation

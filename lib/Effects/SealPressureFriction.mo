@@ -1,7 +1,7 @@
 within Effects;
-model SealPressureFriction "Friction that grows with the pressure difference of one seal"
-  // A |p_a - p_b| against the motion, and as much at rest: the pressure presses the lip on the housing, over the
-  // whole stroke.
+model SealPressureFriction "Friction that grows with the pressure difference across one seal"
+  //   |f| = A |p_a - p_b| while sliding, and at most that at rest
+  // The pressure presses the lip onto the housing, over the whole stroke.
   parameter Units.EffectiveArea A = 0 "Friction per pressure difference";
 
   Units.PressureDifference dp "Pressure difference, as a magnitude";
@@ -21,5 +21,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=A; host=spool,port_a,port_b",
-    explains = "The friction of %at grows with the pressure difference in another way than the model says."));
+    explains = "The friction of %at grows with the pressure difference in a different way than in the model."));
 end SealPressureFriction;

@@ -1,10 +1,10 @@
 within Effects;
-block SensorGain "Sensor whose scale is wrong"
-  // y = (1 + g) u.
+block SensorGain "Sensor with a wrong scale"
+  //   y = (1 + g) u
   parameter Units.Fraction g = 0 "Relative error of the scale";
 
-  input Real  u "What is measured, in any unit";
-  output Real y "What the sensor says, in the same unit";
+  input Real  u "Simulated value, in any unit";
+  output Real y "Reading, in the same unit";
 equation
   y = (1 + g)*u;
 

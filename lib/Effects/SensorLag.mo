@@ -1,14 +1,14 @@
 within Effects;
-block SensorLag "Sensor that follows gradually"
-  // y = u - T (u - x)/tau, tau dx/dt = u - x: a slow change is read T late. With T = tau, y = x is the first-order
-  // lag; with another T, a part of the signal passes at once. Transfer function 1 - T s/(1 + tau s), regular at
-  // T = 0.
+block SensorLag "Sensor with a lag"
+  //   y = u - T (u - x)/tau,   tau dx/dt = u - x
+  // A slow change is read with the delay T. T = tau is a first-order lag; with another T, part of the signal passes
+  // immediately. The transfer function 1 - T s/(1 + tau s) is regular at T = 0.
   parameter Units.Time T   = 0    "How late a slow change is read";
   parameter Units.Time tau = 1e-3 "Time constant";
 
-  input Real  u "What is measured, in any unit";
-  output Real y "What the sensor says, in the same unit";
-  Real x "What a lag of tau would say";
+  input Real  u "Simulated value, in any unit";
+  output Real y "Reading, in the same unit";
+  Real x "Reading of a first-order lag with tau";
 initial equation
   x = u;
 equation
@@ -17,5 +17,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=T>0; tau=0.3e-3,1e-3,3e-3",
-    explains = "The sensor of %at follows gradually."));
+    explains = "The sensor of %at follows with a lag."));
 end SensorLag;

@@ -1,10 +1,10 @@
 within Effects;
-block SensorOffset "Sensor whose zero is wrong"
-  // y = u + offset.
+block SensorOffset "Sensor with a wrong zero"
+  //   y = u + offset
   parameter Real offset = 0 "Reading at u = 0, in the unit of u";
 
-  input Real  u "What is measured, in any unit";
-  output Real y "What the sensor says, in the same unit";
+  input Real  u "Simulated value, in any unit";
+  output Real y "Reading, in the same unit";
 equation
   y = u + offset;
 

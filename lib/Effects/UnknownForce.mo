@@ -1,7 +1,8 @@
 within Effects;
-model UnknownForce "Force over time as a free curve"
-  // f runs smoothly through the n amplitudes F at n instants, equally spaced from t_lo to t_hi (knotWeights). No
-  // effect, but a question to the recordings: which force would the balance here need, and when?
+model UnknownForce "Force as a free curve over time"
+  //   f = F(t)
+  // F is a smooth curve through the n amplitudes F at n times, equally spaced from t_lo to t_hi (knotWeights). This
+  // is not an effect but a question to the recordings: which force would close the balance here, and when?
   extends PartialForce;
   parameter Integer     n    = 48       "Number of knots";
   parameter Units.Force F[n] = zeros(n) "Force at each knot, positive towards +s";

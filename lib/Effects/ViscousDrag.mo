@@ -1,6 +1,7 @@
 within Effects;
-model ViscousDrag "Damping in proportion to speed"
-  // f = -d v: shear of a film of grease, eddy currents. Alone on a mass m its speed falls as exp(-d t/m).
+model ViscousDrag "Damping proportional to the speed"
+  //   f = -d v
+  // Shear of a film of grease, or eddy currents. A mass m with this force alone slows down as exp(-d t/m).
   extends PartialDrag;
   parameter Units.DampingCoefficient d = 0 "Damping coefficient";
 equation

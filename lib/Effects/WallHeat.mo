@@ -1,10 +1,11 @@
 within Effects;
-model WallHeat "Air that warms when it is compressed and cools at the wall"
-  // The temperature T (1 + theta) of the air follows the pressure adiabatically and relaxes to that of the wall:
-  //   dtheta/dt = (kappa - 1)/kappa (dp/dt)/p - theta/tau,
-  // and the volume holds p V/(R T) (1 - theta), to first order in theta: k = 1 is the full effect, k = 0 none. Slow
-  // changes (tau dp/dt small against p) are isothermal, fast ones adiabatic. tau = m c_p/(h A) for the heat transfer
-  // coefficient h at the wall area A. Beater (2007), "Pneumatic Drives".
+model WallHeat "Air that warms when compressed and cools at the wall"
+  //   dtheta/dt = (kappa - 1)/kappa (dp/dt)/p - theta/tau
+  //   m = p V/(R T) (1 - k theta)
+  // The temperature T (1 + theta) of the air follows the pressure adiabatically and relaxes to that of the wall. k =
+  // 1 is the full effect, to first order in theta. Slow changes (tau dp/dt small compared with p) are isothermal,
+  // fast ones adiabatic. tau = m c_p/(h A) for the heat transfer coefficient h at the wall area A.
+  // Source: Beater (2007), "Pneumatic Drives".
   extends PartialStorage;
   parameter Units.Fraction k   = 0     "Share of the full effect";
   parameter Units.Time     tau = 10e-3 "Time constant of the heat transfer";

@@ -2,7 +2,8 @@ within Effects;
 function knotWeights "Weights of n equally spaced knots in a smooth curve through their values"
   // Cubic convolution: the curve passes through the values, has a continuous slope, and reproduces straight lines;
   // beyond the first and the last knot it is constant. One knot beyond each end continues the values on a straight
-  // line. Keys (1981), "Cubic convolution interpolation for digital image processing", IEEE Trans. ASSP 29(6), a =
+  // line.
+  // Source: Keys (1981), "Cubic convolution interpolation for digital image processing", IEEE Trans. ASSP 29(6), a =
   // -1/2.
   input  Real    x    "Place: 0 at the first knot, n - 1 at the last";
   input  Integer n    "Number of knots, at least 2";

@@ -1,5 +1,6 @@
 within Friction;
-model Coulomb "Dry friction, independent of speed, pressure and time"
+model Coulomb "Coulomb friction, independent of speed, pressure and time"
+  //   |f| = F_Coulomb while sliding,   |f| <= F_Coulomb at rest
   extends Law;
   parameter Units.Force F_Coulomb "Coulomb friction";
 equation

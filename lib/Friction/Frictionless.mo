@@ -1,5 +1,5 @@
 within Friction;
-model Frictionless "No friction at all"
+model Frictionless "No friction"
   extends Law;
 equation
   f_slide = 0;

@@ -1,10 +1,9 @@
 within Friction;
-partial model Law "Interface of all friction laws: what rubs, and how much can be held at rest"
-  // A law of dry friction answers with two magnitudes, f_slide and f_static. Whether the spool slides, and which way,
-  // is known to the spool alone (Translational.StopMass), so a law needs no case distinction for v = 0. A law of
-  // bristles or of smoothed friction answers with one force that has its own sign, f_signed, and that acts at rest as
-  // well; its magnitudes are 0, and so a spool that only such laws rub is never locked but by its stops. `v` has its
-  // sign for laws with a memory of the path.
+partial model Law "Interface of all friction laws"
+  // A law of dry friction computes two magnitudes, f_slide and f_static. Only the spool (Translational.StopMass)
+  // knows whether it slides, and in which direction, so a law needs no case distinction for v = 0. A law of bristles
+  // or of smoothed friction computes one force with a sign, f_signed, which also acts at rest; its magnitudes are 0,
+  // so a spool with only such laws locks at its stops only. `v` has a sign for laws with a memory of the path.
   input Units.Velocity           v    "Speed of the spool";
   input Units.PressureDifference dp   "Pressure difference across the seal, not negative";
   input Units.Time               t_no "Time without operation";

@@ -1,6 +1,6 @@
 within Friction;
-model LuGreDwellPressure "Friction of elastic bristles that grows with time without operation and with pressure"
-  // The magnitudes of StribeckDwellPressure in the equations of BristleShape: at constant speed both rub alike.
+model LuGreDwellPressure "Friction of elastic bristles that grows with the time without operation and with pressure"
+  // The magnitudes of StribeckDwellPressure in the equations of BristleShape: at constant speed both laws agree.
   extends BristleShape;
   parameter Units.Force       F_Coulomb      "Coulomb friction without pressure";
   parameter Units.PerPressure k_C            "Relative increase of F_Coulomb per pressure difference";

@@ -1,5 +1,8 @@
 within Friction;
-model StribeckDwell "Stribeck friction that grows with time without operation"
+model StribeckDwell "Stribeck friction that grows with the time without operation"
+  //   F_S = F_Stribeck_max (1 - exp(-(t_no/tau)^n))
+  // in place of the constant F_Stribeck of the law Stribeck.
+  // Source: "Component-based Modular System Modelling of a Spool Valve", section 4.3.
   extends StribeckShape;
   parameter Units.Force    F_Coulomb      "Coulomb friction";
   parameter Units.Force    F_Stribeck_max "Stribeck force after infinite rest";

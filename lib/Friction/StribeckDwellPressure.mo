@@ -1,5 +1,9 @@
 within Friction;
-model StribeckDwellPressure "Stribeck friction that grows with time without operation and with pressure"
+model StribeckDwellPressure "Stribeck friction that grows with the time without operation and with pressure"
+  //   F_C = F_Coulomb (1 + k_C dp)
+  //   F_S = F_Stribeck_max (1 - exp(-(t_no/tau)^n)) (1 + k_S dp)
+  // in place of the constants F_Coulomb and F_Stribeck of the law Stribeck.
+  // Source: "Component-based Modular System Modelling of a Spool Valve", section 4.5.
   extends StribeckShape;
   parameter Units.Force       F_Coulomb      "Coulomb friction without pressure";
   parameter Units.PerPressure k_C            "Relative increase of F_Coulomb per pressure difference";

@@ -1,5 +1,5 @@
 within Friction;
-partial model StribeckShape "Stribeck curve (equation 1 of the spool valve paper) over two magnitudes given by the law"
+partial model StribeckShape "Stribeck curve with two magnitudes given by the law"
   extends Law;
   parameter Units.DampingCoefficient F_prop "Viscous friction per speed";
   parameter Units.PerVelocity        f_exp  "Decay of the Stribeck force with speed";

@@ -1,5 +1,6 @@
 within Friction;
-model TanhRegularised "Dry friction smoothed at v = 0; holds nothing at rest, so the spool creeps"
+model TanhRegularised "Coulomb friction smoothed at v = 0; it holds nothing at rest, so the spool creeps"
+  //   |f| = F_Coulomb tanh(|v|/v_0)
   extends Law;
   parameter Units.Force    F_Coulomb    "Coulomb friction";
   parameter Units.Velocity v_0   = 1e-3 "Speed at which 76 % of it acts";

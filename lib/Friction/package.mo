@@ -11,5 +11,5 @@ package Friction "Exchangeable friction laws of a seal"
     LuGreDwellPressure    "elastic bristles, grows with time without operation and with pressure",
     Dahl                  "elastic bristles without Stribeck force",
     TanhRegularised       "smoothed at v = 0")
-    "Which law a seal follows, where that is chosen by a parameter (Friction.Chosen)";
+    "Friction law of a seal, where a parameter selects it (Friction.Chosen)";
 end Friction;

@@ -5,9 +5,9 @@ model AirSpring "Cylinder chamber fed from a source through a restriction"
   parameter Units.AbsolutePressure p_start  = p_supply "Pressure in the chamber at the start";
   parameter Units.SonicConductance C                   "Sonic conductance of the restriction";
   parameter Units.Fraction         b        = 0.3      "Critical pressure ratio of the restriction";
-  parameter Units.Volume           V_dead              "Dead volume: what is left with the piston at s_empty";
+  parameter Units.Volume           V_dead              "Dead volume: volume with the piston at s_empty";
   parameter Units.Area             A                   "Piston area";
-  parameter Units.Position         s_empty   = 0       "Stroke at which only the dead volume is left";
+  parameter Units.Position         s_empty   = 0       "Stroke at which only the dead volume remains";
   parameter Integer                direction = 1       "+1 if the air pushes the piston towards +s, -1 towards -s";
 
   Units.AbsolutePressure p = chamber.p "Pressure in the chamber";

@@ -1,5 +1,5 @@
 within Pneumatics;
-model GivenPressure "Air at a given pressure, as a recording says it"
+model GivenPressure "Air at a given pressure, such as a recorded one"
   input Units.PressureDifference p_gauge "Pressure above ambient";
   Port port;
 equation

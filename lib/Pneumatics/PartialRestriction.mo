@@ -1,5 +1,5 @@
 within Pneumatics;
-partial model PartialRestriction "Restriction between two ports; the conductance is the heir's"
+partial model PartialRestriction "Restriction between two ports; the derived class gives its opening"
   parameter Units.SonicConductance C       "Sonic conductance, fully open";
   parameter Units.Fraction         b = 0.3 "Critical pressure ratio";
   parameter Units.Fraction         blocked = 0 "Share of the conductance that is lost; negative: wider than C";

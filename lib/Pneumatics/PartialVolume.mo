@@ -1,7 +1,7 @@
 within Pneumatics;
-partial model PartialVolume "Isothermal air in a volume; how large it is, is the heir's"
-  // The mass of air is the state, not the pressure: what flows out of one volume flows into the next to the last
-  // digit, and a moving piston changes the pressure without a term in dV/dt.
+partial model PartialVolume "Isothermal air in a volume; the derived class gives its size"
+  // The mass of air is the state, not the pressure: air that leaves one volume enters the next to the last digit, and
+  // a moving piston changes the pressure without a term in dV/dt.
   parameter Units.AbsolutePressure p_start = Air.p_ambient "Pressure at the start";
   parameter Units.Volume           V_nominal = 1e-6        "Size, to scale the mass for the solver";
 

@@ -1,5 +1,6 @@
 within Pneumatics;
 model SealOpening "Gap between a seal and its control edge, opened by the stroke"
+  //   opening = (1 +- tanh((s - s_ce)/w_t))/2
   extends PartialRestriction;
   parameter Units.Position s_ce           "Stroke at which the seal meets its control edge";
   parameter Units.Length   w_t            "Width of the transition";

@@ -1,9 +1,9 @@
 within Pneumatics;
-model Source "Air supply that holds its pressure, at its port or at the far end of a line"
-  // With has_line a line with resistance R_line and volume V lies between the supply and the port:
-  //   V/(R T) dp_port/dt = (p - p_port)/R_line - m_out,   tau_line = R_line V/(R T),
-  // written for the pressure lost, p - p_port, so that R_line = 0 is the supply without a line, and needs no other
-  // equations than R_line > 0.
+model Source "Air supply with constant pressure, at its port or at the far end of a line"
+  //   V/(R T) dp_port/dt = (p - p_port)/R_line - m_out,   tau_line = R_line V/(R T)
+  // With has_line, a line with resistance R_line and volume V connects the supply to the port. The equation is
+  // written for the pressure drop p - p_port, so that R_line = 0 is the supply without a line and needs no different
+  // equations.
   parameter Units.AbsolutePressure p               "Absolute pressure";
   parameter Boolean                has_line = false "True if there is a line";
   parameter Units.FlowResistance   R_line   = 0     "Line: resistance";

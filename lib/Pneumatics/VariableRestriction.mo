@@ -1,5 +1,7 @@
 within Pneumatics;
-model VariableRestriction "Restriction opened from outside"
+model VariableRestriction "Restriction with a variable opening"
+  //   m_flow = iso6358(p_a, p_b, C x, b)
+  // See iso6358.
   extends PartialRestriction;
   input Units.Fraction x "Opening, 0 closed to 1 fully open";
 equation
@@ -7,5 +9,5 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=blocked",
-    explains = "%at lets less air through than its sheet says, or more: dirt, or another restriction in series."));
+    explains = "The conductance of %at differs from the data sheet: dirt, or another restriction in series."));
 end VariableRestriction;

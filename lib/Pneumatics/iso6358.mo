@@ -1,10 +1,11 @@
 within Pneumatics;
-function iso6358 "Mass flow through a restriction after ISO 6358, from a to b, either way"
-  // m_flow = C rho_0 p_1 psi(p_2/p_1) with p_1 upstream, p_2 downstream; psi is
-  //   1                              choked, up to the critical pressure ratio b,
-  //   sqrt(1 - ((r - b)/(1 - b))^2)  subsonic,
-  //   falling linearly to 0          between r_linear and 1, where the root would have a vertical tangent.
-  // The pieces join continuously; as in every function, passing from one to the next is no event.
+function iso6358 "Mass flow through a restriction according to ISO 6358, from a to b, in either direction"
+  //   m_flow = C rho_0 p_1 psi(p_2/p_1),   p_1 upstream, p_2 downstream
+  //   psi(r) = 1                               choked, for r <= b
+  //   psi(r) = sqrt(1 - ((r - b)/(1 - b))^2)   subsonic
+  // Between r_linear and 1, where the root would have a vertical tangent, psi falls linearly to 0. The pieces join
+  // continuously; as in every function, passing from one to the next is not an event.
+  // Source: ISO 6358.
   input  Units.AbsolutePressure p_a    "Pressure at a";
   input  Units.AbsolutePressure p_b    "Pressure at b";
   input  Units.SonicConductance C      "Sonic conductance";

@@ -1,8 +1,10 @@
 within Pneumatics;
-function jetSpeed "Speed of the air in the narrowest section between two pressures, isentropic from rest"
-  // De Saint-Venant and Wantzel: w = sqrt(2 kappa/(kappa - 1) R T (1 - r^((kappa - 1)/kappa))), r = p_2/p_1, and not
-  // more than at the critical ratio r* = (2/(kappa + 1))^(kappa/(kappa - 1)), where it is sqrt(2 kappa/(kappa + 1) R
-  // T). Near r = 1 it falls linearly to 0 as the flow function of iso6358 does, so the momentum of the jet is smooth.
+function jetSpeed "Isentropic speed of the air in the narrowest section between two pressures"
+  //   w = sqrt(2 kappa/(kappa - 1) R T (1 - r^((kappa - 1)/kappa))),   r = p_2/p_1
+  // It is limited by the value at the critical ratio r* = (2/(kappa + 1))^(kappa/(kappa - 1)), sqrt(2 kappa/(kappa +
+  // 1) R T). Near r = 1 it falls linearly to 0, as the flow function of iso6358 does, so the momentum of the jet is
+  // smooth.
+  // Source: De Saint-Venant and Wantzel (1839).
   input  Units.AbsolutePressure p_a "Pressure on one side";
   input  Units.AbsolutePressure p_b "Pressure on the other side";
   output Units.Velocity         w   "Speed, not negative";

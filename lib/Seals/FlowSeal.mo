@@ -1,5 +1,5 @@
 within Seals;
-model FlowSeal "Seal at a control edge: lets air through where it does not touch"
+model FlowSeal "Seal at a control edge: lets air through where it does not touch the housing"
   extends PartialSeal(f_air = flow_force.f);
   parameter Units.SonicConductance C       "Sonic conductance, fully open";
   parameter Units.Fraction         b = 0.3 "Critical pressure ratio";

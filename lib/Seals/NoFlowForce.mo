@@ -1,5 +1,5 @@
 within Seals;
-model NoFlowForce "The air flows through without a force"
+model NoFlowForce "No force of the flowing air"
   extends FlowForce;
 equation
   f = 0;

@@ -1,6 +1,6 @@
 within Seals;
-model SpoolFriction "The friction of a whole spool in one place: no seal, no edge, no pressure"
-  replaceable model FrictionLaw = Friction.Frictionless constrainedby Friction.Law "How it rubs";
+model SpoolFriction "Friction of a whole spool in one place: no seals, no edges, no pressure"
+  replaceable model FrictionLaw = Friction.Frictionless constrainedby Friction.Law "Friction law";
   FrictionLaw friction(v = spool.v, dp = 0, t_no = spool.t_no);
 
   Translational.SpoolFlange spool "The spool";

@@ -6,5 +6,5 @@ package Seals "Translational seals: friction, push-in force and opening at a con
     CloseOnly   "touches it over the whole stroke",
     CloseToOpen "touches it up to the control edge, free beyond",
     OpenToClose "free up to the control edge, touches beyond")
-    "How a seal meets the housing as the stroke grows from 0";
+    "Contact of a seal with the housing as the stroke grows from 0";
 end Seals;

@@ -1,13 +1,14 @@
 within Signals;
-block CascadeControl "Drive under control: proportional for the position, around proportional for the speed"
-  // y = k_v (k_p (s_ref - s) - v): the deviation of the position asks for a speed, the deviation from that for the signal.
-  parameter Units.PerTime  k_p "Speed asked for by the deviation of the position";
-  parameter Real           k_v(unit = "V.s/m") "Signal by the deviation of the speed";
+block CascadeControl "Cascaded control of a drive: proportional position and speed controllers"
+  //   y = k_v (k_p (s_ref - s) - v)
+  // The position error demands a speed, and the speed error gives the signal.
+  parameter Units.PerTime  k_p "Demanded speed per position error";
+  parameter Real           k_v(unit = "V.s/m") "Signal per speed error";
 
-  input Units.Position s_ref "Where the drive is to be";
-  input Units.Position s     "Where it is";
-  input Units.Velocity v     "Its speed";
-  output Units.Voltage y     "The signal for the drive";
+  input Units.Position s_ref "Reference position";
+  input Units.Position s     "Position";
+  input Units.Velocity v     "Speed";
+  output Units.Voltage y     "Signal for the drive";
 equation
   y = k_v*(k_p*(s_ref - s) - v);
 end CascadeControl;

@@ -1,15 +1,15 @@
 within Signals;
-model PilotValve "Solenoid pilot: follows a switch late and gradually"
-  // Each edge of the switch takes effect t_delay later. Of each kind one edge can be on its way at a time:
-  // a period shorter than t_delay is not for this model.
+model PilotValve "Solenoid pilot valve: follows a switch with a delay and a lag"
+  // Each edge of the switch takes effect t_delay later. Only one edge of each kind can be pending at a time, so the
+  // switching period must be longer than t_delay.
   parameter Units.Time t_delay "Delay of each edge";
   parameter Units.Time tau     "Time constant of the opening";
-  parameter Units.Time t_off_more   = 0 "Delay of switching off beyond t_delay";
-  parameter Units.Time tau_off_more = 0 "Time constant of closing beyond tau";
+  parameter Units.Time t_off_more   = 0 "Delay of switching off in addition to t_delay";
+  parameter Units.Time tau_off_more = 0 "Time constant of closing in addition to tau";
   input Boolean on "The switch";
 
   Units.Fraction x(start = 0, fixed = true) "Opening, 0 closed to 1 open";
-  Boolean open(start = false, fixed = true) "Where the opening is heading";
+  Boolean open(start = false, fixed = true) "Target of the opening";
 protected
   constant Units.Time never = 1e30;
   discrete Units.Time t_open(start = never, fixed = true)  "When the last switching-on takes effect";

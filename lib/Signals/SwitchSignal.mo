@@ -1,5 +1,5 @@
 within Signals;
-model SwitchSignal "Switched on once and off once"
+model SwitchSignal "Switches on once and off once"
   parameter Units.Time t_on  = 0 "Switch-on impulse";
   parameter Units.Time t_off     "Switch-off impulse";
   Boolean on "The signal";

@@ -1,3 +1,3 @@
 within;
-package Signals "Switching signals and what follows them"
+package Signals "Switching signals, pilot valves and controllers"
 end Signals;

@@ -1,5 +1,5 @@
 within Tanks;
-model Drain "Where liquid is lost"
+model Drain "Sink for liquid"
   Port port;
 equation
   port.h = 0;

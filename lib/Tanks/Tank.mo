@@ -1,5 +1,6 @@
 within Tanks;
 model Tank "Open tank of constant cross section"
+  //   A dh/dt = q
   parameter Units.Area     A       = 1 "Cross section";
   parameter Units.Position h_start = 1 "Level at the start";
 

@@ -1,4 +1,4 @@
 within;
 package Tanks "Open tanks with a liquid, emptying into one another"
-  // What connects them is the level of the liquid, and the volume that flows.
+  // Connectors carry the level of the liquid and the volume flow.
 end Tanks;

@@ -1,8 +1,8 @@
 within Translational;
-model CentringSpring "Two preloaded springs with cups that push a body back to the middle from both sides"
-  // Off the middle one spring is lifted off its stop in the housing and pushes with f_0 + c |s - s_0|; the other spring
-  // rests on its own stop. In the middle both do, and hand over within the play w:
-  //   f = -(f_0 tanh((s - s_0)/w) + c (s - s_0)).
+model CentringSpring "Two preloaded springs with cups that push a body back to the middle"
+  //   f = -(f_0 tanh((s - s_0)/w) + c (s - s_0))
+  // Away from the middle, one spring is lifted off its stop in the housing and pushes with f_0 + c |s - s_0|, and the
+  // other rests on its own stop. In the middle they hand over within the play w.
   extends PartialActuator;
   parameter Units.SpringStiffness c           "Stiffness of one spring";
   parameter Units.Force           f_0         "Preload of each spring";

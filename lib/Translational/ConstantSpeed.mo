@@ -1,5 +1,5 @@
 within Translational;
-model ConstantSpeed "Point moved at constant speed, whatever force that takes"
+model ConstantSpeed "Point that moves at constant speed, at any force"
   parameter Units.Velocity v_0 = 1 "Speed";
   parameter Units.Position s_0 = 0 "Position at time 0";
   Flange flange;

@@ -1,5 +1,6 @@
 within Translational;
 model Damper "Linear damper"
+  //   f = d ds_rel/dt
   parameter Units.DampingCoefficient d "Damping coefficient";
 
   Units.Length   s_rel "Length: flange_b.s - flange_a.s";

@@ -1,5 +1,5 @@
 within Translational;
-model Force "Given force on a flange"
+model Force "Force on a flange, given by an input"
   input Units.Force f "Force, positive towards +s";
   Flange flange;
 equation

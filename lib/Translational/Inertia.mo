@@ -1,5 +1,6 @@
 within Translational;
-model Inertia "Mass that follows a motion: its force, without a state of its own"
+model Inertia "Mass that follows a given motion, without a state of its own"
+  //   f = m d2s/dt2
   // For bodies whose motion is given (MovedSpool) or belongs to another mass.
   parameter Units.Mass m "Mass";
 

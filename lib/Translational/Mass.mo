@@ -1,5 +1,6 @@
 within Translational;
 model Mass "Rigid body that slides without friction"
+  //   m d2s/dt2 = f
   parameter Units.Mass     m           "Mass";
   parameter Units.Position s_start = 0 "Position at the start";
   parameter Units.Velocity v_start = 0 "Speed at the start";

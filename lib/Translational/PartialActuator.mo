@@ -1,4 +1,4 @@
 within Translational;
-partial model PartialActuator "Anything that drives a flange: what can be exchanged for one another"
-  Flange flange "What it drives";
+partial model PartialActuator "Interface of components that drive a flange"
+  Flange flange "The driven flange";
 end PartialActuator;

@@ -1,7 +1,7 @@
 within Translational;
-connector SpoolFlange "Where a seal sits on a spool"
-  // The spool tells the seal how it moves; the seals answer with forces, which the connection itself adds up.
-  // As with every force of the library, a positive flow acts on the part that owns the connector.
+connector SpoolFlange "Connector between a spool and its seals"
+  // The spool provides its motion; the seals contribute forces, which the connection adds up. As everywhere in the
+  // library, a positive flow acts on the component that owns the connector.
   Units.Position s    "Stroke of the spool";
   Units.Velocity v    "Speed of the spool";
   Units.Time     t_no "Time without operation: how long the spool has rested";

@@ -1,5 +1,6 @@
 within Translational;
 model Spring "Linear spring with preload"
+  //   f = f_0 + c (s_rel - s_rel0)
   parameter Units.SpringStiffness c       "Stiffness";
   parameter Units.Length          s_rel0 = 0 "Length at which the tension is the preload";
   parameter Units.Force           f_0    = 0 "Preload: tension at the length s_rel0";

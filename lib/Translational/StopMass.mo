@@ -1,20 +1,20 @@
 within Translational;
-model StopMass "Rigid body between two stops without rebound, rubbed by seals"
-  // The body slides or it rests; `mode` says which. It changes only when
+model StopMass "Rigid body between two stops without rebound, with friction of seals"
+  // The body slides or rests; `mode` tells which. It changes only when
   //   - the driving force on the resting body exceeds what static friction can hold (breakaway),
-  //   - the body arrives at a stop,
+  //   - the body reaches a stop,
   //   - its speed passes through zero (it locks; it may break away again within the same event).
   // Where nothing can hold it at rest (f_static = 0: no friction, bristles, smoothed friction), a body whose speed
-  // passes through zero goes on freely, either way and without further events, until it meets a stop or something that
-  // can hold it. Friction without f_static must vanish with the speed, as f_slide, or act as f_push.
-  // The switching follows Otter, Elmqvist, Mattsson (1999), "Hybrid Modeling in Modelica based on the
-  // Synchronous Data Flow Principle": a resting body has no speed and no acceleration, exactly.
+  // passes through zero continues freely in either direction, without further events, until it meets a stop or static
+  // friction. Friction without f_static must vanish with the speed, as f_slide, or act as f_push.
+  // Source: Otter, Elmqvist, Mattsson (1999), "Hybrid Modeling in Modelica based on the
+  // Synchronous Data Flow Principle". A resting body has exactly zero speed and acceleration.
   parameter Units.Mass     m              "Mass";
   parameter Units.Position s_min      = 0 "Lower stop";
   parameter Units.Position s_max          "Upper stop";
   parameter Units.Position s_start    = s_min         "Position at the start";
   parameter Units.Velocity v_start    = 0             "Speed at the start, 0 if it rests";
-  parameter Motion         mode_start = Motion.AtMin  "What it is doing before the start";
+  parameter Motion         mode_start = Motion.AtMin  "Motion before the start";
   parameter Units.Time     t_no_start = 0 "Time without operation before the start";
 
   Units.Position     s(start = s_start, fixed = true, nominal = s_max - s_min, stateSelect = StateSelect.prefer)
@@ -26,7 +26,7 @@ model StopMass "Rigid body between two stops without rebound, rubbed by seals"
   Units.Time         t_no(start = t_no_start, fixed = true)
     "Time without operation: grows at rest, kept while sliding";
 
-  Motion  mode(start = mode_start, fixed = true) "What the body is doing";
+  Motion  mode(start = mode_start, fixed = true) "Motion of the body";
   Boolean locked(start = true) "True at rest, stops included";
 
   Units.Force f        "Driving force: all but friction, positive towards +s";
@@ -34,14 +34,14 @@ model StopMass "Rigid body between two stops without rebound, rubbed by seals"
   Units.Force f_static "Friction available at rest, sum over the seals";
 
   Flange      flange "Forces that drive the body";
-  SpoolFlange seals  "Seals that rub on it";
+  SpoolFlange seals  "Seals on the body";
 protected
-  // Each of the five is the argument of one relation. Where a relation has no meaning its argument is kept
-  // clear of the threshold, so that a relation changes when, and only when, the physics does.
+  // Each of the five is the argument of one relation. Where a relation is irrelevant, its argument is kept away
+  // from the threshold, so that a relation changes if and only if the physics does.
   Units.Force    f_ahead  "Driving force towards +s on a body that rests and may go there";
   Units.Force    f_behind "Driving force towards -s on a body that rests and may go there";
   Units.Velocity v_along  "Speed in the direction of sliding";
-  Units.Length   s_left   "Way left to the stop in the direction of sliding, or to the nearer one";
+  Units.Length   s_left   "Distance to the stop in the direction of sliding, or to the nearer one";
   Units.Force    f_held   "Friction available at rest to a body that moves freely";
 equation
   // Motion

@@ -1,6 +1,6 @@
 within;
 package Units "Types of physical quantities in SI units"
-  // Every quantity of the library is declared with one of these types; values are SI throughout.
+  // Every quantity of the library has one of these types; all values are in SI units.
 
   type Time                = Real(quantity = "Time", unit = "s");
   type Length              = Real(quantity = "Length", unit = "m");
@@ -44,7 +44,7 @@ package Units "Types of physical quantities in SI units"
   type PerVelocity         = Real(quantity = "PerVelocity", unit = "s/m")
     "Relative decay per speed";
   type PerTime             = Real(quantity = "PerTime", unit = "1/s")
-    "Rate of change of a share";
+    "Rate of change of a fraction";
   type Fraction            = Real(quantity = "Fraction", unit = "1")
     "Part of a whole, 0 to 1";
   type Exponent            = Real(quantity = "Exponent", unit = "1");
