@@ -55,7 +55,8 @@ struct Class {
     /// The comment at its head, line by line; formulas are indented by two spaces.
     comment: Vec<String>,
     base: String,
-    /// Type, name, default and description of parameters, inputs and outputs.
+    /// Type, name, default and description of parameters, constants, inputs, outputs, and the
+    /// variables of a connector.
     parameters: Vec<[String; 4]>,
     ports: Vec<[String; 3]>,
     /// Entries `effect` and `explains` of its annotation.
@@ -115,7 +116,8 @@ fn section(out: &mut String, package: &Package, class: &Class) {
     let inherited = bases(package, class);
     let parameters: Vec<_> = inherited.iter().flat_map(|c| &c.parameters).collect();
     if !parameters.is_empty() {
-        out.push_str("\n| parameter | type | default | description |\n|---|---|---|---|\n");
+        let heading = if class.kind == "connector" { "variable" } else { "parameter" };
+        _ = writeln!(out, "\n| {heading} | type | default | description |\n|---|---|---|---|");
         for [kind, name, default, description] in parameters {
             _ = writeln!(out, "| `{name}` | `{kind}` | {} | {description} |", code(default));
         }
@@ -240,7 +242,9 @@ fn declaration(text: &str, found: &mut Class) {
     };
     let words: Vec<&str> = before.split_whitespace().collect();
     match words.as_slice() {
-        [prefix @ ("parameter" | "input" | "output"), kind, rest @ ..] if !rest.is_empty() => {
+        [prefix @ ("parameter" | "input" | "output" | "constant"), kind, rest @ ..]
+            if !rest.is_empty() =>
+        {
             let rest = rest.join(" ");
             let (name, default) = match rest.split_once('=') {
                 Some((name, default)) => (name.trim(), default.trim()),
@@ -257,6 +261,14 @@ fn declaration(text: &str, found: &mut Class) {
             };
             let kind = if *prefix == "parameter" { kind } else { format!("{prefix} {kind}") };
             found.parameters.push([kind, name.to_owned(), default.to_owned(), description]);
+        }
+        ["flow", kind, name] if found.kind == "connector" => {
+            let row = [format!("flow {kind}"), (*name).to_owned(), String::new(), description];
+            found.parameters.push(row);
+        }
+        [kind, name] if found.kind == "connector" => {
+            let row = [(*kind).to_owned(), (*name).to_owned(), String::new(), description];
+            found.parameters.push(row);
         }
         [kind, name] if ["Flange", "Port"].iter().any(|end| kind.ends_with(end)) => {
             found.ports.push([(*kind).to_owned(), (*name).to_owned(), description]);
