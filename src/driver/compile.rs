@@ -278,7 +278,7 @@ impl Session {
 
     /// The program of a flat model, in this form.
     pub fn compile_flat(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
-        let between = crate::lower::homotopy::between(&flat);
+        let between = crate::lower::homotopy::homotopy_model(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate_as(blocks, form)?;
         program.continuation = between.and_then(|flat| continuation(flat, &program)).map(Box::new);

@@ -1,8 +1,8 @@
-//! Search for variables that equal another one, or its negative, or a constant.
+//! Alias elimination: finds variables that equal another one, its negative, or a constant.
 //!
 //! `a = b`, `a = -b`, `a + b = 0` put variables into one class (union-find with signs); `v = der(s)`
-//! makes v the name of a derivative; `v = e` with a parameter expression e gives v a value. What
-//! stands for a class is chosen by [`super::representative`].
+//! makes v the name of a derivative; `v = e` with a parameter expression e gives v a value.
+//! [`super::representative`] chooses the variable that represents a class.
 
 use super::Equal;
 use super::variability::Variabilities;
@@ -11,71 +11,71 @@ use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::Variability;
 
-/// Longer sums are not looked through for terms that are 0.
-const LONGEST: usize = 8;
+/// Longer sums are not searched for terms that are 0.
+const MAX_TERMS: usize = 8;
 
-/// How often equations are looked at again because variables were found to be 0.
-const ROUNDS: usize = 5;
+/// Maximum number of passes over the equations after variables were found to be 0.
+const MAX_ROUNDS: usize = 5;
 
 /// A variable or its negative.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Signed {
     /// The variable.
     pub variable: VarId,
-    /// It is meant with the opposite sign.
+    /// True for the negative of the variable.
     pub negative: bool,
 }
 
-/// What the search found. A class is known by its root.
-pub struct Classes {
-    /// Which variables are equal up to sign.
+/// The classes of equal variables, each identified by its root.
+pub struct AliasClasses {
+    /// The variables that are equal up to sign.
     pub union: SignedUnion,
     /// The value of the root of each constant class.
     pub value: FastMap<VarId, ExprId>,
-    /// `der(root) = other root`, up to sign. Every root is at most once the name of a derivative,
-    /// and following the names never leads back.
-    pub named: FastMap<VarId, Signed>,
+    /// `der(root) = other root`, up to sign. Every root is the name of at most one derivative, and
+    /// the names form no cycle.
+    pub derivative_name: FastMap<VarId, Signed>,
     /// Roots that are the name of a derivative.
-    pub is_name: FastSet<VarId>,
+    pub is_derivative_name: FastSet<VarId>,
 }
 
-/// Takes the equations that only say that variables are equal out of `equations`; the rest remains.
-/// An equation that repeats what is known already remains too, to be counted as one too many.
-pub fn search(
+/// Removes the equations that only state that variables are equal, and returns the rest. A redundant
+/// equation is kept, so that it counts as one equation too many.
+pub fn find_aliases(
     graph: &mut Graph,
     variables: &IndexVec<VarId, Variable>,
     equations: Vec<Equal>,
-) -> (Classes, Vec<Equal>) {
+) -> (AliasClasses, Vec<Equal>) {
     let union = SignedUnion::new(variables.len());
-    let mut search = Search {
+    let mut search = AliasSearch {
         graph,
         variables,
         variability: Variabilities::default(),
         chains: SignedUnion::new(variables.len()),
         with_input: variables.iter().map(|v| v.kind == Kind::Input).collect(),
-        flagged: IndexVec::filled(false, variables.len()),
-        past: variables
+        in_semilinear: IndexVec::filled(false, variables.len()),
+        fixed_start: variables
             .enumerate()
             .filter(|(_, v)| v.kind == Kind::Discrete && v.fixed == Some(true))
             .filter_map(|(id, v)| Some((id, v.start?)))
             .collect(),
-        classes: Classes {
+        classes: AliasClasses {
             union,
             value: FastMap::default(),
-            named: FastMap::default(),
-            is_name: FastSet::default(),
+            derivative_name: FastMap::default(),
+            is_derivative_name: FastSet::default(),
         },
     };
-    // Aliases first, so that the other two see whole classes; constants before names of
-    // derivatives, because a constant is no name.
+    // Aliases first, so that the other two steps see complete classes; constants before names of
+    // derivatives, because a constant cannot be one.
     let mut remaining = equations;
     remaining.retain(|e| !search.unite(e));
-    remaining.retain(|e| !search.note_constant(e));
-    // What is 0 may leave two terms where there were more. That matters where flows rest, see
-    // `semilinear`; elsewhere a sum is no worse than a name.
-    search.flags(&remaining);
-    for _ in 0..ROUNDS {
-        if !search.flagged.iter().any(|f| *f) {
+    remaining.retain(|e| !search.add_constant(e));
+    // Variables that are 0 may reduce a sum to two terms. That matters for zero flows, see
+    // `semilinear`; elsewhere a sum is as good as an alias.
+    search.mark_semilinear(&remaining);
+    for _ in 0..MAX_ROUNDS {
+        if !search.in_semilinear.iter().any(|f| *f) {
             break;
         }
         let before = remaining.len();
@@ -83,24 +83,24 @@ pub fn search(
         if remaining.len() == before {
             break;
         }
-        remaining.retain(|e| !search.note_constant(e));
+        remaining.retain(|e| !search.add_constant(e));
     }
-    remaining.retain(|e| !search.note_name(e));
+    remaining.retain(|e| !search.add_derivative_name(e));
     (search.classes, remaining)
 }
 
-struct Search<'a> {
+struct AliasSearch<'a> {
     graph: &'a mut Graph,
     variables: &'a IndexVec<VarId, Variable>,
     variability: Variabilities,
-    /// Roots joined by names of derivatives: a name within one chain would close a circle.
+    /// Roots joined by names of derivatives: a name within one chain would close a cycle.
     chains: SignedUnion,
     with_input: IndexVec<VarId, bool>,
-    /// Classes with a variable that a `semiLinear` gives.
-    flagged: IndexVec<VarId, bool>,
+    /// Classes with a variable that is defined by `semiLinear`.
+    in_semilinear: IndexVec<VarId, bool>,
     /// The fixed starts of discrete classes, by root.
-    past: FastMap<VarId, ExprId>,
-    classes: Classes,
+    fixed_start: FastMap<VarId, ExprId>,
+    classes: AliasClasses,
 }
 
 /// A term of a sum: `v` or `der(v)`.
@@ -111,9 +111,9 @@ struct Term {
     negative: bool,
 }
 
-impl Search<'_> {
-    /// Notes which classes `semiLinear` gives a variable of.
-    fn flags(&mut self, equations: &[Equal]) {
+impl AliasSearch<'_> {
+    /// Marks the classes with a variable that is defined by `semiLinear`.
+    fn mark_semilinear(&mut self, equations: &[Equal]) {
         for e in equations {
             for (side, other) in [(e.lhs, e.rhs), (e.rhs, e.lhs)] {
                 let v = match self.graph.node(side) {
@@ -131,13 +131,13 @@ impl Search<'_> {
                 };
                 if self.graph.as_number(zero) == Some(0.0) {
                     let root = self.classes.union.find(v).variable;
-                    self.flagged[root] = true;
+                    self.in_semilinear[root] = true;
                 }
             }
         }
     }
 
-    /// `a = b` and the like, between variables of one kind.
+    /// Unites the variables of `a = b` and similar equations if they are of one kind.
     fn unite(&mut self, e: &Equal) -> bool {
         let (union, value) = (&mut self.classes.union, &self.classes.value);
         let graph = &*self.graph;
@@ -145,7 +145,7 @@ impl Search<'_> {
             let known = value.get(&union.find(v).variable);
             known.is_some_and(|e| graph.as_number(*e) == Some(0.0))
         };
-        let Some([a, b]) = terms(graph, e, LONGEST, &mut is_zero) else { return false };
+        let Some([a, b]) = terms(graph, e, MAX_TERMS, &mut is_zero) else { return false };
         let negative = a.negative == b.negative;
         let of_one_kind = |x: &Variable, y: &Variable| match (x.kind, y.kind) {
             (Kind::Algebraic | Kind::Input, Kind::Algebraic | Kind::Input) => x.ty == Type::Real,
@@ -158,30 +158,30 @@ impl Search<'_> {
         }
         let roots = [a, b].map(|t| self.classes.union.find(t.variable).variable);
         let longer = two_terms(self.graph, e).is_none();
-        if longer && !roots.iter().any(|r| self.flagged[*r]) {
+        if longer && !roots.iter().any(|r| self.in_semilinear[*r]) {
             return false;
         }
         let has_value = |r: &VarId| self.classes.value.contains_key(r);
         if roots.iter().all(|r| self.with_input[*r]) || roots.iter().any(has_value) {
             return false;
         }
-        // What two discrete variables were before the start may differ though they are equal.
-        let past = roots.map(|r| self.past.get(&r).copied());
-        if matches!(past, [Some(p), Some(q)] if p != q) {
+        // Equal discrete variables may have different `pre` values at the start.
+        let fixed_start = roots.map(|r| self.fixed_start.get(&r).copied());
+        if matches!(fixed_start, [Some(p), Some(q)] if p != q) {
             return false;
         }
         let united = self.classes.union.unite(a.variable, b.variable, negative);
         let root = self.classes.union.find(a.variable).variable;
         self.with_input[root] = roots.iter().any(|r| self.with_input[*r]);
-        self.flagged[root] = roots.iter().any(|r| self.flagged[*r]);
-        if let Some(start) = past[0].or(past[1]) {
-            self.past.insert(root, start);
+        self.in_semilinear[root] = roots.iter().any(|r| self.in_semilinear[*r]);
+        if let Some(start) = fixed_start[0].or(fixed_start[1]) {
+            self.fixed_start.insert(root, start);
         }
         united
     }
 
-    /// `v = e` with a parameter expression `e`.
-    fn note_constant(&mut self, e: &Equal) -> bool {
+    /// Adds the value of `v = e` with a parameter expression `e`.
+    fn add_constant(&mut self, e: &Equal) -> bool {
         let Some((v, value)) = self.constant(e) else { return false };
         let Signed { variable: root, negative } = self.classes.union.find(v);
         if self.with_input[root] || self.classes.value.contains_key(&root) {
@@ -205,11 +205,11 @@ impl Search<'_> {
             };
             let is_constant =
                 self.variability.of(self.graph, self.variables, other) <= Variability::Parameter;
-            // Texts have no place in a running program: one that never changes is known here.
-            let text = self.variables[v].ty == Type::String
+            // A String that never changes is a constant: the simulator does not store strings.
+            let string = self.variables[v].ty == Type::String
                 && self.variables[v].kind == Kind::Discrete
                 && self.graph.as_const(other).is_some();
-            if is_constant && (text || self.variables[v].kind == Kind::Algebraic) {
+            if is_constant && (string || self.variables[v].kind == Kind::Algebraic) {
                 return Some((v, if negative { self.graph.neg(other) } else { other }));
             }
         }
@@ -227,8 +227,8 @@ impl Search<'_> {
         Some((v.variable, if negative { self.graph.neg(read) } else { read }))
     }
 
-    /// `v = der(s)`. A second name of one derivative is an alias of the first.
-    fn note_name(&mut self, e: &Equal) -> bool {
+    /// Adds the name of `v = der(s)`. A second name of a derivative is an alias of the first.
+    fn add_derivative_name(&mut self, e: &Equal) -> bool {
         let Some([a, b]) = two_terms(self.graph, e) else { return false };
         let (v, s) = match (a.differentiated, b.differentiated) {
             (false, true) => (a, b),
@@ -243,22 +243,22 @@ impl Search<'_> {
         let (of_v, of_s) = (c.union.find(v.variable), c.union.find(s.variable));
         let (name, state) = (of_v.variable, of_s.variable);
         let is_known = |root: VarId| c.value.contains_key(&root) || self.with_input[root];
-        let closes_circle = self.chains.find(name).variable == self.chains.find(state).variable;
-        if is_known(name) || is_known(state) || closes_circle {
+        let closes_cycle = self.chains.find(name).variable == self.chains.find(state).variable;
+        if is_known(name) || is_known(state) || closes_cycle {
             return false;
         }
         let negative = (v.negative == s.negative) ^ of_v.negative ^ of_s.negative;
-        if let Some(first) = c.named.get(&state).copied() {
-            if c.named.contains_key(&name) || c.is_name.contains(&name) {
+        if let Some(first) = c.derivative_name.get(&state).copied() {
+            if c.derivative_name.contains_key(&name) || c.is_derivative_name.contains(&name) {
                 return false;
             }
             c.union.attach(name, first.variable, negative ^ first.negative);
             return true;
         }
-        if !c.is_name.insert(name) {
+        if !c.is_derivative_name.insert(name) {
             return false;
         }
-        c.named.insert(state, Signed { variable: name, negative });
+        c.derivative_name.insert(state, Signed { variable: name, negative });
         self.chains.unite(name, state, false);
         true
     }
@@ -269,18 +269,18 @@ fn two_terms(graph: &Graph, e: &Equal) -> Option<[Term; 2]> {
     terms(graph, e, 2, &mut |_| false)
 }
 
-/// As [`two_terms`], of at most so many terms of which all others are 0.
+/// Like [`two_terms`], for a sum of at most `max_terms` terms of which all others are 0.
 fn terms(
     graph: &Graph,
     e: &Equal,
-    most: usize,
+    max_terms: usize,
     is_zero: &mut impl FnMut(VarId) -> bool,
 ) -> Option<[Term; 2]> {
     let mut open = vec![(e.lhs, false), (e.rhs, true)];
     open.retain(|(side, _)| graph.as_number(*side) != Some(0.0));
     let mut found = Vec::with_capacity(2);
     while let Some((e, negative)) = open.pop() {
-        if open.len() + found.len() >= most {
+        if open.len() + found.len() >= max_terms {
             return None;
         }
         match graph.node(e) {
@@ -326,7 +326,7 @@ impl SignedUnion {
         Signed { variable: at, negative }
     }
 
-    /// Makes `a` equal `b`, or `-b`; false if they were in one class already.
+    /// Makes `a` equal to `b` or `-b`; false if they are already in one class.
     fn unite(&mut self, a: VarId, b: VarId, negative: bool) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         if a.variable == b.variable {
@@ -341,7 +341,7 @@ impl SignedUnion {
         true
     }
 
-    /// Puts the class of one root under another root.
+    /// Attaches the class of one root to another root.
     fn attach(&mut self, root: VarId, under: VarId, negative: bool) {
         self.parent[root] = Signed { variable: under, negative };
         self.size[under] += self.size[root];

@@ -1,8 +1,8 @@
-//! Variables by what they are to the solver, and equations by form.
+//! Classifies variables by their role in the solution and equations by form.
 
 use super::Equal;
 use super::error;
-use super::event::Rewriting;
+use super::rewriting::Rewriting;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
 use crate::ir::dae::{self, DiscreteEquation, Kind};
@@ -23,8 +23,8 @@ pub struct Sections {
     pub roots: Vec<ExprId>,
 }
 
-/// The variables, all continuous ones as `Algebraic` for now. A variable that a when-clause assigns
-/// is discrete whatever its declaration says (Modelica 3.6, section 3.8.4).
+/// The variables, all continuous ones as `Algebraic` for now. A variable that is assigned in a
+/// when-clause is discrete regardless of its declaration (Modelica 3.6, section 3.8.4).
 pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, dae::Variable> {
     let by_when = assigned_in_when(flat);
     let mut all: IndexVec<VarId, dae::Variable> =
@@ -35,7 +35,7 @@ pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, d
     all
 }
 
-/// Takes the equations out of the model and splits them by form; declarations `Real x = e` and
+/// Removes the equations from the model and sorts them by form; declarations `Real x = e` and
 /// assignments of algorithms become equations.
 pub fn sections(flat: &mut FlatModel) -> Sections {
     let mut s = Sections { equal: vec![], whens: vec![], asserts: vec![], roots: vec![] };
@@ -69,7 +69,7 @@ pub fn sections(flat: &mut FlatModel) -> Sections {
 }
 
 /// Reports discrete variables without an equation.
-pub fn one_equation_each(discrete: &[DiscreteEquation], r: &mut Rewriting<'_>) {
+pub fn check_discrete_equations(discrete: &[DiscreteEquation], r: &mut Rewriting<'_>) {
     let mut determined: FastSet<VarId> = discrete.iter().map(|d| d.variable).collect();
     determined.extend(r.sample_flags());
     for (id, v) in r.variables.enumerate() {
@@ -79,7 +79,7 @@ pub fn one_equation_each(discrete: &[DiscreteEquation], r: &mut Rewriting<'_>) {
     }
 }
 
-/// The place of a declaration as the origin of the equation in it.
+/// The declaration of a variable as the origin of its binding equation.
 pub fn declaration_origin(v: &Variable) -> Origin {
     let component = v.name.rsplit_once('.').map_or("", |(component, _)| component);
     Origin { span: v.span, component: component.into() }
@@ -133,7 +133,7 @@ fn assigned_in_when(flat: &FlatModel) -> FastSet<VarId> {
 }
 
 /// A parameter of discrete type with `fixed = false`.
-pub fn is_found_at_start(v: &Variable) -> bool {
+pub fn is_determined_by_initialization(v: &Variable) -> bool {
     v.variability == Variability::Parameter
         && v.fixed == Some(false)
         && matches!(v.ty, Type::Boolean | Type::Integer | Type::Enumeration(_))
@@ -147,7 +147,7 @@ fn classify(
 ) -> dae::Variable {
     let kind = match v.variability {
         Variability::Constant => Kind::Parameter,
-        Variability::Parameter if is_found_at_start(v) => Kind::Discrete,
+        Variability::Parameter if is_determined_by_initialization(v) => Kind::Discrete,
         Variability::Parameter if v.fixed == Some(false) => Kind::InitialParameter,
         Variability::Parameter => Kind::Parameter,
         _ if v.causality == Some(Causality::Input) && v.binding.is_none() => Kind::Input,

@@ -1,35 +1,35 @@
-//! Parameters with `fixed = false` that an initial equation settles: truth values, whole numbers and
-//! the like that are equal to something made of other parameters. Such an equation is a binding, and so
-//! the parameter may stand in the values of others (section 8.6 of the specification).
+//! Parameters with `fixed = false` that an initial equation determines: Boolean, Integer and
+//! enumeration parameters that equal an expression of other parameters. Such an equation becomes a
+//! binding, so the values of other parameters can use the parameter (Modelica 3.6, section 8.6).
 
 use crate::base::index::FastSet;
 use crate::ir::expr::{ExprId, Graph, Node, VarId};
 use crate::ir::flat::{EquationKind, FlatModel, Variability};
 
-/// Turns initial equations that settle parameters into their bindings.
+/// Turns initial equations that determine parameters into their bindings.
 pub fn parameters(flat: &mut FlatModel) {
     let mut open: FastSet<VarId> = FastSet::default();
     for (id, v) in flat.variables.enumerate() {
-        if super::classify::is_found_at_start(v) && v.binding.is_none() {
+        if super::classify::is_determined_by_initialization(v) && v.binding.is_none() {
             open.insert(id);
         }
     }
-    // One may be settled by another that comes later.
-    let mut settled = vec![false; flat.initial_equations.len()];
+    // A parameter may depend on one that is determined later.
+    let mut resolved = vec![false; flat.initial_equations.len()];
     let mut found = !open.is_empty();
     while found {
         found = false;
-        for (k, done) in settled.iter_mut().enumerate() {
+        for (k, done) in resolved.iter_mut().enumerate() {
             let EquationKind::Equal(a, b) = flat.initial_equations[k].kind else { continue };
             let flat_now = &*flat;
-            let settles = |side: ExprId, value: ExprId| match flat_now.graph.node(side) {
+            let resolves = |side: ExprId, value: ExprId| match flat_now.graph.node(side) {
                 Node::Var(v) if open.contains(&v) => {
                     let known = |w: VarId| !open.contains(&w) && is_given(flat_now, w);
-                    is_made_of(&flat_now.graph, value, known).then_some((v, value))
+                    consists_of(&flat_now.graph, value, known).then_some((v, value))
                 }
                 _ => None,
             };
-            let Some((v, value)) = settles(a, b).or_else(|| settles(b, a)) else { continue };
+            let Some((v, value)) = resolves(a, b).or_else(|| resolves(b, a)) else { continue };
             flat.variables[v].binding = Some(value);
             flat.variables[v].fixed = None;
             open.remove(&v);
@@ -37,8 +37,8 @@ pub fn parameters(flat: &mut FlatModel) {
             found = true;
         }
     }
-    let mut settled = settled.into_iter();
-    flat.initial_equations.retain(|_| !settled.next().unwrap_or(false));
+    let mut resolved = resolved.into_iter();
+    flat.initial_equations.retain(|_| !resolved.next().unwrap_or(false));
 }
 
 fn is_given(flat: &FlatModel, v: VarId) -> bool {
@@ -46,8 +46,8 @@ fn is_given(flat: &FlatModel, v: VarId) -> bool {
     variable.variability <= Variability::Parameter && variable.fixed != Some(false)
 }
 
-/// True if nothing but such variables and literals stand in an expression.
-fn is_made_of(graph: &Graph, e: ExprId, known: impl Fn(VarId) -> bool) -> bool {
+/// True if an expression contains only literals and variables for which `known` is true.
+fn consists_of(graph: &Graph, e: ExprId, known: impl Fn(VarId) -> bool) -> bool {
     graph.postorder([e]).into_iter().all(|n| match graph.node(n) {
         Node::Var(v) => known(v),
         Node::Const(_)

@@ -1,21 +1,20 @@
-//! Functions that jump: `floor`, `ceil`, `integer`, `div`, `mod`, `rem` of continuous operands
-//! (section 3.7.2 of the Modelica specification). Between events they are constant or continuous, so
-//! the whole number in them becomes a discrete variable, and relations watch the bounds beyond which
-//! it changes.
+//! Event-triggering functions: `floor`, `ceil`, `integer`, `div`, `mod`, `rem` of continuous operands
+//! (Modelica 3.6, section 3.7.2). Between events they are constant or continuous, so the rounded value
+//! becomes a discrete variable, and relations detect when its argument leaves the valid interval.
 
-use super::event::Rewriting;
+use super::rewriting::Rewriting;
 use crate::ir::dae::{DiscreteEquation, Kind, Variable};
 use crate::ir::expr::{Binary, ExprId, Type, Unary, VarId};
 use crate::ir::flat::Origin;
 
-/// How a quotient becomes a whole number.
+/// How a Real is rounded to an integer.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Rounding {
-    /// The next below.
+    /// Towards minus infinity.
     Down,
-    /// The next above.
+    /// Towards plus infinity.
     Up,
-    /// The next towards zero.
+    /// Towards zero.
     ToZero,
 }
 
@@ -24,14 +23,14 @@ impl Rewriting<'_> {
     pub(super) fn rounded(&mut self, op: Unary, a: ExprId, origin: &Origin) -> ExprId {
         let rounding = if op == Unary::Ceil { Rounding::Up } else { Rounding::Down };
         let ty = if op == Unary::ToInteger { Type::Integer } else { Type::Real };
-        self.held(a, rounding, ty, origin)
+        self.rounded_variable(a, rounding, ty, origin)
     }
 
     /// `div`, `mod`, `rem` with events.
     pub(super) fn divided(&mut self, op: Binary, a: ExprId, b: ExprId, origin: &Origin) -> ExprId {
         let quotient = self.graph.div(a, b);
         let rounding = if op == Binary::Mod { Rounding::Down } else { Rounding::ToZero };
-        let whole = self.held(quotient, rounding, Type::Real, origin);
+        let whole = self.rounded_variable(quotient, rounding, Type::Real, origin);
         if op == Binary::Quotient {
             return whole;
         }
@@ -40,7 +39,13 @@ impl Rewriting<'_> {
     }
 
     /// A discrete variable that holds the rounded value of `a`.
-    fn held(&mut self, a: ExprId, rounding: Rounding, ty: Type, origin: &Origin) -> ExprId {
+    fn rounded_variable(
+        &mut self,
+        a: ExprId,
+        rounding: Rounding,
+        ty: Type,
+        origin: &Origin,
+    ) -> ExprId {
         if let Some(known) = self.jump_ids.get(&(a, rounding, ty)) {
             return self.graph.var(*known, ty);
         }
@@ -58,14 +63,21 @@ impl Rewriting<'_> {
             }
         };
         self.jumps.push(DiscreteEquation { variable, value, origin: origin.clone() });
-        self.watch(a, variable, rounding, ty, origin);
+        self.add_bound_relations(a, variable, rounding, ty, origin);
         self.graph.var(variable, ty)
     }
 
-    /// Numbers the relations that become true where the whole number `h` must change. Rounding down
-    /// is right for `h <= a < h + 1`, up for `h - 1 < a <= h`, and towards zero as down above
-    /// zero, as up below; a bound that does not apply is out of reach.
-    fn watch(&mut self, a: ExprId, h: VarId, rounding: Rounding, ty: Type, origin: &Origin) {
+    /// Adds the relations that become true when the rounded value `h` must change. Rounding down is
+    /// valid for `h <= a < h + 1`, up for `h - 1 < a <= h`, and towards zero like down above zero and
+    /// like up below; a bound that does not apply is set to an unreachable value.
+    fn add_bound_relations(
+        &mut self,
+        a: ExprId,
+        h: VarId,
+        rounding: Rounding,
+        ty: Type,
+        origin: &Origin,
+    ) {
         let h = self.graph.var(h, ty);
         let one = self.graph.real(1.0);
         let (above, below) = (self.graph.add(h, one), self.graph.sub(h, one));

@@ -1,10 +1,10 @@
-//! What can be wrong with a flat model on its way to a system of equations: codes MO0301 to MO0399.
+//! Errors of lowering a flat model to a system of equations: codes MO0301 to MO0399.
 
 use crate::base::diag::Diagnostic;
 use crate::ir::dae;
 use crate::ir::flat::{Origin, Variable};
 
-/// MO0301: parameters that need each other.
+/// MO0301: parameters whose values depend on each other.
 pub fn parameter_cycle(cycle: &[&Variable]) -> Diagnostic {
     let mut path: Vec<&str> = cycle.iter().map(|v| v.name.as_str()).collect();
     path.extend(path.first().copied());
@@ -19,7 +19,7 @@ pub fn parameter_cycle(cycle: &[&Variable]) -> Diagnostic {
     d
 }
 
-/// MO0302: a parameter that takes its start value for want of another.
+/// MO0302: a parameter that takes its start value because it has no other.
 pub fn parameter_at_start(v: &Variable) -> Diagnostic {
     Diagnostic::warning(
         "MO0302",
@@ -108,11 +108,11 @@ pub fn equality_of_reals(op: &str, origin: &Origin) -> Diagnostic {
     .note("Modelica 3.6, section 3.5: equality of Reals is allowed in functions only")
 }
 
-// MO0310 is reserved: it was said of functions with jumps before they made events.
+// MO0310 is retired: it reported event-triggering functions before they generated events.
 
-// MO0317 is reserved: it was said of delays that change before they were supported.
+// MO0317 is retired: it reported variable delays before they were supported.
 
-/// MO0321: what a distribution begins with changes while the model runs.
+/// MO0321: the initial values of `spatialDistribution` vary during simulation.
 pub fn varying_distribution(origin: &Origin) -> Diagnostic {
     let message = "the distribution in the beginning changes while the model runs";
     Diagnostic::error("MO0321", origin.span, message)
@@ -152,7 +152,7 @@ pub fn initial_when(origin: &Origin) -> Diagnostic {
         .help("use `if`, or `when initial()` in an equation section")
 }
 
-/// MO0314: an initial equation of discrete variables that can not be used.
+/// MO0314: an initial equation of discrete variables that is not in assigned form.
 pub fn initial_discrete(origin: &Origin) -> Diagnostic {
     Diagnostic::error(
         "MO0314",

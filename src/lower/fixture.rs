@@ -1,4 +1,4 @@
-//! Flat models for tests, written as text: one scalar declaration or equation a line.
+//! Flat models for tests in a line-based syntax: one scalar declaration or equation per line.
 //!
 //! ```text
 //! parameter Real R = 10;
@@ -14,24 +14,24 @@ use crate::base::source::{SourceMap, Span};
 use crate::ir::expr::{Binary, ExprId, FunctionId, Node, Type, Unary, VarId};
 use crate::ir::flat::*;
 
-/// Reads a model; the source map holds its text, for diagnostics.
+/// Parses a model; the source map holds its source for diagnostics.
 pub fn model(text: &str) -> (FlatModel, SourceMap) {
     let mut sources = SourceMap::default();
     let file = sources.add("model.mo", text);
-    let mut reader =
-        Reader { flat: FlatModel::new("M", Span::new(file, 0, 0)), tokens: vec![], at: 0 };
-    // Names first: values may use what is declared below.
+    let mut parser =
+        FixtureParser { flat: FlatModel::new("M", Span::new(file, 0, 0)), tokens: vec![], at: 0 };
+    // Names first: values may refer to later declarations.
     let declarations =
         text.split_inclusive('\n').take_while(|line| !line.trim().ends_with("equation"));
     let mut offset = 0;
     for line in declarations {
-        reader.tokens = tokens(line.split("//").next().unwrap().trim().trim_end_matches(';'));
-        reader.at = 0;
+        parser.tokens = tokens(line.split("//").next().unwrap().trim().trim_end_matches(';'));
+        parser.at = 0;
         let start = offset + line.len() - line.trim_start().len();
         offset += line.len();
-        if !reader.tokens.is_empty() {
+        if !parser.tokens.is_empty() {
             let end = start + line.trim().trim_end_matches(';').len();
-            reader.declare(Span::new(file, start, end));
+            parser.declare(Span::new(file, start, end));
         }
     }
     let (mut initial, mut declarations) = (false, true);
@@ -42,45 +42,45 @@ pub fn model(text: &str) -> (FlatModel, SourceMap) {
         offset += line.len();
         let span = Span::new(file, start, start + line.trim().trim_end_matches(';').len());
         let line = line.split("//").next().unwrap().trim().trim_end_matches(';');
-        reader.tokens = tokens(line);
-        reader.at = 0;
+        parser.tokens = tokens(line);
+        parser.at = 0;
         match line {
             "" => {}
             "equation" => (declarations, initial) = (false, false),
             "initial equation" => (declarations, initial) = (false, true),
             "end when" => {
                 let (branches, span) = branches.take().unwrap();
-                reader.push(EquationKind::When(branches), span, false);
+                parser.push(EquationKind::When(branches), span, false);
             }
-            _ if declarations => reader.attributes(span),
+            _ if declarations => parser.attributes(span),
             _ if line.starts_with("when ") || line.starts_with("elsewhen ") => {
-                reader.at = 1;
+                parser.at = 1;
                 let (list, _) = branches.get_or_insert((vec![], span));
-                let conditions = reader.conditions();
+                let conditions = parser.conditions();
                 list.push(WhenBranch { conditions, actions: vec![] });
             }
             _ => match &mut branches {
                 Some((list, _)) => {
-                    let action = reader.action();
+                    let action = parser.action();
                     list.last_mut().unwrap().actions.push(action);
                 }
                 None => {
-                    let kind = reader.equation();
-                    reader.push(kind, span, initial);
+                    let kind = parser.equation();
+                    parser.push(kind, span, initial);
                 }
             },
         }
     }
-    (reader.flat, sources)
+    (parser.flat, sources)
 }
 
-struct Reader {
+struct FixtureParser {
     flat: FlatModel,
     tokens: Vec<String>,
     at: usize,
 }
 
-impl Reader {
+impl FixtureParser {
     fn push(&mut self, kind: EquationKind, span: Span, initial: bool) {
         let equation = Equation { kind, origin: Origin { span, component: "".into() } };
         if initial {
@@ -132,7 +132,7 @@ impl Reader {
         self.flat.variables.push(Variable { causality, ..variable });
     }
 
-    /// What follows the name of the variable declared at `span`.
+    /// Parses the attributes and the binding of the variable declared at `span`.
     fn attributes(&mut self, span: Span) {
         let found = self.flat.variables.enumerate().find(|(_, v)| v.span == span);
         let (id, name) = found.map(|(id, v)| (id, v.name.clone())).unwrap();

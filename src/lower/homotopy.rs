@@ -1,9 +1,9 @@
-//! The system between the simplified and the actual one: section 3.7.4.4 of the Modelica
-//! specification.
+//! The homotopy between the simplified and the actual system (Modelica 3.6, section 3.7.4.4).
 //!
-//! `homotopy(actual, simplified)` means `actual`. Where initialisation does not find its solution, it
-//! is led there from that of the simplified system: `(1 - lambda) simplified + lambda actual`, with
-//! `lambda` as one more parameter of a second model.
+//! `homotopy(actual, simplified)` means `actual`. If initialisation cannot solve the actual system
+//! directly, it starts from the simplified one and follows the solution of
+//! `(1 - lambda) simplified + lambda actual`, with `lambda` as an additional parameter of a second
+//! model.
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
 use crate::ir::flat::{Action, EquationKind, FlatModel, Variability, Variable};
 use crate::symbolic::rewrite::Rewriter;
 
-/// The name of the parameter, which no name of a user can be.
+/// The name of the parameter, which cannot be an identifier of the user.
 pub const LAMBDA: &str = "$lambda";
 
 /// The model with `lambda`, if `homotopy` occurs in its equations.
-pub fn between(flat: &FlatModel) -> Option<FlatModel> {
+pub fn homotopy_model(flat: &FlatModel) -> Option<FlatModel> {
     let occurs = flat.graph.ids().any(|e| matches!(flat.graph.node(e), Node::Homotopy(..)));
     if !occurs {
         return None;
@@ -55,9 +55,9 @@ pub fn between(flat: &FlatModel) -> Option<FlatModel> {
 fn blended(graph: &mut Graph, rewriter: &mut Rewriter, root: ExprId, lambda: VarId) -> ExprId {
     rewriter.apply(graph, root, &mut |graph, e| {
         let Node::Homotopy(actual, simplified) = graph.node(e) else { return None };
-        // Of nested homotopies the outermost counts.
+        // Only the outermost of nested homotopies counts.
         let [actual, simplified] =
-            [actual, simplified].map(|side| without(graph, &mut Rewriter::new(), side));
+            [actual, simplified].map(|side| actual_only(graph, &mut Rewriter::new(), side));
         let lambda = graph.var(lambda, Type::Real);
         let one = graph.real(1.0);
         let rest = graph.sub(one, lambda);
@@ -66,9 +66,9 @@ fn blended(graph: &mut Graph, rewriter: &mut Rewriter, root: ExprId, lambda: Var
     })
 }
 
-fn without(graph: &mut Graph, rewriter: &mut Rewriter, root: ExprId) -> ExprId {
+fn actual_only(graph: &mut Graph, rewriter: &mut Rewriter, root: ExprId) -> ExprId {
     rewriter.apply(graph, root, &mut |graph, e| match graph.node(e) {
-        Node::Homotopy(actual, _) => Some(without(graph, &mut Rewriter::new(), actual)),
+        Node::Homotopy(actual, _) => Some(actual_only(graph, &mut Rewriter::new(), actual)),
         _ => None,
     })
 }

@@ -1,47 +1,53 @@
-//! Initial equations: Modelica 3.6, section 8.6.
+//! Initial equations (Modelica 3.6, section 8.6).
 
-use super::event::{Mode, Rewriting};
-use super::{Discrete, error};
+use super::rewriting::{RelationMode, Rewriting};
+use super::{DiscreteEquations, error};
 use crate::base::index::FastSet;
 use crate::ir::dae::{self, Kind};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{Equation, EquationKind, Origin, Variability};
 
-/// The initial equations of continuous variables and parameters. One that gives a discrete variable
-/// its first value goes into that variable's equation, as what holds while `initial()`.
+/// The initial equations of continuous variables and parameters. An equation for the first value of a
+/// discrete variable becomes part of that variable's equation, under the condition `initial()`.
 pub fn equations(
     flat: &[Equation],
-    discrete: &mut Discrete,
+    discrete: &mut DiscreteEquations,
     r: &mut Rewriting<'_>,
 ) -> Vec<dae::Equation> {
     let mut equations = Vec::new();
-    let mut past = Past::default();
+    let mut pre = PreEquations::default();
     for equation in flat {
         let origin = &equation.origin;
         match &equation.kind {
             EquationKind::Equal(a, b) => {
-                equal(*a, *b, origin, discrete, &mut equations, &mut past, r);
+                equal(*a, *b, origin, discrete, &mut equations, &mut pre, r);
             }
             EquationKind::Algorithm { outputs, values } => {
                 for (v, value) in outputs.iter().zip(values) {
                     let lhs = r.graph.var(*v, r.variables[*v].ty);
-                    equal(lhs, *value, origin, discrete, &mut equations, &mut past, r);
+                    equal(lhs, *value, origin, discrete, &mut equations, &mut pre, r);
                 }
             }
             EquationKind::When(_) => r.problems.push(error::initial_when(origin)),
-            // Checked at the start anyway, together with all others.
+            // Added to the assertions of the model under the condition `initial()`.
             EquationKind::Assert(_) => {}
         }
     }
-    past.settle(r);
-    for (v, value) in past.moving {
-        with_past(v, value, discrete, r);
+    pre.resolve(r);
+    for (v, value) in pre.varying {
+        set_initial_pre(v, value, discrete, r);
     }
     equations
 }
 
-/// While `initial()`, `pre(v)` is what an initial equation with time or variables says.
-fn with_past(v: VarId, value: ExprId, discrete: &mut Discrete, r: &mut Rewriting<'_>) {
+/// Replaces `pre(v)` during initialisation by the value of an initial equation that depends on time or
+/// variables.
+fn set_initial_pre(
+    v: VarId,
+    value: ExprId,
+    discrete: &mut DiscreteEquations,
+    r: &mut Rewriting<'_>,
+) {
     let initial = r.graph.intern(Node::Initial, Type::Boolean);
     for d in &mut discrete.list {
         let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
@@ -53,23 +59,24 @@ fn with_past(v: VarId, value: ExprId, discrete: &mut Discrete, r: &mut Rewriting
     }
 }
 
-/// Initial equations between `pre` values, as `pre(a) = pre(b)`: one side takes what the other has.
+/// Initial equations between `pre` values, such as `pre(a) = pre(b)`: one side takes the value of the
+/// other.
 #[derive(Default)]
-struct Past {
-    /// Variables whose `pre` value other initial equations give.
+struct PreEquations {
+    /// Variables whose `pre` value is determined by other initial equations.
     given: FastSet<VarId>,
     open: Vec<(VarId, ExprId)>,
     /// Values that depend on time or on variables.
-    moving: Vec<(VarId, ExprId)>,
+    varying: Vec<(VarId, ExprId)>,
 }
 
-impl Past {
-    /// Gives values in an order in which each is known when it is read; where nothing else gives one,
-    /// the start of what is read counts.
-    fn settle(&mut self, r: &mut Rewriting<'_>) {
+impl PreEquations {
+    /// Assigns values in an order in which each is known before it is used; without another value,
+    /// the start value counts.
+    fn resolve(&mut self, r: &mut Rewriting<'_>) {
         while !self.open.is_empty() {
-            let known = |e: ExprId, past: &Past, r: &Rewriting<'_>| {
-                past_values(e, r).iter().all(|w| past.given.contains(w))
+            let known = |e: ExprId, pre: &PreEquations, r: &Rewriting<'_>| {
+                pre_variables(e, r).iter().all(|w| pre.given.contains(w))
             };
             let mut place = None;
             for (k, &(v, e)) in self.open.iter().enumerate() {
@@ -110,8 +117,8 @@ impl Past {
     }
 }
 
-/// The variables whose `pre` values stand in an expression.
-fn past_values(e: ExprId, r: &Rewriting<'_>) -> Vec<VarId> {
+/// The variables whose `pre` values occur in an expression.
+fn pre_variables(e: ExprId, r: &Rewriting<'_>) -> Vec<VarId> {
     let nodes = r.graph.postorder([e]);
     nodes
         .into_iter()
@@ -122,8 +129,8 @@ fn past_values(e: ExprId, r: &Rewriting<'_>) -> Vec<VarId> {
         .collect()
 }
 
-/// True if nothing but `pre` values and parameters stand in it.
-fn is_past(e: ExprId, r: &Rewriting<'_>) -> bool {
+/// True if the expression contains only `pre` values and parameters.
+fn is_pre_expression(e: ExprId, r: &Rewriting<'_>) -> bool {
     r.graph.postorder([e]).into_iter().all(|n| match r.graph.node(n) {
         Node::Var(v) => r.variables[v].kind == Kind::Parameter,
         Node::Pre(_) | Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,
@@ -131,40 +138,40 @@ fn is_past(e: ExprId, r: &Rewriting<'_>) -> bool {
     })
 }
 
-#[allow(clippy::too_many_arguments, reason = "what an equation may add to")]
+#[allow(clippy::too_many_arguments, reason = "the destinations of an equation")]
 fn equal(
     a: ExprId,
     b: ExprId,
     origin: &Origin,
-    discrete: &mut Discrete,
+    discrete: &mut DiscreteEquations,
     equations: &mut Vec<dae::Equation>,
-    past: &mut Past,
+    pre: &mut PreEquations,
     r: &mut Rewriting<'_>,
 ) {
-    let lhs = r.apply(a, Mode::Literal, origin);
-    let rhs = r.apply(b, Mode::Literal, origin);
+    let lhs = r.apply(a, RelationMode::Literal, origin);
+    let rhs = r.apply(b, RelationMode::Literal, origin);
     for (side, value) in [(lhs, rhs), (rhs, lhs)] {
-        let found = |e| match r.graph.node(e) {
+        let is_initial_parameter = |e| match r.graph.node(e) {
             Node::Var(w) => r.variables[w].kind == Kind::InitialParameter,
             _ => false,
         };
         match r.graph.node(side) {
-            // A variable that begins as it is told gives its value to a parameter that is to be found.
-            Node::Var(v) if r.variables[v].fixed == Some(true) && found(value) => {}
+            // A variable with a fixed start value determines a parameter with `fixed = false`.
+            Node::Var(v) if r.variables[v].fixed == Some(true) && is_initial_parameter(value) => {}
             Node::Var(v) if r.variables[v].kind == Kind::Discrete => {
                 return first_value(v, value, origin, discrete, r);
             }
             Node::Pre(v) if r.variability(value) <= Variability::Parameter => {
                 r.variables[v].start = Some(value);
-                past.given.insert(v);
+                pre.given.insert(v);
                 return;
             }
-            Node::Pre(v) if is_past(value, r) => {
-                past.open.push((v, value));
+            Node::Pre(v) if is_pre_expression(value, r) => {
+                pre.open.push((v, value));
                 return;
             }
             Node::Pre(v) if r.variables[v].kind == Kind::Discrete => {
-                past.moving.push((v, value));
+                pre.varying.push((v, value));
                 return;
             }
             _ => {}
@@ -183,7 +190,7 @@ fn first_value(
     v: VarId,
     value: ExprId,
     origin: &Origin,
-    discrete: &mut Discrete,
+    discrete: &mut DiscreteEquations,
     r: &mut Rewriting<'_>,
 ) {
     if r.variability(value) <= Variability::Parameter {

@@ -1,21 +1,21 @@
 //! Flat model to hybrid differential-algebraic system: Modelica 3.6, appendix B.
 //!
-//! In comes a [`FlatModel`], out goes a [`Dae`]: derivatives become variables of their own, aliases
-//! and constants are eliminated, relations are numbered, when-clauses become discrete equations with
-//! an activation, parameters are put in order. The work is near-linear in the size of the model:
-//! every expression is walked once.
+//! *In:* a [`FlatModel`]. *Out:* a [`Dae`]: derivatives become variables, aliases and constants are
+//! eliminated, relations are numbered, when-clauses become discrete equations with an activation
+//! condition, and parameters are sorted. The effort is near-linear in the size of the model: every
+//! expression is visited once.
 pub mod alias;
 pub mod classify;
 pub mod determined_by_initialization;
 pub mod discontinuous;
 pub mod error;
-pub mod event;
 #[cfg(test)]
 pub mod fixture;
 pub mod homotopy;
 pub mod initial;
 pub mod parameter;
 pub mod representative;
+pub mod rewriting;
 pub mod semilinear;
 pub mod variability;
 pub mod when;
@@ -28,24 +28,23 @@ use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::ir::dae::{self, Dae, DiscreteEquation, Kind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{Delay, EquationKind, FlatModel, Origin, Transport, Variability, Variable};
-use event::{Mode, Rewriting};
+use rewriting::{RelationMode, Rewriting};
 
-/// Lowers a flat model. Whatever is wrong with the model is added to `problems`; without errors
-/// there is a result.
+/// Lowers a flat model. Errors are added to `problems`; `None` if there are any.
 pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let errors_before = problems.error_count();
     determined_by_initialization::parameters(&mut flat);
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
-    let (classes, mut equal) = alias::search(&mut flat.graph, &variables, sections.equal);
+    let (classes, mut equal) = alias::find_aliases(&mut flat.graph, &variables, sections.equal);
     let replacement =
         representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
 
     let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
-    semilinear::join(&mut equal, &mut rewriting);
+    semilinear::merge_chains(&mut equal, &mut rewriting);
     let by_when = when::assigned(&sections.whens, &rewriting);
     let (equations, mut discrete) = split(equal, &by_when, &mut rewriting);
-    found_at_start(&flat.variables, &mut discrete, &mut rewriting);
+    hold_initial_values(&flat.variables, &mut discrete, &mut rewriting);
     let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);
     let mut asserts = actions.asserts;
     for (assert, origin) in &sections.asserts {
@@ -67,7 +66,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let delays = delays(&flat.delays, &mut rewriting);
     let transports = transports(flat.transports, &mut rewriting);
     discrete.list.append(&mut rewriting.jumps);
-    classify::one_equation_each(&discrete.list, &mut rewriting);
+    classify::check_discrete_equations(&discrete.list, &mut rewriting);
     let events = rewriting.finish();
 
     (problems.error_count() == errors_before).then(|| Dae {
@@ -91,15 +90,15 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     })
 }
 
-/// Truth values and whole numbers that initialisation finds, and that stay from then on.
-fn found_at_start(
+/// Adds equations that hold discrete parameters at the value determined by initialisation.
+fn hold_initial_values(
     flat: &IndexVec<VarId, Variable>,
-    discrete: &mut Discrete,
+    discrete: &mut DiscreteEquations,
     r: &mut Rewriting<'_>,
 ) {
     for (id, v) in flat.enumerate() {
         let Some(own) = r.representative(id).map(|s| s.variable) else { continue };
-        if classify::is_found_at_start(v)
+        if classify::is_determined_by_initialization(v)
             && r.variables[own].kind == Kind::Discrete
             && !discrete.of.contains_key(&own)
         {
@@ -109,24 +108,24 @@ fn found_at_start(
     }
 }
 
-/// What is delayed, and by how much.
+/// The delayed variables with their delay times.
 fn delays(flat: &[Delay], r: &mut Rewriting<'_>) -> Vec<(VarId, ExprId)> {
     let mut list = Vec::with_capacity(flat.len());
     for delay in flat {
         let origin = Origin { span: delay.span, component: "".into() };
-        let time = r.apply(delay.time, Mode::Literal, &origin);
+        let time = r.apply(delay.time, RelationMode::Literal, &origin);
         list.push((delay.variable, r.graph.as_real(time)));
     }
     list
 }
 
-/// Lines along which something is carried.
+/// The transport lines of `spatialDistribution` with rewritten initial values.
 fn transports(mut all: Vec<Transport>, r: &mut Rewriting<'_>) -> Vec<Transport> {
     for line in &mut all {
         let origin = Origin { span: line.span, component: "".into() };
         for (place, value) in &mut line.initial {
             for e in [place, value] {
-                *e = r.apply(*e, Mode::Literal, &origin);
+                *e = r.apply(*e, RelationMode::Literal, &origin);
                 if r.variability(*e) > Variability::Parameter {
                     r.problems.push(error::varying_distribution(&origin));
                 }
@@ -137,26 +136,26 @@ fn transports(mut all: Vec<Transport>, r: &mut Rewriting<'_>) -> Vec<Transport> 
     all
 }
 
-/// An equation `lhs = rhs` on its way.
+/// An equation `lhs = rhs` that is being lowered.
 pub struct Equal {
-    /// Left side.
+    /// Left-hand side.
     pub lhs: ExprId,
-    /// Right side.
+    /// Right-hand side.
     pub rhs: ExprId,
-    /// Where it comes from.
+    /// The source of the equation.
     pub origin: Origin,
 }
 
-/// Discrete equations and where each variable has its own.
+/// Discrete equations with an index by variable.
 #[derive(Default)]
-pub struct Discrete {
-    /// In order of appearance.
+pub struct DiscreteEquations {
+    /// The equations in order of appearance.
     pub list: Vec<DiscreteEquation>,
-    /// The equation of each variable.
+    /// The position of the equation of each variable.
     pub of: FastMap<VarId, usize>,
 }
 
-impl Discrete {
+impl DiscreteEquations {
     /// Adds `variable := value`; a second equation for one variable is an error.
     pub fn push(&mut self, variable: VarId, value: ExprId, origin: Origin, r: &mut Rewriting<'_>) {
         if let Some(&first) = self.of.get(&variable) {
@@ -169,17 +168,17 @@ impl Discrete {
     }
 }
 
-/// Continuous equations go one way, discrete ones, in assigned form, the other.
+/// Splits equations into continuous ones and discrete ones, the latter in assigned form.
 fn split(
     equal: Vec<Equal>,
     by_when: &FastSet<VarId>,
     r: &mut Rewriting<'_>,
-) -> (IndexVec<dae::EqId, dae::Equation>, Discrete) {
+) -> (IndexVec<dae::EqId, dae::Equation>, DiscreteEquations) {
     let mut continuous = IndexVec::new();
-    let mut discrete = Discrete::default();
+    let mut discrete = DiscreteEquations::default();
     for Equal { lhs, rhs, origin } in equal {
-        let lhs = r.apply(lhs, Mode::Events, &origin);
-        let rhs = r.apply(rhs, Mode::Events, &origin);
+        let lhs = r.apply(lhs, RelationMode::Events, &origin);
+        let rhs = r.apply(rhs, RelationMode::Events, &origin);
         let is_real = r.graph.common_type(lhs, rhs) == Type::Real;
         if !(is_real && r.variability(lhs).max(r.variability(rhs)) == Variability::Continuous) {
             let taken = |v| by_when.contains(&v) || discrete.of.contains_key(&v);
@@ -199,8 +198,8 @@ fn split(
     (continuous, discrete)
 }
 
-/// `v := value` from an equation with a discrete variable, perhaps negated, alone on one side. If
-/// both sides are such, the one that has no equation yet.
+/// `v := value` from an equation with a discrete variable, possibly negated, alone on one side. If
+/// both sides qualify, the variable without an equation is chosen.
 fn assigned_form(
     lhs: ExprId,
     rhs: ExprId,

@@ -1,8 +1,8 @@
-//! Values of constants and parameters, in an order in which each reads only earlier ones.
+//! Sorts the values of constants and parameters so that each depends only on earlier ones.
 
 use super::classify::declaration_origin;
 use super::error;
-use super::event::{Mode, Rewriting};
+use super::rewriting::{RelationMode, Rewriting};
 use crate::base::index::{FastMap, IndexVec};
 use crate::graph::scc;
 use crate::ir::dae::{self, Kind};
@@ -12,23 +12,23 @@ use crate::symbolic::rewrite::Rewriter;
 
 crate::define_id! {
     /// A parameter with a value, in order of declaration.
-    struct Place
+    struct ParameterPosition
 }
 
-/// The parameters with their values in order of evaluation. One that depends on a parameter with
-/// `fixed = false` is determined by initialisation too: its value becomes an initial equation.
+/// The parameters with their values in order of evaluation. A parameter that depends on one with
+/// `fixed = false` is determined by initialisation, too: its value becomes an initial equation.
 pub fn ordered(
     flat: &IndexVec<VarId, Variable>,
     initial: &mut Vec<dae::Equation>,
     r: &mut Rewriting<'_>,
 ) -> Vec<(VarId, ExprId)> {
     let values = values(flat, r);
-    let place: FastMap<VarId, Place> =
-        values.iter().enumerate().map(|(i, (v, _))| (*v, Place(i as u32))).collect();
+    let position: FastMap<VarId, ParameterPosition> =
+        values.iter().enumerate().map(|(i, (v, _))| (*v, ParameterPosition(i as u32))).collect();
     let reads: Vec<Vec<VarId>> = values.iter().map(|(_, e)| r.graph.variables(*e)).collect();
     let needs = reads.iter().enumerate().flat_map(|(i, read)| {
-        let place = &place;
-        read.iter().filter_map(move |v| Some((Place(i as u32), *place.get(v)?)))
+        let position = &position;
+        read.iter().filter_map(move |v| Some((ParameterPosition(i as u32), *position.get(v)?)))
     });
     let order = match scc::topological_order(values.len(), needs) {
         Ok(order) => order,
@@ -40,11 +40,11 @@ pub fn ordered(
         }
     };
     let mut list = Vec::with_capacity(values.len());
-    let mut known = Known::default();
-    for place in order {
-        let (v, value) = values[place.0 as usize];
+    let mut known = KnownValues::default();
+    for position in order {
+        let (v, value) = values[position.0 as usize];
         let is_initial = |v: &VarId| r.variables[*v].kind == Kind::InitialParameter;
-        if reads[place.0 as usize].iter().any(is_initial) {
+        if reads[position.0 as usize].iter().any(is_initial) {
             r.variables[v].kind = Kind::InitialParameter;
             r.variables[v].start = None;
             let lhs = r.graph.var(v, flat[v].ty);
@@ -59,14 +59,14 @@ pub fn ordered(
     list
 }
 
-/// Values of parameters as the text gives them.
+/// The values of parameters that are known at compile time.
 #[derive(Default)]
-struct Known {
+struct KnownValues {
     values: FastMap<VarId, ExprId>,
 }
 
-impl Known {
-    /// Notes the value of a parameter whose own parameters are known, and tells whether it is 0.
+impl KnownValues {
+    /// Records the value of a parameter if it can be evaluated; returns whether it is 0.
     fn vanishes(&mut self, v: VarId, value: ExprId, r: &mut Rewriting<'_>) -> bool {
         let values = &self.values;
         let known = Rewriter::new().apply(r.graph, value, &mut |g, n| match g.node(n) {
@@ -81,7 +81,7 @@ impl Known {
     }
 
     /// True for the literal 0, a parameter that vanishes, products with one, and for sines and cosines
-    /// at what comes as near to their zeros as a number can.
+    /// whose argument is a zero up to rounding.
     fn is_zero_by_form(&self, value: ExprId, r: &Rewriting<'_>) -> bool {
         match r.graph.node(value) {
             Node::Const(c) => c.number() == Some(0.0),
@@ -122,7 +122,7 @@ fn values(flat: &IndexVec<VarId, Variable>, r: &mut Rewriting<'_>) -> Vec<(VarId
                 continue;
             }
         };
-        let value = r.apply(value, Mode::Literal, &declaration_origin(v));
+        let value = r.apply(value, RelationMode::Literal, &declaration_origin(v));
         if r.variability(value) > Variability::Parameter {
             let culprit = r.graph.variables(value).into_iter().find(|w| {
                 !matches!(r.variables[*w].kind, Kind::Parameter | Kind::InitialParameter)

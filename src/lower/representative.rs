@@ -1,6 +1,6 @@
-//! One variable for each class of equal variables, and the variables of derivatives.
+//! Chooses the representative of each class of equal variables, and adds the variables of derivatives.
 
-use super::alias::{Classes, Signed};
+use super::alias::{AliasClasses, Signed};
 use super::error;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
@@ -8,7 +8,7 @@ use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, VarId};
 use crate::ir::flat::StateSelect;
 
-/// What stands for a variable.
+/// The replacement of a variable.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Replacement {
     /// The variable itself: it is kept.
@@ -20,20 +20,20 @@ pub enum Replacement {
 }
 
 /// Chooses the representatives, gives every differentiated one a derivative variable, and merges
-/// attributes. `roots` are all expressions in use: they tell what is differentiated.
+/// attributes. `roots` are all expressions in use, which determine the differentiated variables.
 pub fn choose(
     graph: &mut Graph,
     variables: &mut IndexVec<VarId, Variable>,
-    mut classes: Classes,
+    mut classes: AliasClasses,
     roots: &[ExprId],
     problems: &mut Problems,
 ) -> IndexVec<VarId, Replacement> {
     let mut differentiated = FastSet::default();
-    let mut wishes = IndexVec::filled(false, variables.len());
+    let mut written_under_der = IndexVec::filled(false, variables.len());
     for e in graph.postorder(roots.iter().copied()) {
         if let Node::Der(v) = graph.node(e) {
             differentiated.insert(classes.union.find(v).variable);
-            wishes[v] = true;
+            written_under_der[v] = true;
         }
     }
     let mut members: Vec<(VarId, Signed)> = Vec::with_capacity(variables.len());
@@ -45,7 +45,8 @@ pub fn choose(
     }
     members.sort_by_key(|(root, member)| (*root, member.variable));
     let replacement = IndexVec::filled(Replacement::Kept, variables.len());
-    let mut choice = Choice { graph, variables, problems, wishes, replacement };
+    let mut choice =
+        RepresentativeChoice { graph, variables, problems, written_under_der, replacement };
     let of_class = |root: VarId| {
         let start = members.partition_point(|(r, _)| *r < root);
         let end = members.partition_point(|(r, _)| *r <= root);
@@ -55,16 +56,16 @@ pub fn choose(
         let root = class[0].0;
         if let Some(&value) = classes.value.get(&root) {
             choice.replace_by_value(value, of_class(root));
-        } else if !classes.is_name.contains(&root) {
-            // From a variable to the name of its derivative, to the name of that one's...
+        } else if !classes.is_derivative_name.contains(&root) {
+            // From a variable to the name of its derivative, to that of its second derivative...
             let mut next = Some((root, None));
             while let Some((root, integral)) = next {
                 let chosen = choice.represent(of_class(root), integral);
-                next = classes.named.get(&root).map(|name| {
+                next = classes.derivative_name.get(&root).map(|name| {
                     let negative = name.negative ^ chosen.negative;
                     (name.variable, Some(Integral { variable: chosen.variable, negative }))
                 });
-                // Inputs are held and discrete variables change at events only.
+                // Inputs are constant and discrete variables change only at events.
                 let varies = choice.variables[chosen.variable].kind == Kind::Algebraic;
                 if next.is_none() && varies && differentiated.contains(&root) {
                     choice.add_derivative(chosen.variable, Kind::Algebraic);
@@ -75,23 +76,23 @@ pub fn choose(
     choice.replacement
 }
 
-/// What a class is the derivative of: `der(variable)` is the root of the class or its negative.
+/// The variable that a class differentiates: `der(variable)` is the root of the class or its negative.
 #[derive(Clone, Copy)]
 struct Integral {
     variable: VarId,
     negative: bool,
 }
 
-struct Choice<'a> {
+struct RepresentativeChoice<'a> {
     graph: &'a mut Graph,
     variables: &'a mut IndexVec<VarId, Variable>,
     problems: &'a mut Problems,
     /// Variables written under `der`.
-    wishes: IndexVec<VarId, bool>,
+    written_under_der: IndexVec<VarId, bool>,
     replacement: IndexVec<VarId, Replacement>,
 }
 
-impl Choice<'_> {
+impl RepresentativeChoice<'_> {
     fn replace_by_value(&mut self, value: ExprId, members: impl Iterator<Item = Signed>) {
         for member in members {
             let value = if member.negative { self.graph.neg(value) } else { value };
@@ -101,8 +102,8 @@ impl Choice<'_> {
     }
 
     /// Chooses the representative, replaces the others by it, and returns it with its sign relative
-    /// to the root. A derivative must be represented with its own sign: if only negatives have
-    /// names, it gets a variable of its own.
+    /// to the root. A derivative needs a representative with positive sign: if only its negative has
+    /// names, it gets a new variable.
     fn represent(
         &mut self,
         members: impl Iterator<Item = Signed> + Clone,
@@ -126,7 +127,7 @@ impl Choice<'_> {
                 let variable = self.add_derivative(of.variable, Kind::Algebraic);
                 Signed { variable, negative: of.negative }
             }
-            // A class has members.
+            // Unreachable: every class has members.
             (None, None) => return Signed { variable: VarId(0), negative: false },
         };
         let relative: Vec<Signed> = members
@@ -144,15 +145,15 @@ impl Choice<'_> {
         chosen
     }
 
-    /// The more, the better as representative: what the modeller wants as a state, what is written
-    /// under `der`, what has a fixed start, then names near the top of the model.
+    /// The suitability as representative: preferred states first, then variables that occur under
+    /// `der`, variables with a fixed start, and names near the top of the model.
     fn rank(&self, v: VarId) -> impl Ord + use<> {
         use std::cmp::Reverse;
         let variable = &self.variables[v];
         (
             variable.kind == Kind::Input,
             variable.state_select,
-            self.wishes[v],
+            self.written_under_der[v],
             variable.fixed == Some(true),
             !variable.protected,
             Reverse(variable.name.bytes().filter(|b| *b == b'.').count()),
@@ -170,7 +171,7 @@ impl Choice<'_> {
         id
     }
 
-    /// Gives the representative what the others say about it.
+    /// Merges the attributes of all members into the representative.
     fn merge(&mut self, chosen: VarId, others: &[Signed]) {
         let own = Signed { variable: chosen, negative: false };
         let all = || std::iter::once(own).chain(others.iter().copied());
@@ -199,7 +200,7 @@ impl Choice<'_> {
         v.unit = unit.unwrap_or(v.unit);
     }
 
-    /// A fixed start counts more than a guess, the representative's more than another's. Fixed
+    /// A fixed start takes precedence over a guess, and the representative's over another one. Fixed
     /// starts must agree.
     fn merge_start(&mut self, chosen: VarId, all: impl Iterator<Item = Signed> + Clone) {
         let mut fixed: Option<(VarId, ExprId)> = None;

@@ -1,16 +1,16 @@
-//! Chains of `semiLinear` that share a flow, and flows that rest: Modelica 3.6, section 3.7.4.1.
+//! Chains of `semiLinear` that share a flow, and zero flows (Modelica 3.6, section 3.7.4.5).
 //!
-//! `y = semiLinear(x, a, s)` and `y = semiLinear(x, s, b)` do not determine `s` where `x` is 0. They
-//! say the same as `s = if x >= 0 then a else b` and `y = semiLinear(x, a, b)`, which do.
+//! `y = semiLinear(x, a, s)` and `y = semiLinear(x, s, b)` do not determine `s` if `x` is 0. They are
+//! equivalent to `s = if x >= 0 then a else b` and `y = semiLinear(x, a, b)`, which do.
 
 use super::Equal;
 use super::alias::Signed;
-use super::event::Rewriting;
+use super::rewriting::Rewriting;
 use crate::ir::expr::{Binary, ExprId, Node, Unary, VarId};
 
 /// `y = ±semiLinear(x, positive, negative)`, in representatives.
-struct Law {
-    /// Its equation.
+struct SemiLinearEquation {
+    /// The position of the equation.
     place: usize,
     y: VarId,
     x: VarId,
@@ -19,13 +19,13 @@ struct Law {
     negative: ExprId,
 }
 
-/// Joins chains; as many equations go out as come in.
-pub fn join(equations: &mut [Equal], r: &mut Rewriting<'_>) {
-    rest(equations, r);
-    let mut laws: Vec<Law> =
-        (0..equations.len()).filter_map(|k| law(&equations[k], k, r)).collect();
-    while let Some((first, second)) = neighbours(&laws, r) {
-        let (e, f) = (&laws[first], &laws[second]);
+/// Merges chains; the number of equations does not change.
+pub fn merge_chains(equations: &mut [Equal], r: &mut Rewriting<'_>) {
+    resolve_zero_flow(equations, r);
+    let mut found: Vec<SemiLinearEquation> =
+        (0..equations.len()).filter_map(|k| semi_linear_equation(&equations[k], k, r)).collect();
+    while let Some((first, second)) = adjacent(&found, r) {
+        let (e, f) = (&found[first], &found[second]);
         let (a, s, b) = (e.positive, e.negative, f.negative);
         let x = r.graph.var(e.x, r.variables[e.x].ty);
         let y = r.graph.var(e.y, r.variables[e.y].ty);
@@ -40,15 +40,15 @@ pub fn join(equations: &mut [Equal], r: &mut Rewriting<'_>) {
         let between = r.graph.if_then_else(forward, a, b);
         (equations[e.place].lhs, equations[e.place].rhs) = (s, between);
         (equations[f.place].lhs, equations[f.place].rhs) = (y, joined);
-        let law = Law { positive: a, ..laws.remove(second) };
+        let semi_linear_equation = SemiLinearEquation { positive: a, ..found.remove(second) };
         let at = if second < first { first - 1 } else { first };
-        laws[at] = law;
+        found[at] = semi_linear_equation;
     }
 }
 
-/// Where nothing flows, `x = 0`, `y = 0` and `y = semiLinear(x, a, b)` leave `a` or `b` open: `a = b` is said in
-/// place of the last.
-fn rest(equations: &mut [Equal], r: &Rewriting<'_>) {
+/// Without a flow, `x = 0`, `y = 0` and `y = semiLinear(x, a, b)` leave `a` or `b` undetermined:
+/// replaces the last equation by `a = b`.
+fn resolve_zero_flow(equations: &mut [Equal], r: &Rewriting<'_>) {
     let is_zero = |e: ExprId| match r.graph.node(e) {
         Node::Var(v) => r.is_zero(v),
         Node::Unary(Unary::Neg, a) => matches!(r.graph.node(a), Node::Var(v) if r.is_zero(v)),
@@ -67,16 +67,17 @@ fn rest(equations: &mut [Equal], r: &Rewriting<'_>) {
     }
 }
 
-/// Two laws of one `y` and one `x` of which the first ends where the second begins.
-fn neighbours(laws: &[Law], r: &Rewriting<'_>) -> Option<(usize, usize)> {
-    for (i, e) in laws.iter().enumerate() {
+/// Two equations with the same `y` and `x` where the first ends with the value that the second starts
+/// with.
+fn adjacent(found: &[SemiLinearEquation], r: &Rewriting<'_>) -> Option<(usize, usize)> {
+    for (i, e) in found.iter().enumerate() {
         let Some(s) = signed(e.negative, r) else { continue };
-        let same = |f: &Law| (f.y, f.x, f.opposite) == (e.y, e.x, e.opposite);
-        let found = laws
+        let same = |f: &SemiLinearEquation| (f.y, f.x, f.opposite) == (e.y, e.x, e.opposite);
+        let found = found
             .iter()
             .enumerate()
             .find(|(j, f)| *j != i && same(f) && signed(f.positive, r) == Some(s));
-        // What comes back to its beginning is no chain.
+        // A closed loop is not a chain.
         if let Some((j, f)) = found
             && signed(f.negative, r) != Some(s)
             && signed(e.positive, r) != Some(s)
@@ -87,7 +88,11 @@ fn neighbours(laws: &[Law], r: &Rewriting<'_>) -> Option<(usize, usize)> {
     None
 }
 
-fn law(equation: &Equal, place: usize, r: &Rewriting<'_>) -> Option<Law> {
+fn semi_linear_equation(
+    equation: &Equal,
+    place: usize,
+    r: &Rewriting<'_>,
+) -> Option<SemiLinearEquation> {
     [(equation.lhs, equation.rhs), (equation.rhs, equation.lhs)].into_iter().find_map(
         |(side, other)| {
             let y = signed(side, r)?;
@@ -97,12 +102,19 @@ fn law(equation: &Equal, place: usize, r: &Rewriting<'_>) -> Option<Law> {
                 std::mem::swap(&mut positive, &mut negative);
             }
             let opposite = y.negative ^ x.negative;
-            Some(Law { place, y: y.variable, x: x.variable, opposite, positive, negative })
+            Some(SemiLinearEquation {
+                place,
+                y: y.variable,
+                x: x.variable,
+                opposite,
+                positive,
+                negative,
+            })
         },
     )
 }
 
-/// As [`parts`], where x is a variable.
+/// Like [`parts`], where x is a variable.
 fn semi_linear(e: ExprId, r: &Rewriting<'_>) -> Option<(Signed, ExprId, ExprId)> {
     let (x, p, n) = parts(e, r)?;
     Some((signed(x, r)?, p, n))

@@ -1,4 +1,4 @@
-//! Small models against what appendix B of the specification says of them.
+//! Small models against the equations of appendix B of the Modelica specification.
 
 use super::fixture::model;
 use super::lower;
@@ -97,7 +97,7 @@ fn a_named_derivative_is_the_derivative() {
         a = der(v);
         a = -s;",
     );
-    // s = -a takes a into the class of s, so its name for der(v) is no name but an equation.
+    // s = -a puts a into the class of s, so `a = der(v)` remains an equation.
     let s = find(&dae, "s");
     let v = find(&dae, "v");
     assert_eq!(dae.variables[s].kind, Kind::Differentiated { derivative: v });
@@ -172,7 +172,7 @@ fn problems_with_parameters() {
 }
 
 #[test]
-fn equal_variables_can_not_start_at_different_values() {
+fn equal_variables_cannot_start_at_different_values() {
     let text = "Real a(start = 1, fixed = true);
         Real b(start = 2, fixed = true);
         equation
@@ -210,7 +210,7 @@ fn relations_are_shared_with_their_negation_and_classified() {
 }
 
 #[test]
-fn what_makes_no_sense_as_an_event_is_refused() {
+fn invalid_events_are_rejected() {
     let x = "Real x;\nReal y;\nequation\nder(x) = 1;\n";
     assert_eq!(codes(&format!("{x}y = if x == 1 then 2 else 3;")), ["MO0309"]);
     assert_eq!(codes(&format!("{x}y = noEvent(floor(x));")), Vec::<&str>::new());

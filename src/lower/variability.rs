@@ -1,20 +1,20 @@
-//! How fast an expression may change: Modelica 3.6, section 3.8.
+//! Variability of expressions (Modelica 3.6, section 3.8).
 
 use crate::base::index::{Id, IndexVec};
 use crate::ir::dae::{Kind, Variable};
 use crate::ir::expr::{ExprId, Graph, Node, VarId};
 use crate::ir::flat::Variability;
 
-/// The variability of every expression of a graph, computed as far as asked for. Operands always
-/// have lower numbers than their users, so one pass in order is enough, whatever the depth.
+/// The variability of the expressions of a graph, computed on demand. Operands always have lower
+/// numbers than their users, so one pass in order suffices for any depth.
 #[derive(Default)]
 pub struct Variabilities {
     known: IndexVec<ExprId, Variability>,
 }
 
 impl Variabilities {
-    /// The variability of `e`. Relations written as operators are as variable as their operands;
-    /// numbered ones change at events only.
+    /// The variability of `e`. Relations that are operators have the variability of their operands;
+    /// numbered ones change only at events.
     pub fn of(
         &mut self,
         graph: &Graph,
@@ -24,7 +24,7 @@ impl Variabilities {
         while self.known.len() <= e.idx() {
             let next = self.known.next_id();
             let variability = match graph.node(next) {
-                // Symbols that stood for locals of loops are no variables of the model.
+                // Placeholders for locals of loops are not variables of the model.
                 Node::Var(v) => variables.get(v).map_or(Variability::Continuous, of_variable),
                 Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
                 Node::Pre(_)
@@ -44,7 +44,7 @@ impl Variabilities {
     }
 }
 
-/// The variability of a variable by its kind. An input is held at its start value.
+/// The variability of a variable by its kind. An input keeps its start value.
 pub fn of_variable(variable: &Variable) -> Variability {
     match variable.kind {
         Kind::Parameter | Kind::InitialParameter => Variability::Parameter,

@@ -1,24 +1,24 @@
-//! When-clauses as discrete equations: Modelica 3.6, section 8.3.5.
+//! When-clauses as discrete equations (Modelica 3.6, section 8.3.5).
 //!
 //! Each condition gets a flag, `$whenK := condition`. A branch is active in the event iteration in
 //! which one of its flags has just become true, unless an earlier branch is; during initialisation
 //! it is active exactly if `initial()` is one of its conditions.
 
-use super::event::{Mode, Rewriting};
-use super::{Discrete, error};
+use super::rewriting::{RelationMode, Rewriting};
+use super::{DiscreteEquations, error};
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::dae::{GuardedAssert, Kind, Reinit, Terminate};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{Action, Assert, Origin, WhenBranch};
 
-/// What when-clauses do besides assigning variables.
+/// The actions of when-clauses other than assignments.
 #[derive(Default)]
-pub struct Actions {
-    /// In order.
+pub struct WhenActions {
+    /// `reinit` in order.
     pub reinits: Vec<Reinit>,
-    /// In order.
+    /// Assertions in order.
     pub asserts: Vec<GuardedAssert>,
-    /// In order.
+    /// `terminate` in order.
     pub terminates: Vec<Terminate>,
 }
 
@@ -32,13 +32,13 @@ pub fn assigned(whens: &[(Vec<WhenBranch>, Origin)], r: &Rewriting<'_>) -> FastS
     assigned.collect()
 }
 
-/// Lowers all when-clauses; assignments go to `discrete`.
+/// Lowers all when-clauses; assignments are added to `discrete`.
 pub fn lower(
     whens: &[(Vec<WhenBranch>, Origin)],
-    discrete: &mut Discrete,
+    discrete: &mut DiscreteEquations,
     r: &mut Rewriting<'_>,
-) -> Actions {
-    let mut actions = Actions::default();
+) -> WhenActions {
+    let mut actions = WhenActions::default();
     let mut flags = 0;
     for (branches, origin) in whens {
         let mut earlier: Option<ExprId> = None;
@@ -60,7 +60,7 @@ pub fn lower(
             for action in &branch.actions {
                 match action {
                     Action::Assign(v, value) => assignments.add(*v, active, *value, origin, r),
-                    other => perform(other, active, origin, &mut actions, r),
+                    other => lower_action(other, active, origin, &mut actions, r),
                 }
             }
         }
@@ -75,15 +75,15 @@ pub fn lower(
     actions
 }
 
-/// An assertion, with its message rewritten too.
+/// An assertion with its activation, both condition and message rewritten.
 pub fn guarded(
     active: Option<ExprId>,
     assert: &Assert,
     origin: &Origin,
     r: &mut Rewriting<'_>,
 ) -> GuardedAssert {
-    let condition = r.apply(assert.condition, Mode::Literal, origin);
-    let message = r.apply(assert.message, Mode::Literal, origin);
+    let condition = r.apply(assert.condition, RelationMode::Literal, origin);
+    let message = r.apply(assert.message, RelationMode::Literal, origin);
     let assert = Assert { condition, message, level: assert.level };
     GuardedAssert { active, assert, origin: origin.clone() }
 }
@@ -109,7 +109,7 @@ impl Assignments {
         origin: &Origin,
         r: &mut Rewriting<'_>,
     ) {
-        let value = r.apply(value, Mode::Literal, origin);
+        let value = r.apply(value, RelationMode::Literal, origin);
         let Some(signed) = r.representative(v) else { return };
         let variable = signed.variable;
         if !self.in_branch.insert(variable) {
@@ -130,15 +130,15 @@ fn activation(
     conditions: &[ExprId],
     flags: &mut usize,
     origin: &Origin,
-    discrete: &mut Discrete,
+    discrete: &mut DiscreteEquations,
     r: &mut Rewriting<'_>,
 ) -> ExprId {
     let initial = r.graph.intern(Node::Initial, Type::Boolean);
     let mut edges = r.graph.boolean(false);
     let mut at_start = false;
     for &written in conditions {
-        let condition = r.apply(written, Mode::Events, origin);
-        // What a function makes of `initial()` is a condition like any (section 8.6).
+        let condition = r.apply(written, RelationMode::Events, origin);
+        // `initial()` wrapped by a function is an ordinary condition (Modelica 3.6, section 8.6).
         if condition == initial && !matches!(r.graph.node(written), Node::NoEvent(_)) {
             at_start = true;
             continue;
@@ -159,17 +159,17 @@ fn activation(
     r.graph.and(running, edges)
 }
 
-fn perform(
+fn lower_action(
     action: &Action,
     active: ExprId,
     origin: &Origin,
-    actions: &mut Actions,
+    actions: &mut WhenActions,
     r: &mut Rewriting<'_>,
 ) {
     match action {
         Action::Assign(..) => {}
         Action::Reinit { state, value, guard } => {
-            let value = r.apply(*value, Mode::Literal, origin);
+            let value = r.apply(*value, RelationMode::Literal, origin);
             let is_state = |v: VarId| matches!(r.variables[v].kind, Kind::Differentiated { .. });
             let Some(signed) = r.representative(*state).filter(|s| is_state(s.variable)) else {
                 r.problems.push(error::reinit_of_no_state(&r.variables[*state], origin));
@@ -178,7 +178,7 @@ fn perform(
             let value = if signed.negative { r.graph.neg(value) } else { value };
             let mut active = active;
             if let Some(guard) = guard {
-                let guard = r.apply(*guard, Mode::Literal, origin);
+                let guard = r.apply(*guard, RelationMode::Literal, origin);
                 active = r.graph.and(active, guard);
             }
             let origin = origin.clone();
@@ -186,7 +186,7 @@ fn perform(
         }
         Action::Assert(assert) => actions.asserts.push(guarded(Some(active), assert, origin, r)),
         Action::Terminate(message) => {
-            let message = r.apply(*message, Mode::Literal, origin);
+            let message = r.apply(*message, RelationMode::Literal, origin);
             actions.terminates.push(Terminate { active, message, origin: origin.clone() });
         }
     }

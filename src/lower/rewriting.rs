@@ -1,5 +1,5 @@
-//! Expressions of the flat model in terms of the system: eliminated variables replaced, derivatives
-//! as variables, relations numbered, `sample` as flags, `noEvent` and `smooth` removed.
+//! Rewrites the expressions of the flat model: replaces eliminated variables, turns derivatives into
+//! variables and `sample` into flags, numbers relations, and removes `noEvent` and `smooth`.
 
 use super::alias::Signed;
 use super::discontinuous::Rounding;
@@ -15,17 +15,17 @@ use crate::ir::flat::{Origin, Variability};
 use crate::symbolic::gradient::Leaf;
 use crate::symbolic::linear;
 
-/// Whether relations make events.
+/// Whether relations generate events.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Mode {
-    /// They do: equations, conditions of when-clauses.
+pub enum RelationMode {
+    /// They do: in equations and in the conditions of when-clauses.
     Events,
-    /// They stay operators: below `noEvent` and `smooth`, where an expression is evaluated at events
-    /// only (bodies of when-clauses, initial equations), in assertions, and in attributes.
+    /// They remain operators: below `noEvent` and `smooth`, in expressions that are only evaluated at
+    /// events (bodies of when-clauses, initial equations), in assertions, and in attributes.
     Literal,
 }
 
-/// What the rewriting collected.
+/// The relations and clocks that the rewriting has collected.
 pub struct Events {
     /// Numbered relations.
     pub relations: Vec<Relation>,
@@ -39,23 +39,23 @@ pub struct Rewriting<'a> {
     pub graph: &'a mut Graph,
     /// All variables.
     pub variables: &'a mut IndexVec<VarId, Variable>,
-    /// What is wrong with the model.
+    /// Errors of the model.
     pub problems: &'a mut Problems,
     replacement: IndexVec<VarId, Replacement>,
     variability: Variabilities,
-    done: FastMap<(ExprId, Mode), ExprId>,
+    done: FastMap<(ExprId, RelationMode), ExprId>,
     relations: Vec<Relation>,
-    /// Relations as `a < b`: its number, and whether the stored one is the negation.
+    /// The number of each relation, by its form `a < b`, and whether the stored one is its negation.
     relation_ids: FastMap<(ExprId, ExprId), (u32, bool)>,
     samples: Vec<Sample>,
     sample_ids: FastMap<(ExprId, ExprId), VarId>,
-    /// Equations of the whole numbers in functions that jump, see [`super::discontinuous`].
+    /// Equations of the rounded values in event-triggering functions, see [`super::discontinuous`].
     pub(super) jumps: Vec<DiscreteEquation>,
     pub(super) jump_ids: FastMap<(ExprId, Rounding, Type), VarId>,
 }
 
 impl<'a> Rewriting<'a> {
-    /// Nothing rewritten yet.
+    /// A rewriting that has not processed any expression.
     pub fn new(
         graph: &'a mut Graph,
         variables: &'a mut IndexVec<VarId, Variable>,
@@ -78,7 +78,7 @@ impl<'a> Rewriting<'a> {
         }
     }
 
-    /// Relations and clocks found.
+    /// The relations and clocks.
     pub fn finish(self) -> Events {
         Events { relations: self.relations, samples: self.samples }
     }
@@ -93,7 +93,7 @@ impl<'a> Rewriting<'a> {
         self.variability.of(self.graph, self.variables, e)
     }
 
-    /// The variable that stands for `v`, if one does.
+    /// The variable that represents `v`; `None` if it has been replaced by a value.
     pub fn representative(&self, v: VarId) -> Option<Signed> {
         match self.replacement.get(v) {
             Some(Replacement::Alias(s)) => Some(*s),
@@ -102,7 +102,7 @@ impl<'a> Rewriting<'a> {
         }
     }
 
-    /// True if the variable is 0, whatever the parameters.
+    /// True if the variable is 0 for all values of the parameters.
     pub fn is_zero(&self, v: VarId) -> bool {
         let value = match self.replacement.get(v) {
             Some(Replacement::Value(value)) => Some(*value),
@@ -115,7 +115,7 @@ impl<'a> Rewriting<'a> {
         value.is_some_and(|e| self.graph.as_number(e) == Some(0.0))
     }
 
-    /// Adds a discrete Boolean that the user does not see.
+    /// Adds a discrete Boolean that is hidden from the user.
     pub fn add_flag(&mut self, name: String, span: Span) -> VarId {
         let flag = Variable::new(name, Type::Boolean, Kind::Discrete, span);
         self.variables.push(Variable { hidden: true, ..flag })
@@ -127,7 +127,7 @@ impl<'a> Rewriting<'a> {
             let origin = Origin { span: self.variables[id].span, component: "".into() };
             let v = &self.variables[id];
             let [start, min, max, nominal] = [v.start, v.min, v.max, v.nominal]
-                .map(|e| e.map(|e| self.apply(e, Mode::Literal, &origin)));
+                .map(|e| e.map(|e| self.apply(e, RelationMode::Literal, &origin)));
             let is_real = self.variables[id].ty == Type::Real;
             let [start, min, max, nominal] = [start, min, max, nominal]
                 .map(|e| e.map(|e| if is_real { self.graph.as_real(e) } else { e }));
@@ -136,7 +136,7 @@ impl<'a> Rewriting<'a> {
         }
     }
 
-    /// The eliminated variables with what they equal.
+    /// The eliminated variables with the expressions that they equal.
     pub fn eliminated(&mut self) -> Vec<(VarId, ExprId)> {
         let mut list = Vec::new();
         for v in self.variables.ids() {
@@ -145,7 +145,7 @@ impl<'a> Rewriting<'a> {
                 Some(Replacement::Alias(s)) => self.read(*s),
                 Some(Replacement::Value(e)) => {
                     let origin = Origin { span: self.variables[v].span, component: "".into() };
-                    self.apply(*e, Mode::Literal, &origin)
+                    self.apply(*e, RelationMode::Literal, &origin)
                 }
             };
             list.push((v, value));
@@ -153,8 +153,8 @@ impl<'a> Rewriting<'a> {
         list
     }
 
-    /// Rewrites `root`. Iterative, and shared over all calls.
-    pub fn apply(&mut self, root: ExprId, mode: Mode, origin: &Origin) -> ExprId {
+    /// Rewrites `root` iteratively; results are shared by all calls.
+    pub fn apply(&mut self, root: ExprId, mode: RelationMode, origin: &Origin) -> ExprId {
         let mut stack = vec![(root, mode, false)];
         let mut operands = Vec::new();
         while let Some((e, mode, ready)) = stack.pop() {
@@ -162,18 +162,18 @@ impl<'a> Rewriting<'a> {
                 continue;
             }
             let below = match self.graph.node(e) {
-                Node::NoEvent(_) | Node::Smooth(..) => Mode::Literal,
+                Node::NoEvent(_) | Node::Smooth(..) => RelationMode::Literal,
                 _ => mode,
             };
             if !ready {
                 if let Some(new) = self.leaf(e, origin) {
-                    // A value of a constant may hold wrappers of its own.
+                    // The value of a constant may contain `noEvent` or `smooth` itself.
                     if new != e && matches!(self.replaced(e), Some(Replacement::Value(_))) {
-                        if let Some(&value) = self.done.get(&(new, Mode::Literal)) {
+                        if let Some(&value) = self.done.get(&(new, RelationMode::Literal)) {
                             self.done.insert((e, mode), value);
                         } else {
                             stack.push((e, mode, false));
-                            stack.push((new, Mode::Literal, false));
+                            stack.push((new, RelationMode::Literal, false));
                         }
                     } else {
                         self.done.insert((e, mode), new);
@@ -199,7 +199,7 @@ impl<'a> Rewriting<'a> {
         }
     }
 
-    /// What a leaf becomes; `None` for anything with operands.
+    /// The replacement of a leaf; `None` for a node with operands.
     fn leaf(&mut self, e: ExprId, origin: &Origin) -> Option<ExprId> {
         match self.graph.node(e) {
             Node::Const(_)
@@ -227,7 +227,7 @@ impl<'a> Rewriting<'a> {
         }
     }
 
-    /// `der(v)` as a variable; zero for what does not change between events.
+    /// `der(v)` as a variable; zero for variables that do not change between events.
     fn rate(&mut self, v: VarId, origin: &Origin) -> ExprId {
         if let Some(s) = self.representative(v) {
             match self.variables[s.variable].kind {
@@ -249,16 +249,22 @@ impl<'a> Rewriting<'a> {
         if s.negative { self.graph.neg(e) } else { e }
     }
 
-    fn node(&mut self, e: ExprId, operands: &[ExprId], mode: Mode, origin: &Origin) -> ExprId {
+    fn node(
+        &mut self,
+        e: ExprId,
+        operands: &[ExprId],
+        mode: RelationMode,
+        origin: &Origin,
+    ) -> ExprId {
         match (self.graph.node(e), operands) {
             (Node::NoEvent(_) | Node::Smooth(..), &[a]) => return a,
-            // Initialisation starts at the actual system at once.
+            // Initialisation first tries the actual system directly.
             (Node::Homotopy(..), &[actual, _]) => return actual,
             (Node::Sample(..), &[start, interval]) => return self.sample(start, interval, origin),
             _ => {}
         }
         let new = self.graph.rebuild(e, operands);
-        if mode == Mode::Literal || self.variability(new) < Variability::Continuous {
+        if mode == RelationMode::Literal || self.variability(new) < Variability::Continuous {
             return new;
         }
         match self.graph.node(new) {
@@ -273,7 +279,7 @@ impl<'a> Rewriting<'a> {
         }
     }
 
-    /// Numbers `a op b`. A relation and its negation share one number.
+    /// Assigns a number to `a op b`. A relation and its negation share one number.
     pub(super) fn relation(
         &mut self,
         op: Binary,
