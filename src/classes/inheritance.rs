@@ -4,6 +4,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use crate::base::diag::Problems;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::instantiate::Context;
@@ -116,7 +117,7 @@ impl Context<'_> {
         match &self.tables[class] {
             TableState::Done(table) => {
                 let table = table.clone();
-                self.say_again(class);
+                self.report_kept_problems(class);
                 return table;
             }
             TableState::InProgress => {
@@ -126,10 +127,41 @@ impl Context<'_> {
             TableState::Untouched => {}
         }
         self.tables[class] = TableState::InProgress;
-        let before = std::mem::take(self.problems);
-        let table = self.read_table(class);
-        self.note_said(class, before);
+        let (table, problems) = self.collect_problems(|cx| cx.read_table(class));
+        self.keep_problems(class, problems);
         table
+    }
+
+    /// Reports the problems of a class, and keeps them: a class that is derived from it has them
+    /// too, also in a context that starts from a snapshot of this one.
+    fn keep_problems(&mut self, class: ClassId, problems: Problems) {
+        if !problems.is_empty() {
+            self.report_all(&problems);
+            self.problems_of.insert(class, problems);
+        }
+    }
+
+    /// Reports the problems of a class again; those that are known already are not repeated.
+    fn report_kept_problems(&mut self, class: ClassId) {
+        if !self.problems_of.is_empty()
+            && let Some(problems) = self.problems_of.get(&class).cloned()
+        {
+            self.report_all(&problems);
+        }
+    }
+
+    fn report_all(&mut self, problems: &Problems) {
+        problems.iter().for_each(|d| self.problems.push(d.clone()));
+    }
+
+    /// Runs something; its problems are returned instead of reported.
+    pub(crate) fn collect_problems<T>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> T,
+    ) -> (T, Problems) {
+        let before = std::mem::take(self.problems);
+        let result = act(self);
+        (result, std::mem::replace(self.problems, before))
     }
 
     fn read_table(&mut self, class: ClassId) -> Rc<ClassTable> {

@@ -15,7 +15,7 @@ use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
 
 /// No loop in a function that is evaluated here runs longer.
-const MAX_TURNS: usize = 1_000_000;
+const MAX_ITERATIONS: usize = 1_000_000;
 
 /// How a list of statements ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -23,6 +23,22 @@ pub(crate) enum Flow {
     Next,
     Break,
     Return,
+}
+
+/// Conditions under which what is being run was left already; `None` where it was not.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Exits {
+    /// The innermost loop, by `break`.
+    pub(crate) broken: Option<ExprId>,
+    /// The function, by `return`.
+    pub(crate) returned: Option<ExprId>,
+}
+
+impl Exits {
+    /// Both conditions, as far as there are any.
+    pub(crate) fn all(self) -> impl Iterator<Item = ExprId> {
+        self.broken.into_iter().chain(self.returned)
+    }
 }
 
 impl Context<'_> {
@@ -114,12 +130,12 @@ impl Context<'_> {
             _ => {}
         }
         let before = self.snapshot();
-        let left = (self.evaluation.broken, self.evaluation.returned);
+        let left = self.evaluation.exits;
         let first = self.under(c, |cx| cx.run_statements(body, scope))?;
         let after_first = self.snapshot();
         self.restore(&before);
-        let left_first = (self.evaluation.broken, self.evaluation.returned);
-        (self.evaluation.broken, self.evaluation.returned) = left;
+        let left_first = self.evaluation.exits;
+        self.evaluation.exits = left;
         let not_c = self.graph.not(c);
         let second = self.under(not_c, |cx| cx.run_if(rest, otherwise, scope, span))?;
         self.merge(c, &after_first, span)?;
@@ -127,20 +143,20 @@ impl Context<'_> {
             return Some(first);
         }
         // A branch may leave: what follows counts only where that was not taken.
-        let left_second = (self.evaluation.broken, self.evaluation.returned);
+        let left_second = self.evaluation.exits;
         let all = self.graph.boolean(true);
         let leaves = |flow: Flow, kind: Flow, part: Option<ExprId>| {
             if flow == kind { Some(all) } else { part }
         };
-        self.evaluation.broken = self.either(
+        self.evaluation.exits.broken = self.either(
             c,
-            leaves(first, Flow::Break, left_first.0),
-            leaves(second, Flow::Break, left_second.0),
+            leaves(first, Flow::Break, left_first.broken),
+            leaves(second, Flow::Break, left_second.broken),
         );
-        self.evaluation.returned = self.either(
+        self.evaluation.exits.returned = self.either(
             c,
-            leaves(first, Flow::Return, left_first.1),
-            leaves(second, Flow::Return, left_second.1),
+            leaves(first, Flow::Return, left_first.returned),
+            leaves(second, Flow::Return, left_second.returned),
         );
         Some(Flow::Next)
     }
@@ -160,14 +176,11 @@ impl Context<'_> {
     }
 
     fn snapshot(&self) -> (Vec<(Name, Value)>, FastMap<VarId, ExprId>) {
-        let frame = self.evaluation.frame;
-        (self.evaluation.locals[frame..].to_vec(), self.evaluation.assigned.clone())
+        (self.evaluation.frames.visible().to_vec(), self.evaluation.assigned.clone())
     }
 
     fn restore(&mut self, saved: &(Vec<(Name, Value)>, FastMap<VarId, ExprId>)) {
-        let frame = self.evaluation.frame;
-        self.evaluation.locals.truncate(frame);
-        self.evaluation.locals.extend(saved.0.iter().cloned());
+        self.evaluation.frames.restore(&saved.0);
         self.evaluation.assigned.clone_from(&saved.1);
     }
 
@@ -178,12 +191,11 @@ impl Context<'_> {
         first: &(Vec<(Name, Value)>, FastMap<VarId, ExprId>),
         span: Span,
     ) -> Option<()> {
-        let frame = self.evaluation.frame;
         for (k, (_, value)) in first.0.iter().enumerate() {
-            let now = self.evaluation.locals[frame + k].1.clone();
+            let now = self.evaluation.frames.visible()[k].1.clone();
             if *value != now {
                 let merged = self.if_values(c, value.clone(), now, span)?;
-                self.evaluation.locals[frame + k].1 = merged;
+                self.evaluation.frames.visible_mut()[k].1 = merged;
             }
         }
         let mut keys: Vec<VarId> = first.1.keys().copied().collect();
@@ -209,27 +221,36 @@ impl Context<'_> {
         let Some((first, rest)) = iterators.split_first() else {
             return self.run_statements(body, scope);
         };
-        let outer = self.evaluation.broken.take();
-        let mut end = Flow::Next;
-        if !self.evaluation.folding && self.repeat_for(iterators, body, scope)? {
-            self.evaluation.broken = outer;
-            return Some(Flow::Next);
-        }
-        for value in self.values_of(first, scope)? {
-            self.evaluation.locals.push((first.name.name, value));
-            let flow = self.run_for(rest, body, scope);
-            self.evaluation.locals.pop();
-            match flow? {
-                Flow::Next => {}
-                Flow::Break => break,
-                Flow::Return => {
-                    end = Flow::Return;
-                    break;
+        self.in_loop(|cx| {
+            if !cx.evaluation.mode.fold && cx.repeat_for(iterators, body, scope)? {
+                return Some(Flow::Next);
+            }
+            for value in cx.values_of(first, scope)? {
+                match cx.with_local(first.name.name, value, |cx| cx.run_for(rest, body, scope))? {
+                    Flow::Next => {}
+                    Flow::Break => break,
+                    Flow::Return => return Some(Flow::Return),
                 }
             }
-        }
-        self.evaluation.broken = outer;
-        Some(end)
+            Some(Flow::Next)
+        })
+    }
+
+    /// Runs a loop: `break` in it does not leave the loop around it.
+    fn in_loop<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        let outer = self.evaluation.exits.broken.take();
+        let result = act(self);
+        self.evaluation.exits.broken = outer;
+        result
+    }
+
+    /// Runs something in which no loop and no function was left; what leaves them in it counts no
+    /// longer behind it.
+    pub(super) fn with_exits_closed<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        let outer = std::mem::take(&mut self.evaluation.exits);
+        let result = act(self);
+        self.evaluation.exits = outer;
+        result
     }
 
     /// What a loop in an algorithm, a comprehension or a reduction runs over: how often is known here, the
@@ -241,7 +262,7 @@ impl Context<'_> {
     ) -> Option<Vec<Value>> {
         if let Some(range) = &iterator.range
             && !matches!(&range.kind, ExprKind::Range { .. })
-            && !self.evaluation.folding
+            && !self.evaluation.mode.fold
             && !matches!(&range.kind, ExprKind::Ref(r) if self.type_size(r, scope).is_some())
             && let Value::Array(a) = self.evaluate(range, scope)?
             && a.dims.len() == 1
@@ -263,25 +284,23 @@ impl Context<'_> {
     }
 
     fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {
-        let outer = self.evaluation.broken.take();
-        let before = self.evaluation.returned;
-        let flow = self.turn(condition, body, scope, before);
-        self.evaluation.broken = outer;
-        flow
+        let before = self.evaluation.exits.returned;
+        self.in_loop(|cx| cx.iterate(condition, body, scope, before))
     }
 
-    /// Turns of a `while` loop for as long as it is known here whether there is another one.
-    fn turn(
+    /// Iterates a `while` loop for as long as it is known here whether there is another iteration.
+    fn iterate(
         &mut self,
         condition: &Expr,
         body: &[Statement],
         scope: Scope,
         before: Option<ExprId>,
     ) -> Option<Flow> {
-        for _ in 0..MAX_TURNS {
+        for _ in 0..MAX_ITERATIONS {
             let c = self.evaluate(condition, scope)?;
             let c = self.truth(&c, condition.span)?;
-            let left = self.evaluation.broken.is_some() || self.evaluation.returned != before;
+            let left =
+                self.evaluation.exits.broken.is_some() || self.evaluation.exits.returned != before;
             match self.decided(c) {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
                 Some(Const::Boolean(true)) if !left => {}
@@ -296,7 +315,7 @@ impl Context<'_> {
                 Flow::Return => return Some(Flow::Return),
             }
         }
-        let message = format!("this loop runs more than {MAX_TURNS} times");
+        let message = format!("this loop runs more than {MAX_ITERATIONS} times");
         self.error("MO0221", condition.span, message);
         None
     }
@@ -309,24 +328,21 @@ impl Context<'_> {
         scope: Scope,
     ) -> Option<()> {
         let first = target.parts[0].name.name;
-        let frame = self.evaluation.frame;
-        let at = self.evaluation.locals[frame..].iter().rposition(|(n, _)| *n == first);
-        if let Some(at) = at {
-            let old = self.evaluation.locals[frame + at].1.clone();
+        if let Some(at) = self.evaluation.frames.position(first) {
+            let old = self.evaluation.frames.visible()[at].1.clone();
             let mut new = self.updated(&old, &target.parts, value, scope, target.span)?;
-            for left in [self.evaluation.broken, self.evaluation.returned].into_iter().flatten() {
+            for left in self.evaluation.exits.all() {
                 new = self.if_values(left, old.clone(), new, target.span)?;
             }
-            self.evaluation.locals[frame + at].1 = new;
+            self.evaluation.frames.visible_mut()[at].1 = new;
             return Some(());
         }
-        if self.evaluation.in_function {
+        if self.evaluation.frames.in_function() {
             self.report_unknown_name(first, target.span, scope);
             return None;
         }
-        let reading = std::mem::replace(&mut self.evaluation.reading, true);
-        let selection = self.select_target(target, scope);
-        self.evaluation.reading = reading;
+        let mode = self.evaluation.mode.reading();
+        let selection = self.with_mode(mode, |cx| cx.select_target(target, scope));
         // Records are taken apart in the order of their fields, as the variables are.
         let mut scalars = Vec::new();
         value.for_each_scalar(&mut |e| scalars.push(e));

@@ -50,15 +50,8 @@ impl Context<'_> {
             ExprKind::Ref(r) => r.parts.iter().all(|p| p.subscripts.is_empty()),
             _ => false,
         };
-        let before = (self.evaluation.folding, self.evaluation.shaping);
-        if whole {
-            (self.evaluation.folding, self.evaluation.shaping) = (false, true);
-        }
-        // Sizes are known even where values are not.
-        let constant = self.evaluation.constant.take();
-        let value = self.evaluate(e, scope);
-        self.evaluation.constant = constant;
-        (self.evaluation.folding, self.evaluation.shaping) = before;
+        let mode = self.evaluation.mode.of_size_argument(whole);
+        let value = self.with_mode(mode, |cx| cx.evaluate(e, scope));
         value.map(|v| v.dims().to_vec())
     }
 
@@ -72,7 +65,7 @@ impl Context<'_> {
         match (name, args) {
             ("size", [a, k]) => {
                 let k = self.fold_size(k, scope)?;
-                if let Some(n) = self.size_found(a, k, scope) {
+                if let Some(n) = self.known_size(a, k, scope) {
                     return Some(Value::Scalar(self.graph.integer(n as i64)));
                 }
                 let dims = self.dims_of(a, scope)?;

@@ -4,44 +4,52 @@
 use std::rc::Rc;
 
 use super::Context;
+use super::frame::FrameKind;
 use super::function;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, ExprKind, Variability};
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 use crate::ir::modification::Layer;
 
+/// Values that were found before the model is simulated.
+#[derive(Default)]
+pub struct ParameterValues {
+    /// Values of parameters that were asked for; `None` for one without a value.
+    pub(crate) values: FastMap<InstanceId, Option<Value>>,
+    /// Parameters whose values have fixed the structure.
+    pub(crate) structural: Vec<InstanceId>,
+    /// Values of bindings that several components share, by expression, scope and mode.
+    bindings: FastMap<(usize, Scope, bool), Option<Value>>,
+}
+
 impl Context<'_> {
     /// The value of a parameter or constant; reported if it has none.
     pub(crate) fn parameter_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
-        if let Some(known) = self.evaluation.folded.get(&id) {
+        if let Some(known) = self.evaluation.parameters.values.get(&id) {
             return known.clone();
         }
         // Met again before it has a value, it depends on itself.
-        self.evaluation.folded.insert(id, None);
-        let before = std::mem::replace(&mut self.evaluation.folding, true);
+        self.evaluation.parameters.values.insert(id, None);
         let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
-        let constant = is_constant.then_some(id);
-        let constant = std::mem::replace(&mut self.evaluation.constant, constant);
-        let shaping = std::mem::replace(&mut self.evaluation.shaping, false);
-        let saved = self.enter_frame(false);
-        let mut value = self.binding_value(id);
-        if value.is_none() && self.binding(id).is_none() {
-            value = self.start_or_children(id, span);
-        }
-        self.leave_frame(saved);
-        (self.evaluation.folding, self.evaluation.shaping) = (before, shaping);
-        self.evaluation.constant = constant;
+        let mode = self.evaluation.mode.of_parameter(is_constant.then_some(id));
+        let mut value = self.with_mode(mode, |cx| {
+            cx.with_frame(FrameKind::Class, |cx| match cx.binding_value(id) {
+                None if cx.binding(id).is_none() => cx.start_or_children(id, span),
+                value => value,
+            })
+        });
         if let InstanceKind::Variable { ty: Type::Real, .. } = self.instances[id].kind
             && let Some(found) = &value
         {
             let real = found.each_scalar(&mut |e| self.graph.as_real(e));
             value = Some(real);
         }
-        self.evaluation.folded.insert(id, value.clone());
-        self.evaluation.structural.push(id);
+        self.evaluation.parameters.values.insert(id, value.clone());
+        self.evaluation.parameters.structural.push(id);
         value
     }
 
@@ -154,19 +162,17 @@ impl Context<'_> {
         keep: bool,
         target: InstanceId,
     ) -> Option<Value> {
-        let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.evaluation.folding);
-        let keep = keep && !self.evaluation.shaping;
-        if keep && let Some(known) = self.evaluation.bindings.get(&key) {
+        let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.evaluation.mode.fold);
+        let keep = keep && !self.evaluation.mode.sizes;
+        if keep && let Some(known) = self.evaluation.parameters.bindings.get(&key) {
             return known.clone();
         }
-        let saved = self.enter_frame(false);
-        let value = match self.bare_literal(e, target) {
+        let value = self.with_frame(FrameKind::Class, |cx| match cx.bare_literal(e, target) {
             Some(literal) => literal,
-            None => self.evaluate(e, scope),
-        };
-        self.leave_frame(saved);
+            None => cx.evaluate(e, scope),
+        });
         if keep {
-            self.evaluation.bindings.insert(key, value.clone());
+            self.evaluation.parameters.bindings.insert(key, value.clone());
         }
         value
     }

@@ -5,6 +5,7 @@ use super::Context;
 use super::reference::Selection;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::lookup::Found;
@@ -126,6 +127,15 @@ pub(crate) fn argument<'e>(
     args.get(k).or_else(by_name)
 }
 
+/// What is known of built-in functions in the model.
+#[derive(Default)]
+pub struct Builtins {
+    /// Names that no function of the user shadows where they were called.
+    unshadowed: FastSet<(ClassId, Name)>,
+    /// In how many connections each connector is; known once equations are read.
+    pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
+}
+
 impl Context<'_> {
     /// A call in an expression.
     pub(crate) fn call(
@@ -172,14 +182,14 @@ impl Context<'_> {
     /// outside of everything (section 5.3.1).
     fn is_hidden_builtin(&mut self, name: Name, scope: Scope) -> bool {
         let place = (scope.class, name);
-        if self.evaluation.plain_names.contains(&place) {
+        if self.evaluation.builtins.unshadowed.contains(&place) {
             return false;
         }
         let found = self.find_first(name, scope);
         let hidden = matches!(found, Some(Found::Class(c))
             if matches!(self.kind(c), ClassKind::Function { .. }));
         if !hidden && !self.table_in_progress(scope.class) {
-            self.evaluation.plain_names.insert(place);
+            self.evaluation.builtins.unshadowed.insert(place);
         }
         hidden
     }
@@ -197,7 +207,7 @@ impl Context<'_> {
         scope: Scope,
     ) -> Option<ClassId> {
         let (first, rest) = path.parts.split_first()?;
-        if path.global || rest.is_empty() || self.evaluation.in_function {
+        if path.global || rest.is_empty() || self.evaluation.frames.in_function() {
             return None;
         }
         let mut holder = self.child(scope.instance, first.name)?;
@@ -478,9 +488,8 @@ impl Context<'_> {
         scope: Scope,
         act: impl Fn(&mut Self, VarId, Type) -> ExprId,
     ) -> Option<Value> {
-        let before = std::mem::replace(&mut self.evaluation.unassigned, true);
-        let value = self.one(args, span, scope);
-        self.evaluation.unassigned = before;
+        let mode = self.evaluation.mode.unassigned();
+        let value = self.with_mode(mode, |cx| cx.one(args, span, scope));
         value?.map(|v| self.of_chosen(v.scalar()?, span, &act).map(Value::Scalar))
     }
 
@@ -586,7 +595,7 @@ impl Context<'_> {
                     );
                     return None;
                 }
-                let Some(counts) = &self.evaluation.cardinality else {
+                let Some(counts) = &self.evaluation.builtins.cardinality else {
                     self.unsupported(
                         span,
                         "`cardinality` outside of equations and values of variables",

@@ -168,9 +168,8 @@ impl Context<'_> {
         let values = self.values_of(last, scope)?;
         let mut parts = Vec::with_capacity(values.len());
         for value in values {
-            self.evaluation.locals.push((last.name.name, value));
-            let part = self.comprehend(body, inner, scope);
-            self.evaluation.locals.pop();
+            let part =
+                self.with_local(last.name.name, value, |cx| cx.comprehend(body, inner, scope));
             parts.push(part?);
         }
         self.stack(parts, body.span)

@@ -190,7 +190,7 @@ impl Context<'_> {
     ) -> Option<()> {
         let before = self.evaluation.assigned.get(&v).copied();
         // What comes after `break` leaves a variable as it was.
-        if let (Some(broken), Some(before)) = (self.evaluation.broken, before) {
+        if let (Some(broken), Some(before)) = (self.evaluation.exits.broken, before) {
             e = self.graph.if_then_else(broken, before, e);
         }
         if let Some(condition) = condition {

@@ -26,19 +26,28 @@ pub struct EventBehaviour {
     live: bool,
 }
 
+/// What is known of expressions at events and between them.
+#[derive(Default)]
+pub struct Events {
+    /// Of each expression, by its number.
+    of_nodes: Vec<EventBehaviour>,
+    /// Results of functions of discrete type that change between events, since their arguments do.
+    pub(super) moving_results: FastSet<ExprId>,
+}
+
 impl Context<'_> {
     /// What is known of each expression so far; operands stand before their users.
     fn note_motions(&mut self) {
-        for k in self.evaluation.motions.len()..self.graph.len() {
+        for k in self.evaluation.events.of_nodes.len()..self.graph.len() {
             let motion = self.motion_of_node(ExprId(k as u32));
-            self.evaluation.motions.push(motion);
+            self.evaluation.events.of_nodes.push(motion);
         }
     }
 
     fn motion_of_node(&self, e: ExprId) -> EventBehaviour {
         let mut all = EventBehaviour::default();
         self.graph.for_each_operand(e, |a| {
-            let of = self.evaluation.motions[a.0 as usize];
+            let of = self.evaluation.events.of_nodes[a.0 as usize];
             all.reads |= of.reads;
             all.moves |= of.moves;
             all.live |= of.live;
@@ -65,7 +74,7 @@ impl Context<'_> {
     }
 
     fn motion(&self, e: ExprId) -> EventBehaviour {
-        self.evaluation.motions[e.0 as usize]
+        self.evaluation.events.of_nodes[e.0 as usize]
     }
 
     /// The operators in arguments that make events.
@@ -165,7 +174,7 @@ impl Context<'_> {
                 moving.push(e);
             }
         });
-        self.evaluation.moving.extend(moving);
+        self.evaluation.events.moving_results.extend(moving);
     }
 }
 

@@ -5,8 +5,6 @@
 //! it passes through parameters, modifications and arguments like any other value.
 
 use super::Context;
-use super::builtin::argument;
-use super::draw::Place;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
@@ -16,9 +14,9 @@ use crate::external::table::curve::Curve;
 use crate::external::table::surface::Surface;
 use crate::external::table::time_table::{Placing, Stops, TimeTable};
 use crate::io::matrix_file::Matrix;
-use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External, Ident};
+use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
-use crate::ir::flat::{Assert, Level};
+use crate::ir::flat::Level;
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::native::{Function, Native};
 use crate::numeric::hermite::Smoothness;
@@ -37,23 +35,6 @@ pub(crate) enum Object {
     Surface(Surface),
 }
 
-/// An assertion in a function, for a run to decide.
-#[derive(Clone, Debug)]
-pub(crate) struct Asserted {
-    pub(crate) condition: ExprId,
-    pub(crate) message: ExprId,
-    pub(crate) level: Level,
-    pub(crate) span: Span,
-}
-
-impl Asserted {
-    /// As a statement of a function that the run calls; what does not let it fail has no place there.
-    pub(super) fn in_function(&self) -> Option<(Assert, Span)> {
-        let Asserted { condition, message, level, span } = *self;
-        (level == Level::Error).then_some((Assert { condition, message, level }, span))
-    }
-}
-
 /// Why an external function has no result.
 pub(super) enum Refusal {
     /// It is not one of those known here.
@@ -64,101 +45,10 @@ pub(super) enum Refusal {
     Wrong(String),
 }
 
-/// The level that an `AssertionLevel` means.
-pub(crate) fn level_of(level: Option<Const>) -> Level {
-    match level {
-        Some(Const::Enumeration(_, 1)) => Level::Warning,
-        _ => Level::Error,
-    }
-}
-
 impl Context<'_> {
     /// True for a class that extends `ExternalObject`.
     pub(crate) fn is_external_object(&mut self, class: ClassId) -> bool {
         self.kind(class) == ClassKind::Class && self.table(class).scalar == Some(Type::String)
-    }
-
-    /// Evaluates something that counts only where `c` is true.
-    pub(crate) fn under<T>(&mut self, c: ExprId, act: impl FnOnce(&mut Self) -> T) -> T {
-        if self.graph.as_const(c) == Some(Const::Boolean(true)) {
-            return act(self);
-        }
-        self.evaluation.path.push(c);
-        let result = act(self);
-        self.evaluation.path.pop();
-        result
-    }
-
-    /// True where what is evaluated never counts.
-    pub(super) fn is_unreached(&self) -> bool {
-        let never = Some(Const::Boolean(false));
-        self.evaluation.path.iter().any(|c| self.graph.as_const(*c) == never)
-    }
-
-    /// `assert(condition, message, level)` in a function: decided here, or left to the run.
-    pub(super) fn run_assert(
-        &mut self,
-        args: &[Expr],
-        named: &[(Ident, Expr)],
-        span: Span,
-        scope: Scope,
-    ) -> Option<()> {
-        let find = |k: usize, name: &str| argument(args, named, k, name);
-        let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
-            self.error("MO0219", span, "`assert` takes a condition and a message");
-            return None;
-        };
-        let value = self.evaluate(condition, scope)?;
-        let condition = self.truth(&value, condition.span)?;
-        if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
-            return Some(());
-        }
-        let violated = self.graph.not(condition);
-        let message = self.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
-        let level = find(2, "level").and_then(|l| self.evaluate_scalar(l, scope));
-        let level = level.and_then(|l| self.graph.as_const(l));
-        self.assert_now_or_later(condition, message, level_of(level), span)
-    }
-
-    /// Reports what is false here and now; a run decides what only it knows.
-    pub(super) fn assert_now_or_later(
-        &mut self,
-        condition: ExprId,
-        message: ExprId,
-        level: Level,
-        span: Span,
-    ) -> Option<()> {
-        let left = [self.evaluation.broken, self.evaluation.returned];
-        let always = self.evaluation.draws.place != Place::When;
-        let sure = always && self.evaluation.path.is_empty() && left == [None, None];
-        if sure
-            && level == Level::Error
-            && self.graph.as_const(condition) == Some(Const::Boolean(false))
-        {
-            let text = match self.graph.as_const(message) {
-                Some(Const::String(t)) => t.to_string(),
-                _ => "assertion failed".to_string(),
-            };
-            self.error("MO0223", span, text);
-            return None;
-        }
-        // Asked for its value before the model runs, a function is not yet called by the model.
-        if self.evaluation.folding || self.evaluation.shaping {
-            return Some(());
-        }
-        let mut condition = condition;
-        for c in self.evaluation.path.clone() {
-            let off = self.graph.not(c);
-            condition = self.graph.or(off, condition);
-        }
-        for c in left.into_iter().flatten() {
-            condition = self.graph.or(c, condition);
-        }
-        if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
-            return Some(());
-        }
-        self.evaluation.asserts.push(Asserted { condition, message, level, span });
-        Some(())
     }
 
     /// Calls an external function whose inputs are locals, and assigns its outputs.
@@ -229,15 +119,15 @@ impl Context<'_> {
             }
         };
         for (to, value) in results.into_iter().zip(values) {
-            let frame = self.evaluation.frame;
-            let local = self.evaluation.locals[frame..].iter_mut().find(|(n, _)| *n == to)?;
+            let locals = self.evaluation.frames.visible_mut();
+            let local = locals.iter_mut().find(|(n, _)| *n == to)?;
             local.1 = value;
         }
         Some(())
     }
 
     fn local_value(&self, wanted: Name) -> Option<Value> {
-        let locals = &self.evaluation.locals[self.evaluation.frame..];
+        let locals = self.evaluation.frames.visible();
         locals.iter().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
     }
 

@@ -31,8 +31,8 @@ impl Context<'_> {
         if u.len() % 2 != 0 {
             return Err(Refusal::Wrong("the number of samples must be even".into()));
         }
-        self.evaluation.functions.push(spectrum(&mut self.graph, u.len(), span));
-        let function = FunctionId::from_usize(self.evaluation.functions.len() - 1);
+        self.evaluation.loops.functions.push(spectrum(&mut self.graph, u.len(), span));
+        let function = FunctionId::from_usize(self.evaluation.loops.functions.len() - 1);
         let args = self.graph.intern_list(&u);
         let half = u.len() / 2 + 1;
         let mut call = |first: usize| -> Value {

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::Context;
+use super::frame::FrameKind;
 use super::value::{Record, Value};
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
@@ -118,40 +119,53 @@ impl Context<'_> {
         mut given: Vec<Option<Value>>,
         span: Span,
     ) -> Option<Value> {
-        let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
+        let left = self.evaluation.exits;
         // Where its caller was left before, it is not called.
-        let reached = self.neither(left.0, left.1);
-        let result = self.under(reached, |cx| {
-            cx.open_call(class, left);
-            let saved = cx.enter_frame(true);
-            // What is called in a function becomes part of it.
-            let outermost = !saved.1;
-            let events =
-                if outermost { cx.events_of_arguments(&given) } else { FastSet::default() };
-            let by = cx.table(class).by.clone();
-            let mut result = match by.is_empty() {
-                true => cx.run(class, components, &mut given, span),
-                false => cx.run_differentiated(class, components, &mut given, &by, span),
+        let reached = self.neither(left.broken, left.returned);
+        // What is called in a function becomes part of it.
+        let outermost = !self.evaluation.frames.in_function();
+        self.with_exits_closed(|cx| {
+            cx.under(reached, |cx| {
+                cx.open_call(class, left);
+                let result = cx.with_frame(FrameKind::Function, |cx| {
+                    cx.run_in_frame(class, components, &mut given, outermost, span)
+                });
+                cx.close_call();
+                result
+            })
+        })
+    }
+
+    /// Runs a function whose frame is open. Its value has no events, except those of the arguments;
+    /// that is settled once, for the `outermost` function.
+    fn run_in_frame(
+        &mut self,
+        class: ClassId,
+        components: &Components,
+        given: &mut [Option<Value>],
+        outermost: bool,
+        span: Span,
+    ) -> Option<Value> {
+        let events = if outermost { self.events_of_arguments(given) } else { FastSet::default() };
+        let by = self.table(class).by.clone();
+        let mut result = match by.is_empty() {
+            true => self.run(class, components, given, span),
+            false => self.run_differentiated(class, components, given, &by, span),
+        };
+        if outermost && let Some(made) = &mut result {
+            *made = match events.is_empty() {
+                true => made.each_scalar(&mut |e| self.graph.no_event(e)),
+                false => self.without_events(made, &events),
             };
-            if outermost && let Some(made) = &mut result {
-                *made = match events.is_empty() {
-                    true => made.each_scalar(&mut |e| cx.graph.no_event(e)),
-                    false => cx.without_events(made, &events),
-                };
-                cx.note_moving(made);
-            }
-            cx.leave_frame(saved);
-            cx.close_call();
-            result
-        });
-        (self.evaluation.broken, self.evaluation.returned) = left;
+            self.note_moving(made);
+        }
         result
     }
 
     /// The value of a condition where one branch only is followed. A function that has called itself must
     /// know whether it will do so again, even if that fixes parameters that are real numbers.
     pub(super) fn decided(&mut self, condition: ExprId) -> Option<Const> {
-        let recurs = match self.evaluation.calls.split_last() {
+        let recurs = match self.evaluation.recursions.calls.split_last() {
             Some((last, before)) => before.iter().any(|c| c.class == last.class),
             None => false,
         };
@@ -327,7 +341,7 @@ impl Context<'_> {
             let zeros = vec![zero; dims.iter().product()];
             let zero = Value::array(dims, zeros);
             let graph = &mut self.graph;
-            let symbols = &mut self.evaluation.symbols;
+            let symbols = &mut self.evaluation.loops.symbols;
             let unknown = zero.each_scalar(&mut |e| {
                 *symbols += 1;
                 let ty = graph.ty(e);
@@ -375,8 +389,9 @@ impl Context<'_> {
                 },
             };
             // A number in place of a quantity has its unit, which is not seen any more.
-            self.evaluation.lost_unit |= !is_plain(declaration) && self.is_number(&value);
-            self.evaluation.locals.push((name, value));
+            self.evaluation.units.unitless_literal |=
+                !is_plain(declaration) && self.is_number(&value);
+            self.evaluation.frames.declare(name, value);
         }
         let table = self.table(class);
         if let Some((external, at)) = &table.external {
@@ -395,10 +410,10 @@ impl Context<'_> {
                 self.run_statements(statements, scope)?;
             }
         }
-        let frame = self.evaluation.frame;
         let mut results = Vec::with_capacity(outputs.len());
         for name in outputs {
-            let (_, value) = self.evaluation.locals[frame..].iter().find(|(n, _)| *n == name)?;
+            let locals = self.evaluation.frames.visible();
+            let (_, value) = locals.iter().find(|(n, _)| *n == name)?;
             results.push(value.clone());
         }
         match results.len() {
@@ -472,10 +487,7 @@ impl Context<'_> {
             return self.evaluate(binding, written_in);
         }
         let around = self.outside(written_in.class);
-        let saved = self.enter_frame(false);
-        let value = self.evaluate(binding, around);
-        self.leave_frame(saved);
-        value
+        self.with_frame(FrameKind::Class, |cx| cx.evaluate(binding, around))
     }
 
     /// The sizes of a local or a field, those of its type last; `None` for one that is left open.
@@ -499,9 +511,7 @@ impl Context<'_> {
         let mut sizes = Vec::new();
         for (list, holder) in self.table(class).dims.clone() {
             let around = self.outside(holder);
-            let saved = self.enter_frame(false);
-            let found = self.written_sizes(&list, around);
-            self.leave_frame(saved);
+            let found = self.with_frame(FrameKind::Class, |cx| cx.written_sizes(&list, around));
             sizes.extend(found?);
         }
         Some(sizes)

@@ -57,7 +57,7 @@ impl Context<'_> {
                 let first = r.parts.first()?.name.name;
                 let component = !r.global
                     && (self.local(first).is_some()
-                        || !self.evaluation.in_function
+                        || !self.evaluation.frames.in_function()
                             && self.child(scope.instance, first).is_some());
                 if component {
                     return self.evaluate(e, scope);

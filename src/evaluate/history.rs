@@ -3,7 +3,7 @@
 
 use super::Context;
 use super::builtin::argument;
-use super::draw::Drawing;
+use super::random_draw::RandomDraw;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -29,7 +29,7 @@ pub(crate) enum Made {
     /// How often a when-clause has drawn random numbers.
     Counter(Span),
     /// A random number.
-    Number(Drawing),
+    Number(RandomDraw),
 }
 
 /// An expression that is delayed by a time that stays.
@@ -78,12 +78,12 @@ impl Context<'_> {
             );
             return None;
         }
-        let fixed = self.evaluation.structural.len();
+        let fixed = self.evaluation.parameters.structural.len();
         let known = self.parameter_expression(time, true).and_then(Const::number);
         if known != Some(0.0) {
             // Only that there is no delay would be structure.
-            for id in self.evaluation.structural.split_off(fixed) {
-                self.evaluation.folded.remove(&id);
+            for id in self.evaluation.parameters.structural.split_off(fixed) {
+                self.evaluation.parameters.values.remove(&id);
             }
         }
         if known.is_some_and(|t| t < 0.0) {
@@ -94,7 +94,7 @@ impl Context<'_> {
         if let Some(longest) = args.get(2) {
             bound = Some(self.longest_delay(longest, known, scope)?);
         }
-        if known == Some(0.0) || self.evaluation.folding || self.evaluation.shaping {
+        if known == Some(0.0) || self.evaluation.mode.is_before_simulation() {
             return Some(value);
         }
         if let Some(bound) = bound.filter(|_| varies) {
@@ -212,7 +212,7 @@ impl Context<'_> {
         let points = self.points(find(4, "initialPoints"), [0.0, 1.0], scope)?;
         let values = self.points(find(5, "initialValues"), [0.0, 0.0], scope)?;
         self.check_points(&points, &values, find(4, "initialPoints").map_or(span, |e| e.span))?;
-        if self.evaluation.folding || self.evaluation.shaping {
+        if self.evaluation.mode.is_before_simulation() {
             return Some(Value::Tuple([Value::Scalar(in0), Value::Scalar(in1)].into()));
         }
         if self.variability(x) <= Variability::Parameter {

@@ -92,7 +92,7 @@ impl Context<'_> {
     /// The enumeration or `Boolean` that dimension `k` of a component of the instance is declared over.
     fn index_type(&mut self, array: &ComponentRef, k: usize, scope: Scope) -> Option<ComponentRef> {
         let [part] = array.parts.as_slice() else { return None };
-        if self.evaluation.in_function {
+        if self.evaluation.frames.in_function() {
             return None;
         }
         let id = self.child(scope.instance, part.name.name)?;

@@ -7,27 +7,31 @@
 
 pub mod algorithm;
 mod array;
+pub(crate) mod assertion;
 mod binding;
 pub mod builtin;
 mod collection;
-pub mod draw;
 mod dynamic_index;
 mod event_behaviour;
 pub mod external;
 mod file;
 mod fourier;
+pub mod frame;
 pub mod function;
 mod function_argument;
 pub mod history;
 pub mod implicit_ranges;
+pub mod mode;
 pub mod operator;
 pub mod overload;
 mod partial_derivative;
 mod random;
+pub mod random_draw;
 mod record;
 mod recursion;
 pub mod reference;
 pub mod runtime_loop;
+mod sizing;
 mod string;
 mod subscript;
 pub mod text;
@@ -37,12 +41,11 @@ mod variability;
 use std::rc::Rc;
 
 use crate::base::diag::Diagnostic;
-use crate::base::index::{FastMap, FastSet};
-use crate::base::name::Name;
+use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::instantiate::Context;
 use crate::ir::ast::{self, Expr, ExprKind};
-use crate::ir::expr::{Const, ExprId, FunctionId, VarId};
+use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::instance::{ClassId, InstanceId, Scope};
 use value::Value;
 
@@ -51,78 +54,45 @@ pub(crate) const MAX_ELEMENTS: usize = 10_000_000;
 /// How many calls of functions may be open at once.
 const MAX_DEPTH: usize = 200;
 
-/// What the evaluator remembers.
+/// What the evaluator remembers; each part belongs to the file that defines its type.
 #[derive(Default)]
 pub struct State {
-    /// Iterators and variables of the function being run, innermost last.
-    pub(crate) locals: Vec<(Name, Value)>,
-    /// Locals below this belong to callers and are hidden.
-    pub(crate) frame: usize,
-    /// Inside a function: names of components are not visible.
-    pub(crate) in_function: bool,
-    /// Parameters stand for their values.
-    pub(crate) folding: bool,
+    /// What names stand for.
+    pub(crate) mode: mode::Mode,
+    /// Iterators, and the variables of the functions being run.
+    pub(crate) frames: frame::Frames,
     /// Sizes that `end` stands for, innermost last.
     pub(crate) ends: Vec<usize>,
-    /// Values of parameters that were asked for.
-    pub(crate) folded: FastMap<InstanceId, Option<Value>>,
-    /// Parameters whose values have fixed the structure.
-    pub(crate) structural: Vec<InstanceId>,
-    /// Values of bindings that are taken apart by arrays of components.
-    pub(crate) bindings: FastMap<(usize, Scope, bool), Option<Value>>,
-    /// Assigned variables of the algorithm section being read.
+    /// What the algorithm section being run has assigned to variables of the model.
     pub(crate) assigned: FastMap<VarId, ExprId>,
-    /// Calls of functions that are open, the innermost last.
-    calls: Vec<recursion::Call>,
-    /// Functions that call themselves.
-    recursions: recursion::Recursions,
-    /// The condition under which the loop, or the function, being run was left already.
-    pub(crate) broken: Option<ExprId>,
-    /// See `broken`.
-    pub(crate) returned: Option<ExprId>,
-    /// A value is read: what is conditional may not be.
-    pub(crate) reading: bool,
-    /// Variables stand for themselves, not for what an algorithm has assigned to them.
-    pub(crate) unassigned: bool,
-    /// The constant whose value is being found.
-    pub(crate) constant: Option<InstanceId>,
-    /// A constant with a unit stands as a number in what is being read.
-    pub(crate) lost_unit: bool,
-    /// Whether constants have units.
-    pub(crate) has_unit: FastMap<InstanceId, bool>,
-    /// Only sizes are wanted: what has no value yet counts as zero.
-    pub(crate) shaping: bool,
+    /// How the loop and the function being run were left.
+    pub(crate) exits: algorithm::Exits,
+    /// Values of parameters and bindings.
+    pub(crate) parameters: binding::ParameterValues,
+    /// Constants with units that are read as plain numbers.
+    pub(crate) units: reference::Units,
+    /// Assertions that are left to the run.
+    pub(crate) assertions: assertion::Assertions,
+    /// Open calls, and functions that call themselves.
+    pub(crate) recursions: recursion::Recursions,
+    /// Functions of the flat model.
+    pub(crate) loops: runtime_loop::Loops,
     /// The orders in which the variables of functions get their first values.
     pub(crate) initial_orders: FastMap<ClassId, Rc<[usize]>>,
-    /// Components whose sizes are being found, with those that are found already.
-    pub(crate) sizing: Vec<(InstanceId, Vec<Option<usize>>)>,
-    /// What each numbered flat variable is: for folding what stands in an expression.
+    /// Components whose sizes are being found.
+    pub(crate) sizing: sizing::Sizing,
+    /// The component of each numbered flat variable, and the position in it.
     pub(crate) instance_of: Vec<(InstanceId, usize)>,
+    /// How expressions behave at events and between them.
+    pub(crate) events: event_behaviour::Events,
     /// Tables, by the number that stands for each.
     pub(crate) objects: Vec<external::Object>,
-    /// Conditions, known only when the model runs, under which what is being run counts.
-    pub(crate) path: Vec<ExprId>,
-    /// What is read of the past.
+    /// Delayed expressions, and lines along which something is transported.
     pub(crate) history: history::History,
-    /// Random numbers whose generator keeps its state to itself.
-    pub(crate) draws: draw::Draws,
-    /// Functions made of loops whose length only a run knows.
-    pub(crate) functions: Vec<crate::ir::flat::Function>,
-    /// Their numbers, by place, by how many arguments they have and by their expressions: a loop that is
-    /// met again is the same.
-    loops: FastMap<(Span, usize, Vec<ExprId>), FunctionId>,
-    /// How many symbols such loops have.
-    pub(crate) symbols: u32,
-    /// Assertions of functions that only a run can decide.
-    pub(crate) asserts: Vec<external::Asserted>,
-    /// Results of functions of discrete type that change between events, since their arguments do.
-    pub(crate) moving: FastSet<ExprId>,
-    /// Names that stand for no function of the user where they were called: what is built in is meant.
-    pub(crate) plain_names: FastSet<(ClassId, Name)>,
-    /// What is known of the change of each expression.
-    motions: Vec<event_behaviour::EventBehaviour>,
-    /// In how many connections each connector is; known where equations are read.
-    pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
+    /// Random numbers whose generator has a hidden state.
+    pub(crate) random_draws: random_draw::RandomDraws,
+    /// Built-in functions.
+    pub(crate) builtins: builtin::Builtins,
 }
 
 impl Context<'_> {
@@ -245,9 +215,8 @@ impl Context<'_> {
 
     /// The value of an expression that must be known before the model runs; reported if it is not.
     pub fn fold(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
-        let before = std::mem::replace(&mut self.evaluation.folding, true);
-        let value = self.evaluate(e, scope);
-        self.evaluation.folding = before;
+        let mode = self.evaluation.mode.folding();
+        let value = self.with_mode(mode, |cx| cx.evaluate(e, scope));
         let mut known = true;
         let value = value?.each_scalar(&mut |s| match self.parameter_expression(s, true) {
             Some(c) => self.graph.constant(c),
@@ -345,19 +314,5 @@ impl Context<'_> {
                 None
             }
         }
-    }
-
-    /// Opens a scope of locals that hides those of callers.
-    pub(crate) fn enter_frame(&mut self, in_function: bool) -> (usize, bool) {
-        let saved = (self.evaluation.frame, self.evaluation.in_function);
-        self.evaluation.frame = self.evaluation.locals.len();
-        self.evaluation.in_function = in_function;
-        saved
-    }
-
-    /// Closes it.
-    pub(crate) fn leave_frame(&mut self, saved: (usize, bool)) {
-        self.evaluation.locals.truncate(self.evaluation.frame);
-        (self.evaluation.frame, self.evaluation.in_function) = saved;
     }
 }

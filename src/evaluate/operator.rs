@@ -193,7 +193,8 @@ impl Context<'_> {
             _ => return self.evaluate(right, scope),
         };
         // While a function is run on what is known, what does not count is not even read.
-        if self.evaluation.in_function && self.graph.as_const(counts) == Some(Const::Boolean(false))
+        if self.evaluation.frames.in_function()
+            && self.graph.as_const(counts) == Some(Const::Boolean(false))
         {
             return Some(Value::Scalar(self.graph.boolean(false)));
         }

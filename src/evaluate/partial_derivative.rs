@@ -115,8 +115,8 @@ impl Context<'_> {
             self.error("MO0219", variable.span, message);
             return None;
         }
-        self.evaluation.symbols += 1;
-        let variable = super::runtime_loop::symbol(self.evaluation.symbols);
+        self.evaluation.loops.symbols += 1;
+        let variable = super::runtime_loop::symbol(self.evaluation.loops.symbols);
         given[at] = Some(Value::Scalar(self.graph.var(variable, Type::Real)));
         Some(Symbol { variable, argument })
     }

@@ -4,6 +4,7 @@
 use std::rc::Rc;
 
 use super::Context;
+use super::frame::FrameKind;
 use super::function::is_settled;
 use super::value::{Record, Value};
 use crate::base::index::FastSet;
@@ -32,9 +33,7 @@ impl Context<'_> {
         }
         let components = self.components(class);
         let given = vec![None; components.len()];
-        let saved = self.enter_frame(true);
-        let fields = self.fields(&components, given);
-        self.leave_frame(saved);
+        let fields = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));
         let _ = span;
         Some(Value::Record(Rc::new(Record { class: Some(class), fields: fields.ok()? })))
     }
@@ -58,7 +57,7 @@ impl Context<'_> {
                 Some(value) => value,
                 None => self.local_start(entry, declaration).ok_or(k)?,
             };
-            self.evaluation.locals.push((entry.name.name, value.clone()));
+            self.evaluation.frames.declare(entry.name.name, value.clone());
             values[k] = Some(value);
         }
         let names = components.iter().map(|(e, _)| e.name.name);
@@ -106,11 +105,9 @@ impl Context<'_> {
             .iter()
             .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
             .collect();
-        let saved = self.enter_frame(true);
-        let outermost = !saved.1;
+        let outermost = !self.evaluation.frames.in_function();
         let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
-        let built = self.fields(&components, given);
-        self.leave_frame(saved);
+        let built = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));
         let built = match built {
             Ok(built) => built,
             Err(k) => {

@@ -8,7 +8,9 @@
 //! Each call says in its first argument whether it counts at all: branches become `if` expressions whose
 //! parts may be computed anywhere, and what ends the recursion must not depend on where that is.
 
-use super::external::Asserted;
+use super::algorithm::Exits;
+use super::assertion::Asserted;
+use super::frame::FrameKind;
 use super::function::Components;
 use super::value::Value;
 use super::{Context, MAX_DEPTH};
@@ -47,6 +49,8 @@ enum Unwinding {
 /// What is known of functions that call themselves.
 #[derive(Default)]
 pub(crate) struct Recursions {
+    /// Open calls, the innermost last.
+    pub(super) calls: Vec<Call>,
     unwinding: Option<Unwinding>,
     /// Those that are functions of the flat model, by class.
     made: FastMap<ClassId, Vec<Recursive>>,
@@ -91,7 +95,7 @@ impl Context<'_> {
         if self.evaluation.recursions.unwinding.is_some() {
             return Some(None);
         }
-        if !self.evaluation.folding && self.evaluation.recursions.made.contains_key(&class) {
+        if !self.evaluation.mode.fold && self.evaluation.recursions.made.contains_key(&class) {
             let inputs = self.all_inputs(class, components, given);
             let Some(inputs) = inputs else { return Some(None) };
             for k in 0..self.evaluation.recursions.made[&class].len() {
@@ -118,10 +122,10 @@ impl Context<'_> {
 
     /// Leaves all calls of a function that has called itself too often.
     fn leave_what_is_deep(&mut self, class: ClassId, span: Span) -> bool {
-        let calls = &self.evaluation.calls;
+        let calls = &self.evaluation.recursions.calls;
         let recursions = &self.evaluation.recursions;
         let can_be_made = |c: &ClassId| !recursions.refused.contains_key(c);
-        if !self.evaluation.folding && can_be_made(&class) {
+        if !self.evaluation.mode.fold && can_be_made(&class) {
             let mut own = calls.iter().enumerate().filter(|(_, c)| c.class == class);
             if let Some((second, _)) = own.nth(1) {
                 let open = calls[second + 1..].iter().filter(|c| !c.certain).count();
@@ -136,7 +140,7 @@ impl Context<'_> {
         }
         let again = |c: &ClassId| calls.iter().filter(|d| d.class == *c).count() > 1;
         let recurring = calls.iter().map(|c| c.class).find(again).unwrap_or(class);
-        if !self.evaluation.folding && can_be_made(&recurring) {
+        if !self.evaluation.mode.fold && can_be_made(&recurring) {
             self.evaluation.recursions.unwinding = Some(Unwinding::To(recurring));
             return true;
         }
@@ -154,18 +158,18 @@ impl Context<'_> {
     }
 
     /// Opens a call. `left` are the conditions under which the caller was left before it.
-    pub(super) fn open_call(&mut self, class: ClassId, left: (Option<ExprId>, Option<ExprId>)) {
-        let path = self.evaluation.path.len();
-        let before = self.evaluation.calls.last().map_or(path, |c| c.path);
-        let certain = path == before && left == (None, None);
-        self.evaluation.calls.push(Call { class, certain, path });
+    pub(super) fn open_call(&mut self, class: ClassId, left: Exits) {
+        let path = self.evaluation.assertions.conditions.len();
+        let before = self.evaluation.recursions.calls.last().map_or(path, |c| c.path);
+        let certain = path == before && left == Exits::default();
+        self.evaluation.recursions.calls.push(Call { class, certain, path });
     }
 
     /// Closes the innermost call.
     pub(super) fn close_call(&mut self) {
-        self.evaluation.calls.pop();
+        self.evaluation.recursions.calls.pop();
         let unwinding = &mut self.evaluation.recursions.unwinding;
-        if self.evaluation.calls.is_empty() && *unwinding == Some(Unwinding::Out) {
+        if self.evaluation.recursions.calls.is_empty() && *unwinding == Some(Unwinding::Out) {
             *unwinding = None;
         }
     }
@@ -179,7 +183,7 @@ impl Context<'_> {
         span: Span,
     ) -> Option<Option<Value>> {
         if self.evaluation.recursions.unwinding != Some(Unwinding::To(class))
-            || self.evaluation.calls.iter().any(|c| c.class == class)
+            || self.evaluation.recursions.calls.iter().any(|c| c.class == class)
         {
             return None;
         }
@@ -203,27 +207,26 @@ impl Context<'_> {
         span: Span,
     ) -> Option<Value> {
         let inputs = self.all_inputs(class, components, given)?;
-        let said = std::mem::take(self.problems);
         self.evaluation.recursions.widened.retain(|(of, _)| *of != class);
-        let made = loop {
-            let known = self.widened(class);
-            let made = self.attempt(class, components, &inputs, span);
-            let refused = self.evaluation.recursions.refused.contains_key(&class);
-            if made.is_some() || refused || self.widened(class) == known {
-                break made;
+        let (made, new) = self.collect_problems(|cx| {
+            loop {
+                let known = cx.widened(class);
+                let made = cx.attempt(class, components, &inputs, span);
+                let refused = cx.evaluation.recursions.refused.contains_key(&class);
+                if made.is_some() || refused || cx.widened(class) == known {
+                    break made;
+                }
+                cx.evaluation.recursions.unwinding = None;
+                *cx.problems = Problems::new();
             }
-            self.evaluation.recursions.unwinding = None;
-            *self.problems = Problems::new();
-        };
+        });
         if made.is_none()
             && let Some(Unwinding::To(other)) = self.evaluation.recursions.unwinding
             && other != class
         {
-            // One around it is read anew.
-            *self.problems = said;
+            // One around it is read again.
             return None;
         }
-        let new = std::mem::replace(self.problems, said);
         if let Some(function) = made
             && let Fit::Fits(arguments) = self.fit(&function, &inputs)
         {
@@ -253,9 +256,9 @@ impl Context<'_> {
     ) -> Option<Recursive> {
         let (inputs, symbols) = self.symbolic(class, components, actual)?;
         let results = self.declared_results(class, components, &inputs)?;
-        let id = FunctionId::from_usize(self.evaluation.functions.len());
+        let id = FunctionId::from_usize(self.evaluation.loops.functions.len());
         let name = self.classes[class].full_name.to_string();
-        self.evaluation.functions.push(Function {
+        self.evaluation.loops.functions.push(Function {
             name,
             span,
             inputs: Vec::new(),
@@ -267,19 +270,17 @@ impl Context<'_> {
         let function =
             Recursive { id, inputs: inputs.clone(), symbols: known, results, open: true };
         self.evaluation.recursions.made.entry(class).or_default().push(function.clone());
-        let path = std::mem::take(&mut self.evaluation.path);
-        let asserted = self.evaluation.asserts.len();
         let given = inputs.into_iter().map(Some).collect();
-        let value = self.run_function(class, components, given, span);
-        self.evaluation.path = path;
-        let asserts = self.evaluation.asserts.split_off(asserted);
+        let (value, asserts) = self.collect_assertions(|cx| {
+            cx.unconditionally(|cx| cx.run_function(class, components, given, span))
+        });
         let value = value.filter(|_| !self.problems.has_errors());
         let body = value.and_then(|value| self.body(&function, &symbols, &value, asserts));
         let Some(body) = body else {
             self.forget(id);
             return None;
         };
-        let slot = &mut self.evaluation.functions[id.idx()];
+        let slot = &mut self.evaluation.loops.functions[id.idx()];
         *slot = Function { name: std::mem::take(&mut slot.name), span, ..body };
         for function in self.evaluation.recursions.made.get_mut(&class).into_iter().flatten() {
             function.open = false;
@@ -289,8 +290,8 @@ impl Context<'_> {
 
     /// Takes back all functions that were made from this one on.
     fn forget(&mut self, first: FunctionId) {
-        self.evaluation.functions.truncate(first.idx());
-        self.evaluation.loops.retain(|_, id| *id < first);
+        self.evaluation.loops.functions.truncate(first.idx());
+        self.evaluation.loops.by_body.retain(|_, id| *id < first);
         self.evaluation.recursions.made.retain(|_, all| {
             all.retain(|f| f.id < first);
             !all.is_empty()
@@ -328,8 +329,8 @@ impl Context<'_> {
                     n => types[(at - 1) % n],
                 };
                 let symbol =
-                    self.graph.var(super::runtime_loop::symbol(self.evaluation.symbols), ty);
-                self.evaluation.symbols += 1;
+                    self.graph.var(super::runtime_loop::symbol(self.evaluation.loops.symbols), ty);
+                self.evaluation.loops.symbols += 1;
                 symbols.push(symbol);
                 symbol
             });
@@ -384,10 +385,11 @@ impl Context<'_> {
     /// The condition under which what is being run counts.
     fn counts(&mut self) -> ExprId {
         let mut all = self.graph.boolean(true);
-        for c in self.evaluation.path.clone() {
+        for c in self.evaluation.assertions.conditions.clone() {
             all = self.graph.and(all, c);
         }
-        let left = self.neither(self.evaluation.broken, self.evaluation.returned);
+        let exits = self.evaluation.exits;
+        let left = self.neither(exits.broken, exits.returned);
         self.graph.and(all, left)
     }
 
@@ -496,17 +498,16 @@ impl Context<'_> {
             }
         }
         let missing = inputs.iter().zip(given).filter(|(_, v)| v.is_none()).map(|(k, _)| *k);
-        let saved = self.enter_frame(true);
-        let done = self.declare_for(class, components, given, missing.collect());
-        let frame = self.evaluation.frame;
-        let value = |k: &usize| {
-            let name = components[*k].0.name.name;
-            let locals = &self.evaluation.locals[frame..];
-            locals.iter().find(|(n, _)| *n == name).map(|(_, v)| v.clone())
-        };
-        let all = done.and_then(|()| inputs.iter().map(value).collect());
-        self.leave_frame(saved);
-        all
+        let missing = missing.collect();
+        self.with_frame(FrameKind::Function, |cx| {
+            cx.declare_for(class, components, given, missing)?;
+            let locals = cx.evaluation.frames.visible();
+            let value = |k: &usize| {
+                let name = components[*k].0.name.name;
+                locals.iter().find(|(n, _)| *n == name).map(|(_, v)| v.clone())
+            };
+            inputs.iter().map(value).collect()
+        })
     }
 
     /// Zeros of the sizes and types that the outputs are declared with.
@@ -526,12 +527,10 @@ impl Context<'_> {
         let read = outputs.iter().flat_map(|(_, d)| super::function::read_by_sizes(d));
         let read = read.filter_map(position).collect();
         let given: Vec<Option<Value>> = inputs.iter().cloned().map(Some).collect();
-        let saved = self.enter_frame(true);
-        let done = self.declare_for(class, components, &given, read);
-        let zeros: Option<Vec<Value>> = done
-            .and_then(|()| outputs.iter().map(|(entry, d)| self.declared_zero(entry, d)).collect());
-        self.leave_frame(saved);
-        let mut zeros = zeros?;
+        let mut zeros: Vec<Value> = self.with_frame(FrameKind::Function, |cx| {
+            cx.declare_for(class, components, &given, read)?;
+            outputs.iter().map(|(entry, d)| cx.declared_zero(entry, d)).collect::<Option<_>>()
+        })?;
         match zeros.len() {
             1 => zeros.pop(),
             _ => Some(Value::Tuple(zeros.into())),
@@ -568,7 +567,7 @@ impl Context<'_> {
                 None if needed[*k] => self.local_start(entry, declaration)?,
                 None => continue,
             };
-            self.evaluation.locals.push((entry.name.name, value));
+            self.evaluation.frames.declare(entry.name.name, value);
         }
         Some(())
     }

@@ -3,9 +3,11 @@
 use std::rc::Rc;
 
 use super::Context;
+use super::mode::Mode;
 use super::subscript::Selector;
 use super::value::{Record, Value};
 use crate::base::diag::Diagnostic;
+use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::lookup::Found;
@@ -26,6 +28,15 @@ pub enum Selection {
     Chosen(ExprId, Vec<Selection>),
     /// A component whose condition is false.
     Absent,
+}
+
+/// Constants with units that are read as plain numbers: their units are not checked.
+#[derive(Default)]
+pub struct Units {
+    /// Whether one was read since this was last asked for.
+    pub(crate) unitless_literal: bool,
+    /// Whether constants have units.
+    has_unit: FastMap<InstanceId, bool>,
 }
 
 /// What the first identifiers of a reference stand for.
@@ -79,15 +90,14 @@ impl Context<'_> {
     }
 
     pub(super) fn local(&self, wanted: Name) -> Option<Value> {
-        let visible = &self.evaluation.locals[self.evaluation.frame..];
-        visible.iter().rev().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
+        self.evaluation.frames.find(wanted).cloned()
     }
 
     /// The instance that the name starts with, and how many of its parts lead to it.
     fn start_of(&mut self, r: &ComponentRef, scope: Scope) -> Option<Start> {
         let first = &r.parts[0];
         if !r.global
-            && !self.evaluation.in_function
+            && !self.evaluation.frames.in_function()
             && let Some(id) = self.visible(scope, first.name.name)
         {
             return Some(Start::Instance(self.seen(id), 1));
@@ -243,7 +253,7 @@ impl Context<'_> {
         }
         if !r.global
             && (self.local(r.parts[0].name.name).is_some()
-                || (!self.evaluation.in_function
+                || (!self.evaluation.frames.in_function()
                     && self.child(scope.instance, r.parts[0].name.name).is_some()))
         {
             return None;
@@ -269,7 +279,7 @@ impl Context<'_> {
     ) -> Option<Selection> {
         self.complete(id);
         let (part, rest) = parts.split_first()?;
-        if open && self.evaluation.reading {
+        if open && self.evaluation.mode.reads_value {
             self.check_conditional(id, part.name.span);
         }
         let subscripts: &[Subscript] = if open { &part.subscripts } else { &[] };
@@ -336,14 +346,11 @@ impl Context<'_> {
             if wanted == Type::Integer || matches!(e.kind, ExprKind::End) {
                 continue;
             }
-            let before = std::mem::replace(&mut self.evaluation.reading, false);
-            let asserted = self.evaluation.asserts.len();
-            self.evaluation.ends.push(0);
-            let value = self.evaluate(e, scope);
-            self.evaluation.ends.pop();
-            self.evaluation.reading = before;
-            // It is read once more, for its value.
-            self.evaluation.asserts.truncate(asserted);
+            let mode = Mode { reads_value: false, ..self.evaluation.mode };
+            // Its assertions are left out here: it is read once more, for its value.
+            let (value, _) = self.collect_assertions(|cx| {
+                cx.with_mode(mode, |cx| cx.with_end(0, |cx| cx.evaluate(e, scope)))
+            });
             let given = value.and_then(|v| v.elements().first().and_then(Value::scalar));
             let Some(given) = given.map(|e| self.graph.ty(e)).filter(|t| *t != wanted) else {
                 continue;
@@ -391,9 +398,8 @@ impl Context<'_> {
                 }
             }
         }
-        let before = std::mem::replace(&mut self.evaluation.reading, true);
-        let selection = self.walk(id, parts, true, scope, span);
-        self.evaluation.reading = before;
+        let mode = self.evaluation.mode.reading();
+        let selection = self.with_mode(mode, |cx| cx.walk(id, parts, true, scope, span));
         self.selection_value(&selection?, span)
     }
 
@@ -487,12 +493,12 @@ impl Context<'_> {
         let variability = self.instances[id].prefix.variability;
         let folds = match variability {
             Some(Variability::Constant) => {
-                self.evaluation.lost_unit |= self.has_unit(id);
+                self.evaluation.units.unitless_literal |= self.has_unit(id);
                 true
             }
             Some(Variability::Parameter) => {
-                if let Some(constant) = self.evaluation.constant
-                    && !self.evaluation.shaping
+                if let Some(constant) = self.evaluation.mode.constant
+                    && !self.evaluation.mode.sizes
                 {
                     self.report_variability(constant, span, "a parameter");
                     return None;
@@ -502,8 +508,8 @@ impl Context<'_> {
                     InstanceKind::Variable { ty, .. } => ty,
                     _ => Type::Real,
                 };
-                self.evaluation.folding
-                    || self.evaluation.shaping && ty != Type::Real && self.bound(id)
+                self.evaluation.mode.fold
+                    || self.evaluation.mode.sizes && ty != Type::Real && self.bound(id)
             }
             _ => false,
         };
@@ -519,7 +525,7 @@ impl Context<'_> {
         let InstanceKind::Variable { first, ty, .. } = self.instances[id].kind else {
             return None;
         };
-        if self.evaluation.shaping {
+        if self.evaluation.mode.sizes {
             // What fixes the structure decides shapes too.
             if variability == Some(Variability::Parameter)
                 && ty != Type::Real
@@ -530,7 +536,7 @@ impl Context<'_> {
             }
             return Some(Some(self.zero_of_type(ty)));
         }
-        if self.evaluation.folding || first.is_none() {
+        if self.evaluation.mode.fold || first.is_none() {
             let path = self.path(id);
             let declared = self.declared_at(id);
             self.problems.push(
@@ -548,19 +554,29 @@ impl Context<'_> {
         Some(None)
     }
 
+    /// Evaluates something; whether it reads a constant with a unit as a plain number.
+    pub(crate) fn with_unitless_literals<T>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> T,
+    ) -> (T, bool) {
+        let around = std::mem::take(&mut self.evaluation.units.unitless_literal);
+        let result = act(self);
+        (result, std::mem::replace(&mut self.evaluation.units.unitless_literal, around))
+    }
+
     /// Whether a Real constant is declared with a unit.
     fn has_unit(&mut self, id: InstanceId) -> bool {
         if !matches!(self.instances[id].kind, InstanceKind::Variable { ty: Type::Real, .. }) {
             return false;
         }
-        if let Some(known) = self.evaluation.has_unit.get(&id) {
+        if let Some(known) = self.evaluation.units.has_unit.get(&id) {
             return *known;
         }
         let unit = self.attribute(id, crate::base::name::name("unit"));
         let found = unit.is_some_and(
             |b| !matches!(&b.value.kind, ExprKind::String(s) if s.is_empty() || &**s == "1"),
         );
-        self.evaluation.has_unit.insert(id, found);
+        self.evaluation.units.has_unit.insert(id, found);
         found
     }
 
@@ -589,7 +605,7 @@ impl Context<'_> {
             return None;
         };
         let v = crate::ir::expr::VarId(first.0 + k as u32);
-        if !self.evaluation.unassigned
+        if !self.evaluation.mode.unassigned
             && let Some(assigned) = self.evaluation.assigned.get(&v)
         {
             return Some(*assigned);

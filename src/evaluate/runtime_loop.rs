@@ -5,8 +5,8 @@
 //! goes in as an argument.
 
 use super::Context;
-use super::algorithm::Flow;
-use super::external::Asserted;
+use super::algorithm::{Exits, Flow};
+use super::assertion::Asserted;
 use super::value::Value;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::Name;
@@ -20,6 +20,18 @@ use crate::symbolic::rewrite::Rewriter;
 /// The k-th symbol.
 pub(crate) fn symbol(k: u32) -> VarId {
     VarId(FIRST_SYMBOL + k)
+}
+
+/// Functions of the flat model that are made of loops and of functions that call themselves.
+#[derive(Default)]
+pub struct Loops {
+    /// All of them.
+    pub(crate) functions: Vec<Function>,
+    /// Those made of loops, by place, by how many arguments they have and by their expressions: a
+    /// loop that is met again is the same.
+    pub(super) by_body: FastMap<(Span, usize, Vec<ExprId>), FunctionId>,
+    /// How many symbols such functions have.
+    pub(super) symbols: u32,
 }
 
 /// What one turn of a loop makes of what it finds, in terms of symbols.
@@ -87,23 +99,23 @@ impl Context<'_> {
         let turns = crate::base::name::name("$turn");
         let mut names: FastSet<Name> = std::iter::once(turns).collect();
         super::implicit_ranges::assigned(body, &mut names);
-        let zero = self.graph.integer(0);
-        self.evaluation.locals.push((turns, Value::Scalar(zero)));
-        let at = self.evaluation.locals.len() - 1;
-        let done = self.repeat(&names, span, |cx| {
-            let turn = cx.evaluation.locals[at].1.scalar()?;
-            let holds = cx.is_within(turn, &range);
-            let passed = cx.graph.binary(Binary::Mul, turn, range.step);
-            let value = cx.graph.binary(Binary::Add, range.start, passed);
-            cx.evaluation.locals.push((first.name.name, Value::Scalar(value)));
-            let flow = cx.under(holds, |cx| cx.run_for(rest, body, scope));
-            cx.evaluation.locals.pop();
-            let one = cx.graph.integer(1);
-            let next = cx.graph.binary(Binary::Add, turn, one);
-            cx.evaluation.locals[at].1 = Value::Scalar(next);
-            Some((holds, flow?))
+        let zero = Value::Scalar(self.graph.integer(0));
+        let at = self.evaluation.frames.visible().len();
+        let done = self.with_local(turns, zero, |cx| {
+            cx.repeat(&names, span, |cx| {
+                let turn = cx.evaluation.frames.visible()[at].1.scalar()?;
+                let holds = cx.is_within(turn, &range);
+                let passed = cx.graph.binary(Binary::Mul, turn, range.step);
+                let value = cx.graph.binary(Binary::Add, range.start, passed);
+                let flow = cx.with_local(first.name.name, Value::Scalar(value), |cx| {
+                    cx.under(holds, |cx| cx.run_for(rest, body, scope))
+                });
+                let one = cx.graph.integer(1);
+                let next = cx.graph.binary(Binary::Add, turn, one);
+                cx.evaluation.frames.visible_mut()[at].1 = Value::Scalar(next);
+                Some((holds, flow?))
+            })
         });
-        self.evaluation.locals.pop();
         done.map(|()| true)
     }
 
@@ -111,8 +123,8 @@ impl Context<'_> {
     pub(crate) fn unknown_turn(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Value>> {
         let Some(range) = self.open_range(iterator, scope)? else { return Some(None) };
         let ty = self.graph.common_type(range.start, range.step);
-        let any = symbol(self.evaluation.symbols);
-        self.evaluation.symbols += 1;
+        let any = symbol(self.evaluation.loops.symbols);
+        self.evaluation.loops.symbols += 1;
         Some(Some(Value::Scalar(self.graph.var(any, ty))))
     }
 
@@ -156,44 +168,45 @@ impl Context<'_> {
         span: Span,
         run: impl FnOnce(&mut Self) -> Option<(ExprId, Flow)>,
     ) -> Option<()> {
-        let frame = self.evaluation.frame;
-        let before: Vec<(Name, Value)> = self.evaluation.locals[frame..].to_vec();
+        let before: Vec<(Name, Value)> = self.evaluation.frames.visible().to_vec();
         let changed: Vec<usize> =
             (0..before.len()).filter(|k| names.contains(&before[*k].0)).collect();
         let mut turn = Turn::default();
         for &k in &changed {
-            let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+            let (graph, counter) = (&mut self.graph, &mut self.evaluation.loops.symbols);
             let symbolic = before[k].1.each_scalar(&mut |e| turn.symbol(graph, counter, e));
-            self.evaluation.locals[frame + k].1 = symbolic;
+            self.evaluation.frames.visible_mut()[k].1 = symbolic;
         }
         // In a model, what its algorithm assigns.
-        let outside = match self.evaluation.in_function {
+        let outside = match self.evaluation.frames.in_function() {
             true => FastMap::default(),
             false => self.evaluation.assigned.clone(),
         };
         let mut variables: Vec<VarId> = outside.keys().copied().collect();
         variables.sort_unstable();
         for v in &variables {
-            let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+            let (graph, counter) = (&mut self.graph, &mut self.evaluation.loops.symbols);
             let symbolic = turn.symbol(graph, counter, outside[v]);
             self.evaluation.assigned.insert(*v, symbolic);
         }
-        let asserted = self.evaluation.asserts.len();
-        let left = (self.evaluation.broken.take(), self.evaluation.returned.take());
-        let reached = self.neither(left.0, left.1);
-        let (condition, flow) = self.under(reached, run)?;
-        // An assertion about a turn has no place outside of the loop.
-        turn.asserts = self.evaluation.asserts.split_off(asserted);
+        let left = std::mem::take(&mut self.evaluation.exits);
+        let reached = self.neither(left.broken, left.returned);
+        // An assertion about an iteration has no place outside of the loop.
+        let (run, asserts) = self.collect_assertions(|cx| cx.under(reached, run));
+        let (condition, flow) = run?;
+        turn.asserts = asserts;
         turn.condition = Some(condition);
         for &k in &changed {
-            self.evaluation.locals[frame + k].1.for_each_scalar(&mut |e| turn.turned.push(e));
+            self.evaluation.frames.visible()[k].1.for_each_scalar(&mut |e| turn.turned.push(e));
         }
         turn.turned.extend(variables.iter().map(|v| self.evaluation.assigned[v]));
         if turn.turned.len() != turn.symbols.len() {
             self.unsupported(span, "arrays that grow in a loop");
             return None;
         }
-        if !self.evaluation.in_function && self.evaluation.assigned.len() != variables.len() {
+        if !self.evaluation.frames.in_function()
+            && self.evaluation.assigned.len() != variables.len()
+        {
             self.unsupported(
                 span,
                 "variables that are first assigned in a loop whose length only a run knows",
@@ -205,13 +218,14 @@ impl Context<'_> {
         let mut next = results.iter().copied();
         for &k in &changed {
             let result = before[k].1.each_scalar(&mut |e| next.next().unwrap_or(e));
-            self.evaluation.locals[frame + k].1 = result;
+            self.evaluation.frames.visible_mut()[k].1 = result;
         }
         for (v, e) in variables.into_iter().zip(next) {
             self.evaluation.assigned.insert(v, e);
         }
-        self.evaluation.broken = left.0;
-        self.evaluation.returned = if returns { results.last().copied() } else { left.1 };
+        self.evaluation.exits.broken = left.broken;
+        self.evaluation.exits.returned =
+            if returns { results.last().copied() } else { left.returned };
         Some(())
     }
 
@@ -222,25 +236,25 @@ impl Context<'_> {
         &mut self,
         condition: ExprId,
         flow: Flow,
-        before: (Option<ExprId>, Option<ExprId>),
+        before: Exits,
         turn: &mut Turn,
     ) -> (ExprId, bool) {
         let sure = self.graph.boolean(true);
         let now = |kind: Flow, part: Option<ExprId>| if flow == kind { Some(sure) } else { part };
-        let broken = now(Flow::Break, self.evaluation.broken);
-        let returned = now(Flow::Return, self.evaluation.returned);
-        if broken.or(returned).or(before.0).or(before.1).is_none() {
+        let broken = now(Flow::Break, self.evaluation.exits.broken);
+        let returned = now(Flow::Return, self.evaluation.exits.returned);
+        if broken.or(returned).or(before.broken).or(before.returned).is_none() {
             return (condition, false);
         }
-        let goes_on = self.neither(before.0, before.1);
+        let goes_on = self.neither(before.broken, before.returned);
         let next = self.neither(broken, returned);
-        let (graph, counter) = (&mut self.graph, &mut self.evaluation.symbols);
+        let (graph, counter) = (&mut self.graph, &mut self.evaluation.loops.symbols);
         let goes_on = turn.symbol(graph, counter, goes_on);
         turn.turned.push(next);
         let condition = graph.and(goes_on, condition);
         if let Some(returned) = returned {
             let never = graph.boolean(false);
-            turn.symbol(graph, counter, before.1.unwrap_or(never));
+            turn.symbol(graph, counter, before.returned.unwrap_or(never));
             turn.turned.push(returned);
         }
         (condition, returned.is_some())
@@ -261,16 +275,16 @@ impl Context<'_> {
         // A whole number may become a real one in the loop.
         let both = turn.initial.iter().zip(&turn.turned);
         let types: Vec<Type> = both.map(|(a, b)| self.graph.common_type(*a, *b)).collect();
-        let name = match self.evaluation.calls.last() {
+        let name = match self.evaluation.recursions.calls.last() {
             Some(call) => self.classes[call.class].full_name.to_string(),
             None => "an algorithm".to_string(),
         };
         let (function, captured) = function(&mut self.graph, name, span, &turn, condition);
         let key = (span, function.inputs.len(), function.values());
-        let next = FunctionId::from_usize(self.evaluation.functions.len());
-        let id = *self.evaluation.loops.entry(key).or_insert(next);
+        let next = FunctionId::from_usize(self.evaluation.loops.functions.len());
+        let id = *self.evaluation.loops.by_body.entry(key).or_insert(next);
         if id == next {
-            self.evaluation.functions.push(function);
+            self.evaluation.loops.functions.push(function);
         }
         let mut arguments = turn.initial;
         arguments.extend(captured);

@@ -26,7 +26,16 @@ impl Selector {
         matches!(self, Selector::Dynamic(_) | Selector::Each(_))
     }
 }
+
 impl Context<'_> {
+    /// Evaluates a subscript in which `end` stands for a size.
+    pub(crate) fn with_end<T>(&mut self, size: usize, act: impl FnOnce(&mut Self) -> T) -> T {
+        self.evaluation.ends.push(size);
+        let result = act(self);
+        self.evaluation.ends.pop();
+        result
+    }
+
     /// Applies subscripts to a value.
     pub(crate) fn subscripted(
         &mut self,
@@ -91,14 +100,9 @@ impl Context<'_> {
             out.push(match s {
                 Subscript::Colon(_) => Selector::Many((1..=dims[k]).collect()),
                 Subscript::Expr(e) => {
-                    self.evaluation.ends.push(dims[k]);
-                    let reading = std::mem::replace(&mut self.evaluation.reading, false);
-                    let unassigned = std::mem::replace(&mut self.evaluation.unassigned, false);
-                    let value = self.evaluate(e, scope);
-                    self.evaluation.reading = reading;
-                    self.evaluation.unassigned = unassigned;
-                    self.evaluation.ends.pop();
-                    let value = value?;
+                    let mode = self.evaluation.mode.subscript();
+                    let value = self
+                        .with_end(dims[k], |cx| cx.with_mode(mode, |cx| cx.evaluate(e, scope)))?;
                     self.selector(&value, dims[k], e.span, span)?
                 }
             });
@@ -149,7 +153,7 @@ impl Context<'_> {
         };
         if i < 1 || i as usize > size {
             // What does not count may be any of them, and where shapes alone do all serve.
-            if size > 0 && (self.is_unreached() || self.evaluation.shaping) {
+            if size > 0 && (self.is_unreached() || self.evaluation.mode.sizes) {
                 return Some(1);
             }
             let message = format!("subscript {i} is outside 1 to {size}");

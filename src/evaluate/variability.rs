@@ -33,7 +33,7 @@ impl Context<'_> {
             let mut moves = false;
             self.graph.for_each_operand(n, |a| moves |= moving[&a]);
             let moves = match self.graph.node(n) {
-                _ if self.evaluation.moving.contains(&n) => true,
+                _ if self.evaluation.events.moving_results.contains(&n) => true,
                 Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
                 Node::Time | Node::Der(_) | Node::Recorded(..) => true,
                 Node::Unary(Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Sign, _) => {

@@ -18,15 +18,14 @@ pub(super) fn expand(
     scope: Scope,
     target: &mut Target<'_>,
 ) {
-    cx.evaluation.lost_unit = false;
+    cx.evaluation.units.unitless_literal = false;
     cx.evaluation.assigned.clear();
     let plain: Vec<ast::Statement> =
         list.iter().filter(|s| !matches!(s.kind, StatementKind::When { .. })).cloned().collect();
     let mut outputs = Vec::new();
-    let asserted_before = cx.evaluation.asserts.len();
-    let started = start_values(cx, &plain, scope, target, &mut outputs);
     // The statements are evaluated again below, so assertions of their subscripts are discarded here.
-    cx.evaluation.asserts.truncate(asserted_before);
+    let (started, _) =
+        cx.collect_assertions(|cx| start_values(cx, &plain, scope, target, &mut outputs));
     if started.is_some() && cx.run_statements(&plain, scope).is_some() && !outputs.is_empty() {
         let values = outputs.iter().map(|v| cx.evaluation.assigned[v]).collect();
         target.push(EquationKind::Algorithm { outputs, values }, span);
@@ -39,15 +38,18 @@ pub(super) fn expand(
             && let Some(branches) =
                 cx.in_when(|cx| super::when::statement_branches(cx, branches, scope))
         {
-            target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(s.span));
+            target
+                .flat
+                .unitless_literals
+                .extend(cx.evaluation.units.unitless_literal.then_some(s.span));
             whens.push((branches, s.span));
         }
     }
     for (branches, span) in super::when::last_wins(whens) {
         target.push(EquationKind::When(branches), span);
     }
-    target.flat.lost_units.extend(cx.evaluation.lost_unit.then_some(span));
-    cx.evaluation.lost_unit = false;
+    target.flat.unitless_literals.extend(cx.evaluation.units.unitless_literal.then_some(span));
+    cx.evaluation.units.unitless_literal = false;
 }
 
 /// Initialises the assigned variables of a section: discrete ones with their `pre` value, others with
@@ -100,10 +102,9 @@ fn start_values_of_loop(
         None => cx.values_of(first, scope)?,
     };
     for value in values {
-        cx.evaluation.locals.push((first.name.name, value));
-        let done = start_values_of_loop(cx, rest, body, scope, target, outputs);
-        cx.evaluation.locals.pop();
-        done?;
+        cx.with_local(first.name.name, value, |cx| {
+            start_values_of_loop(cx, rest, body, scope, target, outputs)
+        })?;
     }
     Some(())
 }

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::connect::Connections;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::evaluate::assertion::{Asserted, level_of};
 use crate::evaluate::builtin::argument;
-use crate::evaluate::draw::Place;
-use crate::evaluate::external::{Asserted, level_of};
 use crate::evaluate::implicit_ranges::Body;
+use crate::evaluate::random_draw::Place;
 use crate::evaluate::value::Value;
 use crate::instantiate::Context;
 use crate::ir::ast::{self, Expr, ExprKind};
@@ -75,10 +75,9 @@ pub(super) fn expand_all(
     target: &mut Target<'_>,
 ) {
     for e in list {
-        let outside = std::mem::take(&mut cx.evaluation.lost_unit);
-        expand(cx, e, scope, target);
-        if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
-            target.flat.lost_units.insert(e.span);
+        let (_, unitless) = cx.with_unitless_literals(|cx| expand(cx, e, scope, target));
+        if unitless {
+            target.flat.unitless_literals.insert(e.span);
         }
         asserted(cx, target);
     }
@@ -86,7 +85,7 @@ pub(super) fn expand_all(
 
 /// Adds the assertions of the functions that were called.
 pub(super) fn asserted(cx: &mut Context<'_>, target: &mut Target<'_>) {
-    for a in std::mem::take(&mut cx.evaluation.asserts) {
+    for a in std::mem::take(&mut cx.evaluation.assertions.pending) {
         let Asserted { condition, message, level, span } = a;
         target.push(EquationKind::Assert(Assert { condition, message, level }), span);
     }
@@ -118,7 +117,7 @@ fn expand(
             Some(())
         }
         ast::EquationKind::Connect(a, b) => {
-            if !cx.evaluation.path.is_empty() {
+            if !cx.evaluation.assertions.conditions.is_empty() {
                 cx.problems.push(
                     Diagnostic::error(
                         "MO0231",
@@ -149,10 +148,7 @@ pub(super) fn for_each(
         return Some(());
     };
     for value in cx.fold_range(first, scope)? {
-        cx.evaluation.locals.push((first.name.name, value));
-        let done = for_each(cx, rest, scope, body);
-        cx.evaluation.locals.pop();
-        done?;
+        cx.with_local(first.name.name, value, |cx| for_each(cx, rest, scope, body))?;
     }
     Some(())
 }

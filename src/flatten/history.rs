@@ -4,8 +4,8 @@ use super::variable::add_synthetic;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
-use crate::evaluate::draw::{Drawing, Draws};
 use crate::evaluate::history::{Carrying, Made};
+use crate::evaluate::random_draw::{RandomDraw, RandomDraws};
 use crate::instantiate::Context;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
@@ -16,7 +16,7 @@ use crate::symbolic::rewrite::Rewriter;
 /// declared variables in the order in which the evaluator met the operators, because the evaluator
 /// has already numbered them in this order.
 pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
-    let draws = std::mem::take(&mut cx.evaluation.draws);
+    let draws = std::mem::take(&mut cx.evaluation.random_draws);
     let draws_any = cx.evaluation.history.made.iter().any(|m| matches!(m, Made::Number(_)));
     let generator = draws.generator.as_ref().filter(|_| draws_any);
     let generator = generator.and_then(|state| generator_state(cx, flat, state));
@@ -99,9 +99,9 @@ fn generator_state(
 /// active at the same instant.
 fn number(
     cx: &mut Context<'_>,
-    draws: &Draws,
+    draws: &RandomDraws,
     generator: Option<&[i64]>,
-    drawing: Drawing,
+    drawing: RandomDraw,
 ) -> ExprId {
     let Some(generator) = generator else {
         cx.problems.push(

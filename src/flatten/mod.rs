@@ -105,15 +105,16 @@ fn flatten_with(
     inspect(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
     flat.experiment = experiment::inherited(cx, class, root, 0);
-    let structural: FastSet<InstanceId> = cx.evaluation.structural.iter().copied().collect();
+    let structural: FastSet<InstanceId> =
+        cx.evaluation.parameters.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.evaluation.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
         flat.variables[v].structural |= structural.contains(instance);
     }
     history::elaborate(cx, &mut flat);
-    flat.functions = std::mem::take(&mut cx.evaluation.functions).into_iter().collect();
+    flat.functions = std::mem::take(&mut cx.evaluation.loops.functions).into_iter().collect();
     // Assertions of functions that are called in declarations.
-    for a in std::mem::take(&mut cx.evaluation.asserts) {
+    for a in std::mem::take(&mut cx.evaluation.assertions.pending) {
         let origin = Origin { span: a.span, component: "".into() };
         let assert = Assert { condition: a.condition, message: a.message, level: a.level };
         flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
-use crate::evaluate::draw::Place;
+use crate::evaluate::random_draw::Place;
 use crate::evaluate::value::Value;
 use crate::instantiate::component::advance;
 use crate::instantiate::{Context, subscript_text};
@@ -232,19 +232,20 @@ fn binding(
     let span = cx.binding(id).map_or_else(|| cx.declared_at(id), |b| b.value.span);
     // Constants, and parameters that have fixed the structure, are already evaluated.
     let constant = cx.instances[id].prefix.variability == Some(Variability::Constant);
-    let outside = std::mem::take(&mut cx.evaluation.lost_unit);
     // The binding of a time-varying variable holds at all times.
     let varies = !matches!(
         cx.instances[id].prefix.variability,
         Some(Variability::Constant | Variability::Parameter)
     );
     let place = if varies { Place::Always } else { Place::Start };
-    let value = cx.in_place(place, |cx| match constant {
-        true => cx.parameter_value(id, span),
-        false => cx.binding_value(id),
+    let (value, unitless) = cx.with_unitless_literals(|cx| {
+        cx.in_place(place, |cx| match constant {
+            true => cx.parameter_value(id, span),
+            false => cx.binding_value(id),
+        })
     });
-    if std::mem::replace(&mut cx.evaluation.lost_unit, outside) {
-        flat.lost_units.insert(flat.variables[first].span);
+    if unitless {
+        flat.unitless_literals.insert(flat.variables[first].span);
     }
     let Some(value) = value else { return };
     let setting = cx.binding(id).is_some_and(|b| b.setting);

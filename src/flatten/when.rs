@@ -2,7 +2,7 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::evaluate::external::Asserted;
+use crate::evaluate::assertion::Asserted;
 use crate::evaluate::value::Value;
 use crate::instantiate::Context;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
@@ -20,11 +20,11 @@ pub(super) fn branches(
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
-        let outside = std::mem::take(&mut cx.evaluation.asserts);
-        for e in body {
-            action(cx, e, scope, &mut actions)?;
-        }
-        keep_asserts(cx, outside, &mut actions);
+        let (done, asserts) = cx.collect_assertions(|cx| {
+            body.iter().try_for_each(|e| action(cx, e, scope, &mut actions))
+        });
+        done?;
+        add_asserts(asserts, &mut actions);
         actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
         out.push(WhenBranch { conditions, actions });
     }
@@ -141,9 +141,9 @@ fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) 
     }
 }
 
-/// Moves the assertions met in a clause into its actions; restores those from before it.
-fn keep_asserts(cx: &mut Context<'_>, outside: Vec<Asserted>, out: &mut Vec<Action>) {
-    for p in std::mem::replace(&mut cx.evaluation.asserts, outside) {
+/// Adds the assertions met in a clause to its actions.
+fn add_asserts(asserts: Vec<Asserted>, out: &mut Vec<Action>) {
+    for p in asserts {
         let Asserted { condition, message, level, .. } = p;
         out.push(Action::Assert(Assert { condition, message, level }));
     }
@@ -329,9 +329,9 @@ pub(super) fn statement_branches(
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
         cx.evaluation.assigned.clear();
-        let outside = std::mem::take(&mut cx.evaluation.asserts);
-        let result = statement_actions(cx, body, scope, &mut actions);
-        keep_asserts(cx, outside, &mut actions);
+        let (result, asserts) =
+            cx.collect_assertions(|cx| statement_actions(cx, body, scope, &mut actions));
+        add_asserts(asserts, &mut actions);
         let assigned = std::mem::take(&mut cx.evaluation.assigned);
         result?;
         let mut all: Vec<(VarId, ExprId)> = assigned.into_iter().collect();

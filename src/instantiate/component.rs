@@ -6,6 +6,7 @@ use super::Context;
 use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::classes::inheritance::merge_prefix;
+use crate::evaluate::frame::FrameKind;
 use crate::ir::ast::{self, ElementKind, Subscript};
 use crate::ir::instance::{
     ClassId, ClassTable, Declaration, Entry, EntryKind, Instance, InstanceId, InstanceKind,
@@ -55,15 +56,14 @@ impl Context<'_> {
     fn complete_pending(&mut self, id: InstanceId) {
         self.instances[id].kind = InstanceKind::InProgress;
         // Where a function reads a constant, its own variables are not those of the constant's package.
-        let saved = self.enter_frame(false);
-        let kind = match self.instances[id].declaration.clone() {
-            Some(declaration) => match self.cached_declaration(id, &declaration) {
+        let declaration = self.instances[id].declaration.clone();
+        let kind = self.with_frame(FrameKind::Class, |cx| match declaration {
+            Some(declaration) => match cx.cached_declaration(id, &declaration) {
                 Some(kind) => Some(kind),
-                None => self.declared(id, &declaration),
+                None => cx.declared(id, &declaration),
             },
-            None => self.object(id),
-        };
-        self.leave_frame(saved);
+            None => cx.object(id),
+        });
         // An error on the way may have settled it already.
         if matches!(self.instances[id].kind, InstanceKind::InProgress) {
             self.instances[id].kind = kind.unwrap_or(InstanceKind::Broken);
@@ -177,10 +177,9 @@ impl Context<'_> {
             written.extend(list.iter().map(|s| (s.clone(), outside)));
         }
         // One may be that of another dimension: `A[:, size(A, 1)]`.
-        self.evaluation.sizing.push((id, vec![None; written.len()]));
-        let sizes = self.sizes_of_dimensions(id, component.name, &written);
-        self.evaluation.sizing.pop();
-        let sizes = sizes?;
+        let sizes = self.with_sizing(id, written.len(), |cx| {
+            cx.sizes_of_dimensions(id, component.name, &written)
+        })?;
         self.check_count(&sizes, component.name.span)?;
         Some(sizes)
     }
@@ -197,12 +196,11 @@ impl Context<'_> {
         for (k, (subscript, _)) in written.iter().enumerate() {
             let Subscript::Colon(span) = subscript else { continue };
             if from_binding.is_none() {
-                let before = std::mem::replace(&mut self.evaluation.shaping, true);
-                let value = match self.binding_value(id) {
-                    None if !self.bound(id) => self.start_value(id),
+                let mode = self.evaluation.mode.sizing();
+                let value = self.with_mode(mode, |cx| match cx.binding_value(id) {
+                    None if !cx.bound(id) => cx.start_value(id),
                     value => value,
-                };
-                self.evaluation.shaping = before;
+                });
                 // Why a binding has no value was said.
                 if value.is_none() && self.bound(id) && self.problems.has_errors() {
                     return None;
@@ -218,34 +216,15 @@ impl Context<'_> {
                     return None;
                 }
             };
-            self.note_size(k, sizes[k]);
+            self.evaluation.sizing.note(k, sizes[k]);
         }
         for (k, (subscript, scope)) in written.iter().enumerate() {
             if let Subscript::Expr(e) = subscript {
                 sizes[k] = self.fold_size(e, *scope)?;
-                self.note_size(k, sizes[k]);
+                self.evaluation.sizing.note(k, sizes[k]);
             }
         }
         Some(sizes)
-    }
-
-    fn note_size(&mut self, k: usize, size: usize) {
-        if let Some((_, known)) = self.evaluation.sizing.last_mut() {
-            known[k] = Some(size);
-        }
-    }
-
-    /// Dimension `k`, from 1, of a component whose sizes are being found, if that one is found already.
-    pub(crate) fn size_found(&mut self, e: &ast::Expr, k: usize, scope: Scope) -> Option<usize> {
-        let ast::ExprKind::Ref(r) = &e.kind else { return None };
-        let [part] = r.parts.as_slice() else { return None };
-        let elsewhere = self.evaluation.sizing.is_empty() || self.evaluation.in_function;
-        if elsewhere || r.global || !part.subscripts.is_empty() {
-            return None;
-        }
-        let id = self.child(scope.instance, part.name.name)?;
-        let (_, known) = self.evaluation.sizing.iter().rev().find(|(own, _)| *own == id)?;
-        *known.get(k.checked_sub(1)?)?
     }
 
     /// The start value of a variable, from which its open sizes are taken where it has no other.

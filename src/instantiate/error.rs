@@ -87,7 +87,7 @@ impl Context<'_> {
     /// A name in an expression that stands for nothing.
     pub(crate) fn report_unknown_name(&mut self, wanted: Name, span: Span, scope: Scope) {
         let mut names = Vec::new();
-        for (name, _) in &self.evaluation.locals {
+        for name in self.evaluation.frames.names() {
             names.push(name.to_string());
         }
         let table = self.table_of(scope.instance);

@@ -63,7 +63,7 @@ pub struct Context<'a> {
     /// What was wrong with the last name that was looked up, until somebody needs it.
     pub(crate) violation: Option<AccessViolation>,
     /// The problems of classes that are wrong.
-    pub(crate) said: FastMap<ClassId, Problems>,
+    pub(crate) problems_of: FastMap<ClassId, Problems>,
     /// No modifications and no sizes, which most components have: shared by all of them.
     pub(crate) no_layers: Rc<[Layer]>,
     pub(crate) no_sizes: Rc<[usize]>,

@@ -29,7 +29,7 @@ pub struct ContextSnapshot {
     checked: FastSet<usize>,
     checked_functions: FastSet<ClassId>,
     checked_constraints: FastSet<Span>,
-    said: FastMap<ClassId, Problems>,
+    problems_of: FastMap<ClassId, Problems>,
 }
 
 impl<'a> Context<'a> {
@@ -48,7 +48,7 @@ impl<'a> Context<'a> {
             checked: self.checked,
             checked_functions: self.checked_functions,
             checked_constraints: self.checked_constraints,
-            said: self.said,
+            problems_of: self.problems_of,
         }
     }
 
@@ -78,34 +78,11 @@ impl<'a> Context<'a> {
             checked_constraints: snapshot.checked_constraints,
             added_inner: FastSet::default(),
             violation: None,
-            said: snapshot.said,
+            problems_of: snapshot.problems_of,
             no_layers: Rc::from([]),
             no_sizes: Rc::from([]),
             evaluation: evaluate::State::default(),
             surrounded: false,
         }
-    }
-
-    /// Remembers the problems of a class, which come after those from `before`: classes that are made
-    /// of it are wrong too, in a context that is grown from this one as well.
-    pub(crate) fn note_said(&mut self, class: ClassId, before: Problems) {
-        let said = std::mem::replace(self.problems, before);
-        if !said.is_empty() {
-            self.say(&said);
-            self.said.insert(class, said);
-        }
-    }
-
-    /// Says again what was said of a class; what is known already is not said twice.
-    pub(crate) fn say_again(&mut self, class: ClassId) {
-        if !self.said.is_empty()
-            && let Some(said) = self.said.get(&class).cloned()
-        {
-            self.say(&said);
-        }
-    }
-
-    fn say(&mut self, said: &Problems) {
-        said.iter().for_each(|d| self.problems.push(d.clone()));
     }
 }

@@ -38,7 +38,7 @@ pub struct FlatModel {
     /// `annotation(experiment(...))`.
     pub experiment: Experiment,
     /// Places of equations and declarations in which constants with units stand as numbers.
-    pub lost_units: FastSet<Span>,
+    pub unitless_literals: FastSet<Span>,
     /// Inputs without a value that recordings give one, moving with time.
     pub recorded: Vec<VarId>,
     /// Variables that `flatten` made for its own purposes.
@@ -393,7 +393,7 @@ impl FlatModel {
             initial_equations: Vec::new(),
             functions: IndexVec::new(),
             experiment: Experiment::default(),
-            lost_units: FastSet::default(),
+            unitless_literals: FastSet::default(),
             recorded: Vec::new(),
             made: Vec::new(),
             delays: Vec::new(),

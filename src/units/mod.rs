@@ -46,7 +46,7 @@ struct Inference<'a> {
 pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
     let mut pairs = pairs(flat);
     // Where a constant has lost its unit nothing can be said.
-    pairs.retain(|p| !flat.lost_units.contains(&p.span));
+    pairs.retain(|p| !flat.unitless_literals.contains(&p.span));
     let mut known: FastMap<Name, Option<Dimension>> = FastMap::default();
     let variables = flat
         .variables

@@ -33,7 +33,7 @@ pub(crate) fn count(cx: &mut Context<'_>, root: InstanceId) {
             }
         }
     }
-    cx.evaluation.cardinality = Some(counts);
+    cx.evaluation.builtins.cardinality = Some(counts);
 }
 
 fn increment(cx: &Context<'_>, id: InstanceId, counts: &mut FastMap<InstanceId, usize>) {

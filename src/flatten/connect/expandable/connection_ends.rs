@@ -187,13 +187,10 @@ fn chosen(
         let list: Vec<usize> = match subscripts.get(k) {
             None | Some(Subscript::Colon(_)) => (1..=size?).collect(),
             Some(Subscript::Expr(e)) => {
-                if let Some(n) = size {
-                    cx.evaluation.ends.push(n);
-                }
-                let value = cx.fold(e, scope);
-                if size.is_some() {
-                    cx.evaluation.ends.pop();
-                }
+                let value = match size {
+                    Some(n) => cx.with_end(n, |cx| cx.fold(e, scope)),
+                    None => cx.fold(e, scope),
+                };
                 let mut list = Vec::new();
                 for element in value?.elements() {
                     let e = element.scalar()?;

@@ -15,10 +15,9 @@ mod presence;
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
-use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::evaluate::frame::Frames;
 use crate::evaluate::implicit_ranges::Body;
-use crate::evaluate::value::Value;
 use crate::instantiate::Context;
 use crate::ir::ast::{ClassKind, ComponentRef, Equation, EquationKind, Expr};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
@@ -29,7 +28,7 @@ use connection_ends::{ConnectionEnd, EndTarget};
 pub(crate) struct WrittenConnect {
     ends: [ComponentRef; 2],
     scope: Scope,
-    locals: Vec<(Name, Value)>,
+    frames: Frames,
     span: Span,
 }
 
@@ -139,7 +138,7 @@ pub(crate) fn collect(
             EquationKind::Connect(a, b) => out.push(WrittenConnect {
                 ends: [a.clone(), b.clone()],
                 scope,
-                locals: cx.evaluation.locals.clone(),
+                frames: cx.evaluation.frames.clone(),
                 span: e.span,
             }),
             EquationKind::For { iterators, body } if holds_connect(body) => {
@@ -186,11 +185,10 @@ pub(crate) fn pairs(
     cx: &mut Context<'_>,
     connect: &WrittenConnect,
 ) -> Vec<(ConnectionEnd, ConnectionEnd)> {
-    let before = std::mem::replace(&mut cx.evaluation.locals, connect.locals.clone());
     let [a, b] = &connect.ends;
-    let left = connection_ends::of(cx, a, connect.scope);
-    let right = connection_ends::of(cx, b, connect.scope);
-    cx.evaluation.locals = before;
+    let (left, right) = cx.with_frames(&connect.frames, |cx| {
+        (connection_ends::of(cx, a, connect.scope), connection_ends::of(cx, b, connect.scope))
+    });
     match (left, right) {
         (Some(left), Some(right)) if left.len() == right.len() => {
             left.into_iter().zip(right).collect()

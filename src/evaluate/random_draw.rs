@@ -28,7 +28,7 @@ pub(crate) enum Place {
 
 /// What is drawn, as far as it was met.
 #[derive(Default)]
-pub(crate) struct Draws {
+pub(crate) struct RandomDraws {
     /// The state of the generator at the start.
     pub generator: Option<Vec<ExprId>>,
     /// Where the evaluator stands.
@@ -45,7 +45,7 @@ pub(crate) struct Draws {
 
 /// A random number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drawing {
+pub(crate) struct RandomDraw {
     /// The counter of its when-clause; none at the start.
     pub counter: Option<VarId>,
     /// Its number among those that its branch or the start draws, from 1.
@@ -60,41 +60,41 @@ impl Context<'_> {
     pub(super) fn set_generator(&mut self, state: &Value) -> Result<Vec<Value>, Refusal> {
         let mut words = Vec::new();
         state.for_each_scalar(&mut |e| words.push(e));
-        if !self.evaluation.shaping {
-            self.evaluation.draws.generator = Some(words);
+        if !self.evaluation.mode.sizes {
+            self.evaluation.random_draws.generator = Some(words);
         }
         Ok(Vec::new())
     }
 
     /// The next random number.
     pub(super) fn draw(&mut self, span: Span) -> Result<ExprId, Refusal> {
-        if self.evaluation.folding || self.evaluation.shaping {
+        if self.evaluation.mode.is_before_simulation() {
             return Ok(self.graph.real(0.5));
         }
-        let (counter, number) = match self.evaluation.draws.place {
+        let (counter, number) = match self.evaluation.random_draws.place {
             Place::Always => {
                 let why = "it gives another number at each call: call it in a when-clause or at the start";
                 return Err(Refusal::Wrong(why.into()));
             }
             Place::Start => {
-                self.evaluation.draws.at_start += 1;
-                (None, self.evaluation.draws.at_start)
+                self.evaluation.random_draws.at_start += 1;
+                (None, self.evaluation.random_draws.at_start)
             }
             Place::When => {
-                let counter = match self.evaluation.draws.counter {
+                let counter = match self.evaluation.random_draws.counter {
                     Some(counter) => counter,
                     None => {
                         let counter = self.make(Made::Counter(span));
-                        self.evaluation.draws.counters.push(counter);
-                        self.evaluation.draws.counter = Some(counter);
+                        self.evaluation.random_draws.counters.push(counter);
+                        self.evaluation.random_draws.counter = Some(counter);
                         counter
                     }
                 };
-                self.evaluation.draws.in_branch += 1;
-                (Some(counter), self.evaluation.draws.in_branch)
+                self.evaluation.random_draws.in_branch += 1;
+                (Some(counter), self.evaluation.random_draws.in_branch)
             }
         };
-        let v = self.make(Made::Number(Drawing { counter, number, span }));
+        let v = self.make(Made::Number(RandomDraw { counter, number, span }));
         Ok(self.graph.var(v, Type::Real))
     }
 
@@ -109,22 +109,22 @@ impl Context<'_> {
 
     /// Looks at what stands in a place.
     pub(crate) fn in_place<T>(&mut self, place: Place, act: impl FnOnce(&mut Self) -> T) -> T {
-        let around = std::mem::replace(&mut self.evaluation.draws.place, place);
+        let around = std::mem::replace(&mut self.evaluation.random_draws.place, place);
         let result = act(self);
-        self.evaluation.draws.place = around;
+        self.evaluation.random_draws.place = around;
         result
     }
 
     /// Looks at a when-clause.
     pub(crate) fn in_when<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        (self.evaluation.draws.counter, self.evaluation.draws.in_branch) = (None, 0);
+        (self.evaluation.random_draws.counter, self.evaluation.random_draws.in_branch) = (None, 0);
         self.in_place(Place::When, act)
     }
 
     /// A branch of a when-clause ends: its counter, if it draws, and the value that this has from then on.
     pub(crate) fn leave_branch(&mut self) -> Option<(VarId, ExprId)> {
-        let drawn = std::mem::take(&mut self.evaluation.draws.in_branch);
-        let counter = self.evaluation.draws.counter.filter(|_| drawn > 0)?;
+        let drawn = std::mem::take(&mut self.evaluation.random_draws.in_branch);
+        let counter = self.evaluation.random_draws.counter.filter(|_| drawn > 0)?;
         let before = self.graph.intern(Node::Pre(counter), Type::Integer);
         let drawn = self.graph.integer(drawn);
         Some((counter, self.graph.add(before, drawn)))

@@ -1,0 +1,149 @@
+//! Assertions of functions, and the conditions under which what is evaluated counts.
+
+use super::Context;
+use super::algorithm::Exits;
+use super::builtin::argument;
+use super::random_draw::Place;
+use crate::base::source::Span;
+use crate::ir::ast::{Expr, Ident};
+use crate::ir::expr::{Const, ExprId};
+use crate::ir::flat::{Assert, Level};
+use crate::ir::instance::Scope;
+
+/// An assertion in a function, for a run to decide.
+#[derive(Clone, Debug)]
+pub(crate) struct Asserted {
+    pub(crate) condition: ExprId,
+    pub(crate) message: ExprId,
+    pub(crate) level: Level,
+    pub(crate) span: Span,
+}
+
+impl Asserted {
+    /// As a statement of a function that the run calls; what does not let it fail has no place there.
+    pub(super) fn in_function(&self) -> Option<(Assert, Span)> {
+        let Asserted { condition, message, level, span } = *self;
+        (level == Level::Error).then_some((Assert { condition, message, level }, span))
+    }
+}
+
+/// Assertions that only a run can decide.
+#[derive(Default, Debug)]
+pub struct Assertions {
+    /// Those that no equation, when-clause or function has taken yet.
+    pub(crate) pending: Vec<Asserted>,
+    /// Conditions, known only at run time, under which what is being evaluated counts.
+    pub(crate) conditions: Vec<ExprId>,
+}
+
+/// The level that an `AssertionLevel` means.
+pub(crate) fn level_of(level: Option<Const>) -> Level {
+    match level {
+        Some(Const::Enumeration(_, 1)) => Level::Warning,
+        _ => Level::Error,
+    }
+}
+
+impl Context<'_> {
+    /// Evaluates something that counts only where `c` is true.
+    pub(crate) fn under<T>(&mut self, c: ExprId, act: impl FnOnce(&mut Self) -> T) -> T {
+        if self.graph.as_const(c) == Some(Const::Boolean(true)) {
+            return act(self);
+        }
+        self.evaluation.assertions.conditions.push(c);
+        let result = act(self);
+        self.evaluation.assertions.conditions.pop();
+        result
+    }
+
+    /// Evaluates something as if it stood under no condition.
+    pub(super) fn unconditionally<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        let around = std::mem::take(&mut self.evaluation.assertions.conditions);
+        let result = act(self);
+        self.evaluation.assertions.conditions = around;
+        result
+    }
+
+    /// True where what is evaluated never counts.
+    pub(super) fn is_unreached(&self) -> bool {
+        let never = Some(Const::Boolean(false));
+        self.evaluation.assertions.conditions.iter().any(|c| self.graph.as_const(*c) == never)
+    }
+
+    /// `assert(condition, message, level)` in a function: decided here, or left to the run.
+    pub(super) fn run_assert(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<()> {
+        let find = |k: usize, name: &str| argument(args, named, k, name);
+        let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
+            self.error("MO0219", span, "`assert` takes a condition and a message");
+            return None;
+        };
+        let value = self.evaluate(condition, scope)?;
+        let condition = self.truth(&value, condition.span)?;
+        if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
+            return Some(());
+        }
+        let violated = self.graph.not(condition);
+        let message = self.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
+        let level = find(2, "level").and_then(|l| self.evaluate_scalar(l, scope));
+        let level = level.and_then(|l| self.graph.as_const(l));
+        self.assert_now_or_later(condition, message, level_of(level), span)
+    }
+
+    /// Reports what is false here and now; a run decides what only it knows.
+    pub(super) fn assert_now_or_later(
+        &mut self,
+        condition: ExprId,
+        message: ExprId,
+        level: Level,
+        span: Span,
+    ) -> Option<()> {
+        let left = self.evaluation.exits;
+        let always = self.evaluation.random_draws.place != Place::When;
+        let sure =
+            always && self.evaluation.assertions.conditions.is_empty() && left == Exits::default();
+        if sure
+            && level == Level::Error
+            && self.graph.as_const(condition) == Some(Const::Boolean(false))
+        {
+            let text = match self.graph.as_const(message) {
+                Some(Const::String(t)) => t.to_string(),
+                _ => "assertion failed".to_string(),
+            };
+            self.error("MO0223", span, text);
+            return None;
+        }
+        // Asked for its value before the model runs, a function is not yet called by the model.
+        if self.evaluation.mode.is_before_simulation() {
+            return Some(());
+        }
+        let mut condition = condition;
+        for c in self.evaluation.assertions.conditions.clone() {
+            let off = self.graph.not(c);
+            condition = self.graph.or(off, condition);
+        }
+        for c in left.all() {
+            condition = self.graph.or(c, condition);
+        }
+        if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
+            return Some(());
+        }
+        self.evaluation.assertions.pending.push(Asserted { condition, message, level, span });
+        Some(())
+    }
+
+    /// Runs something, and takes the assertions that it leaves to the run.
+    pub(crate) fn collect_assertions<T>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> T,
+    ) -> (T, Vec<Asserted>) {
+        let before = self.evaluation.assertions.pending.len();
+        let result = act(self);
+        (result, self.evaluation.assertions.pending.split_off(before))
+    }
+}
