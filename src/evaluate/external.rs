@@ -4,22 +4,27 @@
 //! An external object is known before the model runs. It is held as a text that numbers it, so that
 //! it passes through parameters, modifications and arguments like any other value.
 
+use std::path::{Path, PathBuf};
+
 use super::Context;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
+use crate::external::files::{self, Files};
 use crate::external::table::Extrapolation;
 use crate::external::table::curve::Curve;
 use crate::external::table::surface::Surface;
 use crate::external::table::time_table::{Placing, Stops, TimeTable};
+use crate::external::{Data, Fault, Function};
 use crate::io::matrix_file::Matrix;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External};
-use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
+use crate::ir::expr::{Binary, Const, EnumId, ExprId, Type, Unary};
 use crate::ir::flat::Level;
 use crate::ir::instance::{ClassId, Scope};
-use crate::ir::native::{Function, Native};
+use crate::ir::native::{Function as NativeFunction, Native};
 use crate::numeric::hermite::Smoothness;
+use crate::resolve::library::Library;
 
 /// What stands before the number of an object.
 const MARK: &str = "external object ";
@@ -135,9 +140,6 @@ impl Context<'_> {
         if let Some(result) = self.function_of_mathematics(called, args) {
             return Ok(vec![Value::Scalar(result)]);
         }
-        if let Some(text) = called.strip_prefix("ModelicaStrings_") {
-            return self.text_function(text, args);
-        }
         if let Some(generator) = called.strip_prefix("ModelicaRandom_") {
             return self.random_function(generator, args, span);
         }
@@ -145,7 +147,7 @@ impl Context<'_> {
             return self.fourier_function(args, span);
         }
         let Some(table) = called.strip_prefix("ModelicaStandardTables_") else {
-            return self.file_function(called, args, span);
+            return self.known_function(called, args, span);
         };
         let (kind, what) = table.split_once('_').ok_or(Refusal::Unknown)?;
         if what == "init3" {
@@ -182,6 +184,85 @@ impl Context<'_> {
         }
     }
 
+    /// A function without a derivative: its arguments must be known, but for the lines to print.
+    fn known_function(
+        &mut self,
+        called: &str,
+        args: &[Value],
+        span: Span,
+    ) -> Result<Vec<Value>, Refusal> {
+        match (called, args) {
+            // Printed while the model is simulated, not while it is compiled.
+            ("ModelicaInternal_print", [line, file]) => {
+                let file = self.text_of(file)?;
+                let line = line.scalar().ok_or(Refusal::Unknown)?;
+                let never = self.graph.boolean(false);
+                let level = Level::Print(name(&file));
+                self.assert_now_or_later(never, line, level, span).ok_or(Refusal::Reported)?;
+                return Ok(Vec::new());
+            }
+            ("ModelicaStreams_closeFile", _) => return Ok(Vec::new()),
+            ("ModelicaIO_writeRealMatrix", _) => {
+                self.problems.push(
+                    Diagnostic::warning("MO0291", span, "a model writes no files")
+                        .help("the results of a run are written with `--output`"),
+                );
+                return Ok(vec![Value::Scalar(self.graph.boolean(false))]);
+            }
+            _ => {}
+        }
+        let function = Function::named(called).ok_or(Refusal::Unknown)?;
+        let args: Result<Vec<Data>, Refusal> = args.iter().map(|a| self.data_of(a)).collect();
+        match function.call(&args?, self.library) {
+            Err(Fault::Signature) => Err(Refusal::Unknown),
+            Err(Fault::Message(why)) => Err(Refusal::Wrong(why)),
+            Ok(results) => Ok(results.into_iter().map(|data| self.value_of(data)).collect()),
+        }
+    }
+
+    /// A value whose scalars are all known.
+    fn data_of(&mut self, value: &Value) -> Result<Data, Refusal> {
+        let data = |c: Const| match c {
+            c @ Const::Real(_) => Data::Real(c.register()),
+            Const::Integer(i) => Data::Integer(i),
+            Const::Boolean(b) => Data::Boolean(b),
+            Const::String(s) => Data::String(s.to_string()),
+            Const::Enumeration(_, k) => Data::Integer(i64::from(k)),
+        };
+        let mut scalars: Vec<Data> = self.known(value)?.into_iter().map(data).collect();
+        match value.dims() {
+            [] => scalars.pop().ok_or(Refusal::Unknown),
+            dims => Ok(Data::Array(dims.to_vec(), scalars)),
+        }
+    }
+
+    fn value_of(&mut self, data: Data) -> Value {
+        Value::Scalar(match data {
+            Data::Real(x) => self.graph.real(x),
+            Data::Integer(i) => self.graph.integer(i),
+            Data::Boolean(b) => self.graph.boolean(b),
+            Data::String(s) => self.graph.string(&s),
+            Data::Literal(literals, k) => {
+                let enumeration = self.enumeration_of(literals);
+                let literal = enumeration.map(|e| Const::Enumeration(e, k));
+                self.graph.constant(literal.unwrap_or(Const::Integer(i64::from(k))))
+            }
+            Data::Array(dims, elements) => {
+                let elements = elements.into_iter().map(|e| self.value_of(e)).collect();
+                return Value::array(dims, elements);
+            }
+        })
+    }
+
+    /// The enumeration with these literals.
+    fn enumeration_of(&self, wanted: &[&str]) -> Option<EnumId> {
+        let matches = |id: &EnumId| {
+            let literals = &self.graph.enumerations[*id].literals;
+            literals.iter().map(|l| l.as_str()).eq(wanted.iter().copied())
+        };
+        self.graph.enumerations.ids().find(matches)
+    }
+
     fn object_of(&mut self, handle: Option<&Value>) -> Result<Object, Refusal> {
         let e = handle.and_then(Value::scalar).ok_or(Refusal::Unknown)?;
         let text = match self.structural_value(e) {
@@ -212,12 +293,12 @@ impl Context<'_> {
             }
             (Object::TimeTables(all), "nextTimeEvent", [t]) => {
                 let table = all.first().ok_or(Refusal::Unknown)?.clone();
-                let f = Native::of(Function::NextStop(table));
+                let f = Native::of(NativeFunction::NextStop(table));
                 one(self.graph.unary(Unary::Native(f), *t))
             }
             (Object::TimeTables(all), _, [column, t, next, _, rates @ ..]) => {
                 let table = self.column(all, *column)?;
-                let f = Native::of(Function::TimeTable(0, table));
+                let f = Native::of(NativeFunction::TimeTable(0, table));
                 let value = self.graph.binary(Binary::Native(f), *t, *next);
                 let by = |order: usize| -> Option<Native> {
                     (0..order).try_fold(f, |f, _| f.derivative(0))
@@ -241,7 +322,7 @@ impl Context<'_> {
                 if curve.extrapolation() == Extrapolation::Forbidden {
                     self.inside(*u, curve.range(), span)?;
                 }
-                let f = Native::of(Function::Curve(0, curve));
+                let f = Native::of(NativeFunction::Curve(0, curve));
                 let value = self.graph.unary(Unary::Native(f), *u);
                 let slopes: Vec<ExprId> = (1..=2)
                     .map(|k| match (0..k).try_fold(f, |f, _| f.derivative(0)) {
@@ -262,7 +343,7 @@ impl Context<'_> {
                     self.inside(*u, x, span)?;
                     self.inside(*v, y, span)?;
                 }
-                let f = Native::of(Function::Surface((0, 0), surface.clone()));
+                let f = Native::of(NativeFunction::Surface((0, 0), surface.clone()));
                 if what == "getValue" {
                     return one(self.graph.binary(Binary::Native(f), *u, *v));
                 }
@@ -455,7 +536,10 @@ impl Context<'_> {
             Matrix { rows, columns, elements: self.numbers(table)? }
         } else {
             let name = self.text_of(name)?;
-            self.matrix_in_file(&file, &name)?
+            files::matrix(&file, &name, self.library).map_err(|fault| match fault {
+                Fault::Signature => Refusal::Unknown,
+                Fault::Message(why) => Refusal::Wrong(why),
+            })?
         };
         if matrix.rows == 0 {
             return Err(Refusal::Wrong("the table is empty".into()));
@@ -469,6 +553,16 @@ impl Context<'_> {
             Some(Const::String(t)) => Ok(t.to_string()),
             _ => Err(Refusal::Unknown),
         }
+    }
+}
+
+impl Files for Library {
+    fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
+        self.data(path)
+    }
+
+    fn resource(&mut self, uri: &str) -> Option<PathBuf> {
+        Library::resource(self, uri)
     }
 }
 

@@ -14,7 +14,6 @@ mod collection;
 mod dynamic_index;
 mod event_behaviour;
 pub mod external;
-mod file;
 mod fourier;
 pub mod frame;
 pub mod function;
@@ -34,7 +33,6 @@ pub mod runtime_loop;
 mod sizing;
 mod string;
 mod subscript;
-pub mod text;
 pub mod value;
 mod variability;
 
