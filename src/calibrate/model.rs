@@ -2,7 +2,7 @@
 //! extends the original with the values that were found.
 
 use crate::ir::program::Program;
-use crate::runtime::machine::Instance;
+use crate::runtime::machine::Machine;
 
 use super::calibration::{Calibration, Estimate, shown};
 use super::modification::{Tree, parts, without_subscripts};
@@ -94,15 +94,15 @@ fn elements(
         return None;
     }
     let whole = without_subscripts(path);
-    let mut instance = Instance::new(program);
-    instance.run(&program.parameters).ok()?;
+    let mut machine = Machine::new(program);
+    machine.run(&program.tapes.parameters).ok()?;
     let layout = &program.layout;
     let inputs: Vec<(&str, f64)> = if is_start {
         let starts = layout.starts.iter();
-        starts.map(|(v, .., cell)| (program.name(*v), instance.get(*cell))).collect()
+        starts.map(|(v, .., cell)| (program.name(*v), machine.get(*cell))).collect()
     } else {
         let inputs = layout.parameter_inputs.iter();
-        inputs.map(|(v, _)| (program.name(*v), instance.value(*v))).collect()
+        inputs.map(|(v, _)| (program.name(*v), machine.value(*v))).collect()
     };
     let mut found: Vec<(usize, f64)> = Vec::new();
     for (name, value) in inputs {

@@ -14,7 +14,7 @@ use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Event};
 use crate::numeric::least_squares::{NormalEquations, Residuals};
 use crate::runtime::jit::tiering::Execution;
-use crate::runtime::machine::Instance;
+use crate::runtime::machine::Machine;
 use crate::simulate::failure::Failure;
 use crate::simulate::record::Sink;
 use crate::simulate::run::{simulate_to, simulate_with_sensitivities};
@@ -236,10 +236,10 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        let mut instance = Instance::new(program);
-        let evaluated = instance.run(&program.parameters).is_ok();
+        let mut machine = Machine::new(program);
+        let evaluated = machine.run(&program.tapes.parameters).is_ok();
         let parameters: Vec<Parameter> =
-            plan.free.iter().filter_map(|f| parameter(program, &instance, f, problems)).collect();
+            plan.free.iter().filter_map(|f| parameter(program, &machine, f, problems)).collect();
         if problems.error_count() > before || !evaluated {
             return None;
         }
@@ -586,7 +586,7 @@ fn input(program: &Program, wanted: &str, span: Span, problems: &mut Problems) -
 
 fn parameter(
     program: &Program,
-    instance: &Instance<'_>,
+    machine: &Machine<'_>,
     free: &Free,
     problems: &mut Problems,
 ) -> Option<Parameter> {
@@ -594,11 +594,11 @@ fn parameter(
         free.targets.iter().map(|t| input(program, t, free.span, problems)).collect();
     let targets = targets?;
     let (v, declared) = match targets.first()? {
-        Input::Parameter(v) => (*v, instance.value(*v)),
+        Input::Parameter(v) => (*v, machine.value(*v)),
         Input::Start(v) => {
             let starts = &program.layout.starts;
             let (.., cell) = starts.iter().find(|(s, ..)| s == v)?;
-            (*v, instance.get(*cell))
+            (*v, machine.get(*cell))
         }
     };
     let start = free.start.unwrap_or(declared);

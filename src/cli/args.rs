@@ -7,7 +7,7 @@ use regex_lite::Regex;
 
 use crate::base::diag::Severity;
 use crate::driver::compile::Request;
-use crate::ir::program::Form;
+use crate::ir::program::SystemForm;
 use crate::simulate::settings;
 
 /// Compile and simulate models of machines, fit them to recordings, and find the effects they lack.
@@ -286,11 +286,11 @@ pub enum Mode {
     Dae,
 }
 
-impl From<Mode> for Form {
+impl From<Mode> for SystemForm {
     fn from(mode: Mode) -> Self {
         match mode {
-            Mode::Reduced => Form::Reduced,
-            Mode::Dae => Form::Implicit,
+            Mode::Reduced => SystemForm::Ode,
+            Mode::Dae => SystemForm::Dae,
         }
     }
 }
@@ -353,7 +353,7 @@ impl Model {
             file: self.file.clone(),
             model: self.model.clone(),
             appended: None,
-            form: Form::default(),
+            form: SystemForm::default(),
             recorded: Vec::new(),
             settings: self.settings.clone(),
             folders: self.folders.clone(),

@@ -18,7 +18,7 @@ use crate::calibrate::{data, model, page, plan};
 use crate::driver::compile::{Request, Session};
 use crate::driver::files;
 use crate::io::atomic_file::{create_folder, write_file};
-use crate::ir::program::Form;
+use crate::ir::program::SystemForm;
 use crate::simulate::failure::{Failure, FailureKind};
 
 /// Better minima that the profiles may lead to before they are taken as they are.
@@ -36,7 +36,7 @@ pub fn run(options: &Calibrate) -> Status {
         file: Some(plan.model.clone()),
         model: plan.name.clone(),
         appended: None,
-        form: Form::Reduced,
+        form: SystemForm::Ode,
         settings: plan.fixed.clone(),
         recorded: plan.recorded(),
         folders: plan.libraries.clone(),

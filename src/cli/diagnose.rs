@@ -16,7 +16,7 @@ use crate::diagnose::{balance, page, residual, result};
 use crate::driver::compile::{Request, Session};
 use crate::io::atomic_file::{create_folder, write_file};
 use crate::io::csv::write_csv;
-use crate::ir::program::Form;
+use crate::ir::program::SystemForm;
 
 /// Runs the command.
 pub fn run(options: &Diagnose) -> Status {
@@ -36,7 +36,7 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         file: Some(plan.model.clone()),
         model: plan.name.clone(),
         appended: None,
-        form: Form::Reduced,
+        form: SystemForm::Ode,
         settings: plan.fixed.clone(),
         recorded: plan.recorded(),
         folders,

@@ -22,7 +22,7 @@ use crate::report::page::parameters::{Parameter, Value};
 use crate::report::plot::figure::panels_for;
 use crate::report::raster::png;
 use crate::report::schematic::{draw, picture};
-use crate::simulate::columns::courses;
+use crate::simulate::columns::column_storage;
 use crate::simulate::record::Sink;
 use crate::simulate::run::{Statistics, simulate_to};
 
@@ -276,8 +276,9 @@ fn go(
         })
         .collect();
     let facts = facts(&program, &statistics, kept.trajectory.events.len());
-    let courses = courses(&program);
-    let part = RunPart { label: asked.label.clone(), trajectory: kept.trajectory, courses, facts };
+    let column_storage = column_storage(&program);
+    let part =
+        RunPart { label: asked.label.clone(), trajectory: kept.trajectory, column_storage, facts };
     Ok(Went { part, values, interrupted: statistics.interrupted })
 }
 

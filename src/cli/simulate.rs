@@ -15,7 +15,7 @@ use crate::ir::trajectory::{Column, Trajectory, position};
 use crate::measure::observe::{Observer, Plan};
 use crate::report::plot;
 use crate::report::plot::figure::{PlotError, PlotSpec, find, panels_for};
-use crate::simulate::columns::{columns, courses};
+use crate::simulate::columns::{column_storage, columns};
 use crate::simulate::run::{Run, simulate_to};
 
 /// Runs the command.
@@ -167,7 +167,7 @@ impl Files {
             Some(path) => Some((path.clone(), Format::of(path).map_err(|e| e.to_string())?)),
             None => None,
         };
-        Stream::new(columns, &courses(program)[..columns.len()], output, kept)
+        Stream::new(columns, &column_storage(program)[..columns.len()], output, kept)
             .map_err(|e| e.to_string())
     }
 

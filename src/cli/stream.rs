@@ -10,7 +10,7 @@ use super::writer::Writer;
 use crate::io::atomic_file::append;
 use crate::io::csv::TableError;
 use crate::io::results::{Format, Results};
-use crate::ir::trajectory::{Column, Constant, Course, Event, Kind, Trajectory};
+use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Kind, Trajectory};
 use crate::simulate::record::Sink;
 
 /// So many curves are kept for a picture whose curves the user has not named.
@@ -40,13 +40,13 @@ impl Stream {
     /// Of a run that records `columns`: to the file `output`, keeping the columns at `kept`.
     pub fn new(
         columns: &[Column],
-        courses: &[Course],
+        column_storage: &[ColumnStorage],
         output: Option<(PathBuf, Format)>,
         kept: Vec<usize>,
     ) -> Result<Self, TableError> {
         let output = match output {
             Some((path, format)) => {
-                let results = Results::create(&path, format, columns, courses)?;
+                let results = Results::create(&path, format, columns, column_storage)?;
                 Some((Output::Waiting(results), path))
             }
             None => None,

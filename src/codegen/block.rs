@@ -1,18 +1,20 @@
-//! Blocks: assignments, torn blocks, and mixed blocks.
+//! Compiles blocks: assignments, torn blocks, and mixed blocks.
 
 use crate::base::index::{FastSet, Id};
 use crate::ir::blocks::{Assignment, Block, Source, Torn};
 use crate::ir::dae::Kind;
 use crate::ir::expr::{ExprId, Type, VarId};
-use crate::ir::program::{BlockPlace, Entry, Loop, Op, Slot, Solver, Watched, source_span};
+use crate::ir::program::{
+    BlockPosition, DiscreteUnknown, Entry, MixedBlock, Op, Slot, TornBlock, source_span,
+};
 
-use super::emit::{Emitter, HELD, PARAMETER};
+use super::emit::{DISCRETE, Emitter, PARAMETER};
 use super::jacobian;
-use super::layout::{block_unknowns, block_values};
+use super::layout::{block_expressions, block_unknowns};
 use super::relation::evaluate_relation;
 
-/// Emits one block to the layer that its operands ask for.
-pub fn compile_block(e: &mut Emitter, block: &Block, place: BlockPlace) {
+/// Emits a block to the layer determined by its operands.
+pub fn compile_block(e: &mut Emitter, block: &Block, place: BlockPosition) {
     match block {
         Block::Assign(a) => compile_assignment(e, a),
         Block::Torn(t) => compile_torn(e, t, place),
@@ -24,29 +26,29 @@ pub fn compile_block(e: &mut Emitter, block: &Block, place: BlockPlace) {
 pub fn compile_assignment(e: &mut Emitter, a: &Assignment) {
     e.span = source_span(&e.dae, a.source);
     if let Source::Start(v) = a.source
-        && let Some(&start) = e.starts.get(&v)
+        && let Some(&start) = e.start_slots.get(&v)
     {
         let dst = e.slot(a.variable);
-        e.push(HELD, Op::Copy, dst, start, start);
-        e.levels[a.variable.idx()] = Some(HELD);
+        e.push(DISCRETE, Op::Copy, dst, start, start);
+        e.levels[a.variable.idx()] = Some(DISCRETE);
         return;
     }
     e.assign(a.variable, a.value);
 }
 
-fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
-    let torn = &with_start_cells(e, torn);
+fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPosition) {
+    let torn = &with_start_slots(e, torn);
     let block = Block::Torn(torn.clone());
     let (mut own, mut values) = (Vec::new(), Vec::new());
     block_unknowns(&block, &mut own);
-    block_values(&block, &mut values);
+    block_expressions(&block, &mut values);
     let own_set: FastSet<VarId> = own.iter().copied().collect();
     let inputs = e.level_of(&values, |v| own_set.contains(&v));
-    let target = e.home(inputs.max(HELD));
+    let target = e.layer_for(inputs.max(DISCRETE));
 
-    let inside = e.push_layer();
+    let layer = e.push_layer();
     for &v in &torn.unknowns {
-        e.levels[v.idx()] = Some(inside);
+        e.levels[v.idx()] = Some(layer);
     }
     for a in &torn.explicit {
         compile_assignment(e, a);
@@ -65,11 +67,11 @@ fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
     let jacobian_tape = e.pop_discard();
     let residual_tape = e.pop_merge(target);
     for &v in &own {
-        e.levels[v.idx()] = e.levels[v.idx()].map(|l| if l == inside { target } else { l });
+        e.levels[v.idx()] = e.levels[v.idx()].map(|l| if l == layer { target } else { l });
     }
     let nominals = torn.unknowns.iter().map(|v| nominal(e, *v)).collect();
     let bounds = torn.unknowns.iter().map(|v| bounds(e, *v)).collect();
-    let solver = Solver {
+    let torn_block = TornBlock {
         slots: torn.unknowns.iter().map(|v| e.slot(*v)).collect(),
         unknowns: torn.unknowns.clone(),
         residual_tape,
@@ -81,19 +83,19 @@ fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPlace) {
         linear: torn.linear,
         place,
     };
-    e.solvers.push(solver);
-    e.push(target, Op::Solve, 0, (e.solvers.len() - 1) as Slot, 0);
+    e.routines.torn_blocks.push(torn_block);
+    e.push(target, Op::Solve, 0, (e.routines.torn_blocks.len() - 1) as Slot, 0);
 }
 
-/// Residuals `v - start` read the cell of the start value, which a run may set.
-fn with_start_cells(e: &mut Emitter, torn: &Torn) -> Torn {
+/// Makes residuals `v - start` read the slot of the start value, which a run may set.
+fn with_start_slots(e: &mut Emitter, torn: &Torn) -> Torn {
     let mut torn = torn.clone();
     for r in &mut torn.residuals {
         if let Source::Start(v) = r.source
-            && let Some(&cell) = e.starts.get(&v)
+            && let Some(&slot) = e.start_slots.get(&v)
         {
             let start = e.auxiliary(Some(PARAMETER));
-            e.layout.variables[start.idx()] = cell;
+            e.layout.variables[start.idx()] = slot;
             let (own, start) = (e.read(v), e.dae.graph.var(start, Type::Real));
             r.value = e.dae.graph.sub(own, start);
         }
@@ -101,43 +103,44 @@ fn with_start_cells(e: &mut Emitter, torn: &Torn) -> Torn {
     torn
 }
 
-/// Emits a mixed block whose loop also evaluates `relations`.
-pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], place: BlockPlace) {
-    let target = e.home(e.moving.max(HELD));
-    let inside = e.push_layer();
+/// Emits a mixed block whose iteration also evaluates `relations`.
+pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], place: BlockPosition) {
+    let target = e.layer_for(e.continuous_level.max(DISCRETE));
+    let layer = e.push_layer();
     let mut own = Vec::new();
     parts.iter().for_each(|p| block_unknowns(p, &mut own));
     for &v in &own {
-        e.levels[v.idx()] = Some(inside);
+        e.levels[v.idx()] = Some(layer);
     }
     for part in parts {
         compile_block(e, part, place);
-        // What follows may change what was computed from the variables of the loop.
-        e.forget_top();
+        // The remaining parts may change values that were computed from the unknowns of the block.
+        e.invalidate_top();
         let mut assigned = Vec::new();
         block_unknowns(part, &mut assigned);
         for v in assigned {
-            e.levels[v.idx()] = Some(inside);
+            e.levels[v.idx()] = Some(layer);
         }
     }
     for &k in relations {
         evaluate_relation(e, k, place.sequence);
     }
     let tape = e.pop_discard();
-    let mut watched = Vec::new();
+    let mut discrete_unknowns = Vec::new();
     for &v in &own {
         e.levels[v.idx()] = Some(target);
         if e.dae.variables[v].kind == Kind::Discrete {
-            watched.push(Watched::Variable(v, e.slot(v)));
+            discrete_unknowns.push(DiscreteUnknown::Variable(v, e.slot(v)));
         }
     }
     let first = e.layout.relations;
-    watched.extend(relations.iter().map(|&k| Watched::Relation(k as u32, first + k as Slot)));
-    e.loops.push(Loop { tape, watched, place });
-    e.push(target, Op::Repeat, 0, (e.loops.len() - 1) as Slot, 0);
+    discrete_unknowns
+        .extend(relations.iter().map(|&k| DiscreteUnknown::Relation(k as u32, first + k as Slot)));
+    e.routines.mixed_blocks.push(MixedBlock { tape, discrete_unknowns, place });
+    e.push(target, Op::Iterate, 0, (e.routines.mixed_blocks.len() - 1) as Slot, 0);
 }
 
-/// The cell of the typical size of a variable; one where it has none.
+/// The slot of the nominal value of a variable; 1 if it has none.
 pub fn nominal(e: &mut Emitter, v: VarId) -> Slot {
     match e.dae.variables[v].nominal {
         Some(value) if e.level_of(&[value], |_| false) == PARAMETER => e.emit(value).0,
@@ -145,13 +148,13 @@ pub fn nominal(e: &mut Emitter, v: VarId) -> Slot {
     }
 }
 
-/// The cells of the least and the greatest value of a variable; infinite where it has none.
+/// The slots of the bounds of a variable, infinite if it has none.
 pub fn bounds(e: &mut Emitter, v: VarId) -> (Slot, Slot) {
     let variable = &e.dae.variables[v];
     let (min, max) = (variable.min, variable.max);
-    let mut cell = |bound: Option<ExprId>, none: f64| match bound {
+    let mut slot = |bound: Option<ExprId>, none: f64| match bound {
         Some(value) if e.level_of(&[value], |_| false) == PARAMETER => e.emit(value).0,
         _ => e.literal(none),
     };
-    (cell(min, f64::NEG_INFINITY), cell(max, f64::INFINITY))
+    (slot(min, f64::NEG_INFINITY), slot(max, f64::INFINITY))
 }

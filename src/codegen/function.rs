@@ -1,7 +1,8 @@
-//! Functions that are called at run time: statements to code with jumps over fixed cells.
+//! Compiles functions that are called at run time: statements become code with jumps over fixed
+//! slots.
 //!
-//! A function owns the cells of its locals, so calls need no stack. One that calls itself, directly or
-//! through others, puts aside what stands there for as long (`frames`).
+//! A function owns the slots of its locals, so calls need no stack. A recursive function saves them
+//! in a frame (`runtime::frame`).
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
@@ -12,7 +13,7 @@ use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 
 use super::emit::Emitter;
 use super::error;
-use super::lazy_branches::Plan;
+use super::lazy_branches::Schedule;
 use super::string_ops;
 
 /// Compiles all functions of the model.
@@ -20,13 +21,13 @@ pub fn compile_all(e: &mut Emitter) {
     for f in e.dae.functions.ids() {
         let function = e.dae.functions[f].clone();
         e.span = function.span;
-        let recurs = reached(&e.dae, f).contains(&f);
-        let code = FunctionCode { recurs, ..Body::compile(e, &function) };
-        e.functions.push(code);
+        let is_recursive = reached(&e.dae, f).contains(&f);
+        let code = FunctionCode { is_recursive, ..Body::compile(e, &function) };
+        e.routines.functions.push(code);
     }
 }
 
-/// The functions that `f` calls, directly or through others; `f` among them if it calls itself.
+/// The functions that `f` calls directly or indirectly, including `f` if it is recursive.
 pub fn reached(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
     let mut seen = vec![false; dae.functions.len()];
     let mut pending = callees(dae, f);
@@ -50,7 +51,7 @@ fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
     calls.collect()
 }
 
-/// What a statement computes if it only assigns or asserts.
+/// The expression that an assignment or assertion computes.
 fn value_of(statement: &Statement) -> Option<ExprId> {
     match statement {
         Statement::Assign(_, value) => Some(*value),
@@ -59,11 +60,11 @@ fn value_of(statement: &Statement) -> Option<ExprId> {
     }
 }
 
-/// The first assignments and assertions of a list that read nothing that one of them assigns: all can be
-/// computed at once.
+/// The longest prefix of assignments and assertions that do not read each other's results, so that
+/// they can be computed together.
 fn independent<'s>(graph: &Graph, list: &'s [Statement]) -> &'s [Statement] {
     let mut assigned: FastSet<VarId> = FastSet::default();
-    let mut stands_alone = |statement: &Statement| {
+    let mut is_independent = |statement: &Statement| {
         let reads = |n: ExprId| matches!(graph.node(n), Node::Var(v) if assigned.contains(&v));
         match statement {
             Statement::Assign(local, value) => {
@@ -75,9 +76,9 @@ fn independent<'s>(graph: &Graph, list: &'s [Statement]) -> &'s [Statement] {
             _ => false,
         }
     };
-    let count = list.iter().position(|s| !stands_alone(s)).unwrap_or(list.len());
+    let count = list.iter().position(|s| !is_independent(s)).unwrap_or(list.len());
     let list = &list[..count.max(1)];
-    // What is asserted may be what keeps calls from going on without an end.
+    // An assertion may be what stops a recursion: it comes before the calls.
     let is_call = |n: &ExprId| matches!(graph.node(*n), Node::Call { .. });
     let calls = |s: &Statement| graph.postorder(value_of(s)).iter().any(is_call);
     let asserts = |s: &&Statement| matches!(s, Statement::Assert(..)) && !calls(s);
@@ -87,23 +88,23 @@ fn independent<'s>(graph: &Graph, list: &'s [Statement]) -> &'s [Statement] {
     }
 }
 
-/// A branch of so few operations costs less than a jump over it.
-const SHORT: usize = 4;
+/// Number of operations up to which executing a branch is cheaper than jumping over it.
+const CHEAP_BRANCH: usize = 4;
 
-fn is_short(graph: &Graph, list: &[ExprId]) -> bool {
+fn is_cheap(graph: &Graph, list: &[ExprId]) -> bool {
     let costs = |n: &&ExprId| !matches!(graph.node(**n), Node::Const(_) | Node::Var(_));
     let calls = |n: &ExprId| matches!(graph.node(*n), Node::Call { .. });
-    !list.iter().any(calls) && list.iter().filter(costs).count() <= SHORT
+    !list.iter().any(calls) && list.iter().filter(costs).count() <= CHEAP_BRANCH
 }
 
-/// The cells of what is computed, and those of the first results of calls.
+/// The slots of computed expressions, and of the first results of calls.
 #[derive(Default)]
-struct Known {
+struct ComputedValues {
     slots: FastMap<ExprId, Slot>,
     calls: FastMap<(FunctionId, ListId), Slot>,
 }
 
-/// A function in the making.
+/// A function under construction.
 struct Body {
     locals: Vec<Slot>,
     tape: Tape,
@@ -116,7 +117,7 @@ struct Body {
 
 impl Body {
     fn compile(e: &mut Emitter, function: &Function) -> FunctionCode {
-        let first = e.cells(function.locals.len(), 0.0);
+        let first = e.new_slots(function.locals.len(), 0.0);
         let locals: Vec<Slot> = (0..function.locals.len() as Slot).map(|i| first + i).collect();
         let cells = |ids: &[LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
         let (inputs, outputs) = (cells(&function.inputs), cells(&function.outputs));
@@ -129,7 +130,7 @@ impl Body {
         };
         body.statements(e, &function.body);
         for at in std::mem::take(&mut body.returns) {
-            body.land(at);
+            body.patch(at);
         }
         FunctionCode {
             tape: body.tape,
@@ -138,7 +139,7 @@ impl Body {
             locals: body.locals,
             messages: body.messages,
             frame: first..e.image.len() as Slot,
-            recurs: false,
+            is_recursive: false,
         }
     }
 
@@ -150,16 +151,16 @@ impl Body {
                 Statement::Assign(..) | Statement::Assert(..) => {
                     let all = independent(&e.dae.graph, from_here);
                     rest = &from_here[all.len()..];
-                    self.together(e, all);
+                    self.independent_group(e, all);
                 }
                 Statement::If(condition, a, b) => {
                     let c = self.value(e, *condition);
                     let unless = self.push(Op::JumpUnless, 0, c, 0);
                     self.statements(e, a);
                     let over = self.push(Op::Jump, 0, 0, 0);
-                    self.land(unless);
+                    self.patch(unless);
                     self.statements(e, b);
-                    self.land(over);
+                    self.patch(over);
                 }
                 Statement::While(condition, a) => {
                     let top = self.tape.len() as Slot;
@@ -168,9 +169,9 @@ impl Body {
                     let outer = std::mem::take(&mut self.breaks);
                     self.statements(e, a);
                     self.push(Op::Jump, 0, top, 0);
-                    self.land(unless);
+                    self.patch(unless);
                     for at in std::mem::replace(&mut self.breaks, outer) {
-                        self.land(at);
+                        self.patch(at);
                     }
                 }
                 Statement::Break => {
@@ -185,28 +186,30 @@ impl Body {
         }
     }
 
-    /// Assignments and assertions that do not depend on each other: what they share is computed once.
-    fn together(&mut self, e: &mut Emitter, all: &[Statement]) {
+    /// Compiles assignments and assertions that do not depend on each other; common subexpressions
+    /// are computed once.
+    fn independent_group(&mut self, e: &mut Emitter, all: &[Statement]) {
         let roots: Vec<ExprId> = all.iter().filter_map(value_of).collect();
-        let plan = Plan::of(&e.dae.graph, &roots);
-        let mut known = Known::default();
-        self.planned(e, &plan, plan.always(), &mut known);
+        let schedule = Schedule::of(&e.dae.graph, &roots);
+        let mut computed = ComputedValues::default();
+        self.scheduled(e, &schedule, schedule.always(), &mut computed);
         for statement in all {
             let Some(value) = value_of(statement) else { continue };
-            let value = known.slots[&value];
+            let value = computed.slots[&value];
             match statement {
                 Statement::Assign(local, _) => {
                     self.push(Op::Copy, self.locals[local.idx()], value, value);
                 }
                 Statement::Assert(assert, span) => {
-                    // What it says is put together where it is said only.
-                    let no = self.make(e, Op::Unary(Unary::Not), value, value);
+                    // The message is computed only if the assertion fails.
+                    let no = self.emit_op(e, Op::Unary(Unary::Not), value, value);
                     let unless = self.push(Op::JumpUnless, 0, no, 0);
-                    let always = plan.always().iter().map(|n| (*n, known.slots[n])).collect();
-                    let message = self.value_beside(e, assert.message, always);
+                    let always =
+                        schedule.always().iter().map(|n| (*n, computed.slots[n])).collect();
+                    let message = self.value_given(e, assert.message, always);
                     self.messages.push((message, *span));
                     self.push(Op::Assert, 0, value, (self.messages.len() - 1) as Slot);
-                    self.land(unless);
+                    self.patch(unless);
                 }
                 _ => {}
             }
@@ -218,8 +221,8 @@ impl Body {
         self.tape.len() - 1
     }
 
-    /// Lets the jump at `at` lead to the next instruction.
-    fn land(&mut self, at: usize) {
+    /// Makes the jump at `at` lead to the next instruction.
+    fn patch(&mut self, at: usize) {
         let here = self.tape.len() as Slot;
         let jump = &mut self.tape[at];
         match jump.op {
@@ -228,92 +231,99 @@ impl Body {
         }
     }
 
-    /// Computes an expression over the locals.
+    /// Emits an expression over the locals.
     fn value(&mut self, e: &mut Emitter, root: ExprId) -> Slot {
-        self.value_beside(e, root, FastMap::default())
+        self.value_given(e, root, FastMap::default())
     }
 
-    /// Computes an expression beside what is known.
-    fn value_beside(
+    /// Emits an expression, given the slots of subexpressions that are already computed.
+    fn value_given(&mut self, e: &mut Emitter, root: ExprId, slots: FastMap<ExprId, Slot>) -> Slot {
+        let schedule = Schedule::of(&e.dae.graph, &[root]);
+        let mut computed = ComputedValues { slots, ..ComputedValues::default() };
+        self.scheduled(e, &schedule, schedule.always(), &mut computed);
+        computed.slots[&root]
+    }
+
+    fn scheduled(
         &mut self,
         e: &mut Emitter,
-        root: ExprId,
-        slots: FastMap<ExprId, Slot>,
-    ) -> Slot {
-        let plan = Plan::of(&e.dae.graph, &[root]);
-        let mut known = Known { slots, ..Known::default() };
-        self.planned(e, &plan, plan.always(), &mut known);
-        known.slots[&root]
-    }
-
-    fn planned(&mut self, e: &mut Emitter, plan: &Plan, list: &[ExprId], known: &mut Known) {
+        schedule: &Schedule,
+        list: &[ExprId],
+        computed: &mut ComputedValues,
+    ) {
         for &n in list {
-            if known.slots.contains_key(&n) {
+            if computed.slots.contains_key(&n) {
                 continue;
             }
             let slot = match e.dae.graph.node(n) {
-                Node::If(c, a, b) => self.choice(e, plan, n, [c, a, b], known),
+                Node::If(c, a, b) => self.conditional(e, schedule, n, [c, a, b], computed),
                 Node::Call { function, output, args } => {
-                    let base = match known.calls.get(&(function, args)) {
+                    let base = match computed.calls.get(&(function, args)) {
                         Some(base) => *base,
-                        None => self.call(e, function, args, known),
+                        None => self.call(e, function, args, computed),
                     };
                     base + output
                 }
-                _ => self.node(e, n, &known.slots),
+                _ => self.node(e, n, &computed.slots),
             };
-            known.slots.insert(n, slot);
+            computed.slots.insert(n, slot);
         }
     }
 
-    /// What is computed in one branch alone is jumped over where it is long.
-    fn choice(
+    /// Emits an `if` expression; expensive branches are jumped over if they are not taken.
+    fn conditional(
         &mut self,
         e: &mut Emitter,
-        plan: &Plan,
+        schedule: &Schedule,
         n: ExprId,
         [c, a, b]: [ExprId; 3],
-        known: &mut Known,
+        computed: &mut ComputedValues,
     ) -> Slot {
-        let dst = e.cell(0.0);
-        let branches = [true, false].map(|holds| plan.in_branch(n, holds));
-        if branches.iter().all(|list| is_short(&e.dae.graph, list)) {
-            branches.into_iter().for_each(|list| self.planned(e, plan, list, known));
-            self.push(Op::Copy, dst, known.slots[&b], known.slots[&b]);
-            self.push(Op::CopyIf, dst, known.slots[&c], known.slots[&a]);
+        let dst = e.new_slot(0.0);
+        let branches = [true, false].map(|holds| schedule.in_branch(n, holds));
+        if branches.iter().all(|list| is_cheap(&e.dae.graph, list)) {
+            branches.into_iter().for_each(|list| self.scheduled(e, schedule, list, computed));
+            self.push(Op::Copy, dst, computed.slots[&b], computed.slots[&b]);
+            self.push(Op::CopyIf, dst, computed.slots[&c], computed.slots[&a]);
             return dst;
         }
-        let unless = self.push(Op::JumpUnless, 0, known.slots[&c], 0);
-        self.planned(e, plan, branches[0], known);
-        self.push(Op::Copy, dst, known.slots[&a], known.slots[&a]);
+        let unless = self.push(Op::JumpUnless, 0, computed.slots[&c], 0);
+        self.scheduled(e, schedule, branches[0], computed);
+        self.push(Op::Copy, dst, computed.slots[&a], computed.slots[&a]);
         let over = self.push(Op::Jump, 0, 0, 0);
-        self.land(unless);
-        self.planned(e, plan, branches[1], known);
-        self.push(Op::Copy, dst, known.slots[&b], known.slots[&b]);
-        self.land(over);
+        self.patch(unless);
+        self.scheduled(e, schedule, branches[1], computed);
+        self.push(Op::Copy, dst, computed.slots[&b], computed.slots[&b]);
+        self.patch(over);
         dst
     }
 
-    /// Calls a function: the cell of its first result.
-    fn call(&mut self, e: &mut Emitter, f: FunctionId, args: ListId, known: &mut Known) -> Slot {
-        let slots = e.dae.graph.list(args).iter().map(|a| known.slots[a]).collect();
+    /// Emits a call; returns the slot of its first result.
+    fn call(
+        &mut self,
+        e: &mut Emitter,
+        f: FunctionId,
+        args: ListId,
+        computed: &mut ComputedValues,
+    ) -> Slot {
+        let slots = e.dae.graph.list(args).iter().map(|a| computed.slots[a]).collect();
         let count = e.dae.functions[f].outputs.len();
-        let base = e.cells(count.max(1), 0.0);
-        e.calls.push(CallSite {
+        let base = e.new_slots(count.max(1), 0.0);
+        e.routines.calls.push(CallSite {
             function: f.idx(),
             args: slots,
             results: (base..base + count as Slot).collect(),
             partial: None,
-            guard: None,
-            last: None,
+            condition: None,
+            memo: None,
         });
-        self.push(Op::Call, base, (e.calls.len() - 1) as Slot, 0);
-        known.calls.insert((f, args), base);
+        self.push(Op::Call, base, (e.routines.calls.len() - 1) as Slot, 0);
+        computed.calls.insert((f, args), base);
         base
     }
 
-    /// What is neither a choice nor a call.
-    fn node(&mut self, e: &mut Emitter, n: ExprId, known: &FastMap<ExprId, Slot>) -> Slot {
+    /// Emits an expression that is neither an `if` nor a call.
+    fn node(&mut self, e: &mut Emitter, n: ExprId, computed: &FastMap<ExprId, Slot>) -> Slot {
         match e.dae.graph.node(n) {
             Node::Const(c) => e.literal(c.register()),
             Node::Var(v) => match self.locals.get(v.idx()) {
@@ -321,23 +331,23 @@ impl Body {
                 None => self.unsupported(e, "a variable of the model inside of a function"),
             },
             Node::Unary(op, a) => match op {
-                Unary::Ordinal => known[&a],
+                Unary::Ordinal => computed[&a],
                 _ => {
                     let op = string_ops::unary(op, e.dae.graph.ty(a));
-                    self.make(e, Op::Unary(op), known[&a], known[&a])
+                    self.emit_op(e, Op::Unary(op), computed[&a], computed[&a])
                 }
             },
             Node::Binary(op, a, b) => {
                 let op = string_ops::binary(op, e.dae.graph.ty(a));
-                self.make(e, Op::Binary(op), known[&a], known[&b])
+                self.emit_op(e, Op::Binary(op), computed[&a], computed[&b])
             }
-            Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => known[&a],
+            Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => computed[&a],
             _ => self.unsupported(e, "an expression that depends on time inside of a function"),
         }
     }
 
-    fn make(&mut self, e: &mut Emitter, op: Op, a: Slot, b: Slot) -> Slot {
-        let dst = e.cell(0.0);
+    fn emit_op(&mut self, e: &mut Emitter, op: Op, a: Slot, b: Slot) -> Slot {
+        let dst = e.new_slot(0.0);
         self.push(op, dst, a, b);
         dst
     }

@@ -2,26 +2,26 @@
 //! implicit function theorem at torn blocks.
 //!
 //! The derivative of a variable is a *row*: one expression for each seed (a state, or a tearing
-//! variable inside of its block) that it depends on. Rows of assignments come from the gradient of
-//! the right side and the chain rule. Selections are differentiated branch by branch, so that what
-//! is infinite in the branch not taken does not spoil the other.
+//! variable within its block) that it depends on. The row of an assignment follows from the gradient
+//! of its right side by the chain rule. Selections are differentiated branch by branch, so that an
+//! infinite derivative in the branch not taken does not affect the other.
 
 use std::collections::BTreeMap;
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::blocks::{Block, Torn};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, VarId};
-use crate::ir::program::{Entry, Implicit, Op};
+use crate::ir::program::{BlockDerivative, Entry, Op};
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::rewrite::Rewriter;
 
 use super::emit::Emitter;
-use super::{Order, algebraic};
+use super::{SortedBlocks, algebraic};
 
-/// The derivatives of one value by the seeds, in order of seed.
+/// The derivatives of one value with respect to the seeds, in order of seed.
 pub type Row = Vec<(u32, ExprId)>;
 
-/// The rows of what has been differentiated so far.
+/// The rows of all variables differentiated so far.
 #[derive(Default)]
 pub struct Rows {
     variables: FastMap<VarId, Row>,
@@ -77,11 +77,11 @@ impl Rows {
         sum.into_iter().collect()
     }
 
-    /// True if a seed stands below `value`; gives eliminated variables their rows on the way.
+    /// True if `value` depends on a seed; computes the rows of eliminated variables on the way.
     fn depends(&mut self, e: &mut Emitter, value: ExprId) -> bool {
         let mut any = false;
         for v in e.dae.graph.variables(value) {
-            if let (Some(&r), None) = (e.replaced.get(&v), self.variables.get(&v)) {
+            if let (Some(&r), None) = (e.substitutions.get(&v), self.variables.get(&v)) {
                 let row = self.of(e, r);
                 self.set(v, row);
             }
@@ -90,7 +90,7 @@ impl Rows {
         any
     }
 
-    /// Puts names for the outermost selections and calls of `value`, each with its row.
+    /// Replaces the outermost selections and calls of `value` by auxiliary variables with rows.
     fn lift(&mut self, e: &mut Emitter, value: ExprId) -> ExprId {
         let special: FastSet<ExprId> =
             e.dae.graph.postorder([value]).into_iter().filter(|n| is_special(e, *n)).collect();
@@ -109,7 +109,7 @@ impl Rows {
             if !self.lifted.contains_key(&n) {
                 let row = self.of(e, n);
                 let name = e.auxiliary(None);
-                e.replaced.insert(name, n);
+                e.substitutions.insert(name, n);
                 self.set(name, row);
                 self.lifted.insert(n, name);
             }
@@ -176,8 +176,8 @@ fn accumulate(e: &mut Emitter, sum: &mut BTreeMap<u32, ExprId>, seed: u32, term:
     sum.insert(seed, total);
 }
 
-/// The Jacobian of the residuals of a torn block by its unknowns, through the explicit part: row,
-/// column, value.
+/// The Jacobian of the residuals of a torn block with respect to its unknowns, through the explicit
+/// part: row, column, value.
 pub fn of_torn(e: &mut Emitter, torn: &Torn) -> Vec<(u32, u32, ExprId)> {
     let mut rows = Rows::default();
     for (j, &z) in torn.unknowns.iter().enumerate() {
@@ -198,14 +198,14 @@ pub fn of_torn(e: &mut Emitter, torn: &Torn) -> Vec<(u32, u32, ExprId)> {
     entries
 }
 
-/// Emits the Jacobian of the derivatives by the states to the top layer, and of the residuals by the
-/// unknowns that are integrated besides. `needed` are the continuous blocks that derivatives depend
-/// on, in order; `solvers` the number of each torn one that is solved inside.
+/// Emits the Jacobian of the derivatives and residuals with respect to the states and algebraic
+/// unknowns to the top layer. `needed` are the continuous blocks that derivatives depend on, in
+/// order; `torn_blocks` the number of each torn block that is solved within an evaluation.
 pub fn of_system(
     e: &mut Emitter,
-    blocks: &Order,
+    blocks: &SortedBlocks,
     needed: &[usize],
-    solvers: &FastMap<usize, u32>,
+    torn_blocks: &FastMap<usize, u32>,
 ) -> Vec<Entry> {
     let mut rows = Rows::default();
     let components = blocks.components();
@@ -225,8 +225,8 @@ pub fn of_system(
                 }
             }
             Block::Torn(t) => {
-                let solver = solvers.get(&i).copied().unwrap_or(0);
-                through_torn(e, &mut rows, t, solver, components.len() as u32);
+                let torn_block = torn_blocks.get(&i).copied().unwrap_or(0);
+                through_torn(e, &mut rows, t, torn_block, components.len() as u32);
             }
             // Nothing discrete is determined between events.
             Block::Mixed(_) => {}
@@ -246,9 +246,9 @@ pub fn of_system(
     entries
 }
 
-/// Rows of the variables of a torn block: `J dz = -B`, where `B` is the derivative of the residuals
-/// at constant `z`.
-fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, first_seed: u32) {
+/// Computes the rows of the variables of a torn block from `J dz = -B`, where `B` is the derivative of
+/// the residuals at constant `z`.
+fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, torn_block: u32, first_seed: u32) {
     rows.recent.clear();
     for (k, &z) in torn.unknowns.iter().enumerate() {
         rows.seed(e, z, first_seed + k as u32);
@@ -268,7 +268,7 @@ fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, firs
             }
         }
     }
-    let unknowns = implicit_rows(e, torn, solver, &jacobian, &outer);
+    let unknowns = implicit_rows(e, torn, torn_block, &jacobian, &outer);
     // The rows of the explicit part still hold the unknowns as seeds.
     for (v, row) in explicit {
         let mut sum: BTreeMap<u32, ExprId> = BTreeMap::new();
@@ -288,7 +288,7 @@ fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, firs
     for (&z, row) in torn.unknowns.iter().zip(unknowns) {
         rows.set(z, row);
     }
-    // Names of selections inside the block hold rows by its unknowns: they must not be used again.
+    // Auxiliary variables within the block have rows with respect to its unknowns: do not reuse them.
     rows.lifted.clear();
     for v in std::mem::take(&mut rows.recent) {
         let inside = |row: &Row| row.iter().any(|(seed, _)| *seed >= first_seed);
@@ -298,11 +298,11 @@ fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, solver: u32, firs
     }
 }
 
-/// The derivatives of the unknowns; solved at run time unless there is a single one.
+/// The derivatives of the unknowns; solved at run time unless there is only one unknown.
 fn implicit_rows(
     e: &mut Emitter,
     torn: &Torn,
-    solver: u32,
+    torn_block: u32,
     jacobian: &[(u32, u32, ExprId)],
     outer: &[(u32, u32, ExprId)],
 ) -> Vec<Row> {
@@ -337,7 +337,13 @@ fn implicit_rows(
             row.push((seed, e.dae.graph.var(name, Type::Real)));
         }
     }
-    e.implicits.push(Implicit { solver, order, jacobian, seeds, results });
-    e.push(top, Op::Implicit, 0, (e.implicits.len() - 1) as u32, 0);
+    e.routines.block_derivatives.push(BlockDerivative {
+        torn_block,
+        order,
+        jacobian,
+        seeds,
+        results,
+    });
+    e.push(top, Op::Differentiate, 0, (e.routines.block_derivatives.len() - 1) as u32, 0);
     rows
 }

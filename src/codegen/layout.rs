@@ -1,4 +1,4 @@
-//! The memory map.
+//! Allocates the memory map.
 
 use crate::base::index::{FastSet, Id};
 use crate::ir::blocks::{Assignment, Block, Source};
@@ -6,18 +6,18 @@ use crate::ir::dae::Kind;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::program::Slot;
 
-use super::Order;
+use super::SortedBlocks;
 use super::emit::Emitter;
 
-/// Gives every variable, flag and input its cell; what is integrated stands in a row.
-pub fn allocate(e: &mut Emitter, blocks: &Order) {
-    e.layout.time = e.cell(0.0);
-    e.layout.initial = e.cell(0.0);
-    e.layout.terminal = e.cell(0.0);
+/// Allocates a slot for every variable, flag and input; components of the integrator are contiguous.
+pub fn allocate(e: &mut Emitter, blocks: &SortedBlocks) {
+    e.layout.time = e.new_slot(0.0);
+    e.layout.initial = e.new_slot(0.0);
+    e.layout.terminal = e.new_slot(0.0);
     let count = e.dae.variables.len();
     let mut slots: Vec<Option<Slot>> = vec![None; count];
     let components = blocks.components();
-    e.layout.states = e.cells(components.len(), 0.0);
+    e.layout.states = e.new_slots(components.len(), 0.0);
     for (i, v) in components.into_iter().enumerate() {
         slots[v.idx()] = Some(e.layout.states + i as Slot);
     }
@@ -25,23 +25,23 @@ pub fn allocate(e: &mut Emitter, blocks: &Order) {
         .into_iter()
         .enumerate()
         .map(|(v, s)| {
-            s.unwrap_or_else(|| e.cell(resting_value(e.dae.variables[VarId::from_usize(v)].ty)))
+            s.unwrap_or_else(|| e.new_slot(default_start(e.dae.variables[VarId::from_usize(v)].ty)))
         })
         .collect();
     e.layout.derivatives = blocks.states.iter().map(|s| e.slot(s.derivative)).collect();
     let algebraics = blocks.algebraics.len();
-    let residuals = e.cells(algebraics, 0.0);
+    let residuals = e.new_slots(algebraics, 0.0);
     e.layout.derivatives.extend(residuals..residuals + algebraics as Slot);
     let relations = e.dae.relations.len();
-    e.layout.relations = e.cells(relations, 0.0);
-    e.layout.fresh = e.cells(relations, 0.0);
-    e.layout.gaps = e.cells(relations, 0.0);
+    e.layout.relations = e.new_slots(relations, 0.0);
+    e.layout.candidates = e.new_slots(relations, 0.0);
+    e.layout.indicators = e.new_slots(relations, 0.0);
     allocate_pre(e, blocks);
     allocate_inputs(e, blocks);
 }
 
-/// `pre` of discrete variables, and of all others of which it is read.
-fn allocate_pre(e: &mut Emitter, blocks: &Order) {
+/// Allocates `pre` of discrete variables, and of all others whose `pre` is read.
+fn allocate_pre(e: &mut Emitter, blocks: &SortedBlocks) {
     let mut read: FastSet<VarId> = FastSet::default();
     for node in e.dae.graph.postorder(roots(e, blocks)) {
         if let Node::Pre(v) = e.dae.graph.node(node) {
@@ -52,18 +52,18 @@ fn allocate_pre(e: &mut Emitter, blocks: &Order) {
         let kind = e.dae.variables[v].kind;
         let moves = !matches!(kind, Kind::Parameter | Kind::Eliminated);
         if kind == Kind::Discrete || (moves && read.contains(&v)) {
-            let cell = e.cell(0.0);
+            let cell = e.new_slot(0.0);
             e.layout.pre.push((v, e.slot(v), cell));
-            e.pre.insert(v, cell);
+            e.pre_slots.insert(v, cell);
         }
     }
 }
 
-/// Cells for the values that a run may give: NaN where it does not.
-fn allocate_inputs(e: &mut Emitter, blocks: &Order) {
+/// Allocates slots for the values that a run may set; NaN means not set.
+fn allocate_inputs(e: &mut Emitter, blocks: &SortedBlocks) {
     for k in 0..e.dae.parameters.len() {
         let v = e.dae.parameters[k].0;
-        let cell = e.cell(f64::NAN);
+        let cell = e.new_slot(f64::NAN);
         e.layout.parameter_inputs.push((v, cell));
     }
     let mut started: FastSet<VarId> = FastSet::default();
@@ -78,15 +78,15 @@ fn allocate_inputs(e: &mut Emitter, blocks: &Order) {
             continue;
         }
         if variable.start.is_some() || started.contains(&v) {
-            let input = e.cell(f64::NAN);
-            let start = e.cell(0.0);
+            let input = e.new_slot(f64::NAN);
+            let start = e.new_slot(0.0);
             e.layout.starts.push((v, input, start));
-            e.starts.insert(v, start);
+            e.start_slots.insert(v, start);
         }
     }
 }
 
-/// Calls `visit` with every assignment, those inside of torn and mixed blocks too.
+/// Calls `visit` with every assignment, including those within torn and mixed blocks.
 pub fn for_each_assignment(blocks: &[Block], visit: &mut impl FnMut(&Assignment)) {
     for block in blocks {
         match block {
@@ -98,14 +98,14 @@ pub fn for_each_assignment(blocks: &[Block], visit: &mut impl FnMut(&Assignment)
 }
 
 /// All expressions of a block.
-pub fn block_values(block: &Block, out: &mut Vec<ExprId>) {
+pub fn block_expressions(block: &Block, out: &mut Vec<ExprId>) {
     match block {
         Block::Assign(a) => out.push(a.value),
         Block::Torn(t) => {
             out.extend(t.explicit.iter().map(|a| a.value));
             out.extend(t.residuals.iter().map(|r| r.value));
         }
-        Block::Mixed(parts) => parts.iter().for_each(|p| block_values(p, out)),
+        Block::Mixed(parts) => parts.iter().for_each(|p| block_expressions(p, out)),
     }
 }
 
@@ -121,15 +121,15 @@ pub fn block_unknowns(block: &Block, out: &mut Vec<VarId>) {
     }
 }
 
-/// The value of a variable without start value: zero, false, or the first literal.
-pub fn resting_value(ty: Type) -> f64 {
+/// The default start value of a type: zero, false, or the first enumeration literal.
+pub fn default_start(ty: Type) -> f64 {
     if matches!(ty, Type::Enumeration(_)) { 1.0 } else { 0.0 }
 }
 
-fn roots(e: &Emitter, blocks: &Order) -> Vec<ExprId> {
+fn roots(e: &Emitter, blocks: &SortedBlocks) -> Vec<ExprId> {
     let mut all = Vec::new();
     for block in blocks.initial.iter().chain(&blocks.event).chain(&blocks.continuous) {
-        block_values(block, &mut all);
+        block_expressions(block, &mut all);
     }
     let dae = &e.dae;
     all.extend(dae.relations.iter().flat_map(|r| [r.lhs, r.rhs]));

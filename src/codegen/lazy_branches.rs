@@ -1,15 +1,15 @@
-//! Which expressions of a function are computed in one branch of an `if` alone: with jumps, only what is taken
-//! need be.
+//! Finds the expressions of a function that are needed in one branch of an `if` only, so that code
+//! with jumps computes them only if the branch is taken.
 
 use crate::base::index::FastMap;
 use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node};
 use crate::symbolic::dominance::Nesting;
 
-/// The expressions below some roots by the place where they are computed.
-pub struct Plan {
-    /// Always, and branches of an `if`.
+/// The expressions below some roots, grouped by the branch in which they are computed.
+pub struct Schedule {
+    /// The unconditional part, and nested branches of `if` expressions.
     places: Nesting,
-    /// By place its expressions, operands first.
+    /// The expressions of each branch, operands first.
     expressions: Vec<Vec<ExprId>>,
     branches: FastMap<(ExprId, bool), usize>,
 }
@@ -17,15 +17,15 @@ pub struct Plan {
 /// All outputs of a call are computed at once.
 type Called = (FunctionId, ListId);
 
-impl Plan {
-    /// What stands below `roots`.
-    pub fn of(graph: &Graph, roots: &[ExprId]) -> Plan {
-        let mut plan = Plan {
+impl Schedule {
+    /// Schedules all expressions below `roots`.
+    pub fn of(graph: &Graph, roots: &[ExprId]) -> Schedule {
+        let mut schedule = Schedule {
             places: Nesting::default(),
             expressions: Vec::new(),
             branches: FastMap::default(),
         };
-        // Operands have lower numbers: users are met before them.
+        // Operands have lower numbers, so users are visited before them.
         let mut below = graph.postorder(roots.iter().copied());
         below.sort_unstable();
         let mut at: FastMap<ExprId, usize> = roots.iter().map(|e| (*e, 0)).collect();
@@ -38,24 +38,24 @@ impl Plan {
         }
         for &e in below.iter().rev() {
             let Some(&place) = at.get(&e) else { continue };
-            let mut used = |plan: &mut Plan, e: ExprId, place: usize| {
-                at.entry(e).and_modify(|p| *p = plan.places.common(*p, place)).or_insert(place);
+            let mut used = |schedule: &mut Schedule, e: ExprId, place: usize| {
+                at.entry(e).and_modify(|p| *p = schedule.places.common(*p, place)).or_insert(place);
             };
             match graph.node(e) {
                 Node::If(c, a, b) => {
-                    used(&mut plan, c, place);
+                    used(&mut schedule, c, place);
                     for (branch, holds) in [(a, true), (b, false)] {
-                        let inside = plan.branch(e, holds, place);
-                        used(&mut plan, branch, inside);
+                        let inside = schedule.branch(e, holds, place);
+                        used(&mut schedule, branch, inside);
                     }
                 }
                 Node::Call { function, args, .. } => {
                     let known = calls.entry((function, args)).or_insert(place);
-                    *known = plan.places.common(*known, place);
+                    *known = schedule.places.common(*known, place);
                     let place = *known;
-                    graph.list(args).iter().for_each(|a| used(&mut plan, *a, place));
+                    graph.list(args).iter().for_each(|a| used(&mut schedule, *a, place));
                 }
-                _ => graph.for_each_operand(e, |a| used(&mut plan, a, place)),
+                _ => graph.for_each_operand(e, |a| used(&mut schedule, a, place)),
             }
         }
         for (call, all) in &outputs {
@@ -63,19 +63,19 @@ impl Plan {
                 at.insert(*e, calls[call]);
             }
         }
-        plan.expressions = vec![Vec::new(); plan.places.count()];
+        schedule.expressions = vec![Vec::new(); schedule.places.count()];
         for e in below {
-            plan.expressions[at[&e]].push(e);
+            schedule.expressions[at[&e]].push(e);
         }
-        plan
+        schedule
     }
 
-    /// What is always computed.
+    /// The expressions that are always computed.
     pub fn always(&self) -> &[ExprId] {
         &self.expressions[0]
     }
 
-    /// What is computed in a branch of an `if` alone.
+    /// The expressions that only a branch of an `if` needs.
     pub fn in_branch(&self, e: ExprId, holds: bool) -> &[ExprId] {
         self.branches.get(&(e, holds)).map_or(&[], |place| &self.expressions[*place])
     }

@@ -1,8 +1,7 @@
 //! From the sorted system to a program of flat tapes.
 //!
-//! What comes in: [`Blocks`]. What goes out: an immutable [`Program`] that any number of runs share,
-//! or diagnostics about what can not be compiled. [`interp`] runs a program; it stays the oracle of
-//! every faster way to run one.
+//! In: [`Blocks`]. Out: an immutable [`Program`] that any number of runs share, or diagnostics about
+//! unsupported constructs. `runtime` executes programs.
 //!
 //! Sources: A. Griewank, A. Walther, *Evaluating Derivatives* (2nd ed. 2008) for the Jacobian;
 //! Modelica specification 3.6, section 8.6 for the event sequence.
@@ -30,25 +29,25 @@ use crate::base::diag::Problems;
 use crate::base::index::Id;
 use crate::ir::blocks::{Block, Blocks, State};
 use crate::ir::expr::VarId;
-use crate::ir::program::{Algebraic, Form, Program};
+use crate::ir::program::{AlgebraicUnknown, Program, SystemForm, Tapes};
 use emit::Emitter;
 
 /// Compiles the sorted system to ordinary differential equations.
 ///
 /// Errors are diagnostics of codes `MO0801` and following.
 pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
-    compile_as(blocks, Form::Reduced)
+    compile_as(blocks, SystemForm::Ode)
 }
 
 /// Compiles the sorted system to a program of this form.
 ///
 /// Errors are diagnostics of codes `MO0801` and following.
-pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
+pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems> {
     let Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts } =
         blocks;
-    let mut order = Order { states, algebraics: Vec::new(), initial, event, continuous };
+    let mut order = SortedBlocks { states, algebraics: Vec::new(), initial, event, continuous };
     let mut emitter = Emitter::new(dae);
-    if form == Form::Implicit {
+    if form == SystemForm::Dae {
         order.algebraics = algebraic::find(&mut emitter, &order);
     }
     layout::allocate(&mut emitter, &order);
@@ -60,16 +59,18 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
     for k in 0..emitter.layout.delays.len() {
         let v = emitter.layout.delays[k].variable;
         let level = emitter.levels.get(v.idx()).copied().flatten();
-        emitter.layout.delays[k].moves = level.is_none_or(|level| level > emit::HELD);
+        emitter.layout.delays[k].moves = level.is_none_or(|level| level > emit::DISCRETE);
     }
-    let (selection, set_cells) = state_selection::compile(&mut emitter, &state_sets);
+    let (state_selection, set_slots) = state_selection::compile(&mut emitter, &state_sets);
     if emitter.problems.has_errors() {
         return Err(emitter.problems);
     }
-    let literals = emitter.literal_cells();
-    let Emitter { dae, image, layout, layers, solvers, implicits, loops, calls, .. } = emitter;
+    let literals = emitter.literal_slots();
+    let Emitter { dae, image, layout, layers, routines, mut events, bounds, .. } = emitter;
+    events.lagged_initial = at_start.lagged;
+    events.lagged_event = at_events.lagged;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
-    let Order { states, algebraics, initial, event, continuous } = order;
+    let SortedBlocks { states, algebraics, initial, event, continuous } = order;
     let mut program = Program {
         recorded: recording::all(&dae),
         constants: recording::constants(&dae),
@@ -86,44 +87,35 @@ pub fn compile_as(blocks: Blocks, form: Form) -> Result<Program, Problems> {
         image,
         literals,
         layout,
-        parameters,
-        initial: at_start.tape,
-        late_initial: at_start.late,
-        event: at_events.tape,
-        late_event: at_events.late,
-        held: between.held,
-        rhs: between.rhs,
-        roots: between.roots,
-        rest: between.rest,
-        jacobian: between.jacobian,
+        tapes: Tapes {
+            parameters,
+            initial: at_start.tape,
+            event: at_events.tape,
+            discrete: between.discrete,
+            rhs: between.rhs,
+            roots: between.roots,
+            outputs: between.outputs,
+            jacobian: between.jacobian,
+            state_selection,
+        },
         algebraics,
         jacobian_entries: between.jacobian_entries,
-        selection,
-        state_sets: set_cells,
-        solvers,
-        implicits,
-        loops,
-        calls,
-        functions: emitter.functions,
-        watches: emitter.watches,
-        clocks: emitter.clocks,
-        reinits: emitter.reinits,
-        asserts: emitter.asserts,
-        bounds: emitter.bounds,
-        terminates: emitter.terminates,
-        reads_terminal: emitter.reads_terminal,
+        state_sets: set_slots,
+        routines,
+        events,
+        bounds,
         continuation: None,
     };
     program.number_tapes();
     Ok(program)
 }
 
-/// The sorted blocks, apart from the system itself, which the emitter owns and extends.
-pub struct Order {
+/// The sorted blocks without the system itself, which the emitter owns and extends.
+pub struct SortedBlocks {
     /// See [`Blocks::states`].
     pub states: Vec<State>,
-    /// What is integrated besides the states.
-    pub algebraics: Vec<Algebraic>,
+    /// Algebraic unknowns that are integrated in addition to the states.
+    pub algebraics: Vec<AlgebraicUnknown>,
     /// See [`Blocks::initial`].
     pub initial: Vec<Block>,
     /// See [`Blocks::event`].
@@ -132,8 +124,8 @@ pub struct Order {
     pub continuous: Vec<Block>,
 }
 
-impl Order {
-    /// What is integrated: states, then algebraic unknowns.
+impl SortedBlocks {
+    /// The components of the integrator: states, then algebraic unknowns.
     pub fn components(&self) -> Vec<VarId> {
         let states = self.states.iter().map(|s| s.variable);
         states.chain(self.algebraics.iter().map(|a| a.variable)).collect()

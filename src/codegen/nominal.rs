@@ -1,8 +1,9 @@
-//! The sizes at which the error of a state counts, where the modeller does not give them.
+//! Nominal values of the components of the integrator: the sizes below which their errors are
+//! absolute.
 //!
-//! A nominal value that is given is taken. Otherwise the size follows from equations such as
-//! `q = c * u`, by the sizes of what stands on the other side, or from the start value; and since
-//! neither of them is certain, errors count from a small part of it on.
+//! A declared nominal value is used as it is. Otherwise the size is inferred from equations such as
+//! `q = c * u` and the nominal values on the other side, or from the start value. Since neither is
+//! certain, a small fraction of an inferred size is used.
 
 use crate::base::index::FastMap;
 use crate::ir::dae::{EqId, Kind};
@@ -14,13 +15,13 @@ use crate::symbolic::linear;
 use super::block::nominal;
 use super::emit::{Emitter, PARAMETER};
 
-/// The part of a size that is not given at which errors become absolute.
-const CAUTION: f64 = 1e-2;
+/// Fraction of an inferred size below which errors are absolute.
+const UNCERTAINTY: f64 = 1e-2;
 
-/// No size beyond this follows from a coefficient alone.
-const LARGEST: f64 = 1e6;
+/// Largest size that may be inferred from a coefficient alone.
+const MAX_INFERRED: f64 = 1e6;
 
-/// Emits the sizes of what is integrated to the parameter tape; their cells.
+/// Emits the sizes of the components to the parameter tape; returns their slots.
 pub fn of_components(e: &mut Emitter, components: &[VarId]) -> Vec<Slot> {
     let mut equations: FastMap<VarId, Vec<EqId>> = FastMap::default();
     let open = components.iter().copied().filter(|v| e.dae.variables[*v].nominal.is_none());
@@ -46,7 +47,7 @@ pub fn of_components(e: &mut Emitter, components: &[VarId]) -> Vec<Slot> {
 fn estimate(e: &mut Emitter, v: VarId, equations: &[EqId]) -> Slot {
     let sizes: Vec<ExprId> = equations
         .iter()
-        .filter_map(|id| by_equation(e, v, e.dae.equations[*id].residual))
+        .filter_map(|id| from_equation(e, v, e.dae.equations[*id].residual))
         .collect();
     let inferred = sizes.into_iter().reduce(|a, b| e.dae.graph.binary(Binary::Max, a, b));
     let start = e.dae.variables[v].start.filter(|s| e.level_of(&[*s], |_| false) == PARAMETER);
@@ -62,14 +63,14 @@ fn estimate(e: &mut Emitter, v: VarId, equations: &[EqId]) -> Slot {
         }
         (None, None) => g.real(1.0),
     };
-    let caution = g.real(CAUTION);
-    let size = g.mul(caution, size);
+    let uncertainty = g.real(UNCERTAINTY);
+    let size = g.mul(uncertainty, size);
     e.emit(size).0
 }
 
-/// The size of `v` if an equation is linear in it and something in the equation tells of sizes: a
-/// nominal value, or a coefficient other than one.
-fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
+/// The size of `v`, if an equation is linear in it and contains information about sizes: a nominal
+/// value, or a coefficient other than one.
+fn from_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
     let (coefficient, rest) = linear::split(&mut e.dae.graph, residual, Leaf::Var(v))?;
     let is_fixed = |e: &Emitter, x| e.level_of(&[x], |_| false) == PARAMETER;
     if !is_fixed(e, coefficient) {
@@ -80,7 +81,7 @@ fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
         !matches!(kind, None | Some(Kind::Parameter | Kind::InitialParameter))
     };
     let partials = gradient(&mut e.dae.graph, rest, |_| true);
-    let mut telling = is_telling(e, coefficient);
+    let mut informative = is_informative(e, coefficient);
     let mut known = false;
     let mut terms = Vec::new();
     for (leaf, partial) in partials {
@@ -92,7 +93,7 @@ fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
             return None;
         }
         let given = e.dae.variables[z].nominal.filter(|n| is_fixed(e, *n));
-        telling |= given.is_some() || is_telling(e, partial);
+        informative |= given.is_some() || is_informative(e, partial);
         known |= given.is_some();
         let term = e.dae.graph.unary(Unary::Abs, partial);
         terms.push(match given {
@@ -103,7 +104,7 @@ fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
             None => term,
         });
     }
-    if terms.is_empty() || !telling {
+    if terms.is_empty() || !informative {
         return None;
     }
     let g = &mut e.dae.graph;
@@ -113,12 +114,12 @@ fn by_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> {
     if known {
         return Some(size);
     }
-    // A coefficient such as 1e-12 says that the other side is small, and not that this one is large.
-    let (limit, one) = (g.real(LARGEST), g.real(1.0));
+    // A coefficient such as 1e-12 means that the other side is small, not that this one is large.
+    let (limit, one) = (g.real(MAX_INFERRED), g.real(1.0));
     let too_large = g.binary(Binary::Greater, size, limit);
     Some(g.if_then_else(too_large, one, size))
 }
 
-fn is_telling(e: &Emitter, coefficient: ExprId) -> bool {
+fn is_informative(e: &Emitter, coefficient: ExprId) -> bool {
     e.dae.graph.as_number(coefficient).is_none_or(|c| c.abs() != 1.0)
 }

@@ -1,42 +1,48 @@
-//! A program as text, one instruction a line, for people who look for a mistake.
+//! Listing of a program for debugging, one instruction per line.
 
 use std::fmt::Write;
 
 use crate::base::index::FastMap;
 use crate::ir::program::{Instr, Op, Program, Slot};
 
-/// The tapes of a program in the order of running; empty ones are left out.
+/// The nonempty tapes of a program in order of execution.
 pub fn print(program: &Program) -> String {
     let names = names(program);
     let mut out = String::new();
     for (title, tape) in [
-        ("parameters", &program.parameters),
-        ("initial", &program.initial),
-        ("event", &program.event),
-        ("held", &program.held),
-        ("derivatives", &program.rhs),
-        ("jacobian", &program.jacobian),
-        ("roots", &program.roots),
-        ("rest", &program.rest),
+        ("parameters", &program.tapes.parameters),
+        ("initial", &program.tapes.initial),
+        ("event", &program.tapes.event),
+        ("discrete", &program.tapes.discrete),
+        ("derivatives", &program.tapes.rhs),
+        ("jacobian", &program.tapes.jacobian),
+        ("roots", &program.tapes.roots),
+        ("outputs", &program.tapes.outputs),
     ] {
         section(program, &names, title, tape, &mut out);
     }
-    for (k, solver) in program.solvers.iter().enumerate() {
-        let kind = if solver.linear { "linear" } else { "nonlinear" };
+    for (k, torn_block) in program.routines.torn_blocks.iter().enumerate() {
+        let kind = if torn_block.linear { "linear" } else { "nonlinear" };
         let title = format!("block {k}, {kind}, residuals");
-        section(program, &names, &title, &solver.residual_tape, &mut out);
-        section(program, &names, &format!("block {k}, jacobian"), &solver.jacobian_tape, &mut out);
+        section(program, &names, &title, &torn_block.residual_tape, &mut out);
+        section(
+            program,
+            &names,
+            &format!("block {k}, jacobian"),
+            &torn_block.jacobian_tape,
+            &mut out,
+        );
     }
-    for (k, mixed) in program.loops.iter().enumerate() {
-        section(program, &names, &format!("loop {k}"), &mixed.tape, &mut out);
+    for (k, mixed) in program.routines.mixed_blocks.iter().enumerate() {
+        section(program, &names, &format!("mixed block {k}"), &mixed.tape, &mut out);
     }
-    for (k, function) in program.functions.iter().enumerate() {
+    for (k, function) in program.routines.functions.iter().enumerate() {
         section(program, &names, &format!("function {k}"), &function.tape, &mut out);
     }
     out
 }
 
-/// What the user or the specification calls a cell.
+/// Names of slots, in terms of the model or the specification.
 fn names(program: &Program) -> FastMap<Slot, String> {
     let layout = &program.layout;
     let mut names: FastMap<Slot, String> = FastMap::default();
@@ -56,10 +62,10 @@ fn names(program: &Program) -> FastMap<Slot, String> {
         names.insert(*input, format!("input(start of {})", program.name(*v)));
         names.insert(*start, format!("start({})", program.name(*v)));
     }
-    for k in 0..program.watches.len() as Slot {
+    for k in 0..program.events.relation_triggers.len() as Slot {
         names.insert(layout.relations + k, format!("relation[{}]", k + 1));
-        names.insert(layout.fresh + k, format!("fresh[{}]", k + 1));
-        names.insert(layout.gaps + k, format!("gap[{}]", k + 1));
+        names.insert(layout.candidates + k, format!("candidate[{}]", k + 1));
+        names.insert(layout.indicators + k, format!("indicator[{}]", k + 1));
     }
     names
 }
@@ -98,8 +104,8 @@ fn section(
             Op::Unary(op) => writeln!(out, "  {dst} := {}({a})", op.name()),
             Op::Binary(op) => writeln!(out, "  {dst} := {a} {} {b}", op.name()),
             Op::Solve => writeln!(out, "  solve block {}", i.a),
-            Op::Implicit => writeln!(out, "  differentiate block {}", i.a),
-            Op::Repeat => writeln!(out, "  repeat loop {}", i.a),
+            Op::Differentiate => writeln!(out, "  differentiate block {}", i.a),
+            Op::Iterate => writeln!(out, "  iterate mixed block {}", i.a),
             Op::Call => writeln!(out, "  {dst} := call {}", i.a),
             Op::Jump => writeln!(out, "  go to {}", i.a),
             Op::JumpUnless => writeln!(out, "  unless {a} go to {}", i.b),

@@ -1,42 +1,43 @@
-//! Relations: held ones evaluated afresh, searched ones watched.
+//! Compiles relations: their evaluation at events, and their zero-crossing indicators between events.
 
 use crate::ir::dae::Trigger;
 use crate::ir::expr::{Binary, ExprId, Node};
-use crate::ir::program::{Sequence, Slot, Watch};
+use crate::ir::program::{RelationTrigger, Sequence, Slot};
 use crate::symbolic::gradient::{Leaf, gradient};
 
 use super::emit::Emitter;
 
-/// Emits the truth and the distance from switching of searched relations, and instants of others.
-pub fn watch_relations(e: &mut Emitter) {
+/// Emits candidate values and zero-crossing indicators of state-dependent relations, and the instants
+/// of time-dependent ones.
+pub fn emit_indicators(e: &mut Emitter) {
     for k in 0..e.dae.relations.len() {
         let relation = e.dae.relations[k].clone();
         e.span = relation.origin.span;
         let watch = match relation.trigger {
-            Trigger::Discrete => Watch::Discrete,
-            Trigger::Time { instant } => Watch::Time(e.emit(instant).0),
+            Trigger::Discrete => RelationTrigger::Discrete,
+            Trigger::Time { instant } => RelationTrigger::Time(e.emit(instant).0),
             Trigger::State => {
                 let truth = e.dae.graph.binary(relation.op, relation.lhs, relation.rhs);
-                e.emit_to(e.layout.fresh + k as Slot, truth);
-                let gap = e.dae.graph.sub(relation.lhs, relation.rhs);
-                e.emit_to(e.layout.gaps + k as Slot, gap);
-                Watch::State
+                e.emit_to(e.layout.candidates + k as Slot, truth);
+                let indicator = e.dae.graph.sub(relation.lhs, relation.rhs);
+                e.emit_to(e.layout.indicators + k as Slot, indicator);
+                RelationTrigger::State
             }
         };
-        e.watches.push(watch);
+        e.events.relation_triggers.push(watch);
     }
 }
 
-/// Emits the truth of relation `k` to its cell.
+/// Emits the value of relation `k` to its slot.
 pub fn evaluate_relation(e: &mut Emitter, k: usize, sequence: Sequence) {
     let relation = e.dae.relations[k].clone();
     e.span = relation.origin.span;
-    let literal = e.dae.graph.binary(relation.op, relation.lhs, relation.rhs);
+    let comparison = e.dae.graph.binary(relation.op, relation.lhs, relation.rhs);
     let truth = match relation.trigger {
         Trigger::Time { instant } if sequence == Sequence::Event => {
-            right_limit(e, literal, relation.op, relation.lhs, relation.rhs, instant)
+            right_limit(e, comparison, relation.op, relation.lhs, relation.rhs, instant)
         }
-        _ => literal,
+        _ => comparison,
     };
     e.emit_to(e.layout.relations + k as Slot, truth);
 }
@@ -55,20 +56,20 @@ pub fn relations_in(e: &Emitter, roots: &[ExprId]) -> Vec<u32> {
     found
 }
 
-/// A comparison with time as it holds just after this instant, whatever the rounding: `time > t1`
-/// is true at the event at `t1` already, otherwise it would never switch.
+/// The right limit of a comparison with time at `instant`, independent of rounding: `time > t1` is
+/// already true at the event at `t1`, otherwise it would never switch.
 fn right_limit(
     e: &mut Emitter,
-    literal: ExprId,
+    comparison: ExprId,
     op: Binary,
     lhs: ExprId,
     rhs: ExprId,
     instant: ExprId,
 ) -> ExprId {
     let g = &mut e.dae.graph;
-    let gap = g.sub(lhs, rhs);
-    let slope = gradient(g, gap, |leaf| leaf == Leaf::Time);
-    let Some(&(_, slope)) = slope.first() else { return literal };
+    let indicator = g.sub(lhs, rhs);
+    let slope = gradient(g, indicator, |leaf| leaf == Leaf::Time);
+    let Some(&(_, slope)) = slope.first() else { return comparison };
     let (zero, time) = (g.real(0.0), g.time());
     let passed = g.binary(Binary::GreaterEqual, time, instant);
     let not_passed = g.not(passed);

@@ -1,47 +1,47 @@
-//! The sequences of blocks as tapes.
+//! Compiles the sequences of blocks to tapes.
 
 use crate::base::index::{FastMap, Id};
 use crate::ir::blocks::Block;
 use crate::ir::dae::{Dae, Kind, Trigger};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::{
-    AssertCells, BlockPlace, Clock, Entry, Op, ReinitCells, Sequence, Slot, Tape,
+    AssertSlots, BlockPosition, Clock, Entry, Op, ReinitSlots, Sequence, Slot, Tape,
 };
-use crate::ir::program::{Bounds, DelayCells, ReaderCells, TransportCells};
+use crate::ir::program::{Bounds, DelaySlots, ReaderSlots, TransportSlots};
 
 use super::block::{self, compile_block, compile_mixed};
-use super::emit::{Emitter, HELD, MOVING, PARAMETER};
-use super::layout::{block_unknowns, block_values, resting_value};
-use super::relation::{evaluate_relation, relations_in, watch_relations};
-use super::{Order, algebraic, error, jacobian, nominal};
+use super::emit::{CONTINUOUS, DISCRETE, Emitter, PARAMETER};
+use super::layout::{block_expressions, block_unknowns, default_start};
+use super::relation::{emit_indicators, evaluate_relation, relations_in};
+use super::{SortedBlocks, algebraic, error, jacobian, nominal};
 
 /// The initial or the event sequence.
-pub struct Discrete {
+pub struct SequenceTape {
     /// Its tape.
     pub tape: Tape,
-    /// Relations that are read before they can be evaluated: after a change of one of them the tape
-    /// must run again.
-    pub late: Vec<u32>,
+    /// Relations that are read before they can be evaluated: if one of them changes, the tape must
+    /// run again.
+    pub lagged: Vec<u32>,
 }
 
 /// The tapes between events.
 pub struct Continuous {
-    /// After events.
-    pub held: Tape,
+    /// Expressions that change at events only.
+    pub discrete: Tape,
     /// Derivatives.
     pub rhs: Tape,
-    /// Relations and assertions.
+    /// Zero-crossing indicators and assertions.
     pub roots: Tape,
-    /// All else.
-    pub rest: Tape,
-    /// Derivatives of the derivatives.
+    /// All other variables.
+    pub outputs: Tape,
+    /// The Jacobian of the derivatives.
     pub jacobian: Tape,
     /// Entries of the Jacobian.
     pub jacobian_entries: Vec<Entry>,
 }
 
-/// Parameters, start values, typical sizes and clocks: the bottom layer.
-pub fn parameters(e: &mut Emitter, blocks: &Order) {
+/// Compiles the bottom layer: parameters, start values, nominal values and clocks.
+pub fn parameters(e: &mut Emitter, blocks: &SortedBlocks) {
     let inputs: FastMap<VarId, Slot> = e.layout.parameter_inputs.iter().copied().collect();
     for k in 0..e.dae.parameters.len() {
         let (v, value) = e.dae.parameters[k];
@@ -66,24 +66,24 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         e.span = e.dae.variables[v].span;
         let value = e.dae.variables[v].start;
         let default = match value {
-            // Starts that depend on what initialisation determines are evaluated there.
+            // Start values that depend on results of initialization are evaluated there.
             Some(value) if e.level_of(&[value], |_| false) > PARAMETER => {
-                e.starts.remove(&v);
+                e.start_slots.remove(&v);
                 continue;
             }
             Some(value) => e.emit(value).0,
-            None => e.literal(resting_value(e.dae.variables[v].ty)),
+            None => e.literal(default_start(e.dae.variables[v].ty)),
         };
         e.push(PARAMETER, Op::Input, start, default, input);
         e.layout.starts.push((v, input, start));
     }
     for (v, time) in e.dae.delays.clone() {
         let (source, delay) = (e.slot(v), e.emit(time).0);
-        e.layout.delays.push(DelayCells { variable: v, source, delay, moves: true });
+        e.layout.delays.push(DelaySlots { variable: v, source, delay, moves: true });
     }
     for line in e.dae.transports.clone() {
         let initial = line.initial.iter().map(|(p, v)| (e.emit(*p).0, e.emit(*v).0)).collect();
-        let readers = line.readers.iter().map(|reader| ReaderCells {
+        let readers = line.readers.iter().map(|reader| ReaderSlots {
             place: e.slot(reader.place),
             from: e.recorded(reader.from, 0),
             to: e.recorded(reader.to, 0),
@@ -91,7 +91,7 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         let readers = readers.collect();
         let ends = line.ends.map(|v| e.slot(v));
         let entering = line.entering.map(|v| v.map(|v| e.slot(v)));
-        e.layout.transports.push(TransportCells { ends, entering, initial, readers });
+        e.layout.transports.push(TransportSlots { ends, entering, initial, readers });
     }
     e.layout.nominals = nominal::of_components(e, &blocks.components());
     bounds(e);
@@ -99,24 +99,24 @@ pub fn parameters(e: &mut Emitter, blocks: &Order) {
         let sample = e.dae.samples[k].clone();
         let start = clock_value(e, sample.start);
         let interval = clock_value(e, sample.interval);
-        e.clocks.push(Clock { start, interval, flag: e.slot(sample.flag) });
+        e.events.clocks.push(Clock { start, interval, flag: e.slot(sample.flag) });
     }
 }
 
-/// The cells of what has bounds.
+/// Compiles the bounds of variables.
 fn bounds(e: &mut Emitter) {
-    let mut stands_for_itself = vec![true; e.dae.variables.len()];
+    let mut is_representative = vec![true; e.dae.variables.len()];
     for (v, value) in &e.dae.eliminated {
         let is_alias = match e.dae.graph.node(*value) {
             Node::Unary(Unary::Neg, a) => matches!(e.dae.graph.node(a), Node::Var(_)),
             node => matches!(node, Node::Var(_)),
         };
-        stands_for_itself[v.idx()] = !is_alias;
+        is_representative[v.idx()] = !is_alias;
     }
     for v in e.dae.variables.ids() {
         let variable = &e.dae.variables[v];
         let is_bounded = variable.min.is_some() || variable.max.is_some();
-        if is_bounded && stands_for_itself[v.idx()] && variable.ty != Type::String {
+        if is_bounded && is_representative[v.idx()] && variable.ty != Type::String {
             let (min, max) = block::bounds(e, v);
             let bounds =
                 Bounds { variable: v, value: e.slot(v), min, max, nominal: block::nominal(e, v) };
@@ -125,71 +125,71 @@ fn bounds(e: &mut Emitter) {
     }
 }
 
-/// The initial sequence.
-pub fn initial(e: &mut Emitter, blocks: &Order) -> Discrete {
-    begin(e, false);
-    e.moving = HELD;
+/// Compiles the initial sequence.
+pub fn initial(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
+    reset_levels(e, false);
+    e.continuous_level = DISCRETE;
     e.push_layer();
-    e.floor = HELD;
-    let late = with_relations(e, &blocks.initial, Sequence::Initial);
-    for (cell, value) in std::mem::take(&mut e.late_clocks) {
+    e.floor = DISCRETE;
+    let lagged = compile_with_relations(e, &blocks.initial, Sequence::Initial);
+    for (cell, value) in std::mem::take(&mut e.initialized_clocks) {
         e.emit_to(cell, value);
     }
-    Discrete { tape: e.pop_discard(), late }
+    SequenceTape { tape: e.pop_discard(), lagged }
 }
 
-/// The event sequence, then what acts on its result.
-pub fn event(e: &mut Emitter, blocks: &Order) -> Discrete {
-    begin(e, true);
-    e.moving = HELD;
+/// Compiles the event sequence, followed by the actions that depend on its result.
+pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
+    reset_levels(e, true);
+    e.continuous_level = DISCRETE;
     for state in &blocks.states {
-        e.levels[state.variable.idx()] = Some(HELD);
+        e.levels[state.variable.idx()] = Some(DISCRETE);
     }
     e.push_layer();
-    e.floor = HELD;
-    let late = with_relations(e, &blocks.event, Sequence::Event);
+    e.floor = DISCRETE;
+    let lagged = compile_with_relations(e, &blocks.event, Sequence::Event);
     for k in 0..e.dae.reinits.len() {
         let reinit = e.dae.reinits[k].clone();
         e.span = reinit.origin.span;
-        let (active, value) = (e.cell(0.0), e.cell(0.0));
+        let (active, value) = (e.new_slot(0.0), e.new_slot(0.0));
         e.emit_to(active, reinit.active);
         e.emit_to(value, reinit.value);
-        e.reinits.push(ReinitCells { active, state: e.slot(reinit.state), value });
+        e.events.reinits.push(ReinitSlots { active, state: e.slot(reinit.state), value });
     }
     for k in 0..e.dae.asserts.len() {
-        let cells = AssertCells {
-            active: e.cell(1.0),
-            condition: e.cell(1.0),
+        let cells = AssertSlots {
+            active: e.new_slot(1.0),
+            condition: e.new_slot(1.0),
             at_events: e.dae.asserts[k].active.is_some(),
         };
-        e.asserts.push(cells);
+        e.events.asserts.push(cells);
         assertion(e, k);
     }
     for k in 0..e.dae.terminates.len() {
         let active = e.dae.terminates[k].active;
-        let cell = e.cell(0.0);
+        let cell = e.new_slot(0.0);
         e.emit_to(cell, active);
-        e.terminates.push(cell);
+        e.events.terminates.push(cell);
     }
-    Discrete { tape: e.pop_discard(), late }
+    SequenceTape { tape: e.pop_discard(), lagged }
 }
 
-/// The continuous sequence, split by what needs it.
-pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
-    begin(e, true);
-    e.moving = MOVING;
+/// Compiles the continuous sequence, split into derivatives, indicators and outputs.
+pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks) -> Continuous {
+    reset_levels(e, true);
+    e.continuous_level = CONTINUOUS;
     for v in blocks.components() {
-        e.levels[v.idx()] = Some(MOVING);
+        e.levels[v.idx()] = Some(CONTINUOUS);
     }
     let derivatives: Vec<ExprId> = blocks.states.iter().map(|s| e.read(s.derivative)).collect();
-    let need = Needs::new(e, &blocks.continuous);
-    let for_rhs = need.below(e, &derivatives);
-    let watched = watched_expressions(&e.dae);
-    let for_roots = need.below(e, &watched);
+    let need = Dependencies::new(e, &blocks.continuous);
+    let for_rhs = need.blocks_for(e, &derivatives);
+    let watched = monitored_expressions(&e.dae);
+    let for_roots = need.blocks_for(e, &watched);
 
     e.push_layer();
     e.floor = e.push_layer();
-    let mut solvers: FastMap<usize, u32> = FastMap::default();
+    let mut torn_blocks: FastMap<usize, u32> = FastMap::default();
     let mut needed = Vec::new();
     for (i, block) in blocks.continuous.iter().enumerate().filter(|(i, _)| for_rhs[*i]) {
         needed.push(i);
@@ -199,11 +199,11 @@ pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
             algebraic::compile(e, torn, blocks.states.len() + k);
             continue;
         }
-        solvers.insert(i, e.solvers.len() as u32);
-        compile_block(e, block, BlockPlace { sequence: Sequence::Continuous, index: i });
+        torn_blocks.insert(i, e.routines.torn_blocks.len() as u32);
+        compile_block(e, block, BlockPosition { sequence: Sequence::Continuous, index: i });
     }
     for state in &blocks.states {
-        if let Some(&value) = e.replaced.get(&state.derivative) {
+        if let Some(&value) = e.substitutions.get(&state.derivative) {
             let slot = e.slot(state.derivative);
             e.emit_to(slot, value);
         }
@@ -212,12 +212,12 @@ pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
     e.floor = e.push_layer();
     for (i, block) in blocks.continuous.iter().enumerate() {
         if for_roots[i] && !for_rhs[i] {
-            compile_block(e, block, BlockPlace { sequence: Sequence::Continuous, index: i });
+            compile_block(e, block, BlockPosition { sequence: Sequence::Continuous, index: i });
         }
     }
-    watch_relations(e);
+    emit_indicators(e);
     for k in 0..e.dae.asserts.len() {
-        if !e.asserts[k].at_events {
+        if !e.events.asserts[k].at_events {
             assertion(e, k);
         }
     }
@@ -225,7 +225,7 @@ pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
     e.floor = e.push_layer();
     for (i, block) in blocks.continuous.iter().enumerate() {
         if !for_roots[i] && !for_rhs[i] {
-            compile_block(e, block, BlockPlace { sequence: Sequence::Continuous, index: i });
+            compile_block(e, block, BlockPosition { sequence: Sequence::Continuous, index: i });
         }
     }
     for k in 0..e.dae.eliminated.len() {
@@ -236,30 +236,31 @@ pub fn continuous(e: &mut Emitter, blocks: &Order) -> Continuous {
             e.emit_to(slot, value);
         }
     }
-    let rest = e.pop_discard();
+    let outputs = e.pop_discard();
     let roots = e.pop_discard();
 
     e.floor = e.push_layer();
-    let jacobian_entries = jacobian::of_system(e, blocks, &needed, &solvers);
+    let jacobian_entries = jacobian::of_system(e, blocks, &needed, &torn_blocks);
     let jacobian = e.pop_discard();
     let rhs = e.pop_discard();
-    let held = e.pop_discard();
-    Continuous { held, rhs, roots, rest, jacobian, jacobian_entries }
+    let discrete = e.pop_discard();
+    Continuous { discrete, rhs, roots, outputs, jacobian, jacobian_entries }
 }
 
-/// Forgets what the last sequence computed. `initialised`: parameters with `fixed = false` are known.
-pub fn begin(e: &mut Emitter, initialised: bool) {
+/// Resets the levels of all variables for a new sequence. `initialised`: parameters with
+/// `fixed = false` are known.
+pub fn reset_levels(e: &mut Emitter, initialised: bool) {
     for (v, variable) in e.dae.variables.enumerate() {
         e.levels[v.idx()] = match variable.kind {
             Kind::Parameter => Some(PARAMETER),
-            Kind::InitialParameter if initialised => Some(HELD),
-            Kind::Discrete | Kind::Input => Some(HELD),
+            Kind::InitialParameter if initialised => Some(DISCRETE),
+            Kind::Discrete | Kind::Input => Some(DISCRETE),
             _ => None,
         };
     }
 }
 
-/// The cell of a time of a clock. Clocks begin after the initialisation, so that it may determine them.
+/// The slot of a time of a clock. Clocks start after initialization, which may determine them.
 fn clock_value(e: &mut Emitter, value: ExprId) -> Slot {
     let initial = |v: VarId| {
         matches!(
@@ -269,8 +270,8 @@ fn clock_value(e: &mut Emitter, value: ExprId) -> Slot {
     };
     let known = e.dae.graph.variables(value).into_iter().all(initial);
     if known && e.level_of(&[value], |_| false) > PARAMETER {
-        let cell = e.cell(f64::INFINITY);
-        e.late_clocks.push((cell, value));
+        let cell = e.new_slot(f64::INFINITY);
+        e.initialized_clocks.push((cell, value));
         return cell;
     }
     parameter_value(e, value).0
@@ -287,48 +288,48 @@ fn parameter_value(e: &mut Emitter, value: ExprId) -> (Slot, usize) {
 fn assertion(e: &mut Emitter, k: usize) {
     let guarded = e.dae.asserts[k].clone();
     e.span = guarded.origin.span;
-    let cells = e.asserts[k];
+    let cells = e.events.asserts[k];
     if let Some(active) = guarded.active {
         e.emit_to(cells.active, active);
     }
     e.emit_to(cells.condition, guarded.assert.condition);
 }
 
-/// Operands of searched relations, and conditions that are checked along the way.
-fn watched_expressions(dae: &Dae) -> Vec<ExprId> {
+/// Operands of state-dependent relations, and conditions of assertions outside of when-clauses.
+fn monitored_expressions(dae: &Dae) -> Vec<ExprId> {
     let relations = dae.relations.iter().filter(|r| r.trigger == Trigger::State);
     let mut all: Vec<ExprId> = relations.flat_map(|r| [r.lhs, r.rhs]).collect();
     all.extend(dae.asserts.iter().filter(|a| a.active.is_none()).map(|a| a.assert.condition));
     all
 }
 
-/// Which blocks determine what.
-pub struct Needs {
-    maker: FastMap<VarId, usize>,
+/// Dependencies between the blocks of a sequence.
+pub struct Dependencies {
+    producer: FastMap<VarId, usize>,
     reads: Vec<Vec<VarId>>,
 }
 
-impl Needs {
-    /// Of a sequence.
+impl Dependencies {
+    /// Analyses a sequence.
     pub fn new(e: &Emitter, blocks: &[Block]) -> Self {
-        let mut maker = FastMap::default();
+        let mut producer = FastMap::default();
         let mut reads = Vec::new();
         for (i, block) in blocks.iter().enumerate() {
             let (mut unknowns, mut values) = (Vec::new(), Vec::new());
             block_unknowns(block, &mut unknowns);
-            block_values(block, &mut values);
-            maker.extend(unknowns.into_iter().map(|v| (v, i)));
+            block_expressions(block, &mut values);
+            producer.extend(unknowns.into_iter().map(|v| (v, i)));
             reads.push(e.reads(&values));
         }
-        Needs { maker, reads }
+        Dependencies { producer, reads }
     }
 
     /// The blocks that `roots` depend on.
-    pub fn below(&self, e: &Emitter, roots: &[ExprId]) -> Vec<bool> {
+    pub fn blocks_for(&self, e: &Emitter, roots: &[ExprId]) -> Vec<bool> {
         let mut needed = vec![false; self.reads.len()];
         let mut pending = e.reads(roots);
         while let Some(v) = pending.pop() {
-            if let Some(&i) = self.maker.get(&v)
+            if let Some(&i) = self.producer.get(&v)
                 && !needed[i]
             {
                 needed[i] = true;
@@ -338,46 +339,47 @@ impl Needs {
         needed
     }
 
-    /// One past the last block that `roots` depend on directly; 0 if none.
-    fn ready(&self, e: &Emitter, roots: &[ExprId]) -> usize {
-        e.reads(roots).iter().filter_map(|v| self.maker.get(v)).map(|i| i + 1).max().unwrap_or(0)
+    /// Earliest position at which `roots` can be evaluated: one past the last block that they read
+    /// directly; 0 if none.
+    fn earliest_position(&self, e: &Emitter, roots: &[ExprId]) -> usize {
+        e.reads(roots).iter().filter_map(|v| self.producer.get(v)).map(|i| i + 1).max().unwrap_or(0)
     }
 }
 
-/// Compiles a sequence in which relations are evaluated afresh, each as soon as its operands are
-/// known. Returns those that are read earlier.
-fn with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence) -> Vec<u32> {
-    let need = Needs::new(e, blocks);
+/// Compiles a sequence that evaluates relations, each as soon as its operands are known. Returns the
+/// relations that are read before that.
+fn compile_with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence) -> Vec<u32> {
+    let need = Dependencies::new(e, blocks);
     let count = e.dae.relations.len();
-    let mut ready = Vec::with_capacity(count);
+    let mut position = Vec::with_capacity(count);
     for k in 0..count {
         let r = e.dae.relations[k].clone();
-        let mut at = need.ready(e, &[r.lhs, r.rhs]);
+        let mut at = need.earliest_position(e, &[r.lhs, r.rhs]);
         for inner in relations_in(e, &[r.lhs, r.rhs]) {
-            at = at.max(ready.get(inner as usize).copied().unwrap_or(blocks.len()));
+            at = at.max(position.get(inner as usize).copied().unwrap_or(blocks.len()));
         }
-        ready.push(at);
+        position.push(at);
     }
     let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by_key(|&k| (ready[k], k));
+    order.sort_by_key(|&k| (position[k], k));
     let mut order = order.into_iter().peekable();
-    let mut late = vec![false; count];
+    let mut lagged = vec![false; count];
     for (i, block) in blocks.iter().enumerate() {
-        while let Some(k) = order.next_if(|&k| ready[k] <= i) {
+        while let Some(k) = order.next_if(|&k| position[k] <= i) {
             evaluate_relation(e, k, sequence);
         }
         let mut values = Vec::new();
-        block_values(block, &mut values);
+        block_expressions(block, &mut values);
         let mut inside = Vec::new();
         for k in relations_in(e, &values) {
-            let mixed = matches!(block, Block::Mixed(_)) && ready[k as usize] == i + 1;
+            let mixed = matches!(block, Block::Mixed(_)) && position[k as usize] == i + 1;
             if mixed {
                 inside.push(k as usize);
-            } else if ready[k as usize] > i {
-                late[k as usize] = true;
+            } else if position[k as usize] > i {
+                lagged[k as usize] = true;
             }
         }
-        let place = BlockPlace { sequence, index: i };
+        let place = BlockPosition { sequence, index: i };
         match block {
             Block::Mixed(parts) => compile_mixed(e, parts, &inside, place),
             _ => compile_block(e, block, place),
@@ -386,5 +388,5 @@ fn with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence) -> Vec<
     for k in order {
         evaluate_relation(e, k, sequence);
     }
-    (0..count as u32).filter(|k| late[*k as usize]).collect()
+    (0..count as u32).filter(|k| lagged[*k as usize]).collect()
 }

@@ -1,5 +1,5 @@
-//! Conditions under which long calls are needed: what stands in a branch of an `if`, or of a when-clause, is not
-//! computed where the branch is not taken.
+//! Sinking of expensive calls: a call whose results are used only in branches of `if` expressions or
+//! when-clauses is made only if such a branch is taken.
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::graph::scc::nodes_on_cycles;
@@ -10,16 +10,16 @@ use crate::symbolic::uses::{Root, Uses};
 
 use super::function::reached;
 
-/// A function with so many statements is large.
-const MANY: usize = 100;
+/// Number of statements from which on a function counts as large.
+const LARGE_BODY: usize = 100;
 
-/// A call.
-pub type Called = (FunctionId, ListId);
+/// Identity of a call: function and arguments.
+pub type CallKey = (FunctionId, ListId);
 
-/// The conditions of calls that stand in equations and assertions. What stands in relations or clocks too is
-/// computed always.
-pub fn guards(dae: &mut Dae, long: &FastSet<FunctionId>) -> FastMap<Called, ExprId> {
-    if long.is_empty() {
+/// The conditions of expensive calls in equations and assertions. Calls that also occur elsewhere
+/// (in relations, clocks, ...) are unconditional.
+pub fn sink_conditions(dae: &mut Dae, expensive: &FastSet<FunctionId>) -> FastMap<CallKey, ExprId> {
+    if expensive.is_empty() {
         return FastMap::default();
     }
     let mut all: Vec<ExprId> = dae.discrete.iter().map(|d| d.value).collect();
@@ -29,63 +29,65 @@ pub fn guards(dae: &mut Dae, long: &FastSet<FunctionId>) -> FastMap<Called, Expr
     all.extend(dae.eliminated.iter().map(|(_, e)| *e));
     all.extend(dae.asserts.iter().map(|a| a.assert.condition));
     let roots: Vec<Root> = all.iter().map(|e| (*e, None)).collect();
-    let long: FastSet<Called> = calls(dae, all).filter(|(f, _)| long.contains(f)).collect();
-    if long.is_empty() {
+    let expensive: FastSet<CallKey> =
+        calls(dae, all).filter(|(f, _)| expensive.contains(f)).collect();
+    if expensive.is_empty() {
         return FastMap::default();
     }
-    let elsewhere: FastSet<Called> = calls(dae, others(dae)).collect();
+    let elsewhere: FastSet<CallKey> = calls(dae, other_expressions(dae)).collect();
     let uses = Uses::of(&mut dae.graph, &roots, &|_, _| false);
-    // One call gives all outputs of a function, and is needed where any of them is.
-    let mut common: FastMap<Called, usize> = FastMap::default();
-    for (&e, &(_, guard)) in &uses.of {
+    // One call computes all outputs of a function, and is needed if any of them is.
+    let mut common: FastMap<CallKey, usize> = FastMap::default();
+    for (&e, &(_, condition)) in &uses.of {
         let Node::Call { function, args, .. } = dae.graph.node(e) else { continue };
         let call = (function, args);
-        if long.contains(&call) && !elsewhere.contains(&call) {
-            let known = common.entry(call).or_insert(guard);
-            *known = uses.nesting.common(*known, guard);
+        if expensive.contains(&call) && !elsewhere.contains(&call) {
+            let known = common.entry(call).or_insert(condition);
+            *known = uses.nesting.common(*known, condition);
         }
     }
-    let mut found: Vec<(Called, usize)> = common.into_iter().filter(|(_, g)| *g != 0).collect();
+    let mut found: Vec<(CallKey, usize)> = common.into_iter().filter(|(_, g)| *g != 0).collect();
     found.sort_unstable_by_key(|((function, args), _)| (function.idx(), args.0));
-    let found: Vec<(Called, ExprId)> =
+    let found: Vec<(CallKey, ExprId)> =
         found.into_iter().map(|(c, g)| (c, uses.all(&mut dae.graph, g, 0))).collect();
-    without_circles(dae, found)
+    without_cycles(dae, found)
 }
 
 crate::define_id! {
-    /// A call that has a guard.
-    struct Guarded
+    /// A call that has a condition.
+    struct SunkCall
 }
 
-/// Calls that would be made only if they themselves said so are made always.
-fn without_circles(dae: &Dae, found: Vec<(Called, ExprId)>) -> FastMap<Called, ExprId> {
-    let number: FastMap<Called, Guarded> =
-        found.iter().enumerate().map(|(k, (call, _))| (*call, Guarded::from_usize(k))).collect();
+/// Makes calls unconditional whose condition depends on their own result.
+fn without_cycles(dae: &Dae, found: Vec<(CallKey, ExprId)>) -> FastMap<CallKey, ExprId> {
+    let number: FastMap<CallKey, SunkCall> =
+        found.iter().enumerate().map(|(k, (call, _))| (*call, SunkCall::from_usize(k))).collect();
     let mut needs = Vec::new();
-    for (k, (_, guard)) in found.iter().enumerate() {
-        let read = calls(dae, vec![*guard]).filter_map(|call| number.get(&call).copied());
-        needs.extend(read.map(|other| (Guarded::from_usize(k), other)));
+    for (k, (_, condition)) in found.iter().enumerate() {
+        let read = calls(dae, vec![*condition]).filter_map(|call| number.get(&call).copied());
+        needs.extend(read.map(|other| (SunkCall::from_usize(k), other)));
     }
-    let mut guards: FastMap<Called, ExprId> = found.iter().copied().collect();
+    let mut sink_conditions: FastMap<CallKey, ExprId> = found.iter().copied().collect();
     for k in nodes_on_cycles(found.len(), needs) {
-        guards.remove(&found[k.idx()].0);
+        sink_conditions.remove(&found[k.idx()].0);
     }
-    guards
+    sink_conditions
 }
 
-/// The functions of which a call may take long: one calls itself, a body that is run has a loop, or all are
-/// large.
-pub fn long_functions(dae: &Dae) -> FastSet<FunctionId> {
-    let takes_long = |f: &FunctionId| {
+/// The functions whose calls may be expensive: recursive ones, those that execute a loop, and those
+/// that are large including everything they call.
+pub fn expensive_functions(dae: &Dae) -> FastSet<FunctionId> {
+    let is_expensive = |f: &FunctionId| {
         let called = reached(dae, *f);
         if called.contains(f) {
             return true;
         }
         let all = called.into_iter().chain([*f]);
         let bodies: Vec<&[Statement]> = all.map(|g| &dae.functions[g].body[..]).collect();
-        bodies.iter().any(|b| has_loop(b)) || bodies.iter().map(|b| count(b)).sum::<usize>() > MANY
+        bodies.iter().any(|b| has_loop(b))
+            || bodies.iter().map(|b| count(b)).sum::<usize>() > LARGE_BODY
     };
-    dae.functions.ids().filter(takes_long).collect()
+    dae.functions.ids().filter(is_expensive).collect()
 }
 
 fn has_loop(body: &[Statement]) -> bool {
@@ -104,15 +106,15 @@ fn count(body: &[Statement]) -> usize {
     body.iter().map(of).sum()
 }
 
-fn calls(dae: &Dae, roots: Vec<ExprId>) -> impl Iterator<Item = Called> {
+fn calls(dae: &Dae, roots: Vec<ExprId>) -> impl Iterator<Item = CallKey> {
     dae.graph.postorder(roots).into_iter().filter_map(|e| match dae.graph.node(e) {
         Node::Call { function, args, .. } => Some((function, args)),
         _ => None,
     })
 }
 
-/// All expressions of the system but those of its equations and assertions.
-fn others(dae: &Dae) -> Vec<ExprId> {
+/// All expressions of the system except those of its equations and assertions.
+fn other_expressions(dae: &Dae) -> Vec<ExprId> {
     let mut all: Vec<ExprId> = dae.parameters.iter().map(|(_, e)| *e).collect();
     all.extend(dae.relations.iter().flat_map(|r| [r.lhs, r.rhs]));
     all.extend(dae.samples.iter().flat_map(|s| [s.start, s.interval]));

@@ -1,4 +1,4 @@
-//! Operations on texts. A run computes with their numbers, which equal texts share.
+//! String operations. The runtime represents strings by numbers; equal strings have equal numbers.
 
 use std::cmp::Ordering::{Equal, Greater, Less};
 

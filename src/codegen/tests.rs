@@ -1,4 +1,4 @@
-//! What lands on which tape.
+//! Tests which tape expressions are emitted to.
 
 use super::compile;
 use crate::base::diag::Problems;
@@ -29,14 +29,14 @@ fn equal_expressions_are_computed_once_for_all_blocks() {
         der(x) = y - x * y;
         der(y) = x * y - x;",
     );
-    assert_eq!(count(&program.rhs, Op::Mul), 1);
-    assert_eq!(program.rhs.len(), 3);
+    assert_eq!(count(&program.tapes.rhs, Op::Mul), 1);
+    assert_eq!(program.tapes.rhs.len(), 3);
     // d der(x) / dx = -y, and so on: the constant ones need no instruction.
     assert_eq!(program.jacobian_entries.len(), 4);
 }
 
 #[test]
-fn what_changes_rarely_is_computed_rarely() {
+fn expressions_are_computed_at_the_lowest_possible_rate() {
     let program = compiled(
         "parameter Real a = 2;
         parameter Real b = 3;
@@ -48,16 +48,16 @@ fn what_changes_rarely_is_computed_rarely() {
         d = x;
         end when;",
     );
-    // a * b once per run; d * a after events; the rest, one product and one sum, always.
-    assert_eq!(count(&program.parameters, Op::Mul), 1);
-    assert_eq!(count(&program.held, Op::Mul), 1);
-    assert_eq!((count(&program.rhs, Op::Mul), program.rhs.len()), (1, 2));
+    // a * b once per run; d * a after events; the remaining product and sum on each evaluation.
+    assert_eq!(count(&program.tapes.parameters, Op::Mul), 1);
+    assert_eq!(count(&program.tapes.discrete, Op::Mul), 1);
+    assert_eq!((count(&program.tapes.rhs, Op::Mul), program.tapes.rhs.len()), (1, 2));
     // d der(x) / dx = a * b is known before the run begins.
-    assert!(program.jacobian.is_empty());
+    assert!(program.tapes.jacobian.is_empty());
 }
 
 #[test]
-fn derivatives_do_not_wait_for_what_is_only_shown() {
+fn recorded_only_expressions_are_not_on_the_rhs_tape() {
     let program = compiled(
         "Real x(start = 1, fixed = true);
         Real shown;
@@ -65,13 +65,13 @@ fn derivatives_do_not_wait_for_what_is_only_shown() {
         der(x) = -x;
         shown = sin(x) + exp(x);",
     );
-    assert_eq!(program.rhs.len(), 1);
-    assert!(program.roots.is_empty());
-    assert_eq!(program.rest.len(), 3);
+    assert_eq!(program.tapes.rhs.len(), 1);
+    assert!(program.tapes.roots.is_empty());
+    assert_eq!(program.tapes.outputs.len(), 3);
 }
 
 #[test]
-fn a_program_can_be_read() {
+fn the_listing_of_a_program() {
     let program = compiled(
         "parameter Real k = 2;
         Real x(start = 1, fixed = true);
@@ -96,7 +96,7 @@ fn a_program_can_be_read() {
       $22 := -$21
       der(x) := 1
       der(x) := $22 if relation[1]
-    held:
+    discrete:
       $31 := 0
       $31 := $29 if relation[1]
     derivatives:
@@ -105,7 +105,7 @@ fn a_program_can_be_read() {
       der(x) := 1
       der(x) := $25 if relation[1]
     roots:
-      fresh[1] := x > 0.5
-      gap[1] := x - 0.5
+      candidate[1] := x > 0.5
+      indicator[1] := x - 0.5
     ");
 }

@@ -21,7 +21,7 @@ use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::ParameterOverride;
-use crate::ir::program::{Continuation, Form, Program};
+use crate::ir::program::{Continuation, SystemForm, Program};
 use crate::measure::model as extended;
 use crate::measure::observe::Plan;
 use crate::measure::text::Measures;
@@ -41,7 +41,7 @@ pub struct Request {
     /// Inputs of the model, or of its components, that recordings give values.
     pub recorded: Vec<String>,
     /// How algebraic loops are solved while the model runs.
-    pub form: Form,
+    pub form: SystemForm,
     /// Folders of libraries.
     pub folders: Vec<PathBuf>,
     /// The value of `MODELICAPATH`.
@@ -197,11 +197,11 @@ impl Session {
 
     /// The program of a sorted system.
     pub fn generate(&mut self, blocks: Blocks) -> Result<Program, Wrong> {
-        self.generate_as(blocks, Form::Reduced)
+        self.generate_as(blocks, SystemForm::Ode)
     }
 
     /// The program of a sorted system, in this form.
-    pub fn generate_as(&mut self, blocks: Blocks, form: Form) -> Result<Program, Wrong> {
+    pub fn generate_as(&mut self, blocks: Blocks, form: SystemForm) -> Result<Program, Wrong> {
         let begun = Instant::now();
         let program = crate::codegen::compile_as(blocks, form);
         self.times.push(("codegen", begun.elapsed()));
@@ -277,7 +277,7 @@ impl Session {
     }
 
     /// The program of a flat model, in this form.
-    pub fn compile_flat(&mut self, flat: FlatModel, form: Form) -> Result<Program, Wrong> {
+    pub fn compile_flat(&mut self, flat: FlatModel, form: SystemForm) -> Result<Program, Wrong> {
         let between = crate::lower::homotopy::homotopy_model(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate_as(blocks, form)?;
@@ -340,10 +340,10 @@ fn continuation(flat: FlatModel, program: &Program) -> Option<Continuation> {
     let continuous = variables.filter(|(_, x)| {
         x.ty == Type::Real && matches!(x.kind, Kind::Algebraic | Kind::Differentiated { .. })
     });
-    let cells = continuous
+    let slots = continuous
         .filter_map(|(v, x)| Some((between.slot(*by_name.get(x.name.as_str())?), program.slot(v))))
         .collect();
-    Some(Continuation { program: between, lambda, cells })
+    Some(Continuation { program: between, lambda, slots })
 }
 
 fn unreadable(path: &Path, why: &str) -> Diagnostic {

@@ -14,7 +14,7 @@ use std::io::Write;
 use super::atomic_file::AtomicFile;
 use super::csv::TableError;
 use super::results::check;
-use crate::ir::trajectory::{Column, Constant, Course};
+use crate::ir::trajectory::{Column, ColumnStorage, Constant};
 
 /// Doubles, little endian, as the first word of a matrix says it: digits M, O, P, T.
 const DOUBLE: i32 = 0;
@@ -32,7 +32,7 @@ pub struct MatWriter {
     /// Bytes written.
     length: u64,
     columns: Vec<Column>,
-    courses: Vec<Course>,
+    column_storage: Vec<ColumnStorage>,
     constants: Vec<Constant>,
     /// The columns that lie in `data_2`.
     moving: Vec<usize>,
@@ -45,14 +45,14 @@ pub struct MatWriter {
 
 impl MatWriter {
     /// A file of these columns, one course each.
-    pub fn new(out: AtomicFile, columns: &[Column], courses: &[Course]) -> Self {
-        let own = |k: &usize| courses.get(*k).is_none_or(|c| *c == Course::Own);
+    pub fn new(out: AtomicFile, columns: &[Column], column_storage: &[ColumnStorage]) -> Self {
+        let own = |k: &usize| column_storage.get(*k).is_none_or(|c| *c == ColumnStorage::Own);
         MatWriter {
             out,
             length: 0,
             moving: (0..columns.len()).filter(own).collect(),
             columns: columns.to_vec(),
-            courses: courses.to_vec(),
+            column_storage: column_storage.to_vec(),
             constants: Vec::new(),
             rows: 0,
             end_at: 0,
@@ -115,11 +115,11 @@ impl MatWriter {
         for (k, column) in self.columns.iter().enumerate() {
             names.push(column.name.clone());
             descriptions.push(description(column));
-            places.push(match self.courses.get(k) {
-                Some(Course::Constant) => constant(&mut fixed, values[k])?,
-                Some(Course::Alias { of, negated: true }) => [2, -rows[*of], 0, -1],
-                Some(Course::Alias { of, negated: false }) => [2, rows[*of], 0, -1],
-                Some(Course::Own) | None => [2, rows[k], 0, -1],
+            places.push(match self.column_storage.get(k) {
+                Some(ColumnStorage::Constant) => constant(&mut fixed, values[k])?,
+                Some(ColumnStorage::Alias { of, negated: true }) => [2, -rows[*of], 0, -1],
+                Some(ColumnStorage::Alias { of, negated: false }) => [2, rows[*of], 0, -1],
+                Some(ColumnStorage::Own) | None => [2, rows[k], 0, -1],
             });
         }
         let class = ["Atrajectory", "1.1", "", "binTrans"];
@@ -245,15 +245,15 @@ mod tests {
             Column::new("k", ""),
             Column::new("z", ""),
         ];
-        let courses = [
-            Course::Own,
-            Course::Own,
-            Course::Alias { of: 1, negated: true },
-            Course::Constant,
-            Course::Alias { of: 0, negated: false },
+        let column_storage = [
+            ColumnStorage::Own,
+            ColumnStorage::Own,
+            ColumnStorage::Alias { of: 1, negated: true },
+            ColumnStorage::Constant,
+            ColumnStorage::Alias { of: 0, negated: false },
         ];
         let file = AtomicFile::create(dir.path("run.mat")).unwrap();
-        let mut writer = MatWriter::new(file, &columns, &courses);
+        let mut writer = MatWriter::new(file, &columns, &column_storage);
         writer.constants(vec![Constant { column: Column::new("m", "kg"), value: 2.5 }]);
         writer.row(0.0, &[1e5, 0.25, -0.25, 7.0, 1e5]).unwrap();
         writer.row(0.5, &[2e5, 0.5, -0.5, 7.0, 2e5]).unwrap();

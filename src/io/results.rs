@@ -10,7 +10,7 @@ use super::atomic_file::AtomicFile;
 use super::csv::{TableError, TableWriter};
 use super::mat4::MatWriter;
 use super::parquet::ParquetWriter;
-use crate::ir::trajectory::{Column, Constant, Course};
+use crate::ir::trajectory::{Column, ColumnStorage, Constant};
 
 /// The formats of results.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -57,13 +57,13 @@ impl Results {
         path: &Path,
         format: Format,
         columns: &[Column],
-        courses: &[Course],
+        column_storage: &[ColumnStorage],
     ) -> Result<Self, TableError> {
         let file = AtomicFile::create(path)?;
         Ok(match format {
             Format::Csv => Results::Csv(Box::new(TableWriter::new(file, columns)?)),
             Format::Parquet => Results::Parquet(Box::new(ParquetWriter::new(file, columns)?)),
-            Format::Mat => Results::Mat(Box::new(MatWriter::new(file, columns, courses))),
+            Format::Mat => Results::Mat(Box::new(MatWriter::new(file, columns, column_storage))),
         })
     }
 

@@ -1,18 +1,19 @@
 //! The compiled model: flat tapes over one array of doubles.
 //!
-//! *Holds:* the memory map, tapes of three-address instructions by variability, torn blocks and
-//! loops that tapes refer to, and what the run must watch (relations, clocks, reinits, asserts).
-//! Parameters and start values are cells of the memory, so one program serves many runs and threads.
-//! *Never holds:* anything that a run changes; trees to be walked while running; texts outside of
-//! [`Program::blocks`], which is kept for messages only.
-//! *Made by:* `codegen`. *Read by:* `codegen::interp`, `simulate`.
+//! *Holds:* the memory map, tapes of three-address instructions by variability, the torn and mixed
+//! blocks that tapes refer to, and everything a simulation must monitor (relations, clocks,
+//! `reinit`s, assertions). Parameters and start values are slots of the memory, so one program
+//! serves many runs and threads.
+//! *Never holds:* anything that changes during a run; expression trees that are walked at run time;
+//! strings outside of [`Program::blocks`], which is kept for messages only.
+//! *Made by:* `codegen`. *Read by:* `runtime`, `simulate`.
 //!
-//! Truth values are 0 and 1, enumeration literals and texts their number. Every temporary has a cell of its
-//! own: what a tape computed stays readable until the same tape runs again.
+//! Booleans are 0 and 1; enumeration literals and strings are represented by their number. Every
+//! temporary has a slot of its own: the results of a tape stay readable until it runs again.
 //!
-//! Order of running, from rare to frequent: `parameters` once; `initial` once; `event` in each event
-//! iteration; `held` after each event; `rhs` at each evaluation of derivatives; at the same point
-//! then `jacobian`, or `roots` and after it `rest`; `selection` after each step.
+//! Tapes run from rare to frequent: `parameters` once; `initial` once; `event` in each event
+//! iteration; `discrete` after each event; `rhs` at each evaluation of derivatives; at the same
+//! point then `jacobian`, or `roots` followed by `outputs`; `state_selection` after each step.
 
 use std::ops::{Deref, DerefMut};
 
@@ -21,17 +22,17 @@ use super::dae::Dae;
 use super::expr::{Binary, ExprId, Unary, VarId};
 use crate::base::source::Span;
 
-/// A cell of the memory.
+/// Index of a value in the memory.
 pub type Slot = u32;
 
-/// What an instruction does with the cells `dst`, `a` and `b`.
+/// Operation of an instruction on the slots `dst`, `a` and `b`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Op {
     /// `dst := a`
     Copy,
-    /// `if a then dst := b`; after a `Copy` the two make a selection.
+    /// `if a then dst := b`; together with a preceding `Copy` this is a selection.
     CopyIf,
-    /// `dst := b`, or `a` where `b` is NaN: an input that was not given has its default.
+    /// `dst := b`, or `a` if `b` is NaN: an input that is not set takes its default.
     Input,
     /// `dst := a + b`
     Add,
@@ -50,25 +51,25 @@ pub enum Op {
     /// Solves torn block `a`.
     Solve,
     /// Differentiates torn block `a` by the implicit function theorem.
-    Implicit,
-    /// Repeats loop `a` until its watched cells rest.
-    Repeat,
+    Differentiate,
+    /// Iterates mixed block `a` until its discrete unknowns stop changing.
+    Iterate,
     /// Calls call site `a`.
     Call,
-    /// Goes to instruction `a` of the same tape. In functions only.
+    /// Jumps to instruction `a` of the same tape. In functions only.
     Jump,
-    /// Goes to instruction `b` if cell `a` is zero. In functions only.
+    /// Jumps to instruction `b` if slot `a` is zero. In functions only.
     JumpUnless,
-    /// Fails with message `b` of the function if cell `a` is zero. In functions only.
+    /// Fails with message `b` of the function if slot `a` is zero. In functions only.
     Assert,
 }
 
 /// One instruction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Instr {
-    /// What it does.
+    /// The operation.
     pub op: Op,
-    /// The cell that it writes.
+    /// The slot it writes.
     pub dst: Slot,
     /// First operand.
     pub a: Slot,
@@ -76,11 +77,12 @@ pub struct Instr {
     pub b: Slot,
 }
 
-/// A straight sequence of instructions, which it derefs to.
+/// A sequence of instructions; dereferences to them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Tape {
     code: Vec<Instr>,
-    /// Its position among [`Program::tapes`], by which machine code is found; none while it is made.
+    /// Position in [`Program::all_tapes`], which identifies its machine code; `None` during code
+    /// generation.
     pub number: Option<u32>,
 }
 
@@ -110,64 +112,64 @@ pub struct Entry {
     pub row: u32,
     /// Column.
     pub column: u32,
-    /// Cell of the value.
+    /// Slot of the value.
     pub slot: Slot,
 }
 
-/// A torn block: find the unknowns for which the residuals vanish.
+/// A torn block: solve for the unknowns at which the residuals vanish.
 #[derive(Clone, Debug)]
-pub struct Solver {
+pub struct TornBlock {
     /// Tearing variables.
     pub unknowns: Vec<VarId>,
-    /// Their cells.
+    /// Their slots.
     pub slots: Vec<Slot>,
     /// Computes the explicit variables and the residuals from the unknowns.
     pub residual_tape: Tape,
-    /// Cells of the residuals.
+    /// Slots of the residuals.
     pub residuals: Vec<Slot>,
     /// Computes the entries of the Jacobian; runs after `residual_tape`.
     pub jacobian_tape: Tape,
-    /// The entries that can differ from zero.
+    /// The structurally nonzero entries.
     pub jacobian: Vec<Entry>,
-    /// Cells of the typical sizes of the unknowns.
+    /// Slots of the nominal values of the unknowns.
     pub nominals: Vec<Slot>,
-    /// Cells of the least and the greatest value of the unknowns.
+    /// Slots of the bounds of the unknowns: `min`, `max`.
     pub bounds: Vec<(Slot, Slot)>,
-    /// Solved by one linear solution instead of Newton iterations.
+    /// Linear in its unknowns: solved by one factorization, without Newton iterations.
     pub linear: bool,
-    /// The block this was made from.
-    pub place: BlockPlace,
+    /// The block it was compiled from.
+    pub place: BlockPosition,
 }
 
-/// The derivatives of the unknowns `z` of a torn block by outer seeds: `J dz = -B`.
+/// Derivatives of the unknowns `z` of a torn block with respect to outer seeds: `J dz = -B`.
 #[derive(Clone, Debug)]
-pub struct Implicit {
-    /// Which block, for messages.
-    pub solver: u32,
+pub struct BlockDerivative {
+    /// The torn block, for messages.
+    pub torn_block: u32,
     /// Order of `J`.
     pub order: usize,
     /// `J`
     pub jacobian: Vec<Entry>,
     /// `B`, row by equation, column by seed.
     pub seeds: Vec<Entry>,
-    /// Cells of the results, column by column.
+    /// Slots of the results, column by column.
     pub results: Vec<Slot>,
 }
 
-/// A mixed block: the tape is repeated until the watched cells do not change.
+/// A mixed block: its tape is iterated until the discrete unknowns stop changing.
 #[derive(Clone, Debug)]
-pub struct Loop {
-    /// One repetition.
+pub struct MixedBlock {
+    /// One iteration.
     pub tape: Tape,
-    /// Discrete variables and relations inside, with what they are.
-    pub watched: Vec<Watched>,
-    /// The block this was made from.
-    pub place: BlockPlace,
+    /// The discrete variables and relations that it determines.
+    pub discrete_unknowns: Vec<DiscreteUnknown>,
+    /// The block it was compiled from.
+    pub place: BlockPosition,
 }
 
-/// Something discrete that must come to rest.
+/// A discrete unknown of a mixed block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Watched {
+pub enum DiscreteUnknown {
     /// A discrete variable.
     Variable(VarId, Slot),
     /// A relation.
@@ -187,7 +189,7 @@ pub enum Sequence {
 
 /// Position of a block, for messages.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct BlockPlace {
+pub struct BlockPosition {
     /// The sequence.
     pub sequence: Sequence,
     /// Index of the outermost block in it.
@@ -199,64 +201,64 @@ pub struct BlockPlace {
 pub struct CallSite {
     /// Position in [`Program::functions`].
     pub function: usize,
-    /// Cells of the arguments.
+    /// Slots of the arguments.
     pub args: Vec<Slot>,
-    /// Cells of all outputs; of the one partial derivative if `partial` is given.
+    /// Slots of all outputs, or of the partial derivative if `partial` is given.
     pub results: Vec<Slot>,
-    /// Output and argument of a partial derivative, taken by central differences.
+    /// Output and argument of a partial derivative, computed by central differences.
     pub partial: Option<(usize, usize)>,
-    /// The cell of the condition under which the results are read: without it nothing is done.
-    pub guard: Option<Slot>,
-    /// Of a function that may take long the first of as many cells as there are arguments: those of the last call,
-    /// whose results are still there. What takes long is not done again for the same arguments, as in
-    /// when-clauses that are not active. The first one is no number after results of another origin.
-    pub last: Option<Slot>,
+    /// Slot of the condition under which the results are read; if it is false the call is skipped.
+    pub condition: Option<Slot>,
+    /// For expensive functions, the first of the slots that hold the arguments of the last call, one
+    /// per argument. The call is skipped while its arguments are unchanged, as in inactive
+    /// when-clauses. The first slot is NaN if the results come from elsewhere.
+    pub memo: Option<Slot>,
 }
 
-/// A compiled function. Its locals have fixed cells.
+/// A compiled function. Its locals have fixed slots.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct FunctionCode {
     /// The body.
     pub tape: Tape,
-    /// Cells of the inputs.
+    /// Slots of the inputs.
     pub inputs: Vec<Slot>,
-    /// Cells of the outputs.
+    /// Slots of the outputs.
     pub outputs: Vec<Slot>,
-    /// Cells of all locals, set to zero on entry.
+    /// Slots of all locals, set to zero on entry.
     pub locals: Vec<Slot>,
-    /// Cells of the numbers of what assertions say, and where they stand.
+    /// Slots of the messages of assertions (as string numbers), and their positions in the source.
     pub messages: Vec<(Slot, Span)>,
-    /// The cells of its locals and of what it computes.
+    /// The slots of its locals and temporaries.
     pub frame: std::ops::Range<Slot>,
-    /// It calls itself, directly or through others: a call puts aside what stands in its cells.
-    pub recurs: bool,
+    /// It calls itself, directly or indirectly: a call saves its slots in a frame.
+    pub is_recursive: bool,
 }
 
-/// What makes a relation switch.
+/// Cause of a relation changing its value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Watch {
-    /// Searched on the trajectory.
+pub enum RelationTrigger {
+    /// A zero crossing on the trajectory.
     State,
-    /// Switches at the time in this cell.
+    /// Reaching the time in this slot.
     Time(Slot),
-    /// Switches only with discrete variables.
+    /// A change of discrete variables.
     Discrete,
 }
 
 /// A clock `sample(start, interval)`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Clock {
-    /// Cell of the first instant.
+    /// Slot of the first instant.
     pub start: Slot,
-    /// Cell of the period.
+    /// Slot of the period.
     pub interval: Slot,
-    /// Cell of the flag.
+    /// Slot of the flag that is true at a tick.
     pub flag: Slot,
 }
 
 /// A `reinit`, evaluated by the event tape.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct ReinitCells {
+pub struct ReinitSlots {
     /// Acts if not zero.
     pub active: Slot,
     /// The state.
@@ -265,71 +267,71 @@ pub struct ReinitCells {
     pub value: Slot,
 }
 
-/// An assertion. `roots` and `event` write both cells.
+/// An assertion. `roots` and `event` write both slots.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct AssertCells {
+pub struct AssertSlots {
     /// Checked if not zero.
     pub active: Slot,
     /// Fails if zero.
     pub condition: Slot,
-    /// Stands in a when-clause: only the event tape evaluates it.
+    /// Belongs to a when-clause: evaluated by the event tape only.
     pub at_events: bool,
 }
 
-/// The cells of a variable that has a `min` or a `max`.
+/// The slots of a variable that has a `min` or a `max`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Bounds {
     /// The variable.
     pub variable: VarId,
     /// Its value.
     pub value: Slot,
-    /// The least value, infinite where there is none.
+    /// The lower bound, infinite if there is none.
     pub min: Slot,
-    /// The greatest one.
+    /// The upper bound, infinite if there is none.
     pub max: Slot,
-    /// The typical size.
+    /// The nominal value.
     pub nominal: Slot,
 }
 
-/// States that are chosen while the model runs.
+/// States that are selected at run time.
 #[derive(Clone, Debug)]
-pub struct StateSetCells {
-    /// Cells of the candidates.
+pub struct StateSetSlots {
+    /// Slots of the candidates.
     pub candidates: Vec<Slot>,
-    /// Cells of their typical sizes.
+    /// Slots of their nominal values.
     pub nominals: Vec<Slot>,
-    /// Cells of the states.
+    /// Slots of the states.
     pub states: Vec<Slot>,
-    /// Cells of the selection, state by state.
+    /// Slots of the selection, state by state.
     pub selection: Vec<Slot>,
-    /// Derivatives of the constraints by the candidates, which [`Program::selection`] computes.
+    /// Derivatives of the constraints with respect to the candidates, computed by
+    /// [`Tapes::state_selection`].
     pub jacobian: Vec<Entry>,
 }
 
-/// What the integrator of a program sees besides time: how algebraic loops are solved.
+/// Form of the system that the integrator sees: determines who solves algebraic loops.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Form {
-    /// Ordinary differential equations `y' = f(t, y)`: loops are solved inside of each evaluation.
+pub enum SystemForm {
+    /// Ordinary differential equations `y' = f(t, y)`: loops are solved within each evaluation.
     #[default]
-    Reduced,
+    Ode,
     /// Differential-algebraic equations `M y' = f(t, y)` of index 1: the unknowns of the loops that
-    /// derivatives depend on are components of `y`, and their equations stand below those of the
-    /// states.
-    Implicit,
+    /// derivatives depend on are components of `y`, and their equations follow those of the states.
+    Dae,
 }
 
-/// An unknown of an algebraic loop that the integrator finds, in a program of [`Form::Implicit`].
+/// An unknown of an algebraic loop that the integrator solves for ([`SystemForm::Dae`]).
 #[derive(Clone, Copy, Debug)]
-pub struct Algebraic {
+pub struct AlgebraicUnknown {
     /// The unknown.
     pub variable: VarId,
     /// Its equation `residual = 0`.
     pub residual: ExprId,
-    /// Where that comes from.
+    /// Origin of the equation.
     pub source: Source,
 }
 
-/// Where everything lies in the memory.
+/// The memory map.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// `time`
@@ -340,138 +342,161 @@ pub struct Layout {
     pub terminal: Slot,
     /// Each variable of the model.
     pub variables: Vec<Slot>,
-    /// First state; the others follow in the order of `blocks.states`, and then the unknowns in the
+    /// First state; the others follow in the order of `blocks.states`, then the unknowns in the
     /// order of [`Program::algebraics`].
     pub states: Slot,
     /// Derivative of each state, then the residual of each algebraic equation.
     pub derivatives: Vec<Slot>,
-    /// The size of each state and unknown at which its error becomes absolute.
+    /// The size of each state and unknown below which its error is absolute.
     pub nominals: Vec<Slot>,
-    /// Discrete and other variables whose `pre` is read: variable, its cell, cell of `pre`.
+    /// Discrete variables, and others whose `pre` is read: variable, its slot, slot of `pre`.
     pub pre: Vec<(VarId, Slot, Slot)>,
-    /// First held relation; the others follow.
+    /// First relation, with the value held between events; the others follow.
     pub relations: Slot,
-    /// First relation evaluated by `roots`.
-    pub fresh: Slot,
-    /// First `lhs - rhs` evaluated by `roots`.
-    pub gaps: Slot,
-    /// Parameters that a run may set: variable, input cell (NaN: not given).
+    /// First candidate value of a relation, evaluated by `roots`.
+    pub candidates: Slot,
+    /// First zero-crossing indicator `lhs - rhs`, evaluated by `roots`.
+    pub indicators: Slot,
+    /// Parameters that a run may set: variable, input slot (NaN: not set).
     pub parameter_inputs: Vec<(VarId, Slot)>,
-    /// What recordings say about inputs: input, order of the derivative, cell.
-    pub recorded: Vec<(VarId, u32, Slot)>,
-    /// Delayed variables. What they were stands in the cells of what is recorded of them.
-    pub delays: Vec<DelayCells>,
-    /// Lines along which something is carried.
-    pub transports: Vec<TransportCells>,
-    /// Starts that a run may set: variable, input cell (NaN: not given), cell of the start value.
+    /// Signals with a known history, and their derivatives: variable, order, slot.
+    pub signals: Vec<(VarId, u32, Slot)>,
+    /// Delayed variables; their past values are [`Layout::signals`].
+    pub delays: Vec<DelaySlots>,
+    /// Transport lines (`spatialDistribution`, `delay` with a variable time).
+    pub transports: Vec<TransportSlots>,
+    /// Start values that a run may set: variable, input slot (NaN: not set), slot of the start value.
     pub starts: Vec<(VarId, Slot, Slot)>,
 }
 
 /// A delayed variable.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct DelayCells {
+pub struct DelaySlots {
     /// The variable.
     pub variable: VarId,
-    /// Its cell.
+    /// Its slot.
     pub source: Slot,
-    /// Cell of the delay, s.
+    /// Slot of the delay time, s.
     pub delay: Slot,
-    /// It moves between events.
+    /// It varies between events.
     pub moves: bool,
 }
 
-/// A line along which something is carried.
+/// A transport line: a profile that moves along a coordinate.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct TransportCells {
-    /// Places of the low and of the high end.
+pub struct TransportSlots {
+    /// Coordinates of the low and of the high end.
     pub ends: [Slot; 2],
-    /// What enters there, if anything does.
+    /// Values entering at the ends, if any.
     pub entering: [Option<Slot>; 2],
-    /// What is on the line in the beginning: places from the low end on, and values.
+    /// The initial profile: coordinates from the low end, and values.
     pub initial: Vec<(Slot, Slot)>,
-    /// Those who read.
-    pub readers: Vec<ReaderCells>,
+    /// Where the profile is read.
+    pub readers: Vec<ReaderSlots>,
 }
 
-/// A reader of what is carried along a line.
+/// A point at which a transport line is read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct ReaderCells {
-    /// The place.
+pub struct ReaderSlots {
+    /// Its coordinate.
     pub place: Slot,
-    /// Where the smooth piece begins that it reads; the run writes it.
+    /// Start of the smooth segment it reads; written by the runtime.
     pub from: Slot,
-    /// Where it ends; the run writes it.
+    /// End of that segment; written by the runtime.
     pub to: Slot,
+}
+
+/// The tapes of a program, from rare to frequent.
+#[derive(Clone, Default)]
+pub struct Tapes {
+    /// Parameters, start values, nominal values, and expressions of parameters.
+    pub parameters: Tape,
+    /// The initial sequence.
+    pub initial: Tape,
+    /// The event sequence, with relations, `reinit`s, assertions and terminations.
+    pub event: Tape,
+    /// Expressions that change at events only.
+    pub discrete: Tape,
+    /// The derivatives.
+    pub rhs: Tape,
+    /// Zero-crossing indicators and assertions.
+    pub roots: Tape,
+    /// All other variables.
+    pub outputs: Tape,
+    /// Entries of the Jacobian of the derivatives (and residuals) with respect to the states (and
+    /// algebraic unknowns).
+    pub jacobian: Tape,
+    /// Derivatives of the constraints that state selection is based on; all variables must be in the
+    /// memory.
+    pub state_selection: Tape,
+}
+
+/// Blocks and functions that instructions refer to by number.
+#[derive(Clone, Default)]
+pub struct Routines {
+    /// Torn blocks.
+    pub torn_blocks: Vec<TornBlock>,
+    /// Derivatives of torn blocks.
+    pub block_derivatives: Vec<BlockDerivative>,
+    /// Mixed blocks.
+    pub mixed_blocks: Vec<MixedBlock>,
+    /// Call sites.
+    pub calls: Vec<CallSite>,
+    /// Functions.
+    pub functions: Vec<FunctionCode>,
+}
+
+/// Relations, clocks, and actions at events.
+#[derive(Clone, Default)]
+pub struct Events {
+    /// One for each relation of the model.
+    pub relation_triggers: Vec<RelationTrigger>,
+    /// Relations that `initial` reads before it can evaluate them.
+    pub lagged_initial: Vec<u32>,
+    /// Relations that `event` reads before it can evaluate them.
+    pub lagged_event: Vec<u32>,
+    /// Clocks.
+    pub clocks: Vec<Clock>,
+    /// `reinit`s.
+    pub reinits: Vec<ReinitSlots>,
+    /// Assertions.
+    pub asserts: Vec<AssertSlots>,
+    /// Activation of each `terminate`.
+    pub terminates: Vec<Slot>,
+    /// `terminal()` is read somewhere: the run ends with an event.
+    pub reads_terminal: bool,
 }
 
 /// A compiled model.
 #[derive(Clone)]
 pub struct Program {
-    /// What it was compiled from, for messages and names.
+    /// The sorted system it was compiled from, for messages and names.
     pub blocks: Blocks,
-    /// The memory before a run: literals, and NaN in the inputs.
+    /// The initial memory: literals, and NaN in the inputs.
     pub image: Vec<f64>,
-    /// The cells of literals, ascending.
+    /// The slots of literals, ascending.
     pub literals: Vec<Slot>,
     /// The memory map.
     pub layout: Layout,
-    /// The variables that a run records, in order of declaration.
+    /// The recorded variables, in order of declaration.
     pub recorded: Vec<VarId>,
-    /// The parameters and constants whose values a run tells, in order of declaration.
+    /// The parameters and constants whose values are reported once, in order of declaration.
     pub constants: Vec<VarId>,
-    /// Parameters, starts, nominals, and what depends on parameters only.
-    pub parameters: Tape,
-    /// The initial sequence.
-    pub initial: Tape,
-    /// The event sequence, with relations, reinits, asserts and terminates.
-    pub event: Tape,
-    /// What changes at events only.
-    pub held: Tape,
-    /// The derivatives.
-    pub rhs: Tape,
-    /// Searched relations and assertions.
-    pub roots: Tape,
-    /// The other variables.
-    pub rest: Tape,
-    /// Entries of the Jacobian of the derivatives (and residuals) by the states (and unknowns).
-    pub jacobian: Tape,
-    /// The unknowns beyond the states, and their equations; none in [`Form::Reduced`].
-    pub algebraics: Vec<Algebraic>,
-    /// Its entries that can differ from zero, by row, then column.
+    /// The tapes of the system itself.
+    pub tapes: Tapes,
+    /// The unknowns beyond the states, and their equations; none in [`SystemForm::Ode`].
+    pub algebraics: Vec<AlgebraicUnknown>,
+    /// The structurally nonzero entries of the Jacobian, by row, then column.
     pub jacobian_entries: Vec<Entry>,
-    /// What the selection of states is judged by; all variables must be in the memory.
-    pub selection: Tape,
     /// One for each of `blocks.state_sets`.
-    pub state_sets: Vec<StateSetCells>,
-    /// Torn blocks.
-    pub solvers: Vec<Solver>,
-    /// Derivatives of torn blocks.
-    pub implicits: Vec<Implicit>,
-    /// Mixed blocks.
-    pub loops: Vec<Loop>,
-    /// Calls.
-    pub calls: Vec<CallSite>,
-    /// Functions.
-    pub functions: Vec<FunctionCode>,
-    /// One for each relation of the model.
-    pub watches: Vec<Watch>,
-    /// Relations that `initial` reads before it can evaluate them.
-    pub late_initial: Vec<u32>,
-    /// Relations that `event` reads before it can evaluate them.
-    pub late_event: Vec<u32>,
-    /// Clocks.
-    pub clocks: Vec<Clock>,
-    /// `reinit`s.
-    pub reinits: Vec<ReinitCells>,
-    /// Assertions.
-    pub asserts: Vec<AssertCells>,
-    /// What has a `min` or a `max`, of variables that are the same the one that stands for all.
+    pub state_sets: Vec<StateSetSlots>,
+    /// Blocks and functions that instructions refer to.
+    pub routines: Routines,
+    /// Relations, clocks and actions at events.
+    pub events: Events,
+    /// Variables with a `min` or a `max`; of aliases, the representative.
     pub bounds: Vec<Bounds>,
-    /// Activation of each `terminate`.
-    pub terminates: Vec<Slot>,
-    /// `terminal()` is read somewhere: the run ends with an event.
-    pub reads_terminal: bool,
-    /// The way to the start from a simplified system, if the model offers one.
+    /// The simplified system from which initialization continues, if the model uses `homotopy`.
     pub continuation: Option<Box<Continuation>>,
 }
 
@@ -480,10 +505,10 @@ pub struct Program {
 pub struct Continuation {
     /// Its program.
     pub program: Program,
-    /// The parameter.
+    /// The continuation parameter.
     pub lambda: VarId,
-    /// Cells of the continuous variables of the model there, and in the program itself.
-    pub cells: Vec<(Slot, Slot)>,
+    /// Slots of the continuous variables in that program, and in the actual one.
+    pub slots: Vec<(Slot, Slot)>,
 }
 
 impl Program {
@@ -492,7 +517,7 @@ impl Program {
         self.layout.derivatives.len()
     }
 
-    /// The variable that a component of the integrator is.
+    /// The variable that corresponds to a component of the integrator.
     pub fn component(&self, i: usize) -> Option<VarId> {
         let states = &self.blocks.states;
         match i.checked_sub(states.len()) {
@@ -501,7 +526,7 @@ impl Program {
         }
     }
 
-    /// Cell of a variable.
+    /// Slot of a variable.
     pub fn slot(&self, v: VarId) -> Slot {
         self.layout.variables[v.0 as usize]
     }
@@ -511,77 +536,82 @@ impl Program {
         &self.blocks.dae.variables[v].name
     }
 
-    /// All tapes but the bodies of functions, with their names; in an order that depends on nothing
-    /// but the program.
-    pub fn tapes(&self) -> Vec<(&'static str, &Tape)> {
+    /// All tapes except the bodies of functions, with their names; the order depends on the program
+    /// only.
+    pub fn all_tapes(&self) -> Vec<(&'static str, &Tape)> {
+        let tapes = &self.tapes;
         let mut all = vec![
-            ("parameters", &self.parameters),
-            ("initial", &self.initial),
-            ("event", &self.event),
-            ("held", &self.held),
-            ("rhs", &self.rhs),
-            ("roots", &self.roots),
-            ("rest", &self.rest),
-            ("jacobian", &self.jacobian),
-            ("selection", &self.selection),
+            ("parameters", &tapes.parameters),
+            ("initial", &tapes.initial),
+            ("event", &tapes.event),
+            ("discrete", &tapes.discrete),
+            ("rhs", &tapes.rhs),
+            ("roots", &tapes.roots),
+            ("outputs", &tapes.outputs),
+            ("jacobian", &tapes.jacobian),
+            ("state selection", &tapes.state_selection),
         ];
-        for solver in &self.solvers {
-            all.push(("residual", &solver.residual_tape));
-            all.push(("block jacobian", &solver.jacobian_tape));
+        for torn_block in &self.routines.torn_blocks {
+            all.push(("residual", &torn_block.residual_tape));
+            all.push(("block jacobian", &torn_block.jacobian_tape));
         }
-        all.extend(self.loops.iter().map(|mixed| ("loop", &mixed.tape)));
+        all.extend(self.routines.mixed_blocks.iter().map(|mixed| ("loop", &mixed.tape)));
         all
     }
 
-    /// Numbers the tapes in the order of [`Program::tapes`].
+    /// Numbers the tapes in the order of [`Program::all_tapes`].
     pub fn number_tapes(&mut self) {
+        let tapes = &mut self.tapes;
         let own = [
-            &mut self.parameters,
-            &mut self.initial,
-            &mut self.event,
-            &mut self.held,
-            &mut self.rhs,
-            &mut self.roots,
-            &mut self.rest,
-            &mut self.jacobian,
-            &mut self.selection,
+            &mut tapes.parameters,
+            &mut tapes.initial,
+            &mut tapes.event,
+            &mut tapes.discrete,
+            &mut tapes.rhs,
+            &mut tapes.roots,
+            &mut tapes.outputs,
+            &mut tapes.jacobian,
+            &mut tapes.state_selection,
         ];
-        let blocks =
-            self.solvers.iter_mut().flat_map(|s| [&mut s.residual_tape, &mut s.jacobian_tape]);
-        let loops = self.loops.iter_mut().map(|mixed| &mut mixed.tape);
-        for (number, tape) in own.into_iter().chain(blocks).chain(loops).enumerate() {
+        let blocks = self
+            .routines
+            .torn_blocks
+            .iter_mut()
+            .flat_map(|s| [&mut s.residual_tape, &mut s.jacobian_tape]);
+        let mixed_blocks = self.routines.mixed_blocks.iter_mut().map(|mixed| &mut mixed.tape);
+        for (number, tape) in own.into_iter().chain(blocks).chain(mixed_blocks).enumerate() {
             tape.number = Some(number as u32);
         }
     }
 
-    /// Checks that every cell and every reference of every tape exists.
+    /// Checks that every slot and every reference of every tape exists.
     pub fn verify(&self) -> Result<(), String> {
-        for (name, tape) in self.tapes() {
+        for (name, tape) in self.all_tapes() {
             self.verify_tape(name, tape)?;
         }
-        for solver in &self.solvers {
-            if solver.residuals.len() != solver.unknowns.len() {
+        for torn_block in &self.routines.torn_blocks {
+            if torn_block.residuals.len() != torn_block.unknowns.len() {
                 return Err("a torn block is not square".into());
             }
-            let entries = solver.jacobian.iter().map(|e| &e.slot);
-            let mut cells = solver.slots.iter().chain(&solver.residuals).chain(entries);
-            if !cells.all(|slot| (*slot as usize) < self.image.len()) {
-                return Err("a torn block refers to a cell that does not exist".into());
+            let entries = torn_block.jacobian.iter().map(|e| &e.slot);
+            let mut slots = torn_block.slots.iter().chain(&torn_block.residuals).chain(entries);
+            if !slots.all(|slot| (*slot as usize) < self.image.len()) {
+                return Err("a torn block refers to a slot that does not exist".into());
             }
         }
         let exists = |slot: &Slot| (*slot as usize) < self.image.len();
-        if self.functions.iter().any(|f| f.frame.end as usize > self.image.len()) {
-            return Err("a function has a frame of cells that do not exist".into());
+        if self.routines.functions.iter().any(|f| f.frame.end as usize > self.image.len()) {
+            return Err("a function has a frame of slots that do not exist".into());
         }
-        for function in &self.functions {
+        for function in &self.routines.functions {
             self.verify_tape("function", &function.tape)?;
-            let mut cells = function.inputs.iter().chain(&function.outputs).chain(&function.locals);
-            if !cells.all(exists) {
+            let mut slots = function.inputs.iter().chain(&function.outputs).chain(&function.locals);
+            if !slots.all(exists) {
                 return Err("a function has a local that does not exist".into());
             }
         }
-        for site in &self.calls {
-            let Some(function) = self.functions.get(site.function) else {
+        for site in &self.routines.calls {
+            let Some(function) = self.routines.functions.get(site.function) else {
                 return Err("a call refers to no function".into());
             };
             let partial = site.partial.is_none_or(|(output, argument)| {
@@ -590,32 +620,32 @@ impl Program {
                     && !site.results.is_empty()
             });
             let kept = |first: Slot| first as usize + site.args.len() <= self.image.len();
-            let mut cells = site.args.iter().chain(&site.results).chain(&site.guard);
-            if !(partial && cells.all(exists) && site.last.is_none_or(kept)) {
-                return Err("a call refers to a cell that does not exist".into());
+            let mut slots = site.args.iter().chain(&site.results).chain(&site.condition);
+            if !(partial && slots.all(exists) && site.memo.is_none_or(kept)) {
+                return Err("a call refers to a slot that does not exist".into());
             }
         }
         Ok(())
     }
 
-    /// Whether a call is one of a function that calls itself.
-    pub fn calls_itself(&self, site: usize) -> bool {
-        self.functions[self.calls[site].function].recurs
+    /// True if a call site calls a recursive function.
+    pub fn is_recursive_call(&self, site: usize) -> bool {
+        self.routines.functions[self.routines.calls[site].function].is_recursive
     }
 
     fn verify_tape(&self, name: &str, tape: &Tape) -> Result<(), String> {
-        let cells = self.image.len();
+        let slots = self.image.len();
         for (at, i) in tape.iter().enumerate() {
-            let cell = |s: Slot| (s as usize) < cells;
+            let exists = |s: Slot| (s as usize) < slots;
             let fine = match i.op {
-                Op::Solve => (i.a as usize) < self.solvers.len(),
-                Op::Implicit => (i.a as usize) < self.implicits.len(),
-                Op::Repeat => (i.a as usize) < self.loops.len(),
-                Op::Call => (i.a as usize) < self.calls.len(),
+                Op::Solve => (i.a as usize) < self.routines.torn_blocks.len(),
+                Op::Differentiate => (i.a as usize) < self.routines.block_derivatives.len(),
+                Op::Iterate => (i.a as usize) < self.routines.mixed_blocks.len(),
+                Op::Call => (i.a as usize) < self.routines.calls.len(),
                 Op::Jump => (i.a as usize) <= tape.len(),
-                Op::JumpUnless => cell(i.a) && (i.b as usize) <= tape.len(),
-                Op::Assert => cell(i.a),
-                _ => cell(i.dst) && cell(i.a) && cell(i.b),
+                Op::JumpUnless => exists(i.a) && (i.b as usize) <= tape.len(),
+                Op::Assert => exists(i.a),
+                _ => exists(i.dst) && exists(i.a) && exists(i.b),
             };
             if !fine {
                 return Err(format!(
@@ -627,7 +657,7 @@ impl Program {
     }
 }
 
-/// Where the equation of a block stands.
+/// Source position of the equation of a block.
 pub fn source_span(dae: &Dae, source: Source) -> Span {
     match source {
         Source::Continuous(i) => dae.equations[i].origin.span,

@@ -54,7 +54,7 @@ impl Column {
 
 /// What is known of a column before its run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Course {
+pub enum ColumnStorage {
     /// It goes its own way.
     Own,
     /// It keeps the value of the first row.
@@ -100,7 +100,7 @@ pub struct Trajectory {
     /// The events in order of time.
     pub events: Vec<Event>,
     /// While rows come: what is known of the columns that wait for their values.
-    pub(crate) courses: Vec<Course>,
+    pub(crate) column_storage: Vec<ColumnStorage>,
 }
 
 /// A broken contract of [`Trajectory`]: a bug in the stage that made it.
@@ -163,7 +163,7 @@ impl Trajectory {
         self.columns = columns;
         self.time.clear();
         self.events.clear();
-        self.courses.clear();
+        self.column_storage.clear();
         // Backwards: what shares a vector with a column before it leaves the memory to that one.
         for column in self.data.iter_mut().rev() {
             match Arc::get_mut(column) {
@@ -177,7 +177,10 @@ impl Trajectory {
     pub fn reserve(&mut self, rows: usize) {
         self.time.reserve(rows);
         for (k, column) in self.data.iter_mut().enumerate() {
-            if !matches!(self.courses.get(k), Some(Course::Alias { negated: false, .. })) {
+            if !matches!(
+                self.column_storage.get(k),
+                Some(ColumnStorage::Alias { negated: false, .. })
+            ) {
                 Arc::make_mut(column).reserve(rows);
             }
         }
@@ -190,14 +193,18 @@ impl Trajectory {
     }
     /// From the second row on only columns that go their own way will come, by
     /// [`Trajectory::push_own_columns`]; until [`Trajectory::complete`] the others are shorter.
-    pub fn expect_courses(&mut self, courses: Vec<Course>) {
-        self.courses = courses;
+    pub fn expect_storage(&mut self, column_storage: Vec<ColumnStorage>) {
+        self.column_storage = column_storage;
     }
     /// Appends rows without the columns whose course is known; the values of each column begin `stride`
     /// after those of the one before.
     pub fn push_own_columns(&mut self, times: &[f64], values: &[f64], stride: usize) {
         self.time.extend_from_slice(times);
-        let own = self.data.iter_mut().zip(&self.courses).filter(|(_, c)| **c == Course::Own);
+        let own = self
+            .data
+            .iter_mut()
+            .zip(&self.column_storage)
+            .filter(|(_, c)| **c == ColumnStorage::Own);
         for (values, (column, _)) in values.chunks(stride.max(1)).zip(own) {
             Arc::make_mut(column).extend_from_slice(&values[..times.len()]);
         }
@@ -205,17 +212,17 @@ impl Trajectory {
     /// Fills the columns whose course is known.
     pub fn complete(&mut self) {
         let rows = self.time.len();
-        for (k, course) in std::mem::take(&mut self.courses).into_iter().enumerate() {
+        for (k, course) in std::mem::take(&mut self.column_storage).into_iter().enumerate() {
             let (before, after) = self.data.split_at_mut(k);
             let Some(column) = after.first_mut() else { break };
             match course {
-                Course::Own => {}
-                Course::Constant => {
+                ColumnStorage::Own => {}
+                ColumnStorage::Constant => {
                     let value = column.first().copied().unwrap_or_default();
                     Arc::make_mut(column).resize(rows, value);
                 }
-                Course::Alias { of, negated: false } => *column = before[of].clone(),
-                Course::Alias { of, negated: true } => {
+                ColumnStorage::Alias { of, negated: false } => *column = before[of].clone(),
+                ColumnStorage::Alias { of, negated: true } => {
                     let column = Arc::make_mut(column);
                     column.clear();
                     column.extend(before[of].iter().map(|x| -x));
@@ -300,12 +307,12 @@ mod tests {
     fn columns_of_known_course_are_filled_in() {
         let columns = ["a", "twin", "mirror", "c", "b"].map(|n| Column::new(n, "")).to_vec();
         let mut run = Trajectory::new(columns);
-        run.expect_courses(vec![
-            Course::Own,
-            Course::Alias { of: 0, negated: false },
-            Course::Alias { of: 0, negated: true },
-            Course::Constant,
-            Course::Own,
+        run.expect_storage(vec![
+            ColumnStorage::Own,
+            ColumnStorage::Alias { of: 0, negated: false },
+            ColumnStorage::Alias { of: 0, negated: true },
+            ColumnStorage::Constant,
+            ColumnStorage::Own,
         ]);
         run.push(0.0, &[1.0, 1.0, -1.0, 7.0, 5.0]);
         run.push_own_columns(&[0.1, 0.2], &[2.0, 3.0, f64::NAN, 6.0, 8.0, f64::NAN], 3);
@@ -318,7 +325,7 @@ mod tests {
         assert_eq!(run.values("b"), Some(&[5.0, 6.0, 8.0, 9.0][..]));
         // A run without rows has nothing to fill.
         let mut empty = Trajectory::new(vec![Column::new("c", "")]);
-        empty.expect_courses(vec![Course::Constant]);
+        empty.expect_storage(vec![ColumnStorage::Constant]);
         empty.complete();
         assert_eq!(empty.rows(), 0);
     }

@@ -7,7 +7,7 @@
 //! a variable of the extended model: so it is compiled, differentiated and checked like everything else in
 //! the model. Conditions become Booleans that stay true, whose first change is an event and found as exactly
 //! as any; integrals become states; extreme values are sought on the polynomials of the steps
-//! (`simulate::extremes`). The arithmetic between the functions becomes the binding of a parameter, which is
+//! (`simulate::extrema`). The arithmetic between the functions becomes the binding of a parameter, which is
 //! evaluated after the run.
 pub mod error;
 pub mod formula;

@@ -8,8 +8,8 @@ use crate::ir::dae::Kind;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Constant, Event};
-use crate::runtime::machine::Instance;
-use crate::simulate::extrema::Extreme;
+use crate::runtime::machine::Machine;
+use crate::simulate::extrema::ExtremumRequest;
 use crate::simulate::record::Sink;
 use crate::simulate::run::Statistics;
 use crate::simulate::settings::Settings;
@@ -26,7 +26,7 @@ pub struct Plan {
     /// The parameters that are the measures.
     results: Vec<VarId>,
     /// What the run is asked for.
-    extremes: Vec<Extreme>,
+    extrema: Vec<ExtremumRequest>,
     /// Name and SI unit of each measure.
     pub columns: Vec<Column>,
 }
@@ -48,13 +48,13 @@ impl Plan {
         let values = (0..measures.functions.len())
             .map(|k| find(&Measures::value_name(k)))
             .collect::<Option<Vec<_>>>()?;
-        let mut extremes = Vec::new();
+        let mut extrema = Vec::new();
         for function in &measures.functions {
-            if let Function::Extreme { of, greatest, range } = function {
+            if let Function::ExtremumRequest { of, greatest, range } = function {
                 let ever = |c: Option<usize>| c.and_then(|c| find(&happened(c)));
                 let (after, before) = (ever(range.from), ever(range.until));
                 let variable = find(&expression(*of))?;
-                extremes.push(Extreme { variable, greatest: *greatest, after, before });
+                extrema.push(ExtremumRequest { variable, greatest: *greatest, after, before });
             }
         }
         let unit_of =
@@ -65,7 +65,7 @@ impl Plan {
         };
         let columns = measures.list.iter().map(column).collect();
         let known = find(KNOWN);
-        let mut plan = Plan { measures, shown: 0, values, known, results, extremes, columns };
+        let mut plan = Plan { measures, shown: 0, values, known, results, extrema, columns };
         plan.record(program, |_| true);
         Some(plan)
     }
@@ -91,7 +91,7 @@ impl Plan {
 
     /// Asks a run for what measures need.
     pub fn ask(&self, settings: &mut Settings) {
-        settings.extremes.clone_from(&self.extremes);
+        settings.extrema.clone_from(&self.extrema);
     }
 
     /// The variables whose rows are looked at.
@@ -103,7 +103,7 @@ impl Plan {
                 Function::Initial(e)
                 | Function::Final(e)
                 | Function::At(e, _)
-                | Function::Extreme { of: e, .. } => all.push(expression(*e)),
+                | Function::ExtremumRequest { of: e, .. } => all.push(expression(*e)),
                 Function::Integral { of, .. } => all.push(integral(*of)),
             }
         }
@@ -119,32 +119,32 @@ impl Plan {
         seen: &Observer<'_>,
         statistics: &Statistics,
     ) -> Vec<Option<f64>> {
-        let mut extremes = statistics.extremes.iter().copied();
+        let mut extrema = statistics.extrema.iter().copied();
         let functions: Vec<Option<f64>> = self
             .measures
             .functions
             .iter()
             .map(|function| match function {
-                Function::Extreme { .. } => extremes.next().flatten(),
+                Function::ExtremumRequest { .. } => extrema.next().flatten(),
                 _ => seen.value(function),
             })
             .collect();
-        let mut instance = Instance::new(program);
+        let mut machine = Machine::new(program);
         for &(v, value) in &settings.parameters {
-            instance.set_parameter(v, value);
+            machine.set_parameter(v, value);
         }
         for (v, value) in self.values.iter().zip(&functions) {
-            instance.set_parameter(*v, value.unwrap_or(0.0));
+            machine.set_parameter(*v, value.unwrap_or(0.0));
         }
         if let Some(known) = self.known {
-            instance.set_parameter(known, 1.0);
+            machine.set_parameter(known, 1.0);
         }
-        if instance.run(&program.parameters).is_err() {
+        if machine.run(&program.tapes.parameters).is_err() {
             return vec![None; self.results.len()];
         }
         let known = |needs: &[usize]| needs.iter().all(|k| functions[*k].is_some());
         let of = |(v, m): (&VarId, &super::text::Measure)| {
-            Some(instance.value(*v)).filter(|x| known(&m.needs) && x.is_finite())
+            Some(machine.value(*v)).filter(|x| known(&m.needs) && x.is_finite())
         };
         self.results.iter().zip(&self.measures.list).map(of).collect()
     }
@@ -195,7 +195,7 @@ impl<'a> Observer<'a> {
             Function::Initial(e) => expression(*e, first),
             Function::Final(e) => expression(*e, last),
             Function::At(e, c) => expression(*e, &self.happened[*c].as_ref()?.1),
-            Function::Extreme { .. } => None,
+            Function::ExtremumRequest { .. } => None,
             Function::Integral { of, range, mean } => {
                 let from = match range.from {
                     Some(c) => self.happened[c].as_ref().map(|(t, row)| (*t, row))?,

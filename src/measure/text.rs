@@ -56,7 +56,7 @@ pub enum Function {
     /// The value when a condition becomes true, before anything jumps by it.
     At(usize, usize),
     /// The greatest or the least value in a range.
-    Extreme {
+    ExtremumRequest {
         /// Of this expression.
         of: usize,
         /// The greatest.
@@ -113,7 +113,8 @@ impl Measures {
             Some(Function::When(_)) => "s".to_owned(),
             Some(Function::Initial(e) | Function::Final(e) | Function::At(e, _)) => of(*e),
             Some(
-                Function::Extreme { of: e, .. } | Function::Integral { of: e, mean: true, .. },
+                Function::ExtremumRequest { of: e, .. }
+                | Function::Integral { of: e, mean: true, .. },
             ) => of(*e),
             _ => String::new(),
         }
@@ -217,7 +218,7 @@ impl Measures {
                 let of = self.expression(&args[0], problems);
                 Some(match called {
                     "integral" | "mean" => Function::Integral { of, range, mean: called == "mean" },
-                    _ => Function::Extreme { of, range, greatest: called == "max" },
+                    _ => Function::ExtremumRequest { of, range, greatest: called == "max" },
                 })
             }
             _ => None,
@@ -386,8 +387,8 @@ mod tests {
             all.functions,
             [
                 Function::When(0),
-                Function::Extreme { of: 0, greatest: true, range: whole },
-                Function::Extreme { of: 1, greatest: true, range: until(0) },
+                Function::ExtremumRequest { of: 0, greatest: true, range: whole },
+                Function::ExtremumRequest { of: 1, greatest: true, range: until(0) },
                 Function::Integral { of: 2, range: until(1), mean: false },
                 Function::Final(3),
                 Function::At(4, 2),

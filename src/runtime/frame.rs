@@ -1,90 +1,90 @@
-//! Functions that call themselves: their cells are fixed, so what stands there is put aside for each call in
-//! which another one is made.
+//! Frames of recursive functions. The slots of a function are fixed, so a recursive call saves them and
+//! restores them on return.
 
 use crate::ir::program::{CallSite, Program, Slot};
 
-/// So many numbers are put aside at most (128 MB).
-const MOST: usize = 1 << 24;
+/// Maximum number of saved values (128 MB).
+const MAX_SAVED_VALUES: usize = 1 << 24;
 
-/// The calls in which a function has called itself, innermost last.
+/// The open recursive calls, innermost last.
 #[derive(Default)]
 pub struct Frames {
-    open: Vec<Open>,
-    /// What stood in the cells.
+    open: Vec<Frame>,
+    /// The saved slots.
     values: Vec<f64>,
 }
 
-struct Open {
-    /// The call that is being made.
+struct Frame {
+    /// The call site.
     site: usize,
-    /// Where it goes on after it: the function, and the position of the instruction.
+    /// Return address: the function and the position of the instruction.
     back: (usize, usize),
-    /// Where its values begin.
+    /// Start of its saved values.
     first: usize,
 }
 
 impl Frames {
-    /// How many calls are open.
+    /// Number of open calls.
     pub fn depth(&self) -> usize {
         self.open.len()
     }
 
-    /// Calls in the midst of a function, to go on at `back`. Each cell has `width` numbers. False if there
-    /// are too many calls.
+    /// Enters a recursive call that returns to `back`. Each slot has `width` values. False if the
+    /// recursion is too deep.
     #[must_use]
-    pub fn enter(
+    pub fn push(
         &mut self,
         program: &Program,
         site: usize,
         back: (usize, usize),
-        cells: &mut [f64],
+        slots: &mut [f64],
         width: usize,
     ) -> bool {
-        let CallSite { function, args, .. } = &program.calls[site];
-        let function = &program.functions[*function];
-        let place = |slot: Slot| slot as usize * width..(slot as usize + 1) * width;
+        let CallSite { function, args, .. } = &program.routines.calls[site];
+        let function = &program.routines.functions[*function];
+        let range = |slot: Slot| slot as usize * width..(slot as usize + 1) * width;
         let first = self.values.len();
         let frame = function.frame.start as usize * width..function.frame.end as usize * width;
-        if first + frame.len() > MOST {
+        if first + frame.len() > MAX_SAVED_VALUES {
             return false;
         }
-        self.values.extend_from_slice(&cells[frame]);
-        // Arguments may stand in cells of inputs.
+        self.values.extend_from_slice(&slots[frame]);
+        // Arguments may be in the slots of inputs.
         let arguments = self.values.len();
-        args.iter().for_each(|a| self.values.extend_from_slice(&cells[place(*a)]));
-        function.locals.iter().for_each(|l| cells[place(*l)].fill(0.0));
+        args.iter().for_each(|a| self.values.extend_from_slice(&slots[range(*a)]));
+        function.locals.iter().for_each(|l| slots[range(*l)].fill(0.0));
         for (to, value) in function.inputs.iter().zip(self.values[arguments..].chunks(width)) {
-            cells[place(*to)].copy_from_slice(value);
+            slots[range(*to)].copy_from_slice(value);
         }
         self.values.truncate(arguments);
-        self.open.push(Open { site, back, first });
+        self.open.push(Frame { site, back, first });
         true
     }
 
-    /// Returns from the innermost call, with its results: where to go on.
-    pub fn leave(
+    /// Returns from the innermost call with its results; the return address.
+    pub fn pop(
         &mut self,
         program: &Program,
-        cells: &mut [f64],
+        slots: &mut [f64],
         width: usize,
     ) -> Option<(usize, usize)> {
-        let Open { site, back, first } = self.open.pop()?;
-        let CallSite { function, results, .. } = &program.calls[site];
-        let function = &program.functions[*function];
-        let place = |slot: Slot| slot as usize * width..(slot as usize + 1) * width;
+        let Frame { site, back, first } = self.open.pop()?;
+        let CallSite { function, results, .. } = &program.routines.calls[site];
+        let function = &program.routines.functions[*function];
+        let range = |slot: Slot| slot as usize * width..(slot as usize + 1) * width;
         let outputs = self.values.len();
-        function.outputs.iter().for_each(|o| self.values.extend_from_slice(&cells[place(*o)]));
+        function.outputs.iter().for_each(|o| self.values.extend_from_slice(&slots[range(*o)]));
         let start = function.frame.start as usize * width;
-        cells[start..start + outputs - first].copy_from_slice(&self.values[first..outputs]);
+        slots[start..start + outputs - first].copy_from_slice(&self.values[first..outputs]);
         for (to, value) in results.iter().zip(self.values[outputs..].chunks(width)) {
-            cells[place(*to)].copy_from_slice(value);
+            slots[range(*to)].copy_from_slice(value);
         }
         self.values.truncate(first);
         Some(back)
     }
 
-    /// Gives up all calls but the first so many.
-    pub fn give_up(&mut self, depth: usize) {
+    /// Drops all frames above `depth`.
+    pub fn unwind(&mut self, depth: usize) {
         if let Some(first) = self.open.get(depth) {
             self.values.truncate(first.first);
             self.open.truncate(depth);

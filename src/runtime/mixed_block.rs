@@ -1,148 +1,148 @@
-//! Mixed blocks: relations and equations that are solved together by repetition, and where that goes
-//! round in circles or meets equations without solution, by a search for values of the relations that
-//! the equations confirm.
+//! Mixed blocks: relations and equations that must be solved together. They are iterated to a fixed
+//! point; if the iteration cycles or meets equations without a solution, values of the relations that
+//! are consistent with the equations are searched for.
 
-use crate::ir::program::{Program, Slot, Watched};
+use crate::ir::program::{Program, Slot, DiscreteUnknown};
 use crate::numeric::combinations::Combinations;
 use crate::numeric::cycle_detection::CycleDetector;
 
-use super::machine::{Fault, Instance};
+use super::machine::{Fault, Machine};
 
-/// Repetitions of a mixed block before it is given up.
-pub const LOOP_LIMIT: u32 = 100;
+/// Maximum number of iterations of a mixed block.
+pub const ITERATION_LIMIT: u32 = 100;
 
-/// What a run needs for one mixed block.
-pub struct MixedWork {
-    /// The cells that must rest.
-    watched: Vec<Slot>,
-    /// Those of them that hold relations.
+/// Working memory for one mixed block.
+pub struct MixedBlockSolver {
+    /// The slots of the discrete unknowns.
+    discrete_slots: Vec<Slot>,
+    /// Those that hold relations.
     relations: Vec<Slot>,
-    /// What the watched cells held before the last repetition.
-    held: Vec<f64>,
-    circle: CycleDetector,
-    /// The whole memory before the first repetition, if there are relations to search.
-    begun: Vec<f64>,
+    /// The discrete unknowns before the last iteration.
+    previous: Vec<f64>,
+    cycle: CycleDetector,
+    /// The memory before the first iteration, if there are relations to search.
+    entry_memory: Vec<f64>,
 }
 
-impl MixedWork {
-    /// For the mixed block `k`.
+impl MixedBlockSolver {
+    /// Working memory for mixed block `k`.
     pub fn new(program: &Program, k: usize) -> Self {
-        let all = &program.loops[k].watched;
-        let is_relation = |w: &&Watched| matches!(w, Watched::Relation(..));
-        let watched: Vec<Slot> = all.iter().map(|w| watched_slot(*w)).collect();
+        let all = &program.routines.mixed_blocks[k].discrete_unknowns;
+        let is_relation = |w: &&DiscreteUnknown| matches!(w, DiscreteUnknown::Relation(..));
+        let discrete_slots: Vec<Slot> = all.iter().map(|w| discrete_slot(*w)).collect();
         let relations: Vec<Slot> =
-            all.iter().filter(is_relation).map(|w| watched_slot(*w)).collect();
+            all.iter().filter(is_relation).map(|w| discrete_slot(*w)).collect();
         let kept = if relations.is_empty() { 0 } else { program.image.len() };
-        MixedWork {
-            held: vec![0.0; watched.len()],
-            watched,
+        MixedBlockSolver {
+            previous: vec![0.0; discrete_slots.len()],
+            discrete_slots,
             relations,
-            circle: CycleDetector::default(),
-            begun: vec![0.0; kept],
+            cycle: CycleDetector::default(),
+            entry_memory: vec![0.0; kept],
         }
     }
 
-    /// Runs the block until what is discrete in it rests.
-    pub fn repeat(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
-        if !self.begun.is_empty() {
-            self.begun.copy_from_slice(&instance.memory);
+    /// Solves the block: iterates until its discrete unknowns stop changing, or searches.
+    pub fn iterate_block(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
+        if !self.entry_memory.is_empty() {
+            self.entry_memory.copy_from_slice(&machine.memory);
         }
-        let mut outcome = self.rest(instance, k);
+        let mut outcome = self.iterate(machine, k);
         if let Err(fault) = outcome
-            && !self.begun.is_empty()
-            && matches!(fault, Fault::Restless { .. } | Fault::Singular { .. })
+            && !self.entry_memory.is_empty()
+            && matches!(fault, Fault::NotConverged { .. } | Fault::Singular { .. })
         {
-            let told = instance.told();
-            if self.search(instance, k) {
-                instance.forget(told);
+            let saved = machine.save_fault();
+            if self.search(machine, k) {
+                machine.discard_fault(saved);
                 outcome = Ok(());
             } else {
-                instance.tell(told);
+                machine.restore_fault(saved);
             }
         }
         match outcome {
-            Err(Fault::Restless { .. }) if instance.relaxed => {
-                instance.moved = true;
+            Err(Fault::NotConverged { .. }) if machine.relaxed => {
+                machine.still_changing = true;
                 Ok(())
             }
             outcome => outcome,
         }
     }
 
-    /// Repeats the block until nothing changes, or a state comes again.
-    fn rest(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
-        let mixed = &instance.program.loops[k];
-        let mut watched = 0;
-        self.circle.restart();
-        for _ in 0..LOOP_LIMIT {
-            self.hold(instance);
-            if self.circle.repeats(&self.held) {
+    /// Iterates the block until nothing changes or a state recurs.
+    fn iterate(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
+        let mixed = &machine.program.routines.mixed_blocks[k];
+        let mut unknown = 0;
+        self.cycle.restart();
+        for _ in 0..ITERATION_LIMIT {
+            self.record_values(machine);
+            if self.cycle.repeats(&self.previous) {
                 break;
             }
-            instance.run(&mixed.tape)?;
-            match self.moved(instance) {
-                Some(moved) => watched = moved,
+            machine.run(&mixed.tape)?;
+            match self.first_change(machine) {
+                Some(changed) => unknown = changed,
                 None => return Ok(()),
             }
         }
-        Err(instance.fail(Fault::Restless { mixed: k, watched }))
+        Err(machine.fail(Fault::NotConverged { mixed_block: k, unknown }))
     }
 
-    fn hold(&mut self, instance: &Instance<'_>) {
-        for (held, slot) in self.held.iter_mut().zip(&self.watched) {
-            *held = instance.get(*slot);
+    fn record_values(&mut self, machine: &Machine<'_>) {
+        for (previous, slot) in self.previous.iter_mut().zip(&self.discrete_slots) {
+            *previous = machine.get(*slot);
         }
     }
 
-    /// The first watched cell that is not as it was held.
-    fn moved(&self, instance: &Instance<'_>) -> Option<usize> {
-        let mut pairs = self.watched.iter().zip(&self.held);
-        pairs.position(|(slot, held)| instance.get(*slot).to_bits() != held.to_bits())
+    /// Position of the first discrete unknown that changed in the last iteration.
+    fn first_change(&self, machine: &Machine<'_>) -> Option<usize> {
+        let mut pairs = self.discrete_slots.iter().zip(&self.previous);
+        pairs.position(|(slot, previous)| machine.get(*slot).to_bits() != previous.to_bits())
     }
 
-    /// Looks for values of the relations that the equations confirm, those first that differ least from
-    /// the ones before; true if there are some.
-    fn search(&mut self, instance: &mut Instance<'_>, k: usize) -> bool {
+    /// Searches for values of the relations that are consistent with the equations, in order of the
+    /// number of relations that differ from their previous value; true if there are any.
+    fn search(&mut self, machine: &mut Machine<'_>, k: usize) -> bool {
         let mut choices = Combinations::new(self.relations.len());
-        while let Some(turned) = choices.next_subset() {
-            if self.is_confirmed(instance, k, turned) {
+        while let Some(flipped) = choices.next_subset() {
+            if self.is_confirmed(machine, k, flipped) {
                 return true;
             }
         }
         false
     }
 
-    /// Whether the block rests with some of its relations turned.
-    fn is_confirmed(&mut self, instance: &mut Instance<'_>, k: usize, turned: &[usize]) -> bool {
-        let mixed = &instance.program.loops[k];
-        instance.memory.copy_from_slice(&self.begun);
-        let was_relaxed = std::mem::replace(&mut instance.relaxed, true);
-        // The discrete variables follow the relations before the equations follow them.
+    /// True if the block is consistent with some of its relations flipped.
+    fn is_confirmed(&mut self, machine: &mut Machine<'_>, k: usize, flipped: &[usize]) -> bool {
+        let mixed = &machine.program.routines.mixed_blocks[k];
+        machine.memory.copy_from_slice(&self.entry_memory);
+        let was_relaxed = std::mem::replace(&mut machine.relaxed, true);
+        // The first pass updates the discrete variables, the second one the equations that read them.
         let followed = (0..2).all(|_| {
-            self.turn(instance, turned);
-            instance.run(&mixed.tape).is_ok()
+            self.set_relations(machine, flipped);
+            machine.run(&mixed.tape).is_ok()
         });
-        instance.relaxed = was_relaxed;
+        machine.relaxed = was_relaxed;
         if !followed {
             return false;
         }
-        self.turn(instance, turned);
-        self.hold(instance);
-        instance.run(&mixed.tape).is_ok() && self.moved(instance).is_none()
+        self.set_relations(machine, flipped);
+        self.record_values(machine);
+        machine.run(&mixed.tape).is_ok() && self.first_change(machine).is_none()
     }
 
-    /// Gives the relations the values that they had at the beginning, but turns some.
-    fn turn(&self, instance: &mut Instance<'_>, turned: &[usize]) {
+    /// Sets the relations to their values on entry, with some of them flipped.
+    fn set_relations(&self, machine: &mut Machine<'_>, flipped: &[usize]) {
         for (i, slot) in self.relations.iter().enumerate() {
-            let before = self.begun[*slot as usize] != 0.0;
-            instance.set(*slot, f64::from(before != turned.contains(&i)));
+            let before = self.entry_memory[*slot as usize] != 0.0;
+            machine.set(*slot, f64::from(before != flipped.contains(&i)));
         }
     }
 }
 
-/// The cell of something watched.
-pub fn watched_slot(w: Watched) -> Slot {
+/// The slot of a discrete unknown.
+pub fn discrete_slot(w: DiscreteUnknown) -> Slot {
     match w {
-        Watched::Variable(_, slot) | Watched::Relation(_, slot) => slot,
+        DiscreteUnknown::Variable(_, slot) | DiscreteUnknown::Relation(_, slot) => slot,
     }
 }

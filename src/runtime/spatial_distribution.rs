@@ -1,140 +1,140 @@
-//! What is carried along a line and read where it has got to: `spatialDistribution` (section 3.7.4.2 of
-//! the specification), and `delay` by a time that changes, where time itself is the line.
+//! Transport lines: `spatialDistribution` (Modelica specification 3.6, section 3.7.4.2), and `delay`
+//! with a variable delay time, where the line coordinate is time itself.
 //!
-//! What is carried keeps its place on the line; the ends of what can be read move over it. Where an end
-//! moves outwards what enters there is written, where it moves inwards what stood there has left. The
-//! values stand in pieces between jumps, inside of which they are interpolated by polynomials of third
-//! degree. A reader reads its piece until an event says that it has come to the end of that: a step sees
-//! a smooth course to its end.
+//! The transported profile is fixed to the line; the window of readable coordinates moves over it.
+//! When an end of the window moves outwards, the inflow is appended there; when it moves inwards, the
+//! values beyond it have left. The profile consists of segments between jumps; within a segment values
+//! are interpolated by cubic polynomials. A reader stays on its segment until an event moves it to the
+//! next one, so that a step sees a smooth signal up to its end.
 
 use std::collections::VecDeque;
 
 use crate::ir::expr::Carried;
-use crate::ir::program::{Layout, TransportCells};
+use crate::ir::program::{Layout, TransportSlots};
 use crate::numeric::polynomial_segment::{Extrapolation, PolynomialSegment, jumps};
 
-/// Points that are kept beyond what can be read before they are thrown away.
-const KEPT: usize = 4096;
+/// Number of points of a segment beyond which unreadable ones are discarded.
+const CAPACITY: usize = 4096;
 
-/// Part of a line by which an end may move in one step.
-const REACH: f64 = 0.1;
+/// Fraction of the line by which an end may move in one step.
+const MAX_DISPLACEMENT: f64 = 0.1;
 
-/// The lines of one run.
+/// The transport lines of one run.
 #[derive(Clone, Default)]
-pub struct Transports {
+pub struct TransportLines {
     lines: Vec<Line>,
 }
 
 #[derive(Clone)]
 struct Line {
-    cells: TransportCells,
-    /// From low to high; none before the line begins.
-    pieces: VecDeque<PolynomialSegment>,
-    /// The ends of what can be read, when points were noted last.
+    slots: TransportSlots,
+    /// Segments from low to high; empty before initialization.
+    segments: VecDeque<PolynomialSegment>,
+    /// The ends of the window at the last recorded point.
     ends: [f64; 2],
-    /// What stood ready to enter there then.
-    ready: [f64; 2],
-    /// Whether the end moved outwards when it moved last.
-    enters: [bool; 2],
-    /// When points were noted last.
-    noted: f64,
-    /// How fast the ends move at most, per s.
+    /// The values at the inlets of both ends at that time.
+    inflow: [f64; 2],
+    /// True if the end last moved outwards.
+    is_inflow: [bool; 2],
+    /// Time of the last recorded point, s.
+    recorded_at: f64,
+    /// The larger speed of the two ends, per s.
     speed: f64,
-    /// By reader the piece that it reads.
+    /// The current segment of each reader.
     current: Vec<usize>,
 }
 
-impl Transports {
-    /// Lines that have not begun.
+impl TransportLines {
+    /// Empty transport lines.
     pub fn new(layout: &Layout) -> Self {
-        let line = |cells: &TransportCells| Line {
-            current: vec![0; cells.readers.len()],
-            cells: cells.clone(),
-            pieces: VecDeque::new(),
+        let line = |slots: &TransportSlots| Line {
+            current: vec![0; slots.readers.len()],
+            slots: slots.clone(),
+            segments: VecDeque::new(),
             ends: [0.0; 2],
-            ready: [0.0; 2],
-            enters: [false; 2],
-            noted: 0.0,
+            inflow: [0.0; 2],
+            is_inflow: [false; 2],
+            recorded_at: 0.0,
             speed: 0.0,
         };
-        Transports { lines: layout.transports.iter().map(line).collect() }
+        TransportLines { lines: layout.transports.iter().map(line).collect() }
     }
 
-    /// True without any.
+    /// True if the model has no transport lines.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
-    /// Begins all lines anew with what stands in the memory; true if that is something else than before.
+    /// Restarts all lines with the current values; true if a profile has changed.
     pub fn begin(&mut self, t: f64, memory: &mut [f64]) -> bool {
         let mut changed = false;
         for line in &mut self.lines {
-            let before = std::mem::take(&mut line.pieces);
+            let before = std::mem::take(&mut line.segments);
             line.begin(t, memory);
             let same = |(a, b): (&PolynomialSegment, &PolynomialSegment)| {
                 a.first() == b.first() && a.last() == b.last()
             };
             changed |=
-                before.len() != line.pieces.len() || !before.iter().zip(&line.pieces).all(same);
-            line.place(memory);
+                before.len() != line.segments.len() || !before.iter().zip(&line.segments).all(same);
+            line.write_slots(memory);
         }
         changed
     }
 
-    /// Writes the borders of the pieces that are read, which relations watch.
+    /// Writes the ends of the current segments, which relations monitor.
     #[inline]
-    pub fn place(&self, memory: &mut [f64]) {
-        self.lines.iter().for_each(|line| line.place(memory));
+    pub fn write_slots(&self, memory: &mut [f64]) {
+        self.lines.iter().for_each(|line| line.write_slots(memory));
     }
 
-    /// What a reader reads at a place of its line, or the derivative by the place.
+    /// The value of a line at a coordinate, or its derivative with respect to the coordinate.
     #[inline]
     pub fn read(&self, what: Carried, place: f64) -> f64 {
         let line = &self.lines[usize::from(what.line)];
         let k = line.current[usize::from(what.reader)];
-        let Some(piece) = line.pieces.get(k) else { return 0.0 };
-        let outermost = (k == 0 && line.cells.entering[0].is_some() && place < line.ends[0])
-            || (k + 1 == line.pieces.len() && place > line.ends[1]);
+        let Some(segment) = line.segments.get(k) else { return 0.0 };
+        let outermost = (k == 0 && line.slots.entering[0].is_some() && place < line.ends[0])
+            || (k + 1 == line.segments.len() && place > line.ends[1]);
         let beyond = if outermost { Extrapolation::Linear } else { Extrapolation::Constant };
-        piece.at(place, u32::from(what.order), beyond)
+        segment.at(place, u32::from(what.order), beyond)
     }
 
-    /// Takes note of the course of a step, in ascending order of `t`. What is noted at the other side of an
-    /// event begins a new piece where it differs.
-    pub fn note(&mut self, t: f64, memory: &[f64], after_event: bool) {
+    /// Records a point of a step; called in ascending order of `t`. A value that differs after an event
+    /// starts a new segment.
+    pub fn record(&mut self, t: f64, memory: &[f64], after_event: bool) {
         for line in &mut self.lines {
-            line.note(t, memory, after_event);
+            line.record(t, memory, after_event);
         }
     }
 
-    /// Lets readers go on to the pieces at which they have arrived; true if there is any.
-    pub fn pass(&mut self, memory: &mut [f64]) -> bool {
+    /// Moves readers to the segments they have reached; true if any reader moved.
+    pub fn advance_past(&mut self, memory: &mut [f64]) -> bool {
         let mut any = false;
         for line in &mut self.lines {
-            for (reader, current) in line.cells.readers.iter().zip(&mut line.current) {
+            for (reader, current) in line.slots.readers.iter().zip(&mut line.current) {
                 let at = memory[reader.place as usize];
-                let passed = arrive(&line.pieces, *current, at);
+                let passed = segment_at(&line.segments, *current, at);
                 any |= passed != *current;
                 *current = passed;
             }
-            line.place(memory);
+            line.write_slots(memory);
         }
         any
     }
 
-    /// How long a step may be at most so that nothing is read that is yet to come, s.
-    pub fn leash(&self, memory: &[f64]) -> f64 {
-        self.lines.iter().map(|l| l.leash(memory)).fold(f64::INFINITY, f64::min)
+    /// The maximum step, s, that reads no values that are not yet computed.
+    pub fn max_step(&self, memory: &[f64]) -> f64 {
+        self.lines.iter().map(|l| l.max_step(memory)).fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The piece that is read at a place, beginning from one: a reader on a border stays where it is going up,
-/// and goes on where it is going down, as the relations say that watch for it.
-fn arrive(pieces: &VecDeque<PolynomialSegment>, mut current: usize, at: f64) -> usize {
-    while current + 1 < pieces.len() && pieces[current].last().is_some_and(|(end, _)| at >= end) {
+/// The segment at a coordinate, searched from `current`. At a boundary the upper segment applies,
+/// consistent with the relations that monitor it.
+fn segment_at(segments: &VecDeque<PolynomialSegment>, mut current: usize, at: f64) -> usize {
+    while current + 1 < segments.len() && segments[current].last().is_some_and(|(end, _)| at >= end) {
         current += 1;
     }
-    while current > 0 && pieces[current].first().is_some_and(|(begin, _)| at < begin) {
+    while current > 0 && segments[current].first().is_some_and(|(begin, _)| at < begin) {
         current -= 1;
     }
     current
@@ -142,182 +142,182 @@ fn arrive(pieces: &VecDeque<PolynomialSegment>, mut current: usize, at: f64) -> 
 
 impl Line {
     fn ends(&self, memory: &[f64]) -> [f64; 2] {
-        self.cells.ends.map(|slot| memory[slot as usize])
+        self.slots.ends.map(|slot| memory[slot as usize])
     }
 
-    fn ready(&self, memory: &[f64]) -> [f64; 2] {
-        self.cells.entering.map(|slot| slot.map_or(0.0, |slot| memory[slot as usize]))
+    fn inflow(&self, memory: &[f64]) -> [f64; 2] {
+        self.slots.entering.map(|slot| slot.map_or(0.0, |slot| memory[slot as usize]))
     }
 
     fn begin(&mut self, t: f64, memory: &[f64]) {
         self.ends = self.ends(memory);
-        self.ready = self.ready(memory);
-        (self.enters, self.noted, self.speed) = ([false; 2], t, 0.0);
-        for pair in self.cells.initial.windows(2) {
+        self.inflow = self.inflow(memory);
+        (self.is_inflow, self.recorded_at, self.speed) = ([false; 2], t, 0.0);
+        for pair in self.slots.initial.windows(2) {
             let [(p, a), (q, b)] = [pair[0], pair[1]].map(|(place, value)| {
                 (self.ends[0] + memory[place as usize], memory[value as usize])
             });
             if p < q {
-                let mut piece = PolynomialSegment::of(p, a);
-                piece.push_last(q, b);
-                self.pieces.push_back(piece);
+                let mut segment = PolynomialSegment::of(p, a);
+                segment.push_last(q, b);
+                self.segments.push_back(segment);
             }
         }
-        if self.pieces.is_empty() {
-            self.pieces.push_back(PolynomialSegment::of(self.ends[1], self.ready[1]));
+        if self.segments.is_empty() {
+            self.segments.push_back(PolynomialSegment::of(self.ends[1], self.inflow[1]));
         }
-        for (reader, current) in self.cells.readers.iter().zip(&mut self.current) {
-            *current = arrive(&self.pieces, 0, memory[reader.place as usize]);
+        for (reader, current) in self.slots.readers.iter().zip(&mut self.current) {
+            *current = segment_at(&self.segments, 0, memory[reader.place as usize]);
         }
     }
 
-    fn note(&mut self, t: f64, memory: &[f64], after_event: bool) {
-        if self.pieces.is_empty() {
+    fn record(&mut self, t: f64, memory: &[f64], after_event: bool) {
+        if self.segments.is_empty() {
             return;
         }
         let now = self.ends(memory);
-        if t > self.noted {
+        if t > self.recorded_at {
             let moved = (now[0] - self.ends[0]).abs().max((now[1] - self.ends[1]).abs());
-            self.speed = moved / (t - self.noted);
+            self.speed = moved / (t - self.recorded_at);
         }
-        let ready = self.ready(memory);
+        let inflow = self.inflow(memory);
         let outwards = [self.ends[0] - now[0], now[1] - self.ends[1]];
         for end in 0..2 {
-            let opens = self.cells.entering[end].is_some();
-            if opens && outwards[end] > 0.0 && !self.enters[end] {
-                // It turns: what has left is gone, and what stood ready begins where the end stood. Even
-                // if it begins with the same value, it goes on along another course.
+            let opens = self.slots.entering[end].is_some();
+            if opens && outwards[end] > 0.0 && !self.is_inflow[end] {
+                // Flow reversal: the outflow has left, and the inflow starts at the old end. Even if
+                // it starts with the same value, its slope differs.
                 self.cut(end);
-                self.begin_piece(end, self.ready[end], memory);
+                self.begin_segment(end, self.inflow[end], memory);
             }
             if outwards[end] != 0.0 {
-                self.enters[end] = opens && outwards[end] > 0.0;
+                self.is_inflow[end] = opens && outwards[end] > 0.0;
             }
-            let other = jumps(self.ready[end], ready[end]);
-            match self.enters[end] {
+            let other = jumps(self.inflow[end], inflow[end]);
+            match self.is_inflow[end] {
                 true if other && (after_event || outwards[end] == 0.0) => {
-                    self.begin_piece(end, ready[end], memory);
+                    self.begin_segment(end, inflow[end], memory);
                 }
-                true if outwards[end] > 0.0 => self.go_on(end, now[end], ready[end]),
+                true if outwards[end] > 0.0 => self.extend(end, now[end], inflow[end]),
                 true => {}
                 false => self.leave(end, now[end]),
             }
         }
-        (self.ends, self.ready, self.noted) = (now, ready, t);
+        (self.ends, self.inflow, self.recorded_at) = (now, inflow, t);
     }
 
-    /// What enters at an end begins a new piece there.
-    fn begin_piece(&mut self, end: usize, value: f64, memory: &[f64]) {
-        let outermost = if end == 1 { self.pieces.back() } else { self.pieces.front() };
-        let Some(piece) = outermost else { return };
-        let Some((place, _)) = (if end == 1 { piece.last() } else { piece.first() }) else {
+    /// Starts a new segment of the inflow at an end.
+    fn begin_segment(&mut self, end: usize, value: f64, memory: &[f64]) {
+        let outermost = if end == 1 { self.segments.back() } else { self.segments.front() };
+        let Some(segment) = outermost else { return };
+        let Some((place, _)) = (if end == 1 { segment.last() } else { segment.first() }) else {
             return;
         };
-        // What only waited has not entered.
-        let waited = piece.points() == 1 && self.pieces.len() > 1;
+        // A single point has not entered the line yet.
+        let is_pending = segment.points() == 1 && self.segments.len() > 1;
         if end == 1 {
-            if waited {
-                self.pieces.pop_back();
+            if is_pending {
+                self.segments.pop_back();
             }
-            self.pieces.push_back(PolynomialSegment::of(place, value));
+            self.segments.push_back(PolynomialSegment::of(place, value));
             return;
         }
-        if waited {
-            self.pieces.pop_front();
+        if is_pending {
+            self.segments.pop_front();
         } else {
             self.current.iter_mut().for_each(|c| *c += 1);
         }
-        self.pieces.push_front(PolynomialSegment::of(place, value));
-        // Whoever reads at the end itself reads what enters there.
-        for (reader, current) in self.cells.readers.iter().zip(&mut self.current) {
+        self.segments.push_front(PolynomialSegment::of(place, value));
+        // Readers at the end itself read the inflow.
+        for (reader, current) in self.slots.readers.iter().zip(&mut self.current) {
             if memory[reader.place as usize] <= place {
                 *current = 0;
             }
         }
     }
 
-    /// What enters goes on where an end has moved to.
-    fn go_on(&mut self, end: usize, at: f64, value: f64) {
+    /// Extends the inflow up to the new position of an end.
+    fn extend(&mut self, end: usize, at: f64, value: f64) {
         if end == 1 {
-            self.pieces.back_mut().into_iter().for_each(|p| p.push_last(at, value));
+            self.segments.back_mut().into_iter().for_each(|p| p.push_last(at, value));
         } else {
-            self.pieces.front_mut().into_iter().for_each(|p| p.push_first(at, value));
+            self.segments.front_mut().into_iter().for_each(|p| p.push_first(at, value));
         }
     }
 
-    /// True if the outermost piece lies beyond an end.
+    /// True if the outermost segment lies beyond an end.
     fn has_left(&self, end: usize, at: f64) -> bool {
-        self.pieces.len() > 1
+        self.segments.len() > 1
             && if end == 1 {
-                self.pieces
+                self.segments
                     .back()
                     .and_then(PolynomialSegment::first)
                     .is_some_and(|(begin, _)| begin > at)
             } else {
-                self.pieces
+                self.segments
                     .front()
                     .and_then(PolynomialSegment::last)
                     .is_some_and(|(last, _)| last < at)
             }
     }
 
-    /// What stands beyond an end has left, but for what readers are still at.
+    /// Drops segments beyond an end, unless readers are still on them.
     fn leave(&mut self, end: usize, at: f64) {
-        let outermost = |line: &Line| if end == 1 { line.pieces.len() - 1 } else { 0 };
+        let outermost = |line: &Line| if end == 1 { line.segments.len() - 1 } else { 0 };
         while self.has_left(end, at) && !self.current.contains(&outermost(self)) {
             self.drop_outermost(end);
         }
-        let piece = if end == 1 { self.pieces.back_mut() } else { self.pieces.front_mut() };
-        if let Some(piece) = piece.filter(|p| p.points() > KEPT) {
-            if end == 1 { piece.discard_after(at) } else { piece.discard_before(at) }
+        let segment = if end == 1 { self.segments.back_mut() } else { self.segments.front_mut() };
+        if let Some(segment) = segment.filter(|p| p.points() > CAPACITY) {
+            if end == 1 { segment.discard_after(at) } else { segment.discard_before(at) }
         }
     }
 
-    /// What stands beyond an end goes.
+    /// Cuts the profile at an end.
     fn cut(&mut self, end: usize) {
         let at = self.ends[end];
         while self.has_left(end, at) {
             self.drop_outermost(end);
         }
-        let piece = if end == 1 { self.pieces.back_mut() } else { self.pieces.front_mut() };
-        if let Some(piece) = piece {
-            if end == 1 { piece.cut_after(at) } else { piece.cut_before(at) }
+        let segment = if end == 1 { self.segments.back_mut() } else { self.segments.front_mut() };
+        if let Some(segment) = segment {
+            if end == 1 { segment.cut_after(at) } else { segment.cut_before(at) }
         }
     }
 
     fn drop_outermost(&mut self, end: usize) {
         if end == 1 {
-            self.pieces.pop_back();
-            let last = self.pieces.len() - 1;
+            self.segments.pop_back();
+            let last = self.segments.len() - 1;
             self.current.iter_mut().for_each(|c| *c = (*c).min(last));
         } else {
-            self.pieces.pop_front();
+            self.segments.pop_front();
             self.current.iter_mut().for_each(|c| *c = c.saturating_sub(1));
         }
     }
 
-    fn place(&self, memory: &mut [f64]) {
-        let last = self.pieces.len().saturating_sub(1);
-        for (reader, &current) in self.cells.readers.iter().zip(&self.current) {
-            let piece = self.pieces.get(current);
-            let from = piece.and_then(PolynomialSegment::first).filter(|_| current > 0);
-            let to = piece.and_then(PolynomialSegment::last).filter(|_| current < last);
+    fn write_slots(&self, memory: &mut [f64]) {
+        let last = self.segments.len().saturating_sub(1);
+        for (reader, &current) in self.slots.readers.iter().zip(&self.current) {
+            let segment = self.segments.get(current);
+            let from = segment.and_then(PolynomialSegment::first).filter(|_| current > 0);
+            let to = segment.and_then(PolynomialSegment::last).filter(|_| current < last);
             memory[reader.from as usize] = from.map_or(-f64::MAX, |(begin, _)| begin);
             memory[reader.to as usize] = to.map_or(f64::MAX, |(end, _)| end);
         }
     }
 
-    fn leash(&self, memory: &[f64]) -> f64 {
+    fn max_step(&self, memory: &[f64]) -> f64 {
         let [low, high] = self.ends(memory);
-        if self.cells.entering[0].is_some() {
+        if self.slots.entering[0].is_some() {
             return if self.speed > 0.0 {
-                REACH * (high - low) / self.speed
+                MAX_DISPLACEMENT * (high - low) / self.speed
             } else {
                 f64::INFINITY
             };
         }
-        // Time is the line: what a reader has behind it is as long as it lasts.
-        let behind = self.cells.readers.iter().map(|r| high - memory[r.place as usize]);
+        // The line coordinate is time: a step may be as long as the shortest delay.
+        let behind = self.slots.readers.iter().map(|r| high - memory[r.place as usize]);
         behind.fold(f64::INFINITY, f64::min)
     }
 }

@@ -1,71 +1,71 @@
-//! Torn blocks at run time.
+//! Solves torn blocks.
 //!
-//! Linear blocks are solved from zero, so that the result depends on nothing but the inputs;
-//! nonlinear ones start from their last solution and iterate down to rounding errors. Where linear
-//! equations depend on each other and do not contradict, what they leave open stays as it was.
+//! Linear blocks are solved from zero, so that the result depends on the inputs only; nonlinear ones
+//! start from their last solution and iterate to rounding error. If linear equations are dependent
+//! but consistent, the undetermined unknowns keep their values.
 
-use crate::ir::program::{Implicit, Solver};
+use crate::ir::program::{BlockDerivative, TornBlock};
 use crate::numeric::linear::DenseLu;
 use crate::numeric::newton::{Newton, NewtonOutcome, NewtonSettings, NonlinearSystem, Region};
 use crate::numeric::pseudo_inverse::PseudoInverse;
 
-use super::machine::{Fault, Instance};
+use super::machine::{Fault, Machine};
 
-/// The memory of a torn block.
-pub struct SolverWork {
-    method: Method,
+/// Working memory for a torn block.
+pub struct TornBlockSolver {
+    method: BlockMethod,
     z: Vec<f64>,
     start: Vec<f64>,
     nominal: Vec<f64>,
     bounds: Vec<(f64, f64)>,
 }
 
-enum Method {
+enum BlockMethod {
     Linear(Linear),
     Newton(Newton),
 }
 
-/// The last matrix of a linear block with its factors: most matrices change at events only.
+/// The last matrix of a linear block and its factorization: most matrices change at events only.
 struct Linear {
     lu: DenseLu,
     matrix: Vec<f64>,
     factored: Vec<f64>,
     valid: bool,
-    /// In place of factors where the matrix has not got them, and the unknown that it leaves open, for the message.
+    /// Pseudoinverse of a singular matrix, and the unknown it leaves undetermined, for the message.
     singular: Option<(PseudoInverse, usize)>,
-    /// There are factors, if only by rounding.
+    /// A factorization exists, possibly only because of rounding errors.
     has_factors: bool,
-    /// The matrix was singular before: a pivot that rounding leaves over is none.
-    deficient: bool,
+    /// The matrix was singular before: pivots of the size of rounding errors count as zero.
+    was_singular: bool,
     last: Vec<f64>,
-    right: Vec<f64>,
+    right_side: Vec<f64>,
 }
 
-/// A pivot that is left over by rounding is this part of its column at most.
+/// Largest pivot that counts as a rounding error, relative to its column.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-impl SolverWork {
-    /// Memory for this block.
-    pub fn new(solver: &Solver) -> Self {
-        let n = solver.unknowns.len();
-        let method = if solver.linear {
+impl TornBlockSolver {
+    /// Working memory for this block.
+    pub fn new(torn_block: &TornBlock) -> Self {
+        let n = torn_block.unknowns.len();
+        let method = if torn_block.linear {
             let zeros = || vec![0.0; n * n];
             let lu = DenseLu::new(n);
-            Method::Linear(Linear {
+            BlockMethod::Linear(Linear {
                 lu,
                 matrix: zeros(),
                 factored: zeros(),
                 valid: false,
                 singular: None,
                 has_factors: false,
-                deficient: false,
+                was_singular: false,
                 last: vec![0.0; n],
-                right: vec![0.0; n],
+                right_side: vec![0.0; n],
             })
         } else {
-            Method::Newton(Newton::new(n))
+            BlockMethod::Newton(Newton::new(n))
         };
-        SolverWork {
+        TornBlockSolver {
             method,
             z: vec![0.0; n],
             start: vec![0.0; n],
@@ -74,61 +74,66 @@ impl SolverWork {
         }
     }
 
-    /// Solves block `k` and leaves all its variables in the memory.
-    pub fn solve(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
-        let solver = &instance.program.solvers[k];
+    /// Solves block `k` and writes all its variables to the memory.
+    pub fn solve(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
+        let torn_block = &machine.program.routines.torn_blocks[k];
         match &mut self.method {
-            Method::Linear(linear) => linear.solve(instance, k, &mut self.z)?,
-            Method::Newton(newton) => {
-                for (j, slot) in solver.slots.iter().enumerate() {
-                    self.z[j] = instance.get(*slot);
+            BlockMethod::Linear(linear) => linear.solve(machine, k, &mut self.z)?,
+            BlockMethod::Newton(newton) => {
+                for (j, slot) in torn_block.slots.iter().enumerate() {
+                    self.z[j] = machine.get(*slot);
                     self.start[j] = self.z[j];
-                    let size = instance.get(solver.nominals[j]).abs();
+                    let size = machine.get(torn_block.nominals[j]).abs();
                     self.nominal[j] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
-                    let (min, max) = solver.bounds[j];
-                    self.bounds[j] = (instance.get(min), instance.get(max));
+                    let (min, max) = torn_block.bounds[j];
+                    self.bounds[j] = (machine.get(min), machine.get(max));
                 }
                 let bounded = self.bounds.iter().any(|(a, b)| a.is_finite() || b.is_finite());
                 let bounds = bounded.then_some(&self.bounds[..]);
                 let mut region = Region { nominal: &self.nominal, bounds };
-                let mut equations = BlockEquations { instance, solver: k, fault: None };
+                let mut equations = BlockEquations { machine, torn_block: k, fault: None };
                 let settings = NewtonSettings::default();
                 let mut ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 if bounded && !matches!(ending, NewtonOutcome::Converged { .. }) {
-                    // Bounds lead away from what makes no sense; that nothing lies beyond them is for
-                    // assertions to say.
+                    // Bounds only guide the iteration; enforcing them is up to assertions.
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
-                let leaps = equations.instance.leaps;
-                if leaps && self.z.len() == 1 && !matches!(ending, NewtonOutcome::Converged { .. })
+                let branch_switch = equations.machine.branch_switch;
+                if branch_switch && self.z.len() == 1 && !matches!(ending, NewtonOutcome::Converged { .. })
                 {
-                    // The branch that the solution was on may have come to its end.
+                    // The current solution branch may have ended at a fold.
                     let found = other_branch(&mut equations, self.start[0], self.nominal[0]);
-                    // Without one the message is about where the iteration came to from the start.
+                    // If there is none, report where the iteration from the start value ended.
                     self.z[0] = found.unwrap_or(self.start[0]);
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
-                if leaps && self.z.len() > 1 && !matches!(ending, NewtonOutcome::Converged { .. }) {
+                if branch_switch && self.z.len() > 1 && !matches!(ending, NewtonOutcome::Converged { .. }) {
                     region.bounds = None;
-                    ending =
-                        elsewhere(newton, &mut equations, &mut self.z, &self.start, region, ending);
+                    ending = from_displaced_starts(
+                        newton,
+                        &mut equations,
+                        &mut self.z,
+                        &self.start,
+                        region,
+                        ending,
+                    );
                 }
                 let fault = equations.fault;
-                judge(ending, k, fault)?;
+                to_result(ending, k, fault)?;
             }
         }
-        // The explicit part at the solution.
-        for (slot, z) in solver.slots.iter().zip(&self.z) {
-            instance.set(*slot, *z);
+        // Evaluate the explicit part at the solution.
+        for (slot, z) in torn_block.slots.iter().zip(&self.z) {
+            machine.set(*slot, *z);
         }
-        instance.run(&solver.residual_tape)
+        machine.run(&torn_block.residual_tape)
     }
 }
 
-/// The root of one equation in one unknown that is nearest to `start`, by a search outwards for a
-/// change of sign and bisection. A jump or a pole changes sign too and is no root.
+/// The root of a scalar equation nearest to `start`, found by searching outwards for a sign change and
+/// bisecting. Jumps and poles also change sign; they are rejected.
 fn other_branch(equations: &mut BlockEquations<'_, '_>, start: f64, nominal: f64) -> Option<f64> {
     let mut value = |z: f64| {
         let mut g = [0.0];
@@ -161,9 +166,9 @@ fn other_branch(equations: &mut BlockEquations<'_, '_>, start: f64, nominal: f64
     None
 }
 
-/// Newton's method from points around `start`, one unknown displaced at a time, the nearest first;
-/// how it ended at last.
-fn elsewhere(
+/// Restarts Newton's method from points around `start`, nearest first, displacing one unknown at a
+/// time.
+fn from_displaced_starts(
     newton: &mut Newton,
     equations: &mut BlockEquations<'_, '_>,
     z: &mut [f64],
@@ -172,7 +177,7 @@ fn elsewhere(
     failed: NewtonOutcome,
 ) -> NewtonOutcome {
     let settings = NewtonSettings::default();
-    if z.len() > MOST_UNKNOWNS {
+    if z.len() > MAX_SEARCHED_UNKNOWNS {
         return failed;
     }
     for k in 0..DISPLACEMENTS {
@@ -193,63 +198,63 @@ fn elsewhere(
     failed
 }
 
-/// Larger blocks are not searched for other branches.
-const MOST_UNKNOWNS: usize = 12;
-/// How far unknowns are displaced at first, in their typical sizes.
+/// Maximum number of unknowns of blocks that are searched for other branches.
+const MAX_SEARCHED_UNKNOWNS: usize = 12;
+/// First displacement of an unknown, in nominal values.
 const FIRST_DISPLACEMENT: f64 = 1e-3;
-/// How often they are displaced further, and by which factor.
+/// Number of displacements of each unknown.
 const DISPLACEMENTS: i32 = 8;
-/// See [`DISPLACEMENTS`].
+/// Factor from one displacement to the next.
 const DISPLACEMENT_GROWTH: f64 = 8.0;
 
-/// First step of the search for another branch, in typical sizes of the unknown.
+/// First step of the search for another branch, in nominal values of the unknown.
 const FIRST_STEP: f64 = 1e-6;
-/// How often that step is doubled.
+/// Number of times that step is doubled.
 const DOUBLINGS: u32 = 60;
-/// Bisections until nothing changes any more.
+/// Number of bisections; more would not change the result.
 const BISECTIONS: u32 = 100;
 
-impl SolverWork {
-    /// After a failure: the next attempt starts from the last solution, not from where this one got
-    /// lost.
-    pub fn restore(&self, solver: &Solver, memory: &mut [f64]) {
-        if let Method::Newton(_) = self.method {
-            for (slot, z) in solver.slots.iter().zip(&self.start) {
+impl TornBlockSolver {
+    /// Restores the start values after a failure, so that the next attempt starts from the last
+    /// solution.
+    pub fn restore(&self, torn_block: &TornBlock, memory: &mut [f64]) {
+        if let BlockMethod::Newton(_) = self.method {
+            for (slot, z) in torn_block.slots.iter().zip(&self.start) {
                 memory[*slot as usize] = *z;
             }
         }
     }
 }
 
-fn judge(ending: NewtonOutcome, solver: usize, inner: Option<Fault>) -> Result<(), Fault> {
+fn to_result(ending: NewtonOutcome, torn_block: usize, inner: Option<Fault>) -> Result<(), Fault> {
     match ending {
         NewtonOutcome::Converged { .. } => Ok(()),
-        NewtonOutcome::Singular { column } => Err(Fault::Singular { solver, unknown: column }),
+        NewtonOutcome::Singular { column } => Err(Fault::Singular { torn_block, unknown: column }),
         NewtonOutcome::Diverged { component } => {
-            Err(Fault::Diverged { solver, unknown: component })
+            Err(Fault::Diverged { torn_block, unknown: component })
         }
         NewtonOutcome::NonFinite { residual } => {
-            Err(inner.unwrap_or(Fault::NotFinite { solver, residual }))
+            Err(inner.unwrap_or(Fault::NotFinite { torn_block, residual }))
         }
     }
 }
 
 impl Linear {
     /// `J z = -r(0)`
-    fn solve(&mut self, instance: &mut Instance<'_>, k: usize, z: &mut [f64]) -> Result<(), Fault> {
-        let solver = &instance.program.solvers[k];
-        let n = solver.unknowns.len();
-        for (slot, last) in solver.slots.iter().zip(&mut self.last) {
-            *last = instance.get(*slot);
+    fn solve(&mut self, machine: &mut Machine<'_>, k: usize, z: &mut [f64]) -> Result<(), Fault> {
+        let torn_block = &machine.program.routines.torn_blocks[k];
+        let n = torn_block.unknowns.len();
+        for (slot, last) in torn_block.slots.iter().zip(&mut self.last) {
+            *last = machine.get(*slot);
             if !last.is_finite() {
                 *last = 0.0;
             }
-            instance.set(*slot, 0.0);
+            machine.set(*slot, 0.0);
         }
-        let outcome = self.solve_from_zero(instance, k, n, z);
+        let outcome = self.solve_from_zero(machine, k, n, z);
         if outcome.is_err() {
-            for (slot, last) in solver.slots.iter().zip(&self.last) {
-                instance.set(*slot, *last);
+            for (slot, last) in torn_block.slots.iter().zip(&self.last) {
+                machine.set(*slot, *last);
             }
         }
         outcome
@@ -257,30 +262,30 @@ impl Linear {
 
     fn solve_from_zero(
         &mut self,
-        instance: &mut Instance<'_>,
+        machine: &mut Machine<'_>,
         k: usize,
         n: usize,
         z: &mut [f64],
     ) -> Result<(), Fault> {
-        let solver = &instance.program.solvers[k];
-        instance.run(&solver.residual_tape)?;
-        instance.run(&solver.jacobian_tape)?;
-        for (i, slot) in solver.residuals.iter().enumerate() {
-            z[i] = -instance.get(*slot);
+        let torn_block = &machine.program.routines.torn_blocks[k];
+        machine.run(&torn_block.residual_tape)?;
+        machine.run(&torn_block.jacobian_tape)?;
+        for (i, slot) in torn_block.residuals.iter().enumerate() {
+            z[i] = -machine.get(*slot);
             if !z[i].is_finite() {
-                return Err(Fault::NotFinite { solver: k, residual: i });
+                return Err(Fault::NotFinite { torn_block: k, residual: i });
             }
         }
         if n == 1 {
-            let pivot = solver.jacobian.first().map_or(0.0, |e| instance.get(e.slot));
+            let pivot = torn_block.jacobian.first().map_or(0.0, |e| machine.get(e.slot));
             if pivot != 0.0 && pivot.is_finite() {
                 z[0] /= pivot;
                 return Ok(());
             }
         }
         self.matrix.fill(0.0);
-        for e in &solver.jacobian {
-            self.matrix[e.row as usize + n * e.column as usize] = instance.get(e.slot);
+        for e in &torn_block.jacobian {
+            self.matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
         }
         let same = self.valid
             && self.matrix.iter().zip(&self.factored).all(|(a, b)| a.to_bits() == b.to_bits());
@@ -288,8 +293,8 @@ impl Linear {
             self.valid = false;
             self.singular = None;
             let factored = self.lu.factor(&self.matrix);
-            self.deficient |= factored.is_err();
-            if self.deficient
+            self.was_singular |= factored.is_err();
+            if self.was_singular
                 && (factored.is_err() || self.lu.weakest_pivot(&self.matrix) <= ROUNDING)
             {
                 let inverse = PseudoInverse::new(n, &self.matrix);
@@ -297,7 +302,7 @@ impl Linear {
                     .filter(|i| factored.is_err() || i.rank() < n)
                     .map(|i| (i, factored.as_ref().map_or_else(|s| s.column, |()| n - 1)));
                 if let (Err(s), None) = (&factored, &self.singular) {
-                    return Err(Fault::Singular { solver: k, unknown: s.column });
+                    return Err(Fault::Singular { torn_block: k, unknown: s.column });
                 }
             }
             self.has_factors = factored.is_ok();
@@ -308,120 +313,124 @@ impl Linear {
             self.lu.solve_in_place(z);
             return Ok(());
         };
-        self.right.copy_from_slice(z);
+        self.right_side.copy_from_slice(z);
         if singular.solve_near(z, &self.last) {
-            instance.undetermined.get_or_insert((k, *unknown));
+            machine.undetermined.get_or_insert((k, *unknown));
         } else {
             if self.has_factors {
-                z.copy_from_slice(&self.right);
+                z.copy_from_slice(&self.right_side);
                 self.lu.solve_in_place(z);
                 if z.iter().all(|x| x.is_finite()) {
                     return Ok(());
                 }
             }
-            // On the way to what relations will be it does as it can.
-            if !instance.relaxed {
-                return Err(Fault::Singular { solver: k, unknown: *unknown });
+            // Intermediate steps of a relation search tolerate inconsistent equations.
+            if !machine.relaxed {
+                return Err(Fault::Singular { torn_block: k, unknown: *unknown });
             }
-            instance.moved = true;
+            machine.still_changing = true;
         }
         Ok(())
     }
 }
 
-/// A nonlinear block as Newton's method sees it.
+/// The equations of a nonlinear block for Newton's method.
 struct BlockEquations<'a, 'p> {
-    instance: &'a mut Instance<'p>,
-    solver: usize,
+    machine: &'a mut Machine<'p>,
+    torn_block: usize,
     fault: Option<Fault>,
 }
 
 impl BlockEquations<'_, '_> {
-    fn put(&mut self, z: &[f64]) -> bool {
-        let solver = &self.instance.program.solvers[self.solver];
-        for (slot, z) in solver.slots.iter().zip(z) {
-            self.instance.set(*slot, *z);
+    fn evaluate_at(&mut self, z: &[f64]) -> bool {
+        let torn_block = &self.machine.program.routines.torn_blocks[self.torn_block];
+        for (slot, z) in torn_block.slots.iter().zip(z) {
+            self.machine.set(*slot, *z);
         }
-        self.fault = self.instance.run(&solver.residual_tape).err();
+        self.fault = self.machine.run(&torn_block.residual_tape).err();
         self.fault.is_none()
     }
 }
 
 impl NonlinearSystem for BlockEquations<'_, '_> {
     fn residual(&mut self, z: &[f64], g: &mut [f64]) -> bool {
-        if !self.put(z) {
+        if !self.evaluate_at(z) {
             return false;
         }
-        let solver = &self.instance.program.solvers[self.solver];
-        for (g, slot) in g.iter_mut().zip(&solver.residuals) {
-            *g = self.instance.get(*slot);
+        let torn_block = &self.machine.program.routines.torn_blocks[self.torn_block];
+        for (g, slot) in g.iter_mut().zip(&torn_block.residuals) {
+            *g = self.machine.get(*slot);
         }
         true
     }
 
     fn jacobian(&mut self, z: &[f64], j: &mut [f64]) -> bool {
-        if !self.put(z) {
+        if !self.evaluate_at(z) {
             return false;
         }
-        let solver = &self.instance.program.solvers[self.solver];
-        self.fault = self.instance.run(&solver.jacobian_tape).err();
-        for e in &solver.jacobian {
-            j[e.row as usize + z.len() * e.column as usize] = self.instance.get(e.slot);
+        let torn_block = &self.machine.program.routines.torn_blocks[self.torn_block];
+        self.fault = self.machine.run(&torn_block.jacobian_tape).err();
+        for e in &torn_block.jacobian {
+            j[e.row as usize + z.len() * e.column as usize] = self.machine.get(e.slot);
         }
         self.fault.is_none()
     }
 }
 
-/// The memory of the derivative of a torn block.
-pub struct ImplicitWork {
+/// Working memory for the derivatives of a torn block.
+pub struct BlockDerivativeSolver {
     lu: DenseLu,
-    /// The matrix was singular before: a pivot that rounding leaves over is none.
-    deficient: bool,
+    /// The matrix was singular before: pivots of the size of rounding errors count as zero.
+    was_singular: bool,
     matrix: Vec<f64>,
     columns: Vec<f64>,
 }
 
-impl ImplicitWork {
+impl BlockDerivativeSolver {
     /// Memory for this block.
-    pub fn new(implicit: &Implicit) -> Self {
-        let n = implicit.order;
-        ImplicitWork {
+    pub fn new(derivative: &BlockDerivative) -> Self {
+        let n = derivative.order;
+        BlockDerivativeSolver {
             lu: DenseLu::new(n),
-            deficient: false,
+            was_singular: false,
             matrix: vec![0.0; n * n],
-            columns: vec![0.0; implicit.results.len()],
+            columns: vec![0.0; derivative.results.len()],
         }
     }
 
     /// `J dz = -B`
-    pub fn differentiate(&mut self, implicit: &Implicit, memory: &mut [f64]) -> Result<(), Fault> {
-        let n = implicit.order;
+    pub fn differentiate(
+        &mut self,
+        derivative: &BlockDerivative,
+        memory: &mut [f64],
+    ) -> Result<(), Fault> {
+        let n = derivative.order;
         self.matrix.fill(0.0);
         self.columns.fill(0.0);
-        for e in &implicit.jacobian {
+        for e in &derivative.jacobian {
             self.matrix[e.row as usize + n * e.column as usize] = memory[e.slot as usize];
         }
-        for e in &implicit.seeds {
+        for e in &derivative.seeds {
             self.columns[e.row as usize + n * e.column as usize] = -memory[e.slot as usize];
         }
         let factored = self.lu.factor(&self.matrix);
-        self.deficient |= factored.is_err();
-        let regular =
-            factored.is_ok() && (!self.deficient || self.lu.weakest_pivot(&self.matrix) > ROUNDING);
+        self.was_singular |= factored.is_err();
+        let regular = factored.is_ok()
+            && (!self.was_singular || self.lu.weakest_pivot(&self.matrix) > ROUNDING);
         if regular {
             for column in self.columns.chunks_exact_mut(n) {
                 self.lu.solve_in_place(column);
             }
         } else {
-            // What the equations leave open does not move.
+            // Unknowns that the equations do not determine are constant.
             let unknown = factored.map_or_else(|s| s.column, |()| n - 1);
-            let fault = Fault::Singular { solver: implicit.solver as usize, unknown };
+            let fault = Fault::Singular { torn_block: derivative.torn_block as usize, unknown };
             let inverse = PseudoInverse::new(n, &self.matrix).ok_or(fault)?;
             for column in self.columns.chunks_exact_mut(n) {
                 inverse.solve_in_place(column);
             }
         }
-        for (slot, value) in implicit.results.iter().zip(&self.columns) {
+        for (slot, value) in derivative.results.iter().zip(&self.columns) {
             memory[*slot as usize] = *value;
         }
         Ok(())

@@ -13,57 +13,63 @@ use crate::ir::program::{Bounds, Program};
 const BEYOND: &str = "MO0919";
 
 /// Variables that are named before the rest is left unsaid.
-const NAMED: usize = 8;
+const MAX_WARNINGS: usize = 8;
 
 /// The variables that are looked at.
-pub struct Limits {
-    watched: Vec<(Bounds, f64)>,
-    named: usize,
+pub struct BoundWarnings {
+    monitored: Vec<(Bounds, f64)>,
+    reported: usize,
 }
 
-impl Limits {
+impl BoundWarnings {
     /// Watches what is recorded. What is less than `tolerance` beyond a bound, relative to the bound and to the
     /// typical size, is not.
-    pub fn new(program: &Program, tolerance: f64) -> Limits {
+    pub fn new(program: &Program, tolerance: f64) -> BoundWarnings {
         let mut recorded = vec![false; program.blocks.dae.variables.len()];
         for v in program.recorded.iter().chain(&program.constants) {
             recorded[v.idx()] = true;
         }
-        let watched = program.bounds.iter().filter(|b| recorded[b.variable.idx()]);
+        let monitored = program.bounds.iter().filter(|b| recorded[b.variable.idx()]);
         let margin = |b: &Bounds| match program.blocks.dae.variables[b.variable].kind {
             Kind::Parameter => 0.0,
             _ => tolerance,
         };
-        Limits { watched: watched.map(|b| (*b, margin(b))).collect(), named: 0 }
+        BoundWarnings { monitored: monitored.map(|b| (*b, margin(b))).collect(), reported: 0 }
     }
 
     /// Looks at the values of an instant; each variable is named once.
     #[inline]
-    pub fn look(&mut self, program: &Program, memory: &[f64], t: f64, said: &mut Vec<Diagnostic>) {
+    pub fn check(
+        &mut self,
+        program: &Program,
+        memory: &[f64],
+        t: f64,
+        warnings: &mut Vec<Diagnostic>,
+    ) {
         let mut k = 0;
-        while let Some((bounds, margin)) = self.watched.get(k) {
+        while let Some((bounds, margin)) = self.monitored.get(k) {
             if is_within(bounds, *margin, memory) {
                 k += 1;
                 continue;
             }
-            if self.named < NAMED {
-                said.push(beyond(program, memory, bounds, t));
-            } else if self.named == NAMED {
+            if self.reported < MAX_WARNINGS {
+                warnings.push(beyond(program, memory, bounds, t));
+            } else if self.reported == MAX_WARNINGS {
                 let place = program.blocks.dae.variables[bounds.variable].span;
                 let message = format!("at time {t} s more variables lie beyond their bounds");
-                said.push(Diagnostic::warning(BEYOND, place, message));
-                self.watched.clear();
+                warnings.push(Diagnostic::warning(BEYOND, place, message));
+                self.monitored.clear();
                 return;
             }
-            self.named += 1;
-            self.watched.swap_remove(k);
+            self.reported += 1;
+            self.monitored.swap_remove(k);
         }
     }
 
     /// Does not look at parameters any more.
-    pub fn settle(&mut self, program: &Program) {
+    pub fn drop_parameters(&mut self, program: &Program) {
         let variables = &program.blocks.dae.variables;
-        self.watched.retain(|(b, _)| variables[b.variable].kind != Kind::Parameter);
+        self.monitored.retain(|(b, _)| variables[b.variable].kind != Kind::Parameter);
     }
 }
 
@@ -84,13 +90,13 @@ fn beyond(program: &Program, memory: &[f64], bounds: &Bounds, t: f64) -> Diagnos
     let [value, min, max] =
         [bounds.value, bounds.min, bounds.max].map(|slot| memory[slot as usize]);
     let is_low = value < min;
-    let (named, negative) =
+    let (reported, negative) =
         declaring(dae, bounds.variable, is_low).unwrap_or((bounds.variable, false));
     // No bound is a negative zero.
     let signed = |x: f64| if negative { 0.0 - x } else { x };
     let (value, bound) = (signed(value), signed(if is_low { min } else { max }));
     let (side, attribute) = if is_low == negative { ("above", "max") } else { ("below", "min") };
-    let v = &dae.variables[named];
+    let v = &dae.variables[reported];
     let what = format!("{value}, {side} its `{attribute}` of {bound}");
     let (message, help) = match v.kind {
         Kind::Parameter => {

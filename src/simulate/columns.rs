@@ -4,8 +4,8 @@ use crate::base::index::FastMap;
 use crate::ir::dae::{Dae, Kind, Variable};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::Program;
-use crate::ir::trajectory::{self, Column, Constant, Course};
-use crate::runtime::machine::Instance;
+use crate::ir::trajectory::{self, Column, ColumnStorage, Constant};
+use crate::runtime::machine::Machine;
 
 /// The columns of what a run of the program records.
 pub fn columns(program: &Program) -> Vec<Column> {
@@ -14,37 +14,41 @@ pub fn columns(program: &Program) -> Vec<Column> {
 
 /// What is known of each column: variables that were eliminated as aliases share a course, and what
 /// depends on parameters only has none.
-pub fn courses(program: &Program) -> Vec<Course> {
+pub fn column_storage(program: &Program) -> Vec<ColumnStorage> {
     let dae = &program.blocks.dae;
     let values: FastMap<VarId, ExprId> = dae.eliminated.iter().copied().collect();
     let mut first: FastMap<VarId, (usize, bool)> = FastMap::default();
     let course = |(at, v): (usize, &VarId)| {
         if dae.variables[*v].kind == Kind::InitialParameter {
-            return Course::Constant;
+            return ColumnStorage::Constant;
         }
         let (root, negated) = match values.get(v) {
             None => (*v, false),
             Some(&value) => match alias(dae, value) {
                 Some(alias) => alias,
-                None if is_constant(dae, value) => return Course::Constant,
-                None => return Course::Own,
+                None if is_constant(dae, value) => return ColumnStorage::Constant,
+                None => return ColumnStorage::Own,
             },
         };
         if is_parameter(dae, root) {
-            return Course::Constant;
+            return ColumnStorage::Constant;
         }
         let &mut (of, other) = first.entry(root).or_insert((at, negated));
-        if of == at { Course::Own } else { Course::Alias { of, negated: negated != other } }
+        if of == at {
+            ColumnStorage::Own
+        } else {
+            ColumnStorage::Alias { of, negated: negated != other }
+        }
     };
     program.recorded.iter().enumerate().map(course).collect()
 }
 
 /// The parameters and constants of a run that has begun.
-pub fn constants(instance: &Instance<'_>) -> Vec<Constant> {
-    let program = instance.program;
+pub fn constants(machine: &Machine<'_>) -> Vec<Constant> {
+    let program = machine.program;
     let constant = |v: &VarId| Constant {
         column: column(&program.blocks.dae.variables[*v]),
-        value: instance.value(*v),
+        value: machine.value(*v),
     };
     program.constants.iter().map(constant).collect()
 }

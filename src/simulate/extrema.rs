@@ -13,7 +13,7 @@ use super::run::Simulation;
 
 /// An extreme value that is wanted.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Extreme {
+pub struct ExtremumRequest {
     /// Of this variable.
     pub variable: VarId,
     /// The greatest value rather than the least.
@@ -25,16 +25,16 @@ pub struct Extreme {
 }
 
 /// Looks at a step at least, one of them at its begin.
-const LOOKS: f64 = 5.0;
+const MIN_PROBES: f64 = 5.0;
 /// Looks at a step at most.
-const MOST_LOOKS: f64 = 1e4;
+const MAX_PROBES: f64 = 1e4;
 /// The place of an extreme value, as a part of the distance of two looks. The value is then exact to the square of
 /// it.
-const SHARPNESS: f64 = 1e-6;
+const LOCATION_TOLERANCE: f64 = 1e-6;
 
 /// The extreme values so far.
 #[derive(Default)]
-pub struct Extremes {
+pub struct ExtremaSearch {
     wanted: Vec<Wanted>,
     /// Greatest distance of two looks, s.
     spacing: f64,
@@ -53,10 +53,10 @@ struct Wanted {
     best: Option<f64>,
 }
 
-impl Extremes {
+impl ExtremaSearch {
     /// Nothing found yet, in a run that begins at `start`, s, and whose course does not change within `spacing`, s.
-    pub fn new(program: &Program, wanted: &[Extreme], start: f64, spacing: f64) -> Self {
-        let of = |e: &Extreme| Wanted {
+    pub fn new(program: &Program, wanted: &[ExtremumRequest], start: f64, spacing: f64) -> Self {
+        let of = |e: &ExtremumRequest| Wanted {
             slot: program.slot(e.variable),
             sign: if e.greatest { 1.0 } else { -1.0 },
             after: e.after.map(|v| program.slot(v)),
@@ -64,7 +64,7 @@ impl Extremes {
             best: None,
         };
         let wanted = wanted.iter().map(of).collect();
-        Extremes { wanted, spacing, reached: start, ..Extremes::default() }
+        ExtremaSearch { wanted, spacing, reached: start, ..ExtremaSearch::default() }
     }
 
     /// What was found, in the order asked for; none where the variable never counted.
@@ -75,12 +75,12 @@ impl Extremes {
 
 impl Simulation<'_, '_> {
     /// Counts the values in the memory.
-    pub(super) fn heed_extremes(&mut self) {
-        let instance = &self.model.instance;
-        for w in &mut self.extremes.wanted {
-            let counts = w.after.is_none_or(|slot| instance.get(slot) != 0.0)
-                && w.before.is_none_or(|slot| instance.get(slot) == 0.0);
-            let value = w.sign * instance.get(w.slot);
+    pub(super) fn update_extrema(&mut self) {
+        let machine = &self.system.machine;
+        for w in &mut self.extrema.wanted {
+            let counts = w.after.is_none_or(|slot| machine.get(slot) != 0.0)
+                && w.before.is_none_or(|slot| machine.get(slot) == 0.0);
+            let value = w.sign * machine.get(w.slot);
             if counts && value.is_finite() && w.best.is_none_or(|best| value > best) {
                 w.best = Some(value);
             }
@@ -88,29 +88,29 @@ impl Simulation<'_, '_> {
     }
 
     /// Looks at the last step up to `end`, s.
-    pub(super) fn seek_extremes(&mut self, end: f64) -> Result<(), Failure> {
-        if self.extremes.wanted.is_empty() {
+    pub(super) fn search_extrema(&mut self, end: f64) -> Result<(), Failure> {
+        if self.extrema.wanted.is_empty() {
             return Ok(());
         }
-        let begin = self.extremes.reached.max(self.stepper_begin());
+        let begin = self.extrema.reached.max(self.stepper_begin());
         if end <= begin {
             return Ok(());
         }
-        self.extremes.reached = end;
-        let looks = ((end - begin) / self.extremes.spacing).ceil().clamp(LOOKS, MOST_LOOKS);
-        let mut times = std::mem::take(&mut self.extremes.times);
-        let mut values = std::mem::take(&mut self.extremes.values);
+        self.extrema.reached = end;
+        let probes = ((end - begin) / self.extrema.spacing).ceil().clamp(MIN_PROBES, MAX_PROBES);
+        let mut times = std::mem::take(&mut self.extrema.times);
+        let mut values = std::mem::take(&mut self.extrema.values);
         times.clear();
         values.clear();
-        let width = self.extremes.wanted.len();
-        for k in 0..=looks as usize {
+        let width = self.extrema.wanted.len();
+        for k in 0..=probes as usize {
             let t =
-                if k as f64 == looks { end } else { begin + (end - begin) * (k as f64 / looks) };
-            self.go_to(t)?;
+                if k as f64 == probes { end } else { begin + (end - begin) * (k as f64 / probes) };
+            self.evaluate_at(t)?;
             times.push(t);
-            let instance = &self.model.instance;
-            values.extend(self.extremes.wanted.iter().map(|w| w.sign * instance.get(w.slot)));
-            self.heed_extremes();
+            let machine = &self.system.machine;
+            values.extend(self.extrema.wanted.iter().map(|w| w.sign * machine.get(w.slot)));
+            self.update_extrema();
         }
         // Whether a value counts changes at events only.
         for k in 0..width {
@@ -122,33 +122,33 @@ impl Simulation<'_, '_> {
                         (points[0].0..=points[2].0).contains(&t) && height > best
                     })
                 };
-                if self.extremes.wanted[k].best.is_some_and(promising) {
-                    self.seek_extreme(k, points[0].0, points[2].0)?;
+                if self.extrema.wanted[k].best.is_some_and(promising) {
+                    self.refine_extremum(k, points[0].0, points[2].0)?;
                 }
             }
         }
-        self.extremes.times = times;
-        self.extremes.values = values;
+        self.extrema.times = times;
+        self.extrema.values = values;
         Ok(())
     }
 
     /// The greatest value of one variable in a part of the last step.
-    fn seek_extreme(&mut self, k: usize, begin: f64, end: f64) -> Result<(), Failure> {
-        let (slot, sign) = (self.extremes.wanted[k].slot, self.extremes.wanted[k].sign);
+    fn refine_extremum(&mut self, k: usize, begin: f64, end: f64) -> Result<(), Failure> {
+        let (slot, sign) = (self.extrema.wanted[k].slot, self.extrema.wanted[k].sign);
         let mut failed = None;
-        let value = |t: f64| match self.go_to(t) {
-            Ok(()) => sign * self.model.instance.get(slot),
+        let value = |t: f64| match self.evaluate_at(t) {
+            Ok(()) => sign * self.system.machine.get(slot),
             Err(failure) => {
                 failed.get_or_insert(failure);
                 f64::NAN
             }
         };
-        let (t, _) = maximum(value, begin, end, SHARPNESS * (end - begin));
+        let (t, _) = maximum(value, begin, end, LOCATION_TOLERANCE * (end - begin));
         if let Some(failure) = failed {
             return Err(failure);
         }
-        self.go_to(t)?;
-        self.heed_extremes();
+        self.evaluate_at(t)?;
+        self.update_extrema();
         Ok(())
     }
 

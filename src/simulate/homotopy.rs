@@ -5,7 +5,7 @@
 //! ch. 2), each start being the guess of the next.
 
 use crate::ir::program::{Continuation, Slot};
-use crate::runtime::machine::Instance;
+use crate::runtime::machine::Machine;
 
 use super::initialization::initialise_from;
 use super::settings::Settings;
@@ -15,20 +15,20 @@ const FIRST: f64 = 0.25;
 /// A step as short as this is given up.
 const SHORTEST: f64 = 1e-4;
 
-/// Guesses for the cells of the program itself, if the way leads to its end.
+/// Guesses for the slots of the program itself, if the way leads to its end.
 pub fn follow(continuation: &Continuation, settings: &Settings) -> Option<Vec<(Slot, f64)>> {
-    let Continuation { program, lambda, cells } = continuation;
+    let Continuation { program, lambda, slots } = continuation;
     let names = settings.parameters.iter().chain(&settings.starts);
     // Both programs number the variables of the flat model alike.
     debug_assert!(names.clone().all(|(v, _)| v != lambda));
     let mut settings = settings.clone();
-    let mut instance = Instance::new(program);
+    let mut machine = Machine::new(program);
     let given = settings.parameters.len();
     let mut start_at = |at: f64, guess: &[(Slot, f64)]| {
         settings.parameters.truncate(given);
         settings.parameters.push((*lambda, at));
-        initialise_from(&mut instance, &settings, guess).ok()?;
-        Some(cells.iter().map(|&(slot, _)| (slot, instance.get(slot))).collect::<Vec<_>>())
+        initialise_from(&mut machine, &settings, guess).ok()?;
+        Some(slots.iter().map(|&(slot, _)| (slot, machine.get(slot))).collect::<Vec<_>>())
     };
     let mut found = start_at(0.0, &[])?;
     let (mut at, mut step) = (0.0, FIRST);
@@ -48,5 +48,5 @@ pub fn follow(continuation: &Continuation, settings: &Settings) -> Option<Vec<(S
             }
         }
     }
-    Some(found.iter().zip(cells).map(|(&(_, value), &(_, slot))| (slot, value)).collect())
+    Some(found.iter().zip(slots).map(|(&(_, value), &(_, slot))| (slot, value)).collect())
 }

@@ -3,18 +3,20 @@
 use crate::ir::dae::Kind;
 use crate::ir::expr::VarId;
 use crate::ir::program::Slot;
-use crate::runtime::machine::Instance;
+use crate::runtime::machine::Machine;
 
-use super::event::iterate::{Settled, Unsettled, begin, note_actions, remember, settle};
+use super::event::iterate::{
+    EventEffects, EventError, collect_actions, iterate, solve_initial, update_pre,
+};
 use super::event::time_events::Clocks;
 use super::failure::precondition;
 use super::homotopy;
 use super::settings::Settings;
-use super::state_selection::Selection;
+use super::state_selection::StateSelector;
 
 /// What went wrong before the run began.
 #[derive(Clone, PartialEq, Debug)]
-pub enum NoStart {
+pub enum StartError {
     /// This can not be set in a run.
     NotAnInput(VarId),
     /// A parameter is not finite.
@@ -24,123 +26,123 @@ pub enum NoStart {
     /// The interval of a clock is not positive.
     Clock(usize),
     /// The initial sequence or the first event iteration failed.
-    Unsettled(Unsettled),
+    Event(EventError),
 }
 
-impl From<Unsettled> for NoStart {
-    fn from(u: Unsettled) -> Self {
-        NoStart::Unsettled(u)
+impl From<EventError> for StartError {
+    fn from(u: EventError) -> Self {
+        StartError::Event(u)
     }
 }
 
 /// What a run begins with.
-pub type Start = (Clocks, Selection, Settled);
+pub type Start = (Clocks, StateSelector, EventEffects);
 
 /// Gives every variable its value at the start: from the solution of the simplified system that the model
 /// may offer, or from its guesses.
-pub fn initialise(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start, NoStart> {
-    instance.leaps = false;
-    let begun = from_model(instance, settings);
-    instance.leaps = true;
-    match begun {
+pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
+    machine.branch_switch = false;
+    let started = from_homotopy(machine, settings);
+    machine.branch_switch = true;
+    match started {
         // At last solutions are looked for that are far from all guesses. If there are none, what is told is
         // how the first attempt ended.
-        Err(NoStart::Unsettled(_)) => {
-            let told = (instance.memory.clone(), instance.fault_memory.clone(), instance.fault);
-            initialise_from(instance, settings, &[]).or_else(|_| {
-                (instance.memory, instance.fault_memory, instance.fault) = told;
-                begun
+        Err(StartError::Event(_)) => {
+            let saved = (machine.memory.clone(), machine.fault_memory.clone(), machine.fault);
+            initialise_from(machine, settings, &[]).or_else(|_| {
+                (machine.memory, machine.fault_memory, machine.fault) = saved;
+                started
             })
         }
-        begun => begun,
+        started => started,
     }
 }
 
 /// The start from the simplified system if the model offers one, else from the guesses. Of several
 /// solutions the model means the one to which its simplified system leads (Modelica 3.6, section 3.7.4.4).
-fn from_model(instance: &mut Instance<'_>, settings: &Settings) -> Result<Start, NoStart> {
-    if let Some(continuation) = &instance.program.continuation
+fn from_homotopy(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
+    if let Some(continuation) = &machine.program.continuation
         && let Some(guess) = homotopy::follow(continuation, settings)
-        && let Ok(start) = initialise_from(instance, settings, &guess)
+        && let Ok(start) = initialise_from(machine, settings, &guess)
     {
         return Ok(start);
     }
-    initialise_from(instance, settings, &[])
+    initialise_from(machine, settings, &[])
 }
 
 /// What assertions and terminations do that act `when initial()`.
-fn actions_at_start(instance: &mut Instance<'_>) -> Settled {
-    let mut settled = Settled::default();
-    instance.said.clear();
-    let program = instance.program;
-    if program.asserts.iter().all(|a| !a.at_events) && program.terminates.is_empty() {
-        return settled;
+fn initial_actions(machine: &mut Machine<'_>) -> EventEffects {
+    let mut effects = EventEffects::default();
+    machine.assertion_messages.clear();
+    let program = machine.program;
+    if program.events.asserts.iter().all(|a| !a.at_events) && program.events.terminates.is_empty() {
+        return effects;
     }
     // Looked at only: neither values nor their derivatives come from here.
-    let (kept, tangents) = (instance.keep(), instance.tangents.take());
-    remember(instance);
-    if instance.run(&program.event).is_ok() {
-        note_actions(instance, &mut settled);
+    let (saved_memory, tangents) = (machine.snapshot(), machine.tangents.take());
+    update_pre(machine);
+    if machine.run(&program.tapes.event).is_ok() {
+        collect_actions(machine, &mut effects);
     }
-    instance.memory.copy_from_slice(&kept);
-    instance.release(kept);
-    instance.tangents = tangents;
-    settled
+    machine.memory.copy_from_slice(&saved_memory);
+    machine.recycle(saved_memory);
+    machine.tangents = tangents;
+    effects
 }
 
 /// Gives every variable its value at the start, where iterations begin at the guesses for some cells.
 pub fn initialise_from(
-    instance: &mut Instance<'_>,
+    machine: &mut Machine<'_>,
     settings: &Settings,
     guess: &[(Slot, f64)],
-) -> Result<Start, NoStart> {
-    let program = instance.program;
-    instance.memory.copy_from_slice(&program.image);
-    instance.transports.place(&mut instance.memory);
+) -> Result<Start, StartError> {
+    let program = machine.program;
+    machine.memory.copy_from_slice(&program.image);
+    machine.transports.write_slots(&mut machine.memory);
     for &(v, value) in &settings.parameters {
-        if !instance.set_parameter(v, value) {
-            return Err(NoStart::NotAnInput(v));
+        if !machine.set_parameter(v, value) {
+            return Err(StartError::NotAnInput(v));
         }
     }
     for &(v, value) in &settings.starts {
-        if !instance.set_start(v, value) {
-            return Err(NoStart::NotAnInput(v));
+        if !machine.set_start(v, value) {
+            return Err(StartError::NotAnInput(v));
         }
     }
-    instance.play(&settings.courses, settings.start);
-    instance.set(program.layout.time, settings.start);
-    instance.set(program.layout.initial, 1.0);
-    instance.run(&program.parameters).map_err(Unsettled::Fault)?;
+    machine.set_input_signals(&settings.courses, settings.start);
+    machine.set(program.layout.time, settings.start);
+    machine.set(program.layout.initial, 1.0);
+    machine.run(&program.tapes.parameters).map_err(EventError::Fault)?;
     // A bad parameter is better explained by the model than by what it leads to.
-    if let Some(k) = precondition::violated(instance) {
-        return Err(NoStart::Assertion(k));
+    if let Some(k) = precondition::violated(machine) {
+        return Err(StartError::Assertion(k));
     }
     for (v, variable) in program.blocks.dae.variables.enumerate() {
-        if variable.kind == Kind::Parameter && !instance.value(v).is_finite() {
-            instance.fault_memory.copy_from_slice(&instance.memory);
-            return Err(NoStart::Parameter(v));
+        if variable.kind == Kind::Parameter && !machine.value(v).is_finite() {
+            machine.fault_memory.copy_from_slice(&machine.memory);
+            return Err(StartError::Parameter(v));
         }
     }
-    for (k, clock) in program.clocks.iter().enumerate() {
-        let interval = instance.get(clock.interval);
+    for (k, clock) in program.events.clocks.iter().enumerate() {
+        let interval = machine.get(clock.interval);
         if interval.is_nan() || interval <= 0.0 {
-            return Err(NoStart::Clock(k));
+            return Err(StartError::Clock(k));
         }
     }
     // Start values are the guesses of iterations, and what `pre` is before the first event.
     for &(v, _, start) in &program.layout.starts {
-        instance.copy(program.slot(v), start);
+        machine.copy(program.slot(v), start);
     }
-    remember(instance);
+    update_pre(machine);
     for &(slot, value) in guess {
-        instance.set(slot, value);
+        machine.set(slot, value);
     }
-    begin(instance)?;
-    let selection = Selection::begin(instance).map_err(Unsettled::Fault)?;
-    let at_start = actions_at_start(instance);
-    instance.set(program.layout.initial, 0.0);
-    let mut clocks = Clocks::new(instance, settings.start);
-    clocks.raise(instance, settings.start);
-    let settled = settle(instance, &clocks, true)?;
-    Ok((clocks, selection, at_start.before(settled)))
+    begin(machine)?;
+    let selection = StateSelector::begin(machine).map_err(EventError::Fault)?;
+    let at_start = initial_actions(machine);
+    machine.set(program.layout.initial, 0.0);
+    let mut clocks = Clocks::new(machine, settings.start);
+    clocks.raise(machine, settings.start);
+    let effects = iterate(machine, &clocks, true)?;
+    Ok((clocks, selection, at_start.before(effects)))
 }

@@ -202,9 +202,9 @@ fn choose(program: &Program) -> (Method, String) {
     if algebraics > 0 {
         counted.push_str(&format!(", {algebraics} algebraic"));
     }
-    let eventful = !program.watches.is_empty() || !program.state_sets.is_empty();
+    let eventful = !program.events.relation_triggers.is_empty() || !program.state_sets.is_empty();
     if states == 0 || eventful || (algebraics > 0 && states < MANY_STATES) {
-        let what = if program.watches.is_empty() { "" } else { ", events" };
+        let what = if program.events.relation_triggers.is_empty() { "" } else { ", events" };
         (Method::Radau, counted + what)
     } else if states >= MANY_STATES {
         (Method::Bdf, counted + ", no events")

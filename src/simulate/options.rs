@@ -3,11 +3,11 @@
 use crate::base::index::Id;
 use crate::integrate::options::Options;
 use crate::ir::expr::{Node, Unary};
-use crate::ir::program::{Program, Watch};
+use crate::ir::program::{Program, RelationTrigger};
 
 use super::settings::Settings;
 use super::state_selection::LIMIT;
-use super::system::Model;
+use super::system::HybridSystem;
 
 /// Longest step in intervals between two values of a recording that drives the model.
 const UNSEEN: f64 = 4.0;
@@ -17,10 +17,10 @@ const SHARPEST: f64 = 1e-12;
 const LEAST_STEPS: f64 = 50.0;
 
 /// Options of the integrator for a model at its start.
-pub fn options(model: &Model<'_>, settings: &Settings) -> Options {
-    let program = model.instance.program;
+pub fn options(system: &HybridSystem<'_>, settings: &Settings) -> Options {
+    let program = system.machine.program;
     let nominals = program.layout.nominals.iter().map(|slot| {
-        let size = model.instance.get(*slot).abs();
+        let size = system.machine.get(*slot).abs();
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
     });
     let mut nominals: Vec<f64> = nominals.collect();
@@ -31,10 +31,10 @@ pub fn options(model: &Model<'_>, settings: &Settings) -> Options {
     let mut options = Options::with_nominals(tolerance, &nominals);
     options.max_steps = settings.most_steps;
     // What is shorter than a step may not be seen.
-    let instance = &model.instance;
-    options.max_step = UNSEEN * instance.played.spacing();
-    options.max_step = options.max_step.min(instance.delayed.shortest(&instance.memory));
-    if program.watches.contains(&Watch::State) && oscillates(program) {
+    let machine = &system.machine;
+    options.max_step = UNSEEN * machine.input_signals.spacing();
+    options.max_step = options.max_step.min(machine.delays.shortest_delay(&machine.memory));
+    if program.events.relation_triggers.contains(&RelationTrigger::State) && oscillates(program) {
         // Where states rest nothing but this limits the step, and a source may come and go within it.
         options.max_step = options.max_step.min((settings.stop - settings.start) / LEAST_STEPS);
     }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
-use crate::ir::trajectory::{Column, Constant, Course, Event, Trajectory};
-use crate::runtime::machine::Instance;
+use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Trajectory};
+use crate::runtime::machine::Machine;
 
-use super::columns::courses;
+use super::columns::column_storage;
 use super::settings::Settings;
 
 /// Takes what a run records. `row` is called in order of time, at events twice.
@@ -27,7 +27,7 @@ pub trait Sink {
     /// What is known of the columns, once before the rows. A sink that answers with true gets only the
     /// first row whole; of all others what goes its own way, by [`Sink::own_columns`], and then
     /// [`Sink::end`].
-    fn courses(&mut self, _: Vec<Course>) -> bool {
+    fn column_storage(&mut self, _: Vec<ColumnStorage>) -> bool {
         false
     }
     /// As [`Sink::rows`], without the columns whose course is known, and column by column: the values of
@@ -68,8 +68,8 @@ impl Sink for Trajectory {
     fn wants_constants(&self) -> bool {
         false
     }
-    fn courses(&mut self, courses: Vec<Course>) -> bool {
-        self.expect_courses(courses);
+    fn column_storage(&mut self, column_storage: Vec<ColumnStorage>) -> bool {
+        self.expect_storage(column_storage);
         true
     }
     fn own_columns(&mut self, times: &[f64], values: &[f64], stride: usize) {
@@ -180,11 +180,11 @@ impl Recorder {
     }
 
     /// Takes the values of a row; the variable that is not finite if there is one.
-    pub fn take(&mut self, instance: &Instance<'_>) -> Result<(), VarId> {
+    pub fn take(&mut self, machine: &Machine<'_>) -> Result<(), VarId> {
         let row = self.times.len();
         let first = if self.narrowed { row } else { row * self.cells.len() };
         let places = self.block[first..].iter_mut().step_by(self.stride);
-        let memory = &instance.memory[..];
+        let memory = &machine.memory[..];
         let mut fine = true;
         for (place, (_, slot)) in places.zip(&self.cells) {
             *place = memory[*slot as usize];
@@ -217,11 +217,15 @@ impl Recorder {
     }
 
     /// Tells the sink what is known of the columns.
-    pub fn tell_courses(&mut self, program: &Program, sink: &mut dyn Sink) {
-        let courses = courses(program);
-        let own = self.cells.iter().zip(&courses).filter(|(_, course)| **course == Course::Own);
+    pub fn announce_storage(&mut self, program: &Program, sink: &mut dyn Sink) {
+        let column_storage = column_storage(program);
+        let own = self
+            .cells
+            .iter()
+            .zip(&column_storage)
+            .filter(|(_, course)| **course == ColumnStorage::Own);
         let own = own.map(|(cell, _)| *cell).collect();
-        self.own = sink.courses(courses).then_some(own);
+        self.own = sink.column_storage(column_storage).then_some(own);
     }
 
     /// Hands over the first row, and goes on with what the sink wants of the others.

@@ -10,43 +10,43 @@ use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::ir::program::{Program, Sequence};
 use crate::ir::trajectory::Trajectory;
 
-use super::bound_warnings::Limits;
+use super::bound_warnings::BoundWarnings;
 use super::columns::{columns, constants};
-use super::event::chattering::Recent;
-use super::event::duplicate_event::Echo;
+use super::event::chattering::EventHistory;
+use super::event::duplicate_event::DuplicateFilter;
 use super::event::instant::Cause;
-use super::event::iterate::Search;
+use super::event::locate::Locator;
 use super::event::time_events::Clocks;
-use super::event::zeno::Pile;
-use super::extrema::Extremes;
-use super::failure::non_finite::{Reader, relation_text};
-use super::failure::{Failure, no_start, of_fault, of_integration};
+use super::event::zeno::Accumulation;
+use super::extrema::ExtremaSearch;
+use super::failure::non_finite::{Explainer, relation_text};
+use super::failure::{Failure, of_fault, of_integration, start_failure};
 use super::initialization::initialise;
 use super::method::{Choice, Integrator};
 use super::options::options;
 use super::record::{Recorder, Sink};
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
-use super::state_selection::Selection;
-use super::system::{Model, of_domain};
+use super::state_selection::StateSelector;
+use super::system::{HybridSystem, is_domain_fault};
 use crate::integrate::system::System;
 use crate::runtime::machine::Fault;
 
 /// How far beyond the end of a branch another one is looked for first, as a part of the run.
-const FIRST_LEAP: f64 = 1e-12;
+const FIRST_BRANCH_SHIFT: f64 = 1e-12;
 
 /// How often that distance grows tenfold.
-const LEAPS: i32 = 7;
+const MAX_BRANCH_SHIFTS: i32 = 7;
 
 /// Points of each step that the history of a delayed expression keeps.
-const POINTS: u32 = 5;
+const HISTORY_POINTS: u32 = 5;
 
 /// Part of a run that a step may last at least, though it reads what is only coming: beyond what is known
 /// the course goes on along its last slope.
-const LEAST_LOOK: f64 = 1e-4;
+const MIN_STEP_FRACTION: f64 = 1e-4;
 
 /// How often the start is computed until what is delayed begins as it is.
-const FIRST_LOOKS: usize = 5;
+const MAX_HISTORY_ITERATIONS: usize = 5;
 
 /// What a run cost.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -74,7 +74,7 @@ pub struct Statistics {
     /// Assertions of level warning that were violated, each once.
     pub warnings: Vec<Diagnostic>,
     /// The extreme values that were wanted; none where the variable never counted.
-    pub extremes: Vec<Option<f64>>,
+    pub extrema: Vec<Option<f64>>,
 }
 
 /// A finished run.
@@ -148,7 +148,7 @@ fn run_to(
     if let Some(what) = settings.fault() {
         return Err(Failure::settings(what));
     }
-    let begun = Instant::now();
+    let started = Instant::now();
     let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
     let outcome = simulation.run();
     simulation.recorder.flush(simulation.sink);
@@ -157,8 +157,8 @@ fn run_to(
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
     statistics.method = simulation.stepper.describe(statistics.method);
-    statistics.extremes = simulation.extremes.found();
-    statistics.elapsed = begun.elapsed();
+    statistics.extrema = simulation.extrema.found();
+    statistics.elapsed = started.elapsed();
     Ok(statistics)
 }
 
@@ -167,26 +167,26 @@ pub struct Simulation<'p, 's> {
     pub(super) program: &'p Program,
     pub(super) sources: &'s SourceMap,
     pub(super) sink: &'s mut dyn Sink,
-    pub(super) model: Model<'p>,
+    pub(super) system: HybridSystem<'p>,
     pub(super) stepper: Integrator,
     pub(super) clocks: Clocks,
-    pub(super) selection: Selection,
-    pub(super) search: Search,
+    pub(super) selection: StateSelector,
+    pub(super) locator: Locator,
     pub(super) recorder: Recorder,
     pub(super) statistics: Statistics,
     pub(super) start: f64,
     pub(super) stop: f64,
     pub(super) t: f64,
     pub(super) y: Vec<f64>,
-    pub(super) warned: Vec<bool>,
-    pub(super) limits: Limits,
-    pub(super) texts: Vec<Option<String>>,
-    pub(super) recent: Recent,
+    pub(super) reported_asserts: Vec<bool>,
+    pub(super) bound_warnings: BoundWarnings,
+    pub(super) relation_texts: Vec<Option<String>>,
+    pub(super) history: EventHistory,
     /// Where events have piled up, as long as nothing says how it goes on from there.
-    pub(super) pile: Option<Pile>,
-    pub(super) echo: Echo,
+    pub(super) accumulation: Option<Accumulation>,
+    pub(super) duplicates: DuplicateFilter,
     pub(super) ended: bool,
-    pub(super) extremes: Extremes,
+    pub(super) extrema: ExtremaSearch,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
 }
 
@@ -198,74 +198,75 @@ impl<'p, 's> Simulation<'p, 's> {
         sources: &'s SourceMap,
         sink: &'s mut dyn Sink,
     ) -> Result<Self, Failure> {
-        let mut model = Model::new(program);
-        model.instance.execute(&settings.execution);
+        let mut system = HybridSystem::new(program);
+        system.machine.set_execution(&settings.execution);
         let t = settings.start;
         let mut sensitivity = None;
         if !inputs.is_empty() {
-            sensitivity = Sensitivity::new(&model, inputs).map(Box::new);
+            sensitivity = Sensitivity::new(&system, inputs).map(Box::new);
         }
         if let Some(s) = &mut sensitivity {
-            s.attach(&mut model.instance);
+            s.attach(&mut system.machine);
         }
-        let mut begun = initialise(&mut model.instance, settings);
-        for _ in 0..FIRST_LOOKS {
-            if !model.instance.looks_back() || begun.is_err() || !first_values(&mut model, t) {
+        let mut started = initialise(&mut system.machine, settings);
+        for _ in 0..MAX_HISTORY_ITERATIONS {
+            if !system.machine.has_history() || started.is_err() || !first_values(&mut system, t) {
                 break;
             }
-            begun = initialise(&mut model.instance, settings);
+            started = initialise(&mut system.machine, settings);
         }
         if let Some(s) = &mut sensitivity {
-            s.detach(&mut model.instance);
-            s.stand(program, t);
+            s.detach(&mut system.machine);
+            s.restart_from_memory(program, t);
         }
-        let (clocks, selection, settled) = begun.map_err(|e| no_start(&model.instance, e, t))?;
+        let (clocks, selection, effects) =
+            started.map_err(|e| start_failure(&system.machine, e, t))?;
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
-        y[..program.order()].copy_from_slice(model.instance.states());
-        let (wanted, options) = (settings.method, options(&model, settings));
-        let integrator = Integrator::new(wanted, program, sensitivity.is_some(), &model, options);
+        y[..program.order()].copy_from_slice(system.machine.states());
+        let (wanted, options) = (settings.method, options(&system, settings));
+        let integrator = Integrator::new(wanted, program, sensitivity.is_some(), &system, options);
         let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
         let mut recorder = Recorder::new(program, settings);
         let spacing = settings.spacing.unwrap_or(settings.interval);
         sink.begin(columns(program));
-        recorder.tell_courses(program, sink);
+        recorder.announce_storage(program, sink);
         sink.expect(recorder.expected_rows());
         if sink.wants_constants() {
-            sink.constants(constants(&model.instance));
+            sink.constants(constants(&system.machine));
         }
         let mut simulation = Simulation {
             program,
             sources,
             sink,
-            model,
+            system,
             stepper,
             clocks,
             selection,
-            search: Search::new(program),
+            locator: Locator::new(program),
             recorder,
             statistics: Statistics { method, ..Statistics::default() },
             start: settings.start,
             stop: settings.stop,
             t,
             y,
-            warned: vec![false; program.asserts.len()],
-            limits: Limits::new(program, settings.tolerance),
-            texts: vec![None; program.watches.len()],
-            recent: Recent::new(settings.stop - settings.start),
-            pile: None,
-            echo: Echo::new(settings.stop - settings.start),
+            reported_asserts: vec![false; program.events.asserts.len()],
+            bound_warnings: BoundWarnings::new(program, settings.tolerance),
+            relation_texts: vec![None; program.events.relation_triggers.len()],
+            history: EventHistory::new(settings.stop - settings.start),
+            accumulation: None,
+            duplicates: DuplicateFilter::new(settings.stop - settings.start),
             ended: false,
-            extremes: Extremes::new(program, &settings.extremes, t, spacing),
+            extrema: ExtremaSearch::new(program, &settings.extrema, t, spacing),
             sensitivity,
         };
-        simulation.model.instance.undetermined = None;
+        simulation.system.machine.undetermined = None;
         simulation.record(t)?;
-        simulation.limits.settle(program);
+        simulation.bound_warnings.drop_parameters(program);
         simulation.warn_of_undetermined(t);
         simulation.recorder.flush_first(simulation.sink);
         simulation.check_assertions(t)?;
-        simulation.act_on(settled, t)?;
+        simulation.handle_effects(effects, t)?;
         Ok(simulation)
     }
 
@@ -277,42 +278,42 @@ impl<'p, 's> Simulation<'p, 's> {
                 self.ended = true;
                 break;
             }
-            let instant = self.clocks.next_instant(&self.model.instance, self.t);
-            let instance = &self.model.instance;
-            let delayed = instance.delayed.next_corner(&instance.memory);
-            let corner = instance.played.next_corner().min(delayed);
-            let leash = self.t
-                + instance
+            let instant = self.clocks.next_instant(&self.system.machine, self.t);
+            let machine = &self.system.machine;
+            let delayed = machine.delays.next_breakpoint(&machine.memory);
+            let breakpoint = machine.input_signals.next_breakpoint().min(delayed);
+            let history_limit = self.t
+                + machine
                     .transports
-                    .leash(&instance.memory)
-                    .max(LEAST_LOOK * (self.stop - self.start));
-            let t_stop = instant.min(corner).min(self.stop).min(leash);
+                    .max_step(&machine.memory)
+                    .max(MIN_STEP_FRACTION * (self.stop - self.start));
+            let t_stop = instant.min(breakpoint).min(self.stop).min(history_limit);
             let mut reached = self.step(t_stop)?;
             let mut switched = self.first_switch()?;
-            if self.model.beyond && switched.is_none() && self.has_left_the_domain() {
+            if self.system.left_domain && switched.is_none() && self.has_left_the_domain() {
                 // No relation would have kept the step inside: so must the step itself.
                 self.stepper.interpolate(self.t, &mut self.y);
                 if let Some(s) = &mut self.sensitivity {
                     s.restart(self.t);
                 }
-                self.model.strict = true;
+                self.system.strict = true;
                 let repeated = self.restart().and_then(|()| self.step(t_stop));
-                self.model.strict = false;
+                self.system.strict = false;
                 reached = repeated?;
                 switched = self.first_switch()?;
             }
             match switched {
                 Some(at) => self.event(at, Cause::State)?,
                 None if reached && t_stop == instant => self.event(t_stop, Cause::Time)?,
-                None if reached && t_stop == corner => self.corner(t_stop)?,
+                None if reached && t_stop == breakpoint => self.breakpoint(t_stop)?,
                 None if self.end_of_sliding()?.is_some() => {}
                 None => {
                     let t = self.stepper.t();
-                    if self.model.instance.keeps_courses() {
-                        self.note_delayed(t, false)?;
+                    if self.system.machine.records_history() {
+                        self.record_history(t, false)?;
                     }
                     self.complete_step(t)?;
-                    if self.select()? {
+                    if self.reselect_after_step()? {
                         self.restart()?;
                     }
                 }
@@ -320,46 +321,50 @@ impl<'p, 's> Simulation<'p, 's> {
         }
         self.statistics.end = self.t;
         let ends_by_itself = !self.statistics.interrupted;
-        if self.program.reads_terminal && ends_by_itself { self.finish() } else { Ok(()) }
+        if self.program.events.reads_terminal && ends_by_itself {
+            self.terminal_event()
+        } else {
+            Ok(())
+        }
     }
 
     /// Adds to the histories of delayed expressions: what they are now, or the course of the last step
     /// up to `end`.
-    pub(super) fn note_delayed(&mut self, end: f64, now: bool) -> Result<(), Failure> {
-        if !self.model.instance.looks_back() {
+    pub(super) fn record_history(&mut self, end: f64, now: bool) -> Result<(), Failure> {
+        if !self.system.machine.has_history() {
             return Ok(());
         }
-        let note = |model: &mut Model<'_>, t: f64, after_event: bool| {
-            let instance = &mut model.instance;
-            instance.delayed.note(t, &instance.memory, after_event);
-            instance.transports.note(t, &instance.memory, after_event);
+        let record = |system: &mut HybridSystem<'_>, t: f64, after_event: bool| {
+            let machine = &mut system.machine;
+            machine.delays.record(t, &machine.memory, after_event);
+            machine.transports.record(t, &machine.memory, after_event);
         };
         if now {
-            let evaluated = self.model.evaluate_all(end, &self.y);
-            evaluated.map_err(|f| of_fault(&self.model.instance, f, end))?;
-            note(&mut self.model, end, true);
+            let evaluated = self.system.evaluate_all(end, &self.y);
+            evaluated.map_err(|f| of_fault(&self.system.machine, f, end))?;
+            record(&mut self.system, end, true);
             return Ok(());
         }
         let begin = self.t.max(self.stepper.t_previous());
         // What rests between events has a course of two points.
-        let points = if self.model.instance.keeps_courses() { POINTS } else { 1 };
+        let points = if self.system.machine.records_history() { HISTORY_POINTS } else { 1 };
         for k in 1..=points {
             let part = f64::from(k) / f64::from(points);
             let t = if k == points { end } else { begin + part * (end - begin) };
-            self.go_to(t)?;
-            note(&mut self.model, t, false);
+            self.evaluate_at(t)?;
+            record(&mut self.system, t, false);
         }
         Ok(())
     }
 
     /// Checks and records the step that ends at `t` without an event, and stands there.
     fn complete_step(&mut self, t: f64) -> Result<(), Failure> {
-        self.search.heed(&self.model.instance);
-        self.check_pile()?;
+        self.locator.on_step(&self.system.machine);
+        self.check_accumulation()?;
         self.warn_of_undetermined(t);
         // What fails at the end may have failed before.
         let at_end = self.check_assertions_of_step();
-        self.vary()?;
+        self.advance_sensitivities()?;
         self.record_grid(t, true)?;
         at_end?;
         self.t = t;
@@ -367,20 +372,20 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     /// Goes on past a corner of what recordings say about inputs. Only what jumps there is an event.
-    fn corner(&mut self, t: f64) -> Result<(), Failure> {
-        let instance = &self.model.instance;
-        if instance.delayed.next_corner(&instance.memory) <= t {
+    fn breakpoint(&mut self, t: f64) -> Result<(), Failure> {
+        let machine = &self.system.machine;
+        if machine.delays.next_breakpoint(&machine.memory) <= t {
             return self.event(t, Cause::Time);
         }
-        self.note_delayed(t, false)?;
+        self.record_history(t, false)?;
         self.complete_step(t)?;
-        if !self.model.instance.played.pass(t) {
+        if !self.system.machine.input_signals.advance_past(t) {
             return Ok(());
         }
-        if !self.program.watches.is_empty() {
+        if !self.program.events.relation_triggers.is_empty() {
             return self.event(t, Cause::Time);
         }
-        self.go_to(t)?;
+        self.evaluate_at(t)?;
         if let Some(s) = &mut self.sensitivity {
             s.restart(t);
         }
@@ -388,52 +393,55 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     fn first_switch(&mut self) -> Result<Option<f64>, Failure> {
-        let switched = self.search.first_switch(&mut self.model, &self.stepper);
-        switched.map_err(|f| of_fault(&self.model.instance, f, self.stepper.t()))
+        let switched = self.locator.first_switch(&mut self.system, &self.stepper);
+        switched.map_err(|f| of_fault(&self.system.machine, f, self.stepper.t()))
     }
 
     fn has_left_the_domain(&mut self) -> bool {
-        let left = !self.model.is_inside(self.stepper.t(), self.stepper.y());
-        self.model.instance.fault = None;
+        let left = !self.system.is_in_domain(self.stepper.t(), self.stepper.y());
+        self.system.machine.fault = None;
         left
     }
 
     /// One accepted step; true if it ends at `t_stop`.
     fn step(&mut self, t_stop: f64) -> Result<bool, Failure> {
-        self.model.beyond = false;
-        self.model.instance.leaps = false;
-        self.model.instance.undetermined = None;
-        let mut outcome = self.stepper.step(&mut self.model, t_stop);
+        self.system.left_domain = false;
+        self.system.machine.branch_switch = false;
+        self.system.machine.undetermined = None;
+        let mut outcome = self.stepper.step(&mut self.system, t_stop);
         if outcome.is_err() && self.lost_a_branch() {
-            let told = self.model.instance.told();
-            match self.leap(t_stop) {
-                Some(leapt) => {
-                    self.model.instance.forget(told);
-                    outcome = leapt;
+            let saved = self.system.machine.save_fault();
+            match self.switch_branch(t_stop) {
+                Some(switched) => {
+                    self.system.machine.discard_fault(saved);
+                    outcome = switched;
                 }
                 // What failed first is what is told.
-                None => self.model.instance.tell(told),
+                None => self.system.machine.restore_fault(saved),
             }
         }
-        self.model.instance.leaps = true;
+        self.system.machine.branch_switch = true;
         let step =
-            outcome.map_err(|e| of_integration(&self.model.instance, e, self.stepper.t()))?;
+            outcome.map_err(|e| of_integration(&self.system.machine, e, self.stepper.t()))?;
         // What a shorter step could avoid is no failure.
-        self.model.instance.fault = None;
+        self.system.machine.fault = None;
         Ok(matches!(step, Step::Reached { .. }))
     }
 
     /// True if a loop had no solution near the last one.
     fn lost_a_branch(&self) -> bool {
         matches!(
-            self.model.instance.fault,
+            self.system.machine.fault,
             Some(Fault::Diverged { .. } | Fault::Singular { .. } | Fault::NotFinite { .. })
         )
     }
 
     /// A step that begins on another branch of an algebraic loop, just beyond the end of the one that the
     /// solution was on; `None` if there is none.
-    fn leap(&mut self, t_stop: f64) -> Option<Result<Step, crate::integrate::outcome::Failure>> {
+    fn switch_branch(
+        &mut self,
+        t_stop: f64,
+    ) -> Option<Result<Step, crate::integrate::outcome::Failure>> {
         let (t, y) = (self.stepper.t(), self.stepper.y().to_vec());
         // As the last step went: the derivatives here may be beyond the end already.
         let before = self.stepper.t_previous();
@@ -443,8 +451,8 @@ impl<'p, 's> Simulation<'p, 's> {
             *slope = if t > before { (y - *slope) / (t - before) } else { 0.0 };
         }
         let mut moved = y.clone();
-        for k in 0..LEAPS {
-            let way = (self.stop - self.start) * FIRST_LEAP * 10.0_f64.powi(k);
+        for k in 0..MAX_BRANCH_SHIFTS {
+            let way = (self.stop - self.start) * FIRST_BRANCH_SHIFT * 10.0_f64.powi(k);
             let beyond = t + way;
             if beyond >= t_stop {
                 return None;
@@ -453,18 +461,18 @@ impl<'p, 's> Simulation<'p, 's> {
             for ((m, y), slope) in moved.iter_mut().zip(&y).zip(&slope) {
                 *m = y + way * slope;
             }
-            self.model.instance.leaps = true;
-            let found = self.model.rhs(beyond, &moved, &mut vec![0.0; y.len()]).is_ok();
-            self.model.instance.leaps = false;
-            self.model.instance.fault = None;
+            self.system.machine.branch_switch = true;
+            let found = self.system.rhs(beyond, &moved, &mut vec![0.0; y.len()]).is_ok();
+            self.system.machine.branch_switch = false;
+            self.system.machine.fault = None;
             if !found {
                 continue;
             }
             let jacobian = JacobianMemory::Forget;
-            if self.stepper.restart(&mut self.model, beyond, &moved, jacobian).is_err() {
+            if self.stepper.restart(&mut self.system, beyond, &moved, jacobian).is_err() {
                 continue;
             }
-            let step = self.stepper.step(&mut self.model, t_stop);
+            let step = self.stepper.step(&mut self.system, t_stop);
             if step.is_ok() {
                 self.t = beyond;
                 return Some(step);
@@ -474,60 +482,61 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     pub(super) fn restart(&mut self) -> Result<(), Failure> {
-        let begun = self.stepper.restart(&mut self.model, self.t, &self.y, JacobianMemory::Forget);
-        begun.map_err(|e| of_integration(&self.model.instance, e, self.t))
+        let started =
+            self.stepper.restart(&mut self.system, self.t, &self.y, JacobianMemory::Forget);
+        started.map_err(|e| of_integration(&self.system.machine, e, self.t))
     }
 
     /// Selects states anew at the end of a step if necessary; true if they changed.
-    fn select(&mut self) -> Result<bool, Failure> {
+    fn reselect_after_step(&mut self) -> Result<bool, Failure> {
         if self.selection.is_empty() {
             return Ok(false);
         }
         let t = self.stepper.t();
-        self.go_to(t)?;
-        self.renew(t)
+        self.evaluate_at(t)?;
+        self.reselect_states(t)
     }
 
     /// Selects states anew, if necessary, where the variables are in the memory.
-    pub(super) fn renew(&mut self, t: f64) -> Result<bool, Failure> {
-        self.look(t)?;
+    pub(super) fn reselect_states(&mut self, t: f64) -> Result<bool, Failure> {
+        self.evaluate_sensitivities(t)?;
         if let Some(s) = &mut self.sensitivity {
-            s.attach(&mut self.model.instance);
+            s.attach(&mut self.system.machine);
         }
-        let renewed = self.selection.renew(&mut self.model.instance);
+        let renewed = self.selection.update(&mut self.system.machine);
         if let Some(s) = &mut self.sensitivity {
-            s.detach(&mut self.model.instance);
+            s.detach(&mut self.system.machine);
         }
-        let changed = renewed.map_err(|f| of_fault(&self.model.instance, f, self.t))?;
+        let changed = renewed.map_err(|f| of_fault(&self.system.machine, f, self.t))?;
         if changed {
             self.statistics.selections += 1;
-            self.y.copy_from_slice(self.model.instance.states());
+            self.y.copy_from_slice(self.system.machine.states());
             if let Some(s) = &mut self.sensitivity {
-                s.stand(self.program, t);
+                s.restart_from_memory(self.program, t);
             }
         }
         Ok(changed)
     }
 
     /// Evaluates everything at an instant of the last step, relations held.
-    pub(super) fn go_to(&mut self, t: f64) -> Result<(), Failure> {
+    pub(super) fn evaluate_at(&mut self, t: f64) -> Result<(), Failure> {
         if t == self.stepper.t() {
             self.y.copy_from_slice(self.stepper.y());
         } else {
             self.stepper.interpolate(t, &mut self.y);
         }
-        let mut evaluated = self.model.evaluate_all(t, &self.y);
-        if evaluated.is_err_and(of_domain) && self.model.beyond {
-            evaluated = self.model.evaluate_all_beyond(t, &self.y);
+        let mut evaluated = self.system.evaluate_all(t, &self.y);
+        if evaluated.is_err_and(is_domain_fault) && self.system.left_domain {
+            evaluated = self.system.evaluate_all_clamped(t, &self.y);
         }
-        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))
+        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
     /// Records the rows of the grid up to `end`, and looks for extreme values up to there.
     pub(super) fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
-        self.seek_extremes(end)?;
+        self.search_extrema(end)?;
         while let Some(at) = self.recorder.due(end, inclusive) {
-            self.go_to(at)?;
+            self.evaluate_at(at)?;
             // A long step may come back to where they hold.
             self.check_assertions(at)?;
             self.take_row(at)?;
@@ -539,30 +548,30 @@ impl<'p, 's> Simulation<'p, 's> {
 
     /// Records the row at `t` with the states in `self.y`.
     pub(super) fn record(&mut self, t: f64) -> Result<(), Failure> {
-        let evaluated = self.model.evaluate_all(t, &self.y);
-        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        let evaluated = self.system.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
         self.take_row(t)?;
-        self.heed_extremes();
+        self.update_extrema();
         self.put_row(t);
         Ok(())
     }
 
     /// Takes the values in the memory as the next row.
     pub(super) fn take_row(&mut self, t: f64) -> Result<(), Failure> {
-        let mut taken = self.recorder.take(&self.model.instance);
-        if taken.is_err() && self.model.beyond {
-            let evaluated = self.model.evaluate_all_beyond(t, &self.y);
-            evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-            taken = self.recorder.take(&self.model.instance);
+        let mut taken = self.recorder.take(&self.system.machine);
+        if taken.is_err() && self.system.left_domain {
+            let evaluated = self.system.evaluate_all_clamped(t, &self.y);
+            evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
+            taken = self.recorder.take(&self.system.machine);
         }
         if taken.is_ok() {
-            let (memory, said) = (&self.model.instance.memory, &mut self.statistics.warnings);
-            self.limits.look(self.program, memory, t, said);
-            self.look_at_row(t)?;
+            let (memory, warnings) = (&self.system.machine.memory, &mut self.statistics.warnings);
+            self.bound_warnings.check(self.program, memory, t, warnings);
+            self.evaluate_row_sensitivities(t)?;
         }
         taken.map_err(|v| {
-            let reader = Reader::new(self.program, &self.model.instance.memory);
-            Failure::numerics(t, reader.not_finite(v, Sequence::Continuous, t))
+            let explainer = Explainer::new(self.program, &self.system.machine.memory);
+            Failure::numerics(t, explainer.not_finite(v, Sequence::Continuous, t))
         })
     }
 
@@ -577,7 +586,7 @@ impl<'p, 's> Simulation<'p, 's> {
 
     pub(super) fn relation_text(&mut self, k: u32) -> String {
         let program = self.program;
-        self.texts[k as usize].get_or_insert_with(|| relation_text(program, k)).clone()
+        self.relation_texts[k as usize].get_or_insert_with(|| relation_text(program, k)).clone()
     }
 
     pub(super) fn relation_span(&self, k: u32) -> Span {
@@ -590,14 +599,14 @@ impl<'p, 's> Simulation<'p, 's> {
 }
 
 /// Begins the histories of delayed expressions; true if what they begin with has changed.
-fn first_values(model: &mut Model<'_>, t: f64) -> bool {
-    let mut y = vec![0.0; model.instance.program.order().max(1)];
-    let n = model.instance.program.order();
-    y[..n].copy_from_slice(model.instance.states());
-    if model.evaluate_all(t, &y).is_err() {
+fn first_values(system: &mut HybridSystem<'_>, t: f64) -> bool {
+    let mut y = vec![0.0; system.machine.program.order().max(1)];
+    let n = system.machine.program.order();
+    y[..n].copy_from_slice(system.machine.states());
+    if system.evaluate_all(t, &y).is_err() {
         return false;
     }
-    let instance = &mut model.instance;
-    let delayed = instance.delayed.begin(t, &instance.memory);
-    instance.transports.begin(t, &mut instance.memory) || delayed
+    let machine = &mut system.machine;
+    let delayed = machine.delays.begin(t, &machine.memory);
+    machine.transports.begin(t, &mut machine.memory) || delayed
 }

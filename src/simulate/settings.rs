@@ -8,7 +8,7 @@ use crate::ir::flat::Experiment;
 use crate::numeric::time_series::TimeSeries;
 use crate::runtime::jit::tiering::Execution;
 
-use super::extrema::Extreme;
+use super::extrema::ExtremumRequest;
 
 /// Default end of a run, s.
 pub const DEFAULT_STOP: f64 = 1.0;
@@ -56,7 +56,7 @@ pub struct Settings {
     /// their rows besides.
     pub instants: Option<Arc<[f64]>>,
     /// Extreme values that are wanted, found in [`Statistics`](super::run::Statistics).
-    pub extremes: Vec<Extreme>,
+    pub extrema: Vec<ExtremumRequest>,
     /// Variables do not turn twice within this time, s; without it, within `interval`.
     pub spacing: Option<f64>,
     /// Steps of the integrator, rejected ones too, after which the run is given up.
@@ -79,7 +79,7 @@ impl Settings {
             courses: Vec::new(),
             execution: Execution::default(),
             instants: None,
-            extremes: Vec::new(),
+            extrema: Vec::new(),
             spacing: None,
             most_steps: DEFAULT_MAX_STEPS,
         }

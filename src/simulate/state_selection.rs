@@ -6,22 +6,22 @@
 
 use crate::ir::program::Program;
 use crate::numeric::maxvol::Basis;
-use crate::runtime::machine::{Fault, Instance};
+use crate::runtime::machine::{Fault, Machine};
 
 /// Largest tolerated derivative of a dependent candidate by a state, both in units of their nominal
 /// value.
 pub const LIMIT: f64 = 2.0;
 
 /// The states in use.
-pub struct Selection {
+pub struct StateSelector {
     dependent: Vec<Basis>,
     matrix: Vec<f64>,
 }
 
-impl Selection {
+impl StateSelector {
     /// What the compiler would select. Variables must have their values.
-    pub fn begin(instance: &mut Instance<'_>) -> Result<Selection, Fault> {
-        let program = instance.program;
+    pub fn begin(machine: &mut Machine<'_>) -> Result<StateSelector, Fault> {
+        let program = machine.program;
         let mut dependent = Vec::new();
         let mut largest = 0;
         for set in &program.blocks.state_sets {
@@ -29,9 +29,9 @@ impl Selection {
             largest = largest.max(rows * columns);
             dependent.push(Basis::new(rows, columns, set.dependent.clone()));
         }
-        let mut selection = Selection { dependent, matrix: vec![0.0; largest] };
-        selection.improve(instance)?;
-        selection.apply(instance);
+        let mut selection = StateSelector { dependent, matrix: vec![0.0; largest] };
+        selection.improve(machine)?;
+        selection.apply(machine);
         Ok(selection)
     }
 
@@ -42,18 +42,18 @@ impl Selection {
 
     /// Selects anew if necessary; true if states changed. Variables must have their values, and the
     /// states in the memory get theirs.
-    pub fn renew(&mut self, instance: &mut Instance<'_>) -> Result<bool, Fault> {
-        let changed = self.improve(instance)?;
+    pub fn update(&mut self, machine: &mut Machine<'_>) -> Result<bool, Fault> {
+        let changed = self.improve(machine)?;
         if changed {
-            self.apply(instance);
-            instance.run(&instance.program.held)?;
+            self.apply(machine);
+            machine.run(&machine.program.tapes.discrete)?;
         }
         Ok(changed)
     }
 
-    fn improve(&mut self, instance: &mut Instance<'_>) -> Result<bool, Fault> {
-        let program: &Program = instance.program;
-        instance.run(&program.selection)?;
+    fn improve(&mut self, machine: &mut Machine<'_>) -> Result<bool, Fault> {
+        let program: &Program = machine.program;
+        machine.run(&program.tapes.state_selection)?;
         let mut changed = false;
         let sets = program.state_sets.iter().zip(&program.blocks.state_sets);
         for (basis, (cells, set)) in self.dependent.iter_mut().zip(sets) {
@@ -62,10 +62,10 @@ impl Selection {
             matrix.fill(0.0);
             for e in &cells.jacobian {
                 let j = e.column as usize;
-                let nominal = instance.get(cells.nominals[j]).abs();
+                let nominal = machine.get(cells.nominals[j]).abs();
                 let nominal = if nominal > 0.0 && nominal.is_finite() { nominal } else { 1.0 };
                 matrix[e.row as usize * columns + j] =
-                    instance.get(e.slot) * nominal / set.wishes[j];
+                    machine.get(e.slot) * nominal / set.wishes[j];
             }
             changed |= basis.improve(matrix, LIMIT);
         }
@@ -73,16 +73,16 @@ impl Selection {
     }
 
     /// Writes the selection and the states.
-    fn apply(&self, instance: &mut Instance<'_>) {
-        for (basis, cells) in self.dependent.iter().zip(&instance.program.state_sets) {
+    fn apply(&self, machine: &mut Machine<'_>) {
+        for (basis, cells) in self.dependent.iter().zip(&machine.program.state_sets) {
             let columns = cells.candidates.len();
             for cell in &cells.selection {
-                instance.set(*cell, 0.0);
+                machine.set(*cell, 0.0);
             }
             let free = (0..columns).filter(|j| !basis.chosen().contains(j));
             for (i, j) in free.enumerate().take(cells.states.len()) {
-                instance.set(cells.selection[i * columns + j], 1.0);
-                instance.copy(cells.states[i], cells.candidates[j]);
+                machine.set(cells.selection[i * columns + j], 1.0);
+                machine.copy(cells.states[i], cells.candidates[j]);
             }
         }
     }

@@ -1,20 +1,20 @@
 //! A running program as the integrator sees it.
 
 use crate::integrate::system::{EvalError, System};
-use crate::ir::program::{Entry, Program, Watch};
+use crate::ir::program::{Entry, Program, RelationTrigger};
 use crate::numeric::pattern::Pattern;
-use crate::runtime::machine::{Fault, Instance};
+use crate::runtime::machine::{Fault, Machine};
 
 use super::event::sliding::Sliding;
 
 /// The derivatives of the states, and the residuals of the loops that are left to the integrator. A
 /// model without states has one that rests, so that events of its algebraic variables are found by
 /// the same loop.
-pub struct Model<'p> {
+pub struct HybridSystem<'p> {
     /// The run.
-    pub instance: Instance<'p>,
+    pub machine: Machine<'p>,
     /// Since this was reset, a function was evaluated beyond its domain.
-    pub beyond: bool,
+    pub left_domain: bool,
     /// Nothing is evaluated beyond its domain.
     pub strict: bool,
     /// The surface that the solution stays on, if any.
@@ -22,40 +22,42 @@ pub struct Model<'p> {
     differential: Vec<bool>,
     pattern: Pattern,
     /// Relations that are searched on the trajectory.
-    watched: Vec<u32>,
-    looks: Looks,
+    state_relations: Vec<u32>,
+    probes: ProbeHistory,
     /// For each entry of the program its place in the pattern.
-    places: Vec<usize>,
-    moved: Vec<f64>,
+    positions: Vec<usize>,
+    displaced: Vec<f64>,
     base: Vec<f64>,
     slope: Vec<f64>,
 }
 
 /// The last evaluations of derivatives, with whether a searched relation differed from its held value.
 #[derive(Default)]
-struct Looks {
+struct ProbeHistory {
     /// As many as a step of Radau IIA makes after its last iteration began: three stages, the error
     /// estimate, and the end.
     recent: [(f64, bool); 5],
     next: usize,
     /// The memory is as the last one left it.
-    standing: bool,
+    is_current: bool,
 }
 
-impl Looks {
+impl ProbeHistory {
     fn note(&mut self, t: f64, switched: bool) {
         self.recent[self.next] = (t, switched);
         self.next = (self.next + 1) % self.recent.len();
-        self.standing = true;
+        self.is_current = true;
     }
 }
 
-fn watched(program: &Program) -> Vec<u32> {
-    let count = program.watches.len() as u32;
-    (0..count).filter(|k| program.watches[*k as usize] == Watch::State).collect()
+fn state_relations(program: &Program) -> Vec<u32> {
+    let count = program.events.relation_triggers.len() as u32;
+    (0..count)
+        .filter(|k| program.events.relation_triggers[*k as usize] == RelationTrigger::State)
+        .collect()
 }
 
-impl<'p> Model<'p> {
+impl<'p> HybridSystem<'p> {
     /// A run that has not begun.
     pub fn new(program: &'p Program) -> Self {
         let (states, order) = (program.blocks.states.len(), program.order());
@@ -64,18 +66,18 @@ impl<'p> Model<'p> {
         let position = |e: &Entry| (e.row as usize, e.column as usize);
         let entries: Vec<_> = program.jacobian_entries.iter().map(position).collect();
         let pattern = Pattern::from_entries(n, n, &entries);
-        let places = entries.iter().filter_map(|&(i, j)| pattern.position(i, j)).collect();
-        Model {
-            instance: Instance::new(program),
-            beyond: false,
+        let positions = entries.iter().filter_map(|&(i, j)| pattern.position(i, j)).collect();
+        HybridSystem {
+            machine: Machine::new(program),
+            left_domain: false,
             strict: false,
             sliding: None,
             differential: (0..n).map(|i| !(states..order).contains(&i)).collect(),
             pattern,
-            watched: watched(program),
-            looks: Looks::default(),
-            places,
-            moved: zeros(),
+            state_relations: state_relations(program),
+            probes: ProbeHistory::default(),
+            positions,
+            displaced: zeros(),
             base: zeros(),
             slope: zeros(),
         }
@@ -86,114 +88,126 @@ impl<'p> Model<'p> {
     /// method relations cost next to nothing.
     pub fn quiet_until(&self, t0: f64, t1: f64) -> Option<f64> {
         let middle = 0.5 * (t0 + t1);
-        let inside = || self.looks.recent.iter().filter(|look| t0 < look.0 && look.0 < t1);
-        let latest = inside().map(|look| look.0).fold(t0, f64::max);
-        let quiet = inside().all(|look| !look.1) && inside().any(|look| look.0 <= middle);
+        let inside = || self.probes.recent.iter().filter(|probe| t0 < probe.0 && probe.0 < t1);
+        let latest = inside().map(|probe| probe.0).fold(t0, f64::max);
+        let quiet = inside().all(|probe| !probe.1) && inside().any(|probe| probe.0 <= middle);
         (quiet && latest > middle).then_some(latest)
     }
 
     /// True if searched relations in the memory are those at `(t, y)`.
-    pub fn stands_at(&self, t: f64, y: &[f64]) -> bool {
-        let instance = &self.instance;
-        self.looks.standing
-            && instance.get(instance.program.layout.time) == t
-            && instance.states() == &y[..instance.program.order()]
+    pub fn is_current_at(&self, t: f64, y: &[f64]) -> bool {
+        let machine = &self.machine;
+        self.probes.is_current
+            && machine.get(machine.program.layout.time) == t
+            && machine.states() == &y[..machine.program.order()]
     }
 
     /// Evaluates searched relations where the derivatives were evaluated last.
-    fn look(&mut self, t: f64) {
-        let program = self.instance.program;
-        if self.beyond || self.sliding.is_some() || self.instance.run(&program.roots).is_err() {
-            return self.looks = Looks::default();
+    fn probe(&mut self, t: f64) {
+        let program = self.machine.program;
+        if self.left_domain
+            || self.sliding.is_some()
+            || self.machine.run(&program.tapes.roots).is_err()
+        {
+            return self.probes = ProbeHistory::default();
         }
-        let (fresh, held) = (program.layout.fresh, program.layout.relations);
-        let switched = |k: &u32| self.instance.get(fresh + k) != self.instance.get(held + k);
-        let switched = self.watched.iter().any(switched);
-        self.looks.note(t, switched);
+        let (candidates, held) = (program.layout.candidates, program.layout.relations);
+        let switched = |k: &u32| self.machine.get(candidates + k) != self.machine.get(held + k);
+        let switched = self.state_relations.iter().any(switched);
+        self.probes.note(t, switched);
     }
 
     /// Everything at `(t, y)`, relations held.
     pub fn evaluate_all(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
-        self.looks.standing = false;
+        self.probes.is_current = false;
         if let Some(sliding) = &mut self.sliding {
-            let n = self.instance.program.order();
-            return sliding.evaluate_all(&mut self.instance, t, &y[..n]);
+            let n = self.machine.program.order();
+            return sliding.evaluate_all(&mut self.machine, t, &y[..n]);
         }
-        let program = self.instance.program;
+        let program = self.machine.program;
         self.evaluate_roots(t, y)?;
-        self.instance.run(&program.rest)
+        self.machine.run(&program.tapes.outputs)
     }
 
     /// Derivatives, searched relations and assertions at `(t, y)`.
     pub fn evaluate_roots(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
-        self.looks.standing = false;
-        let program = self.instance.program;
-        self.instance.place(t, &y[..program.order()]);
-        self.instance.run(&program.rhs)?;
-        self.instance.run(&program.roots)
+        self.probes.is_current = false;
+        let program = self.machine.program;
+        self.machine.set_point(t, &y[..program.order()]);
+        self.machine.run(&program.tapes.rhs)?;
+        self.machine.run(&program.tapes.roots)
     }
 
-    /// As [`Model::evaluate_all`], beyond the domain of functions too.
-    pub fn evaluate_all_beyond(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
-        self.instance.inside = true;
+    /// As [`HybridSystem::evaluate_all`], beyond the domain of functions too.
+    pub fn evaluate_all_clamped(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+        self.machine.clamp_domain = true;
         let outcome = self.evaluate_all(t, y);
-        self.instance.inside = false;
+        self.machine.clamp_domain = false;
         outcome
     }
 
-    /// As [`Model::evaluate_roots`], beyond the domain of functions if the step went there.
-    pub fn evaluate_roots_beyond(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+    /// As [`HybridSystem::evaluate_roots`], beyond the domain of functions if the step went there.
+    pub fn evaluate_roots_clamped(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
         let outcome = self.evaluate_roots(t, y);
-        let layout = &self.instance.program.layout;
-        let count = self.instance.program.watches.len() as u32;
-        let gaps = (0..count).map(|k| self.instance.get(layout.gaps + k));
+        let layout = &self.machine.program.layout;
+        let count = self.machine.program.events.relation_triggers.len() as u32;
+        let indicators = (0..count).map(|k| self.machine.get(layout.indicators + k));
         let fine = match outcome {
-            Ok(()) => !self.beyond || gaps.into_iter().all(|gap| !gap.is_nan()),
-            Err(fault) => self.strict || !of_domain(fault),
+            Ok(()) => {
+                !self.left_domain || indicators.into_iter().all(|indicator| !indicator.is_nan())
+            }
+            Err(fault) => self.strict || !is_domain_fault(fault),
         };
         if fine {
             return outcome;
         }
-        self.beyond = true;
-        self.instance.inside = true;
+        self.left_domain = true;
+        self.machine.clamp_domain = true;
         let outcome = self.evaluate_roots(t, y);
-        self.instance.inside = false;
+        self.machine.clamp_domain = false;
         outcome
     }
 
     /// True if the derivatives at `(t, y)` exist.
-    pub fn is_inside(&mut self, t: f64, y: &[f64]) -> bool {
-        self.looks.standing = false;
-        let n = self.instance.program.order();
-        self.instance.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
+    pub fn is_in_domain(&mut self, t: f64, y: &[f64]) -> bool {
+        self.probes.is_current = false;
+        let n = self.machine.program.order();
+        self.machine.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
     }
 
     /// Runs the tape of the Jacobian; false if a torn block has no derivative there. That is no reason
     /// to fail: differences do.
     fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<bool, EvalError> {
-        self.looks.standing = false;
-        let program = self.instance.program;
+        self.probes.is_current = false;
+        let program = self.machine.program;
         let n = program.order();
-        self.instance.place(t, &y[..n]);
-        if let Err(fault) = self.instance.run(&program.rhs) {
-            let Model { instance, beyond, strict, base, .. } = self;
-            derivatives(instance, beyond, *strict || !of_domain(fault), t, &y[..n], &mut base[..n])
-                .map_err(recoverable)?;
+        self.machine.set_point(t, &y[..n]);
+        if let Err(fault) = self.machine.run(&program.tapes.rhs) {
+            let HybridSystem { machine, left_domain, strict, base, .. } = self;
+            derivatives(
+                machine,
+                left_domain,
+                *strict || !is_domain_fault(fault),
+                t,
+                &y[..n],
+                &mut base[..n],
+            )
+            .map_err(recoverable)?;
         }
-        Ok(self.instance.run(&program.jacobian).is_ok())
+        Ok(self.machine.run(&program.tapes.jacobian).is_ok())
     }
 
     /// Writes a column of the Jacobian as one-sided difference quotients to `slope`, for where the exact
     /// derivative is infinite, as that of a root at zero.
     fn difference(&mut self, t: f64, y: &[f64], column: usize) -> Result<(), Fault> {
-        let n = self.instance.program.order();
-        self.moved.copy_from_slice(y);
+        let n = self.machine.program.order();
+        self.displaced.copy_from_slice(y);
         let h = f64::EPSILON.sqrt() * y[column].abs().max(1e-3);
-        let Model { instance, beyond, strict, base, slope, moved, .. } = self;
-        derivatives(instance, beyond, *strict, t, &y[..n], &mut base[..n])?;
+        let HybridSystem { machine, left_domain, strict, base, slope, displaced, .. } = self;
+        derivatives(machine, left_domain, *strict, t, &y[..n], &mut base[..n])?;
         for step in [h, -h] {
-            moved[column] = y[column] + step;
-            if instance.derivatives(t, &moved[..n], &mut slope[..n]).is_ok() {
+            displaced[column] = y[column] + step;
+            if machine.derivatives(t, &displaced[..n], &mut slope[..n]).is_ok() {
                 for (slope, base) in slope.iter_mut().zip(&*base).take(n) {
                     *slope = (*slope - base) / step;
                 }
@@ -205,18 +219,18 @@ impl<'p> Model<'p> {
     }
 }
 
-impl Model<'_> {
+impl HybridSystem<'_> {
     /// The Jacobian by one-sided differences.
     fn differences(&mut self, t: f64, y: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
-        let (n, dim) = (self.instance.program.order(), self.dim());
+        let (n, dim) = (self.machine.program.order(), self.dim());
         let (mut base, mut slope) = (vec![0.0; dim], vec![0.0; dim]);
-        let mut moved = y.to_vec();
+        let mut displaced = y.to_vec();
         self.rhs(t, y, &mut base)?;
         for column in 0..n {
             let h = f64::EPSILON.sqrt() * y[column].abs().max(1e-3);
-            moved[column] = y[column] + h;
-            self.rhs(t, &moved, &mut slope)?;
-            moved[column] = y[column];
+            displaced[column] = y[column] + h;
+            self.rhs(t, &displaced, &mut slope)?;
+            displaced[column] = y[column];
             for i in 0..n {
                 j[i + dim * column] = (slope[i] - base[i]) / h;
             }
@@ -225,7 +239,7 @@ impl Model<'_> {
     }
 }
 
-impl System for Model<'_> {
+impl System for HybridSystem<'_> {
     fn dim(&self) -> usize {
         self.differential.len()
     }
@@ -235,28 +249,28 @@ impl System for Model<'_> {
     }
 
     fn rhs(&mut self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-        let n = self.instance.program.order();
+        let n = self.machine.program.order();
         f[n..].fill(0.0);
         if let Some(sliding) = &mut self.sliding {
-            let slid = sliding.derivatives(&mut self.instance, t, &y[..n], &mut f[..n]);
+            let slid = sliding.derivatives(&mut self.machine, t, &y[..n], &mut f[..n]);
             return slid.map_err(recoverable);
         }
-        self.looks.standing = false;
-        derivatives(&mut self.instance, &mut self.beyond, self.strict, t, &y[..n], &mut f[..n])
+        self.probes.is_current = false;
+        derivatives(&mut self.machine, &mut self.left_domain, self.strict, t, &y[..n], &mut f[..n])
             .map_err(recoverable)?;
-        self.look(t);
+        self.probe(t);
         Ok(())
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
-        let program = self.instance.program;
+        let program = self.machine.program;
         let (n, dim) = (program.order(), self.dim());
         if self.sliding.is_some() {
             return self.differences(t, y, j);
         }
         let exact = self.differentiate(t, y)?;
         for e in &program.jacobian_entries {
-            let value = if exact { self.instance.get(e.slot) } else { f64::NAN };
+            let value = if exact { self.machine.get(e.slot) } else { f64::NAN };
             j[e.row as usize + dim * e.column as usize] = value;
         }
         for column in 0..n {
@@ -275,10 +289,10 @@ impl System for Model<'_> {
 
     fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
         // On a sliding surface this is the Jacobian beside it: near enough for Newton's method.
-        let program = self.instance.program;
+        let program = self.machine.program;
         let exact = self.differentiate(t, y)?;
-        for (e, &place) in program.jacobian_entries.iter().zip(&self.places) {
-            values[place] = if exact { self.instance.get(e.slot) } else { f64::NAN };
+        for (e, &place) in program.jacobian_entries.iter().zip(&self.positions) {
+            values[place] = if exact { self.machine.get(e.slot) } else { f64::NAN };
         }
         for column in 0..program.order() {
             let starts = self.pattern.column_starts();
@@ -298,19 +312,19 @@ impl System for Model<'_> {
 /// The derivatives, beyond the domain of functions where nothing else is possible: while a relation
 /// is held its branch must go on a little beyond the point at which it switches.
 fn derivatives(
-    instance: &mut Instance<'_>,
-    beyond: &mut bool,
+    machine: &mut Machine<'_>,
+    left_domain: &mut bool,
     strict: bool,
     t: f64,
     states: &[f64],
     out: &mut [f64],
 ) -> Result<(), Fault> {
-    match instance.derivatives(t, states, out) {
-        Err(fault) if !strict && of_domain(fault) => {
-            *beyond = true;
-            instance.inside = true;
-            let outcome = instance.derivatives(t, states, out);
-            instance.inside = false;
+    match machine.derivatives(t, states, out) {
+        Err(fault) if !strict && is_domain_fault(fault) => {
+            *left_domain = true;
+            machine.clamp_domain = true;
+            let outcome = machine.derivatives(t, states, out);
+            machine.clamp_domain = false;
             outcome
         }
         outcome => outcome,
@@ -318,7 +332,7 @@ fn derivatives(
 }
 
 /// True for a fault that moving arguments into their domain may cure.
-pub fn of_domain(fault: Fault) -> bool {
+pub fn is_domain_fault(fault: Fault) -> bool {
     matches!(fault, Fault::Derivative { .. } | Fault::NotFinite { .. })
 }
 

@@ -13,7 +13,7 @@ use crate::io::records::{Cell, Field, Records, Type, line, row};
 use crate::io::results::{Format, Results};
 use crate::ir::trajectory::{Column, Constant, Event};
 use crate::measure::observe::Observer;
-use crate::simulate::columns::{columns, courses};
+use crate::simulate::columns::{column_storage, columns};
 use crate::simulate::failure::FailureKind;
 use crate::simulate::record::Sink;
 use crate::simulate::run::simulate_to;
@@ -178,8 +178,8 @@ impl Sweep<'_> {
         let shown = compiled.plan.shown;
         let path = trace_path(folder, k);
         let columns = &columns(&compiled.program)[..shown];
-        let courses = courses(&compiled.program);
-        Results::create(&path, Format::Csv, columns, &courses[..shown]).map(Some)
+        let column_storage = column_storage(&compiled.program);
+        Results::create(&path, Format::Csv, columns, &column_storage[..shown]).map(Some)
     }
 
     /// The row of a run.

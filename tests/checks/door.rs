@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use mocc::base::diag::Diagnostic;
 use mocc::base::render::{Style, render, render_all};
 use mocc::driver::compile::{Request, Session};
-use mocc::ir::program::{Form, Program};
+use mocc::ir::program::{Program, SystemForm};
 use mocc::ir::trajectory::{Column, Event, Trajectory, position};
 use mocc::runtime::jit::tiering::Execution;
 use mocc::simulate::record::Sink;
@@ -48,7 +48,7 @@ impl Case {
         self
     }
     /// Who solves algebraic loops.
-    pub fn form(mut self, form: Form) -> Case {
+    pub fn form(mut self, form: SystemForm) -> Case {
         self.request.form = form;
         self
     }

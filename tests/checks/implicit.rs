@@ -42,7 +42,7 @@ end Ladder;";
 #[test]
 fn a_ladder_in_closed_form() {
     for method in [Method::Auto, Method::Radau, Method::Bdf] {
-        let case = Case::text(LADDER).form(Form::Implicit).stop(2.0).tolerance(1e-7);
+        let case = Case::text(LADDER).form(SystemForm::Dae).stop(2.0).tolerance(1e-7);
         let mut compiled = case.compile();
         assert_eq!(compiled.program.algebraics.len(), 80);
         assert_eq!(compiled.program.order(), 160);
@@ -104,7 +104,7 @@ fn the_transistor_amplifier_as_published() {
         0.1236995868091548e1,
     ];
     for (method, tolerance) in [(Method::Radau, 1e-6), (Method::Bdf, 1e-5)] {
-        let case = Case::text(text).form(Form::Implicit).stop(0.2).tolerance(1e-8);
+        let case = Case::text(text).form(SystemForm::Dae).stop(0.2).tolerance(1e-8);
         let mut compiled = case.compile();
         assert!(!compiled.program.algebraics.is_empty());
         compiled.method(method);
@@ -133,7 +133,7 @@ fn events_as_in_the_reduced_mode() {
       end when;
     end Relaxing;";
     let case = || Case::text(text).stop(5.0).tolerance(1e-9);
-    let (reduced, implicit) = (case().run(), case().form(Form::Implicit).run());
+    let (reduced, implicit) = (case().run(), case().form(SystemForm::Dae).run());
     assert_eq!(implicit.last("count"), reduced.last("count"));
     assert!(implicit.last("count") >= 2.0);
     assert_eq!(implicit.events.len(), reduced.events.len());
@@ -167,7 +167,7 @@ fn a_loop_that_rests_is_solved_inside() {
         u = 5;
       end when;
     end Resting;";
-    let compiled = Case::text(text).form(Form::Implicit).stop(1.0).tolerance(1e-8).compile();
+    let compiled = Case::text(text).form(SystemForm::Dae).stop(1.0).tolerance(1e-8).compile();
     assert!(compiled.program.algebraics.is_empty());
     // z = 1 first, then 2: z + z^3 = 10.
     assert_close(compiled.run().last("x"), (-0.5_f64 - 1.0).exp(), 1e-7);

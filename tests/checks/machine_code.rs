@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mocc::ir::program::Program;
 use mocc::ir::trajectory::Trajectory;
 use mocc::runtime::jit::tiering::Execution;
-use mocc::runtime::machine::Instance;
+use mocc::runtime::machine::Machine;
 use mocc::simulate::initialization::initialise;
 use mocc::simulate::settings::Settings;
 
@@ -19,17 +19,17 @@ fn bits(memory: &[f64]) -> Vec<u64> {
 
 fn translated(program: &Program) -> Execution {
     let execution = Execution::translated(program);
-    assert!(matches!(execution, Execution::Machine(_)));
+    assert!(matches!(execution, Execution::Compiled(_)));
     execution
 }
 
 /// Runs every tape in both ways, at the start and at states along a run, and compares all cells.
 fn compare_tapes(program: &Program, trajectory: &Trajectory, what: &str) {
     let settings = Settings::of(&program.blocks.dae.experiment);
-    let mut both = [Instance::new(program), Instance::new(program)];
-    both[1].execute(&translated(program));
-    for instance in &mut both {
-        initialise(instance, &settings).expect("a start");
+    let mut both = [Machine::new(program), Machine::new(program)];
+    both[1].set_execution(&translated(program));
+    for machine in &mut both {
+        initialise(machine, &settings).expect("a start");
     }
     assert_eq!(bits(&both[0].memory), bits(&both[1].memory), "{what}: initialised");
     let names = program.blocks.states.iter().map(|s| program.name(s.variable));
@@ -38,10 +38,10 @@ fn compare_tapes(program: &Program, trajectory: &Trajectory, what: &str) {
         let own = both[0].states().to_vec();
         let states = columns.iter().zip(own).map(|(column, own)| column.map_or(own, |c| c[row]));
         let states: Vec<f64> = states.collect();
-        for instance in &mut both {
-            instance.place(trajectory.time[row], &states);
+        for machine in &mut both {
+            machine.set_point(trajectory.time[row], &states);
         }
-        for (name, tape) in program.tapes() {
+        for (name, tape) in program.all_tapes() {
             if matches!(name, "parameters" | "initial") {
                 continue;
             }

@@ -2,7 +2,7 @@
 //! need all of it. *RFC 4648, section 4.*
 
 use crate::io::json::Json;
-use crate::ir::trajectory::{Course, Trajectory};
+use crate::ir::trajectory::{ColumnStorage, Trajectory};
 use crate::report::plot::decimate::{PER_COLUMN, decimate};
 
 /// Pixel columns for which a thinned curve still looks the same: a wide screen, a few times magnified.
@@ -56,7 +56,7 @@ impl Arrays {
 }
 
 /// The columns of a run: for each a time array, a value array and a factor, or its only value.
-pub fn columns(run: &Trajectory, courses: &[Course], arrays: &mut Arrays) -> Json {
+pub fn columns(run: &Trajectory, column_storage: &[ColumnStorage], arrays: &mut Arrays) -> Json {
     let rows = run.rows();
     let thin = rows > PER_COLUMN * PIXELS;
     let time = if thin { 0 } else { arrays.doubles(&run.time) };
@@ -70,7 +70,7 @@ pub fn columns(run: &Trajectory, courses: &[Course], arrays: &mut Arrays) -> Jso
             continue;
         }
         let (mut place, mut factor) = (None, 1.0);
-        if let Some(Course::Alias { of, negated }) = courses.get(k)
+        if let Some(ColumnStorage::Alias { of, negated }) = column_storage.get(k)
             && let Some(first) = known.get(*of)
         {
             place = Some(*first);
@@ -118,7 +118,8 @@ mod tests {
             run.push(f64::from(i), &[if i == 31_234 { 9.0 } else { f64::from(i % 2) }, 3.0]);
         }
         let mut arrays = Arrays::default();
-        let json = columns(&run, &[Course::Own, Course::Constant], &mut arrays).compact();
+        let json =
+            columns(&run, &[ColumnStorage::Own, ColumnStorage::Constant], &mut arrays).compact();
         assert_eq!(json, "[[0,1,1.0],3.0]");
         let text = arrays.json().compact();
         assert!(text.len() < 60_000 * 12, "{}", text.len());

@@ -4,7 +4,7 @@ use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::io::json::Json;
 use crate::ir::assembly::Assembly;
-use crate::ir::trajectory::{Course, Kind, Trajectory};
+use crate::ir::trajectory::{ColumnStorage, Kind, Trajectory};
 use crate::report::markup::escaped;
 use crate::report::scale;
 use crate::report::schematic::{MOST_PARTS, draw, picture};
@@ -55,7 +55,7 @@ pub struct RunPart {
     /// What it recorded.
     pub trajectory: Trajectory,
     /// What is known of its columns.
-    pub courses: Vec<Course>,
+    pub column_storage: Vec<ColumnStorage>,
     /// Statistics in words.
     pub facts: Vec<(String, String)>,
 }
@@ -303,7 +303,7 @@ fn data(doc: &Document<'_>) -> Json {
             Json::object([
                 ("label", Json::text(r.label.as_str())),
                 ("ends", Json::numbers(&ends)),
-                ("columns", columns(&r.trajectory, &r.courses, &mut arrays)),
+                ("columns", columns(&r.trajectory, &r.column_storage, &mut arrays)),
                 ("events", Json::numbers(&events)),
             ])
         })

@@ -9,9 +9,9 @@ pub fn unary(op: Unary) -> usize {
     macro_rules! addresses {
         ($($name:ident)*) => {
             match op {
-                // Has a signature of its own.
+                // Has a different signature.
                 Unary::Native(_) => native_unary(),
-                // Stand between pieces of machine code, and in messages.
+                // Interpreted between fragments, or used in messages only.
                 Unary::Carried(_) | Unary::Text(_) => native_unary(),
                 $(Unary::$name => {
                     extern "C" fn compute(a: f64) -> f64 {
@@ -51,7 +51,7 @@ pub fn binary(op: Binary) -> usize {
     macro_rules! addresses {
         ($($name:ident)*) => {
             match op {
-                // Has a signature of its own.
+                // Has a different signature.
                 Binary::Native(_) => native_binary(),
                 $(Binary::$name => {
                     extern "C" fn compute(a: f64, b: f64) -> f64 {

@@ -1,15 +1,14 @@
-//! Tapes to machine code.
+//! Compiles tapes to machine code.
 //!
-//! What comes in: a [`Program`]. What goes out: [`MachineCode`], immutable, which any number of runs
-//! and threads share. It computes what [`interp`](super::machine) computes, to the bit (what is not a
-//! number counts as one value: its sign and payload are open), and leaves the same values in the
-//! same cells. Torn blocks of more than one unknown, their derivatives and mixed blocks stay in Rust: a tape is
-//! cut there.
+//! In: a [`Program`]. Out: [`MachineCode`], immutable and shared by any number of runs and threads. It
+//! leaves the same values in the same slots as the [interpreter](super::machine), bit for bit (except
+//! for the sign and payload of NaN, which Rust does not specify). Torn blocks with more than one
+//! unknown, their derivatives and mixed blocks are executed in Rust: tapes are split there.
 //!
-//! Instructions are selected and registers allocated by Cranelift; what it is told is in `cells`.
-//! The interpreter stays for what runs too seldom to be worth the translation, beyond the domain of
-//! functions, on machines that Cranelift does not know, and as the oracle of the tests.
-#![allow(unsafe_code)] // Here alone: code made at run time is called, and its memory given back.
+//! Cranelift selects instructions and allocates registers; `slots` generates its input. The
+//! interpreter remains for tapes that run too rarely to be worth compiling, for clamped arguments, for
+//! targets that Cranelift does not support, and as the oracle of the tests.
+#![allow(unsafe_code)] // Only here: calls generated code and frees its memory.
 
 mod body;
 mod external;
@@ -29,93 +28,93 @@ use cranelift::module::{FuncId, Module, default_libcall_names};
 use cranelift::prelude::*;
 
 use self::body::Faults;
-use self::slots::{Cells, Known};
+use self::slots::{FragmentBuilder, RegisterState};
 use self::source::Source;
 use super::machine::Fault;
 use crate::ir::expr::Unary;
 use crate::ir::program::{Instr, Op, Program};
 
-/// Instructions of a tape that become one function: the time of register allocation grows faster
-/// than the length.
-const LONGEST: usize = 1000;
-/// Address space for the machine code of an instruction, bytes; four times of what it mostly takes.
-const RESERVED: usize = 256;
-/// Address space besides, bytes.
-const RESERVED_BESIDES: usize = 1 << 20;
-/// The most cells that an offset of 31 bits reaches.
-const MOST_CELLS: usize = (i32::MAX as usize) / size_of::<f64>();
+/// Maximum number of instructions in one function: the time of register allocation grows faster than
+/// linearly.
+const MAX_FRAGMENT_LENGTH: usize = 1000;
+/// Address space reserved for the machine code of an instruction, bytes; four times the typical size.
+const BYTES_PER_INSTRUCTION: usize = 256;
+/// Address space reserved in addition, bytes.
+const BASE_BYTES: usize = 1 << 20;
+/// Maximum number of slots that an offset of 31 bits can address.
+const MAX_SLOTS: usize = (i32::MAX as usize) / size_of::<f64>();
 
-/// Why there is no machine code; the interpreter does as well.
+/// Why a program was not compiled to machine code. The interpreter gives the same results.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum Untranslated {
-    /// Cranelift does not know the machine, or refuses an instruction.
+pub enum TranslationError {
+    /// Cranelift does not support the target or an instruction.
     #[error("this machine can not be translated to: {0}")]
-    Refused(String),
+    Unsupported(String),
     /// The program is larger than offsets reach.
     #[error("the program has {cells} cells, more than machine code can reach")]
     TooLarge {
         /// Its number of cells.
         cells: usize,
     },
-    /// Nobody waits for the result any more.
+    /// The run that requested the code has ended.
     #[error("the translation was given up")]
-    GivenUp,
-    /// The program refers to what it does not have.
+    Cancelled,
+    /// The program refers to something that does not exist.
     #[error("{0}")]
     Invalid(String),
 }
 
-/// One stretch of a tape: computes in the memory; returns 0 or the number of a fault.
-type Stretch = unsafe extern "C" fn(memory: *mut f64, memo: *mut f64) -> u32;
+/// Code of a fragment of a tape: operates on the memory; returns 0 or the number of a fault.
+type Fragment = unsafe extern "C" fn(memory: *mut f64, memo: *mut f64) -> u32;
 
 /// A part of a tape.
-enum Piece {
+enum TapePart {
     /// Machine code.
-    Stretch(Stretch),
-    /// Done in Rust.
-    Between(Instr),
+    Fragment(Fragment),
+    /// Executed in Rust.
+    Interpreted(Instr),
 }
 
-/// What the machine code of one run remembers of elementary functions: only what was computed, so
-/// it never has to be forgotten.
+/// Memoized calls of elementary functions of one run. Entries are pure function values and never
+/// become invalid.
 #[derive(Clone, Debug)]
 pub struct Memo(Vec<f64>);
 
 /// The machine code of a program.
 pub struct MachineCode {
     source: Source,
-    tapes: Vec<Vec<Piece>>,
+    tapes: Vec<Vec<TapePart>>,
     faults: Vec<Fault>,
     memo: Memo,
     module: ManuallyDrop<JITModule>,
 }
 
 // SAFETY: after `translate` nothing writes to the module or its code: all methods take `&self` and
-// only read pointers to code that depends on nothing but its argument.
+// only read pointers to code that depends on its arguments alone.
 unsafe impl Send for MachineCode {}
 // SAFETY: as above.
 unsafe impl Sync for MachineCode {}
 
 impl MachineCode {
-    /// Translates all tapes of a program. Takes some microseconds for each instruction.
-    pub fn translate(program: &Program) -> Result<MachineCode, Untranslated> {
-        program.verify().map_err(Untranslated::Invalid)?;
+    /// Compiles all tapes of a program. Takes some microseconds per instruction.
+    pub fn translate(program: &Program) -> Result<MachineCode, TranslationError> {
+        program.verify().map_err(TranslationError::Invalid)?;
         Translator::translate(Source::of(program), &|| false)
     }
 
-    /// True if this is the machine code of `program`, or of one that does exactly the same.
+    /// True if this is the machine code of `program` or of an identical one.
     pub fn is_of(&self, program: &Program) -> bool {
         self.source.is_of(program)
     }
 
-    /// What a run remembers before it begins.
+    /// The initial memo of a run.
     pub fn memo(&self) -> Memo {
         self.memo.clone()
     }
 
-    /// Runs a tape from piece `at` until an instruction is to be done in Rust, or to its end; gives that,
-    /// and the piece after it. Panics if the memory is not that of the program, or `memo` not of this
-    /// machine code, which is a bug.
+    /// Executes a tape from part `at` to its end or up to an instruction that must be executed in Rust;
+    /// returns that instruction and the position of the next part. Panics if the memory is not that of
+    /// the program, or `memo` not that of this machine code, which is a bug.
     pub fn run(
         &self,
         tape: u32,
@@ -127,17 +126,17 @@ impl MachineCode {
         assert!(memo.0.len() == self.memo.0.len(), "the memo of another program");
         for (k, piece) in self.tapes[tape as usize].iter().enumerate().skip(at) {
             match *piece {
-                Piece::Stretch(stretch) => {
+                TapePart::Fragment(fragment_code) => {
                     // SAFETY: the code was made by `Translator` for `source`, which was verified: it
-                    // reads and writes the cells below `source.cells` alone, all of which `memory`
-                    // holds, and the places of `self.memo`, as many as `memo` has; it calls nothing
-                    // but itself and `external`. It is not given back before `self` is dropped.
-                    match unsafe { stretch(memory.as_mut_ptr(), memo.0.as_mut_ptr()) } {
+                    // reads and writes only slots below `source.cells`, all of which `memory` has,
+                    // and the entries of `self.memo`, as many as `memo` has; it calls only itself
+                    // and `external`. It is not freed before `self` is dropped.
+                    match unsafe { fragment_code(memory.as_mut_ptr(), memo.0.as_mut_ptr()) } {
                         0 => {}
                         fault => return Err(self.faults[fault as usize - 1]),
                     }
                 }
-                Piece::Between(instruction) => return Ok(Some((instruction, k + 1))),
+                TapePart::Interpreted(instruction) => return Ok(Some((instruction, k + 1))),
             }
         }
         Ok(None)
@@ -146,7 +145,8 @@ impl MachineCode {
 
 impl Drop for MachineCode {
     fn drop(&mut self) {
-        // SAFETY: the module is not used after this, and the pointers to its code go with `self`.
+        // SAFETY: the module is not used after this, and the pointers to its code are dropped with
+        // `self`.
         unsafe { ManuallyDrop::take(&mut self.module).free_memory() };
     }
 }
@@ -157,54 +157,56 @@ impl std::fmt::Debug for MachineCode {
     }
 }
 
-/// A translation under way.
+/// A translation in progress.
 struct Translator<'s> {
     source: &'s Source,
     module: JITModule,
     context: Context,
     builder: FunctionBuilderContext,
     signature: Signature,
-    known: Known,
+    registers: RegisterState,
     /// The code of each function.
     functions: Vec<FuncId>,
     faults: Faults,
 }
 
-/// A part of a tape, before its address is known.
-enum Planned {
-    Stretch(FuncId),
-    Between(Instr),
+/// A part of a tape before its address is known.
+enum PlannedPart {
+    Fragment(FuncId),
+    Interpreted(Instr),
 }
 
 impl Translator<'_> {
-    /// `given_up` is asked now and then.
-    fn translate(source: Source, given_up: &dyn Fn() -> bool) -> Result<MachineCode, Untranslated> {
+    /// `is_cancelled` is asked now and then.
+    fn translate(
+        source: Source,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Result<MachineCode, TranslationError> {
         let mut translator = Translator::new(&source)?;
         translator.functions()?;
-        let mut planned = Vec::with_capacity(source.tapes.len());
+        let mut parts = Vec::with_capacity(source.tapes.len());
         for tape in &source.tapes {
-            planned.push(translator.tape(tape, given_up)?);
+            parts.push(translator.tape(tape, is_cancelled)?);
         }
-        let Translator { mut module, faults, known, .. } = translator;
-        module.finalize_definitions().map_err(refused)?;
-        let resolve = |planned: Planned| match planned {
-            Planned::Stretch(id) => {
+        let Translator { mut module, faults, registers, .. } = translator;
+        module.finalize_definitions().map_err(unsupported)?;
+        let resolve = |parts: PlannedPart| match parts {
+            PlannedPart::Fragment(id) => {
                 let address = module.get_finalized_function(id);
                 // SAFETY: the function was defined with this signature and calling convention.
-                Piece::Stretch(unsafe { std::mem::transmute::<*const u8, Stretch>(address) })
+                TapePart::Fragment(unsafe { std::mem::transmute::<*const u8, Fragment>(address) })
             }
-            Planned::Between(instruction) => Piece::Between(instruction),
+            PlannedPart::Interpreted(instruction) => TapePart::Interpreted(instruction),
         };
-        let tapes =
-            planned.into_iter().map(|tape| tape.into_iter().map(resolve).collect()).collect();
-        let memo = Memo(known.memo);
+        let tapes = parts.into_iter().map(|tape| tape.into_iter().map(resolve).collect()).collect();
+        let memo = Memo(registers.memo);
         Ok(MachineCode { tapes, faults: faults.0, memo, module: ManuallyDrop::new(module), source })
     }
 
-    fn new(source: &Source) -> Result<Translator<'_>, Untranslated> {
+    fn new(source: &Source) -> Result<Translator<'_>, TranslationError> {
         let cells = source.cells;
-        if cells > MOST_CELLS {
-            return Err(Untranslated::TooLarge { cells });
+        if cells > MAX_SLOTS {
+            return Err(TranslationError::TooLarge { cells });
         }
         let module = JITModule::new(builder(source)?);
         let mut signature = module.make_signature();
@@ -217,14 +219,14 @@ impl Translator<'_> {
             module,
             builder: FunctionBuilderContext::new(),
             signature,
-            known: Known::new(cells, &source.literals),
+            registers: RegisterState::new(cells, &source.literals),
             functions: Vec::new(),
             faults: Faults::default(),
         })
     }
 
     /// Declares, then defines the functions of the model, which call each other.
-    fn functions(&mut self) -> Result<(), Untranslated> {
+    fn functions(&mut self) -> Result<(), TranslationError> {
         let source = self.source;
         for _ in &source.functions {
             let id = self.declare()?;
@@ -232,12 +234,12 @@ impl Translator<'_> {
         }
         for (k, function) in source.functions.iter().enumerate() {
             if source.interpreted[k] {
-                // Nothing calls it here; it is declared to keep the numbers.
-                self.define(self.functions[k], |cells, _, _| cells.leave(0))?;
+                // Machine code does not call it; it is declared to keep the numbering.
+                self.define(self.functions[k], |fragment, _, _| fragment.return_status(0))?;
                 continue;
             }
-            self.define(self.functions[k], |cells, faults, call| {
-                body::emit(cells, k, function, faults, call);
+            self.define(self.functions[k], |fragment, faults, call| {
+                body::emit(fragment, k, function, faults, call);
             })?;
         }
         Ok(())
@@ -246,85 +248,98 @@ impl Translator<'_> {
     fn tape(
         &mut self,
         tape: &[Instr],
-        given_up: &dyn Fn() -> bool,
-    ) -> Result<Vec<Planned>, Untranslated> {
-        let mut planned = Vec::new();
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Result<Vec<PlannedPart>, TranslationError> {
+        let mut parts = Vec::new();
         let source = self.source;
-        let is_between = |i: &Instr| match i.op {
-            Op::Solve => source.quotients[i.a as usize].is_none(),
-            Op::Implicit | Op::Repeat | Op::Unary(Unary::Carried(_)) => true,
+        let is_interpreted = |i: &Instr| match i.op {
+            Op::Solve => source.scalar_blocks[i.a as usize].is_none(),
+            Op::Differentiate | Op::Iterate | Op::Unary(Unary::Carried(_)) => true,
             Op::Call => source.interpreted[source.calls[i.a as usize].function],
             _ => false,
         };
         let mut rest = tape;
         while let Some(first) = rest.first() {
-            if given_up() {
-                return Err(Untranslated::GivenUp);
+            if is_cancelled() {
+                return Err(TranslationError::Cancelled);
             }
-            if is_between(first) {
-                planned.push(Planned::Between(*first));
+            if is_interpreted(first) {
+                parts.push(PlannedPart::Interpreted(*first));
                 rest = &rest[1..];
                 continue;
             }
-            let length = rest.iter().take(LONGEST).position(is_between);
-            let (stretch, after) = rest.split_at(length.unwrap_or(rest.len().min(LONGEST)));
+            let length = rest.iter().take(MAX_FRAGMENT_LENGTH).position(is_interpreted);
+            let (fragment_code, after) =
+                rest.split_at(length.unwrap_or(rest.len().min(MAX_FRAGMENT_LENGTH)));
             let id = self.declare()?;
-            self.define(id, |cells, faults, call| {
-                for i in stretch {
+            self.define(id, |fragment, faults, call| {
+                for i in fragment_code {
                     match (i.op, i.a as usize) {
-                        (Op::Call, k) => call(cells, k),
-                        (Op::Solve, k) => body::quotient(cells, source, k, faults, call),
-                        _ => cells.compute(i),
+                        (Op::Call, k) => call(fragment, k),
+                        (Op::Solve, k) => body::scalar_block(fragment, source, k, faults, call),
+                        _ => fragment.compute(i),
                     }
                 }
-                cells.leave(0);
+                fragment.return_status(0);
             })?;
-            planned.push(Planned::Stretch(id));
+            parts.push(PlannedPart::Fragment(id));
             rest = after;
         }
-        Ok(planned)
+        Ok(parts)
     }
 
-    fn declare(&mut self) -> Result<FuncId, Untranslated> {
-        // A name is not needed: nothing outside of the module refers to it.
-        self.module.declare_anonymous_function(&self.signature).map_err(refused)
+    fn declare(&mut self) -> Result<FuncId, TranslationError> {
+        // It needs no name: nothing outside of the module refers to it.
+        self.module.declare_anonymous_function(&self.signature).map_err(unsupported)
     }
 
-    /// Makes a function of the module. `fill` gets what emits a call.
+    /// Defines a function of the module. `fill` receives a callback that emits a call.
     fn define(
         &mut self,
         id: FuncId,
-        fill: impl FnOnce(&mut Cells<'_, '_>, &mut Faults, &mut dyn FnMut(&mut Cells<'_, '_>, usize)),
-    ) -> Result<(), Untranslated> {
-        let Translator { source, module, context, builder, signature, known, functions, faults } =
-            self;
+        fill: impl FnOnce(
+            &mut FragmentBuilder<'_, '_>,
+            &mut Faults,
+            &mut dyn FnMut(&mut FragmentBuilder<'_, '_>, usize),
+        ),
+    ) -> Result<(), TranslationError> {
+        let Translator {
+            source,
+            module,
+            context,
+            builder,
+            signature,
+            registers,
+            functions,
+            faults,
+        } = self;
         context.func.signature = signature.clone();
         context.func.name = UserFuncName::user(0, id.as_u32());
         let call_conv = module.target_config().default_call_conv;
         let building = FunctionBuilder::new(&mut context.func, builder);
-        let mut cells = Cells::begin(building, known, call_conv);
+        let mut fragment = FragmentBuilder::begin(building, registers, call_conv);
         let mut imported = vec![None; functions.len()];
-        let mut call = |cells: &mut Cells<'_, '_>, k: usize| {
+        let mut call = |fragment: &mut FragmentBuilder<'_, '_>, k: usize| {
             let site = &source.calls[k];
             let code = *imported[site.function].get_or_insert_with(|| {
-                module.declare_func_in_func(functions[site.function], cells.build.func)
+                module.declare_func_in_func(functions[site.function], fragment.build.func)
             });
-            body::call(cells, site, &source.functions[site.function], code);
+            body::call(fragment, site, &source.functions[site.function], code);
         };
-        fill(&mut cells, faults, &mut call);
-        cells.build.seal_all_blocks();
-        cells.build.finalize(module.target_config());
-        let defined = module.define_function(id, context).map_err(refused);
+        fill(&mut fragment, faults, &mut call);
+        fragment.build.seal_all_blocks();
+        fragment.build.finalize(module.target_config());
+        let defined = module.define_function(id, context).map_err(unsupported);
         module.clear_context(context);
         defined
     }
 }
 
-fn builder(source: &Source) -> Result<JITBuilder, Untranslated> {
+fn builder(source: &Source) -> Result<JITBuilder, TranslationError> {
     let mut flags = settings::builder();
     let on_or_off = if cfg!(debug_assertions) { "true" } else { "false" };
     let chosen = [
-        // The tapes are short of what could be optimised: expressions are shared and folded already.
+        // The tapes leave little to optimize: expressions are already shared and folded.
         ("opt_level", "none"),
         ("enable_verifier", on_or_off),
         ("use_colocated_libcalls", "false"),
@@ -333,18 +348,18 @@ fn builder(source: &Source) -> Result<JITBuilder, Untranslated> {
         ("enable_probestack", "false"),
     ];
     for (name, value) in chosen {
-        flags.set(name, value).map_err(refused)?;
+        flags.set(name, value).map_err(unsupported)?;
     }
-    let target = cranelift::native::builder().map_err(refused)?;
-    let isa = target.finish(settings::Flags::new(flags)).map_err(refused)?;
+    let target = cranelift::native::builder().map_err(unsupported)?;
+    let isa = target.finish(settings::Flags::new(flags)).map_err(unsupported)?;
     let mut builder = JITBuilder::with_isa(isa, default_libcall_names());
-    // One region, in which every call reaches every function.
-    let reserved = RESERVED_BESIDES + RESERVED * source.size();
-    let arena = ArenaMemoryProvider::new_with_size(reserved).map_err(refused)?;
+    // One region, so that every call can reach every function.
+    let reserved = BASE_BYTES + BYTES_PER_INSTRUCTION * source.size();
+    let arena = ArenaMemoryProvider::new_with_size(reserved).map_err(unsupported)?;
     builder.memory_provider(Box::new(arena));
     Ok(builder)
 }
 
-fn refused(why: impl std::fmt::Display) -> Untranslated {
-    Untranslated::Refused(why.to_string())
+fn unsupported(why: impl std::fmt::Display) -> TranslationError {
+    TranslationError::Unsupported(why.to_string())
 }

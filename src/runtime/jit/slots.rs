@@ -1,14 +1,13 @@
-//! One instruction after the other: cells to values in registers, and back.
+//! Generates code instruction by instruction, keeping the values of slots in registers.
 //!
-//! Whatever is computed is also stored, for anything else that may read the cell; what is read again
-//! soon is taken from its register. Operators are those of IEEE 754, one machine instruction each,
-//! in the order of the tape, never contracted or rearranged: so results equal those of the
-//! interpreter to the bit.
+//! Every result is also stored in its slot, because other code may read it; repeated reads use the
+//! register. Operators are those of IEEE 754, one machine instruction each, in the order of the tape,
+//! never contracted or reordered, so results equal those of the interpreter bit for bit.
 //!
-//! An elementary function costs as much as a dozen products, and is often asked for what it was
-//! asked last: what rests stays the same from one evaluation to the next, and equal parts of a
-//! machine ask for the same in a row. So each place that calls one remembers its last arguments and
-//! result, and looks at the memory of the place before it too.
+//! An elementary function costs as much as a dozen products, and is often called with the same
+//! argument again: constant variables do not change from one evaluation to the next, and identical
+//! components call it with equal arguments in succession. So each call site memoizes its last
+//! arguments and result, and also checks the memo of the preceding site.
 
 use cranelift::codegen::ir::{BlockArg, FuncRef, SigRef};
 use cranelift::prelude::*;
@@ -21,44 +20,43 @@ use crate::symbolic::eval;
 
 use super::external;
 
-/// Powers up to this exponent are multiplied out.
-const LONGEST_PRODUCT: f64 = 16.0;
+/// Powers up to this exponent are expanded into products.
+const MAX_UNROLLED_POWER: f64 = 16.0;
 
-/// What is known of the cells at some point of a function, for any number of functions.
-pub struct Known {
-    /// The value of a cell.
+/// Registers that hold slots at the current point of a function; reused for all functions.
+pub struct RegisterState {
+    /// The value of each slot.
     values: Vec<Option<Value>>,
-    /// Its truth, where it was computed as such.
+    /// Its Boolean value, if it was computed by a comparison.
     truths: Vec<Option<Value>>,
-    /// Which are not `None`.
+    /// The slots that have entries.
     touched: Vec<Slot>,
-    /// The values of literals, which no tape writes.
+    /// The values of literals, which tapes never write.
     literals: Vec<Option<f64>>,
-    /// What the places that call elementary functions remember before the first call: arguments,
-    /// then the result.
+    /// Initial memo of the call sites of elementary functions: arguments, then the result.
     pub memo: Vec<f64>,
-    /// The last place that calls a function, by address.
+    /// The preceding call site of each function, by address.
     places: FastMap<usize, i32>,
 }
 
-impl Known {
-    /// For a memory of this many cells.
-    pub fn new(cells: usize, literals: &[(Slot, f64)]) -> Self {
-        let mut known = Known {
-            values: vec![None; cells],
-            truths: vec![None; cells],
+impl RegisterState {
+    /// For a memory of this many slots.
+    pub fn new(fragment: usize, literals: &[(Slot, f64)]) -> Self {
+        let mut registers = RegisterState {
+            values: vec![None; fragment],
+            truths: vec![None; fragment],
             touched: Vec::new(),
-            literals: vec![None; cells],
+            literals: vec![None; fragment],
             memo: Vec::new(),
             places: FastMap::default(),
         };
         for &(slot, value) in literals {
-            known.literals[slot as usize] = Some(value);
+            registers.literals[slot as usize] = Some(value);
         }
-        known
+        registers
     }
 
-    fn forget(&mut self) {
+    fn invalidate(&mut self) {
         for slot in self.touched.drain(..) {
             self.values[slot as usize] = None;
             self.truths[slot as usize] = None;
@@ -66,22 +64,22 @@ impl Known {
     }
 }
 
-/// A function in the making, `fn(memory: *mut f64, memo: *mut f64) -> u32`.
-pub struct Cells<'a, 'k> {
+/// A function under construction, `fn(memory: *mut f64, memo: *mut f64) -> u32`.
+pub struct FragmentBuilder<'a, 'k> {
     /// Its instructions.
     pub build: FunctionBuilder<'a>,
-    known: &'k mut Known,
+    registers: &'k mut RegisterState,
     memory: Value,
     memo: Value,
     call_conv: isa::CallConv,
     signatures: [Option<SigRef>; 3],
 }
 
-impl<'a, 'k> Cells<'a, 'k> {
-    /// Begins the function with its first block.
+impl<'a, 'k> FragmentBuilder<'a, 'k> {
+    /// Starts the function with its entry block.
     pub fn begin(
         mut build: FunctionBuilder<'a>,
-        known: &'k mut Known,
+        registers: &'k mut RegisterState,
         call_conv: isa::CallConv,
     ) -> Self {
         let entry = build.create_block();
@@ -89,71 +87,71 @@ impl<'a, 'k> Cells<'a, 'k> {
         build.switch_to_block(entry);
         let parameters = build.block_params(entry);
         let (memory, memo) = (parameters[0], parameters[1]);
-        known.forget();
-        Cells { build, known, memory, memo, call_conv, signatures: [None; 3] }
+        registers.invalidate();
+        FragmentBuilder { build, registers, memory, memo, call_conv, signatures: [None; 3] }
     }
 
-    /// Forgets which registers hold what: where paths meet, and where something else may have
-    /// written to the memory.
-    pub fn forget(&mut self) {
-        self.known.forget();
+    /// Invalidates all registers: at joins of control flow, and after code that may write to the
+    /// memory.
+    pub fn invalidate(&mut self) {
+        self.registers.invalidate();
     }
 
-    /// The value of a cell.
+    /// The value of a slot.
     pub fn get(&mut self, slot: Slot) -> Value {
-        if let Some(value) = self.known.values[slot as usize] {
+        if let Some(value) = self.registers.values[slot as usize] {
             return value;
         }
         let mut flags = MemFlagsData::trusted();
-        if self.known.literals[slot as usize].is_some() {
+        if self.registers.literals[slot as usize].is_some() {
             flags = flags.with_readonly();
         }
         let value = self.build.ins().load(types::F64, flags, self.memory, offset(slot));
-        self.known.values[slot as usize] = Some(value);
-        self.known.touched.push(slot);
+        self.registers.values[slot as usize] = Some(value);
+        self.registers.touched.push(slot);
         value
     }
 
-    /// Sets a cell.
+    /// Sets a slot.
     pub fn set(&mut self, slot: Slot, value: Value) {
         self.build.ins().store(MemFlagsData::trusted(), value, self.memory, offset(slot));
-        self.known.values[slot as usize] = Some(value);
-        self.known.truths[slot as usize] = None;
-        self.known.touched.push(slot);
+        self.registers.values[slot as usize] = Some(value);
+        self.registers.truths[slot as usize] = None;
+        self.registers.touched.push(slot);
     }
 
-    /// A number.
+    /// A constant.
     pub fn number(&mut self, value: f64) -> Value {
         self.build.ins().f64const(value)
     }
 
-    /// Whether a cell is not zero; NaN is not.
+    /// True if a slot is not zero; NaN is not zero.
     pub fn truth(&mut self, slot: Slot) -> Value {
-        if let Some(truth) = self.known.truths[slot as usize] {
+        if let Some(truth) = self.registers.truths[slot as usize] {
             return truth;
         }
         let value = self.get(slot);
         let zero = self.number(0.0);
         let truth = self.build.ins().fcmp(FloatCC::NotEqual, value, zero);
-        self.known.truths[slot as usize] = Some(truth);
+        self.registers.truths[slot as usize] = Some(truth);
         truth
     }
 
-    /// Calls a function of the module; what it returns.
+    /// Calls a function of the module; returns its status.
     pub fn call(&mut self, function: FuncRef) -> Value {
         let call = self.build.ins().call(function, &[self.memory, self.memo]);
-        self.forget();
+        self.invalidate();
         self.build.inst_results(call)[0]
     }
 
-    /// Returns from the function.
-    pub fn leave(&mut self, status: u32) {
+    /// Returns a status from the function.
+    pub fn return_status(&mut self, status: u32) {
         let status = self.build.ins().iconst(types::I32, i64::from(status));
         self.build.ins().return_(&[status]);
     }
 
-    /// Returns from the function if `status` is not zero; goes on in a new block if it is.
-    pub fn leave_unless_fine(&mut self, status: Value) {
+    /// Returns `status` from the function if it is not zero; otherwise continues in a new block.
+    pub fn return_on_fault(&mut self, status: Value) {
         let (failed, fine) = (self.build.create_block(), self.build.create_block());
         self.build.set_cold_block(failed);
         self.build.ins().brif(status, failed, &[], fine, &[]);
@@ -162,23 +160,23 @@ impl<'a, 'k> Cells<'a, 'k> {
         self.build.switch_to_block(fine);
     }
 
-    /// Returns with `status` from the function unless something is true; else goes on in a new block.
-    pub fn leave_unless(&mut self, truth: Value, status: u32) {
+    /// Returns `status` from the function unless `truth` holds; otherwise continues in a new block.
+    pub fn return_unless(&mut self, truth: Value, status: u32) {
         let (failed, fine) = (self.build.create_block(), self.build.create_block());
         self.build.set_cold_block(failed);
         self.build.ins().brif(truth, fine, &[], failed, &[]);
         self.build.switch_to_block(failed);
-        self.leave(status);
+        self.return_status(status);
         self.build.switch_to_block(fine);
     }
 
-    /// An instruction that only computes; others do nothing.
+    /// Emits an instruction without control flow or calls; ignores others.
     pub fn compute(&mut self, i: &Instr) {
         match i.op {
             Op::Copy => {
-                let (value, truth) = (self.get(i.a), self.known.truths[i.a as usize]);
+                let (value, truth) = (self.get(i.a), self.registers.truths[i.a as usize]);
                 self.set(i.dst, value);
-                self.known.truths[i.dst as usize] = truth;
+                self.registers.truths[i.dst as usize] = truth;
             }
             Op::CopyIf => {
                 let truth = self.truth(i.a);
@@ -199,7 +197,7 @@ impl<'a, 'k> Cells<'a, 'k> {
             Op::Neg => self.unary(Unary::Neg, i),
             Op::Unary(op) => self.unary(op, i),
             Op::Binary(op) => self.binary(op, i),
-            Op::Solve | Op::Implicit | Op::Repeat | Op::Call => {}
+            Op::Solve | Op::Differentiate | Op::Iterate | Op::Call => {}
             Op::Jump | Op::JumpUnless | Op::Assert => {}
         }
     }
@@ -207,7 +205,7 @@ impl<'a, 'k> Cells<'a, 'k> {
     fn unary(&mut self, op: Unary, i: &Instr) {
         let value = match op {
             Unary::Not => {
-                // Of a NaN, which is true, too.
+                // NaN is true.
                 let truth = self.truth(i.a);
                 let not = self.build.ins().bxor_imm_u(truth, 1);
                 return self.set_truth(i.dst, not);
@@ -235,7 +233,7 @@ impl<'a, 'k> Cells<'a, 'k> {
             }
             _ => {
                 let a = self.get(i.a);
-                self.remembered(external::unary(op), &[a], eval::unary(op, 0.0))
+                self.memoized(external::unary(op), &[a], eval::unary(op, 0.0))
             }
         };
         self.set(i.dst, value);
@@ -276,19 +274,19 @@ impl<'a, 'k> Cells<'a, 'k> {
             Binary::Div => self.build.ins().fdiv(a, b),
             Binary::Min => self.extreme(FloatCC::LessThan, a, b),
             Binary::Max => self.extreme(FloatCC::GreaterThan, a, b),
-            Binary::Pow => match self.known.literals[i.b as usize] {
-                Some(n) if n.fract() == 0.0 && n.abs() <= LONGEST_PRODUCT => self.product(a, n),
-                _ => self.remembered(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0)),
+            Binary::Pow => match self.registers.literals[i.b as usize] {
+                Some(n) if n.fract() == 0.0 && n.abs() <= MAX_UNROLLED_POWER => self.product(a, n),
+                _ => self.memoized(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0)),
             },
             Binary::Atan2 => {
-                self.remembered(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0))
+                self.memoized(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0))
             }
             _ => self.external(external::binary(op), &[a, b]),
         };
         self.set(i.dst, value);
     }
 
-    /// `b` if it is beyond `a` or `a` is not a number, else `a`.
+    /// `b` if it is beyond `a` or `a` is NaN, else `a`.
     fn extreme(&mut self, beyond: FloatCC, a: Value, b: Value) -> Value {
         let further = self.build.ins().fcmp(beyond, b, a);
         let missing = self.build.ins().fcmp(FloatCC::Unordered, a, a);
@@ -322,32 +320,32 @@ impl<'a, 'k> Cells<'a, 'k> {
         }
     }
 
-    /// Sets a cell to one or zero.
+    /// Sets a slot to one or zero.
     fn set_truth(&mut self, slot: Slot, truth: Value) {
         let one = self.build.ins().iconst(types::I64, 1.0_f64.to_bits() as i64);
         let zero = self.build.ins().iconst(types::I64, 0);
         let bits = self.build.ins().select(truth, one, zero);
         let value = self.build.ins().bitcast(types::F64, MemFlagsData::new(), bits);
         self.set(slot, value);
-        self.known.truths[slot as usize] = Some(truth);
+        self.registers.truths[slot as usize] = Some(truth);
     }
 
-    /// Calls a function of Rust. No register outlives it: what is needed after it is read from the
-    /// memory again, as it would be from the stack.
+    /// Calls a Rust function and invalidates all registers: reloading from the memory costs no more
+    /// than spilling to the stack.
     fn external(&mut self, address: usize, arguments: &[Value]) -> Value {
         let result = self.call_address(address, arguments);
-        self.forget();
+        self.invalidate();
         result
     }
 
-    /// As `external`, unless the arguments are those of the last call here, or of the last call of
-    /// the same function in the place before. `at_zero` is the result where all arguments are zero.
-    fn remembered(&mut self, address: usize, arguments: &[Value], at_zero: f64) -> Value {
+    /// As `external`, but skips the call if the arguments equal those of the last call here, or of the
+    /// last call at the preceding site of the same function. `at_zero` is the result for zero arguments.
+    fn memoized(&mut self, address: usize, arguments: &[Value], at_zero: f64) -> Value {
         let size = size_of::<f64>() as i32;
-        let place = self.known.memo.len() as i32 * size;
-        self.known.memo.extend(std::iter::repeat_n(0.0, arguments.len()));
-        self.known.memo.push(at_zero);
-        let before = self.known.places.insert(address, place);
+        let place = self.registers.memo.len() as i32 * size;
+        self.registers.memo.extend(std::iter::repeat_n(0.0, arguments.len()));
+        self.registers.memo.push(at_zero);
+        let before = self.registers.places.insert(address, place);
 
         let keys: Vec<Value> = arguments.iter().map(|a| self.bits(*a)).collect();
         let (same, other, done) =
@@ -391,7 +389,7 @@ impl<'a, 'k> Cells<'a, 'k> {
         self.build.ins().store(trusted, found, self.memo, result_of(place));
         self.build.ins().jump(done, &[BlockArg::Value(found)]);
         self.build.switch_to_block(done);
-        self.forget();
+        self.invalidate();
         result
     }
 
@@ -399,7 +397,7 @@ impl<'a, 'k> Cells<'a, 'k> {
         self.build.ins().bitcast(types::I64, MemFlagsData::new(), value)
     }
 
-    /// Whether a place remembers just these arguments, to the bit.
+    /// True if a memo holds exactly these arguments, bit for bit.
     fn holds(&mut self, place: i32, keys: &[Value]) -> Value {
         let mut all = None;
         for (k, key) in keys.iter().enumerate() {

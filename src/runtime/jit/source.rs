@@ -1,16 +1,16 @@
-//! What of a program becomes machine code.
+//! The part of a program that is compiled to machine code.
 
 use crate::ir::expr::Unary;
-use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Program, Slot, Solver};
+use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Program, Slot, TornBlock};
 
-/// A linear block of one unknown, which needs no solver: `z = -r(0) / J`.
+/// A linear block with one unknown, solved by a division: `z = -r(0) / J`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Quotient {
-    /// Cell of the unknown.
+pub struct ScalarBlock {
+    /// Slot of the unknown.
     pub unknown: Slot,
-    /// Cell of the residual.
+    /// Slot of the residual.
     pub residual: Slot,
-    /// Cell of its derivative.
+    /// Slot of its derivative.
     pub pivot: Slot,
     /// Number of the tape that computes the residual.
     pub residual_tape: u32,
@@ -18,53 +18,59 @@ pub struct Quotient {
     pub jacobian_tape: u32,
 }
 
-/// A copy of the tapes of a program and of what they refer to, for a thread of its own; and to know
-/// the program again.
+/// A copy of the tapes of a program and of everything they refer to, for use in another thread and to
+/// recognize the program.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Source {
     /// All tapes, by number.
     pub tapes: Vec<Vec<Instr>>,
     /// Functions.
     pub functions: Vec<FunctionCode>,
-    /// Which of them are interpreted: those that call themselves, and their callers.
+    /// Functions that are interpreted: recursive ones and their callers.
     pub interpreted: Vec<bool>,
     /// Calls.
     pub calls: Vec<CallSite>,
-    /// Torn blocks, where they are quotients.
-    pub quotients: Vec<Option<Quotient>>,
-    /// Cells of literals and their values.
+    /// Torn blocks that are linear in a single unknown.
+    pub scalar_blocks: Vec<Option<ScalarBlock>>,
+    /// Slots of literals and their values.
     pub literals: Vec<(Slot, f64)>,
-    /// Number of cells.
+    /// Number of slots.
     pub cells: usize,
 }
 
 impl Source {
-    /// Of a program.
+    /// Copies the parts of a program.
     pub fn of(program: &Program) -> Source {
         let interpreted = interpreted(program);
         Source {
-            tapes: program.tapes().into_iter().map(|(_, tape)| tape.to_vec()).collect(),
-            functions: program.functions.clone(),
-            calls: program.calls.clone(),
-            quotients: program.solvers.iter().map(|s| quotient(program, &interpreted, s)).collect(),
+            tapes: program.all_tapes().into_iter().map(|(_, tape)| tape.to_vec()).collect(),
+            functions: program.routines.functions.clone(),
+            calls: program.routines.calls.clone(),
+            scalar_blocks: program
+                .routines
+                .torn_blocks
+                .iter()
+                .map(|s| scalar_block(program, &interpreted, s))
+                .collect(),
             interpreted,
             literals: literals(program).collect(),
             cells: program.image.len(),
         }
     }
 
-    /// True if the program does exactly this.
+    /// True if the program is identical.
     pub fn is_of(&self, program: &Program) -> bool {
-        let tapes = program.tapes();
+        let tapes = program.all_tapes();
         tapes.len() == self.tapes.len()
             && tapes.iter().zip(&self.tapes).all(|((_, own), copy)| ***own == **copy)
-            && program.functions == self.functions
-            && program.calls == self.calls
+            && program.routines.functions == self.functions
+            && program.routines.calls == self.calls
             && program
-                .solvers
+                .routines
+                .torn_blocks
                 .iter()
-                .map(|s| quotient(program, &self.interpreted, s))
-                .eq(self.quotients.iter().copied())
+                .map(|s| scalar_block(program, &self.interpreted, s))
+                .eq(self.scalar_blocks.iter().copied())
             && literals(program)
                 .map(|(slot, value)| (slot, value.to_bits()))
                 .eq(self.literals.iter().map(|(slot, value)| (*slot, value.to_bits())))
@@ -78,14 +84,16 @@ impl Source {
     }
 }
 
-/// The functions that machine code does not call.
+/// The functions that must be interpreted.
 fn interpreted(program: &Program) -> Vec<bool> {
-    let mut found: Vec<bool> = program.functions.iter().map(|f| f.recurs).collect();
+    let mut found: Vec<bool> = program.routines.functions.iter().map(|f| f.is_recursive).collect();
     loop {
-        let calls = |i: &Instr| i.op == Op::Call && found[program.calls[i.a as usize].function];
-        let next = |f: &FunctionCode| !f.recurs && f.tape.iter().any(calls);
-        let more: Vec<usize> =
-            (0..found.len()).filter(|k| !found[*k] && next(&program.functions[*k])).collect();
+        let calls =
+            |i: &Instr| i.op == Op::Call && found[program.routines.calls[i.a as usize].function];
+        let next = |f: &FunctionCode| !f.is_recursive && f.tape.iter().any(calls);
+        let more: Vec<usize> = (0..found.len())
+            .filter(|k| !found[*k] && next(&program.routines.functions[*k]))
+            .collect();
         if more.is_empty() {
             return found;
         }
@@ -93,25 +101,29 @@ fn interpreted(program: &Program) -> Vec<bool> {
     }
 }
 
-fn quotient(program: &Program, interpreted: &[bool], solver: &Solver) -> Option<Quotient> {
+fn scalar_block(
+    program: &Program,
+    interpreted: &[bool],
+    torn_block: &TornBlock,
+) -> Option<ScalarBlock> {
     let (&[unknown], &[residual], [entry]) =
-        (&solver.slots[..], &solver.residuals[..], &solver.jacobian[..])
+        (&torn_block.slots[..], &torn_block.residuals[..], &torn_block.jacobian[..])
     else {
         return None;
     };
-    let tapes = [&solver.residual_tape, &solver.jacobian_tape];
+    let tapes = [&torn_block.residual_tape, &torn_block.jacobian_tape];
     let straight = |i: &Instr| match i.op {
-        Op::Solve | Op::Implicit | Op::Repeat | Op::Unary(Unary::Carried(_)) => false,
-        Op::Call => !interpreted[program.calls[i.a as usize].function],
+        Op::Solve | Op::Differentiate | Op::Iterate | Op::Unary(Unary::Carried(_)) => false,
+        Op::Call => !interpreted[program.routines.calls[i.a as usize].function],
         _ => true,
     };
-    let simple = solver.linear && tapes.iter().all(|tape| tape.iter().all(straight));
-    simple.then_some(Quotient {
+    let simple = torn_block.linear && tapes.iter().all(|tape| tape.iter().all(straight));
+    simple.then_some(ScalarBlock {
         unknown,
         residual,
         pivot: entry.slot,
-        residual_tape: solver.residual_tape.number?,
-        jacobian_tape: solver.jacobian_tape.number?,
+        residual_tape: torn_block.residual_tape.number?,
+        jacobian_tape: torn_block.jacobian_tape.number?,
     })
 }
 

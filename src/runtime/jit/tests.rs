@@ -1,9 +1,9 @@
-//! Machine code and interpreter leave the same in every cell.
+//! Machine code and interpreter leave the same values in every slot.
 
 use std::sync::Arc;
 
 use super::tiering::Execution;
-use super::{MachineCode, Untranslated};
+use super::{MachineCode, TranslationError};
 use crate::base::diag::Problems;
 use crate::base::source::Span;
 use crate::codegen::compile;
@@ -11,7 +11,7 @@ use crate::ir::expr::{Binary, Unary};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Program, Slot};
 use crate::lower::fixture::model;
 use crate::lower::lower;
-use crate::runtime::machine::{Fault, Instance};
+use crate::runtime::machine::{Fault, Machine};
 use crate::structure::structure;
 
 /// A program of one state, whose tapes the tests replace.
@@ -22,10 +22,10 @@ fn program() -> Program {
     compile(blocks.expect("blocks")).unwrap_or_else(|p| panic!("{p:?}"))
 }
 
-/// Numbers like dice: Marsaglia, Xorshift RNGs, J. Stat. Software 8 (14), 2003, p. 4.
-struct Dice(u64);
+/// Pseudorandom numbers: Marsaglia, Xorshift RNGs, J. Stat. Software 8 (14), 2003, p. 4.
+struct Random(u64);
 
-impl Dice {
+impl Random {
     fn next(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -114,14 +114,14 @@ const BINARY: [Binary; 19] = [
 const LITERALS: usize = 12;
 const CELLS: usize = 60;
 
-/// Appends cells to the memory, of which the first are literals; the first of them.
-fn extend(program: &mut Program, dice: &mut Dice) -> Slot {
+/// Appends slots to the memory, the first of which are literals; returns the first one.
+fn extend(program: &mut Program, random: &mut Random) -> Slot {
     let first = program.image.len() as Slot;
     for k in 0..CELLS {
         let value = if k < LITERALS {
             [2.0, 3.0, -1.0, 0.0, -0.0, 0.5, 16.0, -5.0, 7.0, 1.0, -2.0, 33.0][k]
         } else {
-            dice.value()
+            random.value()
         };
         program.image.push(value);
     }
@@ -129,39 +129,39 @@ fn extend(program: &mut Program, dice: &mut Dice) -> Slot {
     first
 }
 
-fn instruction(dice: &mut Dice, first: Slot) -> Instr {
-    let op = match dice.below(10) {
+fn instruction(random: &mut Random, first: Slot) -> Instr {
+    let op = match random.below(10) {
         0 => Op::Copy,
         1 => Op::CopyIf,
-        2 => dice.of(&[Op::Input, Op::Neg]),
-        3 => dice.of(&[Op::Add, Op::Sub, Op::Mul, Op::Div]),
-        4 | 5 => Op::Unary(dice.of(&UNARY)),
+        2 => random.of(&[Op::Input, Op::Neg]),
+        3 => random.of(&[Op::Add, Op::Sub, Op::Mul, Op::Div]),
+        4 | 5 => Op::Unary(random.of(&UNARY)),
         6 => Op::Binary(Binary::Pow),
-        _ => Op::Binary(dice.of(&BINARY)),
+        _ => Op::Binary(random.of(&BINARY)),
     };
-    let any = |dice: &mut Dice| first + dice.below(CELLS) as Slot;
-    let dst = first + (LITERALS + dice.below(CELLS - LITERALS)) as Slot;
-    Instr { op, dst, a: any(dice), b: any(dice) }
+    let any = |random: &mut Random| first + random.below(CELLS) as Slot;
+    let dst = first + (LITERALS + random.below(CELLS - LITERALS)) as Slot;
+    Instr { op, dst, a: any(random), b: any(random) }
 }
 
-/// The bits, where what is not a number is one value.
+/// The bits, where all NaN are equal.
 pub fn bits(memory: &[f64]) -> Vec<u64> {
     memory.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
 }
 
-fn machine(program: &Program) -> Execution {
+fn translated(program: &Program) -> Execution {
     assert_eq!(program.verify(), Ok(()));
-    Execution::Machine(Arc::new(MachineCode::translate(program).expect("machine code")))
+    Execution::Compiled(Arc::new(MachineCode::translate(program).expect("machine code")))
 }
 
-/// Runs `rhs` several times in both ways and compares everything; the last outcome.
+/// Executes `rhs` several times by both tiers and compares everything; the last outcome.
 fn compare(program: &Program) -> Result<(), Fault> {
-    let (mut oracle, mut fast) = (Instance::new(program), Instance::new(program));
-    fast.execute(&machine(program));
+    let (mut oracle, mut fast) = (Machine::new(program), Machine::new(program));
+    fast.set_execution(&translated(program));
     let mut outcome = Ok(());
     for _ in 0..4 {
-        outcome = oracle.run(&program.rhs);
-        assert_eq!(fast.run(&program.rhs), outcome);
+        outcome = oracle.run(&program.tapes.rhs);
+        assert_eq!(fast.run(&program.tapes.rhs), outcome);
         assert_eq!(bits(&fast.memory), bits(&oracle.memory));
         assert_eq!(bits(&fast.fault_memory), bits(&oracle.fault_memory));
     }
@@ -172,10 +172,10 @@ fn compare(program: &Program) -> Result<(), Fault> {
 fn random_tapes_leave_equal_bits() {
     let whole = program();
     for seed in 1..=150 {
-        let mut dice = Dice(0x9E37_79B9_7F4A_7C15_u64.wrapping_mul(seed));
+        let mut random = Random(0x9E37_79B9_7F4A_7C15_u64.wrapping_mul(seed));
         let mut program = whole.clone();
-        let first = extend(&mut program, &mut dice);
-        *program.rhs = (0..120).map(|_| instruction(&mut dice, first)).collect();
+        let first = extend(&mut program, &mut random);
+        *program.tapes.rhs = (0..120).map(|_| instruction(&mut random, first)).collect();
         assert_eq!(compare(&program), Ok(()), "seed {seed}");
     }
 }
@@ -214,42 +214,42 @@ fn every_operator_on_every_pair_of_special_values() {
             tape.push(Instr { op, dst, a: first + a, b: first + b });
         }
     }
-    *program.rhs = tape;
+    *program.tapes.rhs = tape;
     assert_eq!(compare(&program), Ok(()));
 }
 
-/// Random bodies with jumps forwards and a bounded loop, which call each other.
+/// Random function bodies with forward jumps and a bounded loop that call each other.
 #[test]
 fn random_functions_leave_equal_bits() {
     let whole = program();
     let mut failed = 0;
     for seed in 1..=60 {
-        let mut dice = Dice(0xD1B5_4A32_D192_ED03_u64.wrapping_mul(seed));
+        let mut random = Random(0xD1B5_4A32_D192_ED03_u64.wrapping_mul(seed));
         let mut program = whole.clone();
-        let first = extend(&mut program, &mut dice);
+        let first = extend(&mut program, &mut random);
         for k in 0..3 {
-            let own = extend(&mut program, &mut dice);
+            let own = extend(&mut program, &mut random);
             let locals: Vec<Slot> = (own + LITERALS as Slot..own + CELLS as Slot).collect();
             let mut tape: Vec<Instr> = Vec::new();
             for _ in 0..40 {
                 let at = tape.len() as Slot;
-                let cell = own + dice.below(CELLS) as Slot;
-                tape.push(match dice.below(12) {
-                    0 => Instr { op: Op::Jump, dst: 0, a: at + 1 + dice.below(5) as Slot, b: 0 },
+                let cell = own + random.below(CELLS) as Slot;
+                tape.push(match random.below(12) {
+                    0 => Instr { op: Op::Jump, dst: 0, a: at + 1 + random.below(5) as Slot, b: 0 },
                     1 | 2 => {
-                        let b = at + 1 + dice.below(5) as Slot;
+                        let b = at + 1 + random.below(5) as Slot;
                         Instr { op: Op::JumpUnless, dst: 0, a: cell, b }
                     }
                     3 if k > 0 => {
-                        let function = dice.below(k);
-                        program.calls.push(site(&mut dice, function, own));
-                        let a = program.calls.len() as Slot - 1;
+                        let function = random.below(k);
+                        program.routines.calls.push(site(&mut random, function, own));
+                        let a = program.routines.calls.len() as Slot - 1;
                         Instr { op: Op::Call, dst: 0, a, b: 0 }
                     }
-                    4 if dice.below(6) == 0 => {
-                        Instr { op: Op::Assert, dst: 0, a: cell, b: dice.below(2) as Slot }
+                    4 if random.below(6) == 0 => {
+                        Instr { op: Op::Assert, dst: 0, a: cell, b: random.below(2) as Slot }
                     }
-                    _ => instruction(&mut dice, own),
+                    _ => instruction(&mut random, own),
                 });
             }
             let end = tape.len() as Slot;
@@ -260,7 +260,7 @@ fn random_functions_leave_equal_bits() {
                     _ => {}
                 }
             }
-            program.functions.push(FunctionCode {
+            program.routines.functions.push(FunctionCode {
                 tape: tape.into(),
                 inputs: locals[..3].to_vec(),
                 outputs: locals[20..22].to_vec(),
@@ -271,33 +271,33 @@ fn random_functions_leave_equal_bits() {
         }
         let mut tape = Vec::new();
         for k in 0..40 {
-            tape.push(instruction(&mut dice, first));
+            tape.push(instruction(&mut random, first));
             if k % 8 == 7 {
-                let function = dice.below(3);
-                program.calls.push(site(&mut dice, function, first));
-                let a = program.calls.len() as Slot - 1;
+                let function = random.below(3);
+                program.routines.calls.push(site(&mut random, function, first));
+                let a = program.routines.calls.len() as Slot - 1;
                 tape.push(Instr { op: Op::Call, dst: 0, a, b: 0 });
             }
         }
-        *program.rhs = tape;
+        *program.tapes.rhs = tape;
         failed += usize::from(compare(&program).is_err());
     }
     assert!((1..60).contains(&failed), "{failed} of 60 failed an assertion");
 }
 
-/// A call whose results do not fall on literals; some are derivatives.
-fn site(dice: &mut Dice, function: usize, first: Slot) -> CallSite {
-    let partial = (dice.below(3) == 0).then(|| (dice.below(2), dice.below(3)));
-    let args = (0..3).map(|_| first + dice.below(CELLS) as Slot).collect();
-    let result = |dice: &mut Dice| first + (LITERALS + dice.below(CELLS - LITERALS)) as Slot;
-    let results = (0..if partial.is_some() { 1 } else { 2 }).map(|_| result(dice)).collect();
-    let guard = (dice.below(3) == 0).then(|| first + dice.below(CELLS) as Slot);
-    CallSite { function, args, results, partial, guard, last: None }
+/// A call whose results do not overwrite literals; some are derivatives.
+fn site(random: &mut Random, function: usize, first: Slot) -> CallSite {
+    let partial = (random.below(3) == 0).then(|| (random.below(2), random.below(3)));
+    let args = (0..3).map(|_| first + random.below(CELLS) as Slot).collect();
+    let result = |random: &mut Random| first + (LITERALS + random.below(CELLS - LITERALS)) as Slot;
+    let results = (0..if partial.is_some() { 1 } else { 2 }).map(|_| result(random)).collect();
+    let condition = (random.below(3) == 0).then(|| first + random.below(CELLS) as Slot);
+    CallSite { function, args, results, partial, condition, memo: None }
 }
 
 /// A sum of a hundred squares by a loop.
 #[test]
-fn loops_turn_as_often_as_they_should() {
+fn loops_iterate_the_right_number_of_times() {
     let mut program = program();
     let first = program.image.len() as Slot;
     program.image.extend([0.0, 0.0, 0.0, 1.0, 100.0, 0.0]);
@@ -313,32 +313,33 @@ fn loops_turn_as_often_as_they_should() {
     let locals = vec![k, square, sum, more];
     let outputs = vec![sum];
     let body = FunctionCode { tape: tape.into(), outputs, locals, ..FunctionCode::default() };
-    program.functions.push(body);
+    program.routines.functions.push(body);
     let result = program.image.len() as Slot;
     program.image.push(0.0);
-    program.calls.push(CallSite {
+    program.routines.calls.push(CallSite {
         function: 0,
         args: Vec::new(),
         results: vec![result],
         partial: None,
-        guard: None,
-        last: None,
+        condition: None,
+        memo: None,
     });
-    *program.rhs = vec![Instr { op: Op::Call, dst: result, a: 0, b: 0 }];
+    *program.tapes.rhs = vec![Instr { op: Op::Call, dst: result, a: 0, b: 0 }];
     assert_eq!(compare(&program), Ok(()));
-    let mut instance = Instance::new(&program);
-    instance.execute(&machine(&program));
-    assert_eq!(instance.run(&program.rhs), Ok(()));
-    assert_eq!(instance.get(result), 338_350.0);
+    let mut machine = Machine::new(&program);
+    machine.set_execution(&translated(&program));
+    assert_eq!(machine.run(&program.tapes.rhs), Ok(()));
+    assert_eq!(machine.get(result), 338_350.0);
 }
 
-/// Cut where the stretch that becomes one function ends.
+/// Tapes longer than the maximum fragment.
 #[test]
-fn long_tapes_are_cut() {
+fn long_tapes_are_split() {
     let mut program = program();
-    let mut dice = Dice(7);
-    let first = extend(&mut program, &mut dice);
-    *program.rhs = (0..2 * super::LONGEST + 1).map(|_| instruction(&mut dice, first)).collect();
+    let mut random = Random(7);
+    let first = extend(&mut program, &mut random);
+    *program.tapes.rhs =
+        (0..2 * super::MAX_FRAGMENT_LENGTH + 1).map(|_| instruction(&mut random, first)).collect();
     assert_eq!(compare(&program), Ok(()));
 }
 
@@ -348,33 +349,33 @@ fn machine_code_of_another_program_is_not_used() {
     let mut other = one.clone();
     let code = MachineCode::translate(&one).expect("machine code");
     assert!(code.is_of(&other));
-    let last = other.rhs.pop();
+    let last = other.tapes.rhs.pop();
     assert!(last.is_some() && !code.is_of(&other));
-    let mut instance = Instance::new(&other);
-    instance.execute(&Execution::Machine(Arc::new(code)));
-    assert_eq!(instance.run(&other.rhs), Ok(()));
+    let mut machine = Machine::new(&other);
+    machine.set_execution(&Execution::Compiled(Arc::new(code)));
+    assert_eq!(machine.run(&other.tapes.rhs), Ok(()));
 }
 
 #[test]
-fn what_refers_to_nothing_is_not_translated() {
+fn invalid_references_are_rejected() {
     let mut program = program();
     let beyond = program.image.len() as Slot;
-    program.rhs.push(Instr { op: Op::Neg, dst: beyond, a: 0, b: 0 });
-    assert!(matches!(MachineCode::translate(&program), Err(Untranslated::Invalid(_))));
+    program.tapes.rhs.push(Instr { op: Op::Neg, dst: beyond, a: 0, b: 0 });
+    assert!(matches!(MachineCode::translate(&program), Err(TranslationError::Invalid(_))));
 }
 
-/// The interpreter hands over to machine code on the way, and nothing changes.
+/// Machine code replaces the interpreter during a run without changing results.
 #[test]
-fn rented_becomes_bought() {
+fn interpretation_is_replaced_by_machine_code() {
     let program = program();
-    let mut instance = Instance::new(&program);
-    instance.execute(&Execution::Adaptive);
+    let mut machine = Machine::new(&program);
+    machine.set_execution(&Execution::Adaptive);
     let mut out = [0.0];
     for k in 0..200_000 {
         let x = f64::from(k);
-        assert_eq!(instance.derivatives(0.0, &[x], &mut out), Ok(()));
+        assert_eq!(machine.derivatives(0.0, &[x], &mut out), Ok(()));
         assert_eq!(out[0], -x);
-        if instance.runs_machine_code() {
+        if machine.runs_machine_code() {
             return;
         }
         if k > 50_000 {

@@ -1,13 +1,12 @@
-//! Whether to translate at all: rent or buy.
+//! Tiered execution: decides when to compile to machine code.
 //!
-//! Translating costs as much as interpreting every instruction about a thousand times. How long a run
-//! will be is not known before; so the program is interpreted until that has cost as much as the
-//! translation would, and translated then, on a thread of its own, while the interpreter goes on.
-//! That never costs more than twice of what would have been best (the ski rental problem: Karlin,
-//! Manasse, Rudolph, Sleator, *Competitive snoopy caching*, Algorithmica 3, 1988, sec. 3).
+//! Compiling an instruction costs as much as interpreting it about a thousand times, and the length of
+//! a run is not known in advance. So a program is interpreted until that has cost as much as compiling
+//! it, and is then compiled in another thread while the interpreter continues. This never costs more
+//! than twice the optimum (the ski rental problem: Karlin, Manasse, Rudolph, Sleator, *Competitive
+//! snoopy caching*, Algorithmica 3, 1988, sec. 3).
 //!
-//! When the machine code takes over depends on the machine, but nothing that is computed does: both
-//! compute the same to the bit.
+//! The moment of the switch depends on the computer, but results do not: both tiers agree bit for bit.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -16,29 +15,28 @@ use super::source::Source;
 use super::{MachineCode, Memo, Translator};
 use crate::ir::program::Program;
 
-/// Interpretations of an instruction that cost as much as its translation: three to four microseconds
-/// against three nanoseconds, and something for the thread.
-const PRICE: u64 = 1500;
+/// Number of interpretations of an instruction that cost as much as compiling it: three to four
+/// microseconds against three nanoseconds, plus an allowance for the thread.
+const TRANSLATION_COST: u64 = 1500;
 
-/// How a run computes.
+/// How a run executes its program.
 #[derive(Clone, Debug, Default)]
 pub enum Execution {
-    /// By the interpreter, until that has cost as much as a translation; then by machine code.
+    /// Interpreted until that has cost as much as a compilation, then by machine code.
     #[default]
     Adaptive,
-    /// By the interpreter.
+    /// Interpreted.
     Interpreted,
-    /// By machine code that was made before. If it is that of another program, the run is
-    /// interpreted.
-    Machine(Arc<MachineCode>),
+    /// By existing machine code. If it belongs to another program, the run is interpreted.
+    Compiled(Arc<MachineCode>),
 }
 
 impl Execution {
-    /// By machine code from the start, for a program that will run many times: it is translated here,
-    /// once for all runs and threads. By the interpreter where machine code can not be had.
+    /// Compiles a program that will run many times, once for all runs and threads. Falls back to the
+    /// interpreter if the program cannot be compiled.
     pub fn translated(program: &Program) -> Execution {
         match MachineCode::translate(program) {
-            Ok(code) => Execution::Machine(Arc::new(code)),
+            Ok(code) => Execution::Compiled(Arc::new(code)),
             Err(_) => Execution::Interpreted,
         }
     }
@@ -47,105 +45,105 @@ impl Execution {
 impl PartialEq for Execution {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
-            (Execution::Machine(a), Execution::Machine(b)) => Arc::ptr_eq(a, b),
+            (Execution::Compiled(a), Execution::Compiled(b)) => Arc::ptr_eq(a, b),
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
     }
 }
 
-/// The machine code of a run, if there is any yet.
-pub enum Code {
-    /// There will never be any.
+/// The current execution tier of a run.
+pub enum Tier {
+    /// Interpreted for the whole run.
     Interpreted,
-    /// This, and what it remembers.
-    Machine(Arc<MachineCode>, Memo),
-    /// Interpreted so far.
-    Rented(Rent),
+    /// Machine code and its memo.
+    Compiled(Arc<MachineCode>, Memo),
+    /// Interpreted until compiling pays.
+    Interpreting(TierUp),
 }
 
-/// What was spent on interpretation.
-pub struct Rent {
-    spent: u64,
-    price: u64,
-    order: Option<Order>,
+/// Counts interpreted instructions and starts the compilation at a threshold.
+pub struct TierUp {
+    interpreted: u64,
+    threshold: u64,
+    translation: Option<Translation>,
 }
 
-/// A translation on its thread, given up when this is dropped.
-struct Order {
+/// A compilation in its thread; cancelled on drop.
+struct Translation {
     done: Arc<OnceLock<Option<Arc<MachineCode>>>>,
-    given_up: Arc<AtomicBool>,
+    cancelled_flag: Arc<AtomicBool>,
 }
 
-impl Code {
-    /// For a run of this program.
-    pub fn of(program: &Program, execution: &Execution) -> Code {
+impl Tier {
+    /// The initial tier of a run.
+    pub fn of(program: &Program, execution: &Execution) -> Tier {
         match execution {
-            Execution::Interpreted => Code::Interpreted,
-            Execution::Machine(code) if code.is_of(program) => Code::with(Arc::clone(code)),
-            Execution::Machine(_) => Code::Interpreted,
+            Execution::Interpreted => Tier::Interpreted,
+            Execution::Compiled(code) if code.is_of(program) => Tier::with(Arc::clone(code)),
+            Execution::Compiled(_) => Tier::Interpreted,
             Execution::Adaptive => {
-                let instructions: usize = program.tapes().iter().map(|(_, t)| t.len()).sum();
-                let price = PRICE * instructions as u64;
-                Code::Rented(Rent { spent: 0, price, order: None })
+                let instructions: usize = program.all_tapes().iter().map(|(_, t)| t.len()).sum();
+                let threshold = TRANSLATION_COST * instructions as u64;
+                Tier::Interpreting(TierUp { interpreted: 0, threshold, translation: None })
             }
         }
     }
 
-    fn with(code: Arc<MachineCode>) -> Code {
+    fn with(code: Arc<MachineCode>) -> Tier {
         let memo = code.memo();
-        Code::Machine(code, memo)
+        Tier::Compiled(code, memo)
     }
 
-    /// True if the machine code is there; else notes that `instructions` more are interpreted.
+    /// True if machine code is available; otherwise counts `instructions` as interpreted.
     #[inline]
-    pub fn is_there(&mut self, program: &Program, instructions: usize) -> bool {
-        if let Code::Rented(rent) = self {
-            rent.spent += instructions as u64;
-            if rent.spent >= rent.price
-                && let Some(code) = rent.bought(program)
+    pub fn is_compiled(&mut self, program: &Program, instructions: usize) -> bool {
+        if let Tier::Interpreting(tier_up) = self {
+            tier_up.interpreted += instructions as u64;
+            if tier_up.interpreted >= tier_up.threshold
+                && let Some(code) = tier_up.poll(program)
             {
                 *self = code;
             }
         }
-        matches!(self, Code::Machine(..))
+        matches!(self, Tier::Compiled(..))
     }
 }
 
-impl Rent {
-    /// Orders a translation, or looks whether it has come.
+impl TierUp {
+    /// Starts the compilation, or checks whether it has finished.
     #[cold]
-    fn bought(&mut self, program: &Program) -> Option<Code> {
-        // Not at each tape.
-        self.price = self.spent + self.spent / 16;
-        let Some(order) = &self.order else {
-            self.order = Order::place(program);
-            return self.order.is_none().then_some(Code::Interpreted);
+    fn poll(&mut self, program: &Program) -> Option<Tier> {
+        // Do not poll at each tape.
+        self.threshold = self.interpreted + self.interpreted / 16;
+        let Some(translation) = &self.translation else {
+            self.translation = Translation::start(program);
+            return self.translation.is_none().then_some(Tier::Interpreted);
         };
-        let outcome = order.done.get()?;
-        Some(outcome.clone().map_or(Code::Interpreted, Code::with))
+        let outcome = translation.done.get()?;
+        Some(outcome.clone().map_or(Tier::Interpreted, Tier::with))
     }
 }
 
-impl Order {
-    /// None if there can be no thread, or no machine code.
-    fn place(program: &Program) -> Option<Order> {
+impl Translation {
+    /// Starts a compilation; `None` if the program is invalid or no thread can be created.
+    fn start(program: &Program) -> Option<Translation> {
         program.verify().ok()?;
         let source = Source::of(program);
         let done = Arc::new(OnceLock::new());
-        let given_up = Arc::new(AtomicBool::new(false));
-        let (result, asked) = (Arc::clone(&done), Arc::clone(&given_up));
+        let cancelled_flag = Arc::new(AtomicBool::new(false));
+        let (result, cancelled) = (Arc::clone(&done), Arc::clone(&cancelled_flag));
         let work = move || {
-            let code = Translator::translate(source, &|| asked.load(Ordering::Relaxed));
-            // There is no other to set it.
+            let code = Translator::translate(source, &|| cancelled.load(Ordering::Relaxed));
+            // Only this thread sets it.
             let _ = result.set(code.ok().map(Arc::new));
         };
         std::thread::Builder::new().name("translate".into()).spawn(work).ok()?;
-        Some(Order { done, given_up })
+        Some(Translation { done, cancelled_flag })
     }
 }
 
-impl Drop for Order {
+impl Drop for Translation {
     fn drop(&mut self) {
-        self.given_up.store(true, Ordering::Relaxed);
+        self.cancelled_flag.store(true, Ordering::Relaxed);
     }
 }

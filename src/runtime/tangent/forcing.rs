@@ -1,57 +1,58 @@
-//! Derivatives of the rates by inputs while the states rest: `df/dp` of the variational equations.
+//! Derivatives of the right side with respect to inputs at constant states: the forcing term `df/dp`
+//! of the variational equations.
 //!
-//! An input reaches few instructions, so each is followed only in the directions that reach it
-//! (dependence sets in forward accumulation: A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed.
-//! 2008, sec. 7.1). Which these are follows from what the memory depends on, which changes at events.
+//! An input affects few instructions, so each instruction is propagated only in its active directions
+//! (dependence sets in forward accumulation: A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd
+//! ed. 2008, sec. 7.1). The sets depend on the tangents of the memory, which change at events.
 
 use super::{Rule, Tangents, product, rule};
 use crate::ir::program::{Instr, Op, Program, Slot};
-use crate::runtime::machine::{Fault, Instance};
+use crate::runtime::machine::{Fault, Machine};
 
-/// Directions in one word of a set.
+/// Directions per word of a set.
 const WORD: usize = u64::BITS as usize;
 
-/// The derivatives of the rates in all directions.
+/// The derivatives of the right side in all directions.
 pub struct Forcing {
     tangents: Tangents,
-    /// Instructions that a direction reaches.
-    reached: Vec<Reached>,
-    /// The directions of all of them, one after the other.
+    /// Instructions with active directions.
+    active: Vec<ActiveInstruction>,
+    /// The active directions of all of them, concatenated.
     directions: Vec<u16>,
-    /// Words of a set.
+    /// Words per set.
     words: usize,
-    /// By cell: the directions that it depends on.
+    /// For each slot, the set of directions it depends on.
     sets: Vec<u64>,
-    /// Cells that the tape reads and does not write.
+    /// Slots that the tape reads but does not write.
     read: Vec<Slot>,
-    /// Cells that it writes.
+    /// Slots that it writes.
     written: Vec<Slot>,
 }
 
-/// An instruction with its directions.
-struct Reached {
+/// An instruction with its active directions.
+struct ActiveInstruction {
     instr: Instr,
-    /// Where its directions begin.
+    /// Start of its directions.
     first: u32,
-    /// How many they are; none: all, by rules of its own.
+    /// Number of its directions; zero for blocks and calls, which propagate all directions.
     count: u32,
 }
 
 impl Forcing {
-    /// For the rates of a program.
+    /// Working memory for the right side of a program.
     pub fn new(program: &Program, directions: usize) -> Self {
         let cells = program.image.len();
         let words = directions.div_ceil(WORD).max(1);
         let (mut writes, mut reads) = (vec![false; cells], vec![false; cells]);
-        touch(program, &program.rhs, &mut writes, &mut reads);
-        // A rate may be a parameter as it stands.
+        mark_accesses(program, &program.tapes.rhs, &mut writes, &mut reads);
+        // A derivative may be the slot of a parameter.
         program.layout.derivatives.iter().for_each(|slot| reads[*slot as usize] = true);
         let those = |wanted: &dyn Fn(usize) -> bool| -> Vec<Slot> {
             (0..cells).filter(|c| wanted(*c)).map(|c| c as Slot).collect()
         };
         Forcing {
             tangents: Tangents::new(cells, directions),
-            reached: Vec::new(),
+            active: Vec::new(),
             directions: Vec::new(),
             words,
             sets: vec![0; cells * words],
@@ -60,8 +61,8 @@ impl Forcing {
         }
     }
 
-    /// Takes over on what the memory depends, time and states excepted. `from` may have further
-    /// directions.
+    /// Copies the tangents of the memory, except those of time and states, and finds the active
+    /// directions of each instruction. `from` may have additional directions.
     pub fn prepare(&mut self, program: &Program, from: &Tangents) {
         let (words, layout) = (self.words, &program.layout);
         let directions = self.tangents.directions;
@@ -81,15 +82,15 @@ impl Forcing {
             }
             all.iter_mut().zip(&self.sets[at..at + words]).for_each(|(a, s)| *a |= s);
         }
-        self.reached.clear();
+        self.active.clear();
         self.directions.clear();
         let mut set = vec![0u64; words];
-        for i in program.rhs.iter() {
-            if matches!(i.op, Op::Solve | Op::Implicit | Op::Repeat | Op::Call) {
-                self.reached.push(Reached { instr: *i, first: 0, count: 0 });
+        for i in program.tapes.rhs.iter() {
+            if matches!(i.op, Op::Solve | Op::Differentiate | Op::Iterate | Op::Call) {
+                self.active.push(ActiveInstruction { instr: *i, first: 0, count: 0 });
                 let cells = self.sets.len() / words;
                 let (mut writes, mut reads) = (vec![false; cells], vec![false; cells]);
-                touch(program, std::slice::from_ref(i), &mut writes, &mut reads);
+                mark_accesses(program, std::slice::from_ref(i), &mut writes, &mut reads);
                 for cell in (0..cells).filter(|c| writes[*c]) {
                     self.sets[cell * words..(cell + 1) * words].copy_from_slice(&all);
                 }
@@ -110,32 +111,32 @@ impl Forcing {
             }
             let count = self.directions.len() as u32 - first;
             if count > 0 {
-                self.reached.push(Reached { instr: *i, first, count });
+                self.active.push(ActiveInstruction { instr: *i, first, count });
             }
             let at = i.dst as usize * words;
             self.sets[at..at + words].copy_from_slice(&set);
         }
     }
 
-    /// Follows the rates, which have just been computed.
-    pub fn follow(&mut self, instance: &mut Instance<'_>) -> Result<(), Fault> {
-        let Forcing { tangents, reached, directions, .. } = self;
+    /// Propagates derivatives along the right side, which has just been evaluated.
+    pub fn propagate(&mut self, machine: &mut Machine<'_>) -> Result<(), Fault> {
+        let Forcing { tangents, active, directions, .. } = self;
         let width = tangents.width;
-        for Reached { instr: i, first, count } in reached.iter() {
+        for ActiveInstruction { instr: i, first, count } in active.iter() {
             if *count == 0 {
-                tangents.follow(instance, std::slice::from_ref(i))?;
+                tangents.propagate(machine, std::slice::from_ref(i))?;
                 continue;
             }
             let those = &directions[*first as usize..(*first + *count) as usize];
             if 2 * those.len() > width {
-                tangents.step(instance, i);
+                tangents.propagate_instruction(machine, i);
                 continue;
             }
             let values = &mut tangents.values;
             let dst = i.dst as usize * width;
             let [a, b] = [i.a, i.b].map(|slot| slot as usize * width);
             let each = those.iter().map(|d| *d as usize);
-            match rule(instance, i) {
+            match rule(machine, i) {
                 Rule::Keep => {}
                 Rule::Clear => each.for_each(|d| values[dst + d] = 0.0),
                 Rule::Copy(from) => {
@@ -153,51 +154,58 @@ impl Forcing {
         Ok(())
     }
 
-    /// The derivatives of a cell.
+    /// The derivatives of a slot.
     pub fn of(&self, slot: Slot) -> &[f64] {
         self.tangents.of(slot)
     }
 }
 
-/// The cells on whose derivatives those of the result depend.
+/// The slots on whose derivatives the derivatives of the result depend.
 pub(super) fn operands(i: &Instr) -> [Option<Slot>; 3] {
     match i.op {
         Op::Copy | Op::Neg | Op::Unary(_) => [Some(i.a), None, None],
-        // What is there remains if the condition is false.
+        // The old value remains if the condition is false.
         Op::CopyIf => [Some(i.b), Some(i.dst), None],
         _ => [Some(i.a), Some(i.b), None],
     }
 }
 
-/// Marks the cells that a tape writes and reads, with all that it calls.
-pub(super) fn touch(program: &Program, tape: &[Instr], writes: &mut [bool], reads: &mut [bool]) {
+/// Marks the slots that a tape writes and reads, including everything it calls.
+pub(super) fn mark_accesses(
+    program: &Program,
+    tape: &[Instr],
+    writes: &mut [bool],
+    reads: &mut [bool],
+) {
     for i in tape {
         let k = i.a as usize;
         match i.op {
             Op::Solve => {
-                let solver = &program.solvers[k];
-                solver.slots.iter().for_each(|s| writes[*s as usize] = true);
-                touch(program, &solver.residual_tape, writes, reads);
-                touch(program, &solver.jacobian_tape, writes, reads);
+                let torn_block = &program.routines.torn_blocks[k];
+                torn_block.slots.iter().for_each(|s| writes[*s as usize] = true);
+                mark_accesses(program, &torn_block.residual_tape, writes, reads);
+                mark_accesses(program, &torn_block.jacobian_tape, writes, reads);
             }
-            Op::Implicit => {
-                let implicit = &program.implicits[k];
-                implicit.results.iter().for_each(|s| writes[*s as usize] = true);
-                implicit.seeds.iter().for_each(|e| reads[e.slot as usize] = true);
-                implicit.jacobian.iter().for_each(|e| reads[e.slot as usize] = true);
+            Op::Differentiate => {
+                let derivative = &program.routines.block_derivatives[k];
+                derivative.results.iter().for_each(|s| writes[*s as usize] = true);
+                derivative.seeds.iter().for_each(|e| reads[e.slot as usize] = true);
+                derivative.jacobian.iter().for_each(|e| reads[e.slot as usize] = true);
             }
-            Op::Repeat => touch(program, &program.loops[k].tape, writes, reads),
+            Op::Iterate => {
+                mark_accesses(program, &program.routines.mixed_blocks[k].tape, writes, reads)
+            }
             Op::Call => {
-                let site = &program.calls[k];
-                site.args.iter().chain(&site.guard).for_each(|s| reads[*s as usize] = true);
+                let site = &program.routines.calls[k];
+                site.args.iter().chain(&site.condition).for_each(|s| reads[*s as usize] = true);
                 site.results.iter().for_each(|s| writes[*s as usize] = true);
-                let function = &program.functions[site.function];
+                let function = &program.routines.functions[site.function];
                 let own = function.locals.iter().chain(&function.inputs).chain(&function.outputs);
-                if function.recurs && own.clone().all(|s| writes[*s as usize]) {
+                if function.is_recursive && own.clone().all(|s| writes[*s as usize]) {
                     continue;
                 }
                 own.for_each(|s| writes[*s as usize] = true);
-                touch(program, &function.tape, writes, reads);
+                mark_accesses(program, &function.tape, writes, reads);
             }
             Op::Jump => {}
             _ => {

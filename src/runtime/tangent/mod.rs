@@ -1,10 +1,10 @@
-//! Derivatives of everything that tapes compute, by forward accumulation (A. Griewank, A. Walther,
-//! *Evaluating Derivatives*, 2nd ed. 2008, sec. 3.1): each cell has one derivative per direction, and
-//! each instruction carries them on by the chain rule.
+//! Tangents: derivatives of all slots by forward accumulation (A. Griewank, A. Walther, *Evaluating
+//! Derivatives*, 2nd ed. 2008, sec. 3.1). Each slot has one derivative per direction, and each
+//! instruction propagates them by the chain rule.
 //!
-//! A tape runs first; its derivatives follow from what it left in the memory, where every temporary
-//! has a cell of its own. So one evaluation serves all directions, and a torn block is not iterated:
-//! at its solution the implicit function theorem gives the derivatives of its unknowns.
+//! A tape is executed first; its derivatives follow from the values in the memory, where every
+//! temporary has its own slot. So one evaluation serves all directions, and torn blocks are not
+//! iterated again: the implicit function theorem gives the derivatives of their unknowns.
 
 use crate::ir::program::{CallSite, Instr, Op, Slot};
 use crate::numeric::linear::DenseLu;
@@ -14,25 +14,25 @@ pub mod forcing;
 pub mod outputs;
 
 use super::frame::Frames;
-use super::machine::{Fault, Instance, JUMP_LIMIT, step};
-use super::mixed_block::{LOOP_LIMIT, watched_slot};
+use super::machine::{Fault, JUMP_LIMIT, Machine, compute};
+use super::mixed_block::{ITERATION_LIMIT, discrete_slot};
 
-/// Directions are handled in groups of so many.
+/// Number of directions that are processed together.
 const LANES: usize = 4;
 
-/// The derivatives of all cells.
+/// The derivatives of all slots.
 pub struct Tangents {
     directions: usize,
     /// Directions with padding: a multiple of [`LANES`].
     width: usize,
-    /// Cell by cell, direction by direction.
+    /// Slot by slot, direction by direction.
     values: Vec<f64>,
-    /// Those of calls in which a function has called itself, as `Instance::frames`.
+    /// Frames of recursive calls, parallel to `Machine::frames`.
     frames: Frames,
 }
 
 impl Tangents {
-    /// No cell depends on any direction yet.
+    /// Tangents that are all zero.
     pub fn new(cells: usize, directions: usize) -> Self {
         let width = directions.div_ceil(LANES) * LANES;
         Tangents { directions, width, values: vec![0.0; cells * width], frames: Frames::default() }
@@ -43,20 +43,21 @@ impl Tangents {
         self.directions
     }
 
-    /// The derivatives of a cell.
+    /// The derivatives of a slot.
     pub fn of(&self, slot: Slot) -> &[f64] {
         let start = slot as usize * self.width;
         &self.values[start..start + self.directions]
     }
 
-    /// The derivatives of a cell, to be set.
+    /// The derivatives of a slot, to be set.
     pub fn of_mut(&mut self, slot: Slot) -> &mut [f64] {
         let start = slot as usize * self.width;
         &mut self.values[start..start + self.directions]
     }
 
-    /// Adds to each derivative of every cell that multiple of its derivative in direction `along`.
-    pub fn shear(&mut self, along: usize, multiples: &[f64]) {
+    /// Adds to each derivative of every slot a multiple of its derivative in direction `along`, one
+    /// multiple for each direction.
+    pub fn shift_along(&mut self, along: usize, multiples: &[f64]) {
         for cell in self.values.chunks_exact_mut(self.width) {
             let rate = cell[along];
             if rate != 0.0 {
@@ -67,12 +68,12 @@ impl Tangents {
         }
     }
 
-    /// Takes over the derivatives of another set of the same size.
+    /// Copies the derivatives from tangents of the same size.
     pub fn copy_from(&mut self, other: &Tangents) {
         self.values.copy_from_slice(&other.values);
     }
 
-    /// A copy to return to.
+    /// A copy that can be restored.
     pub fn snapshot(&self) -> Tangents {
         let frames = Frames::default();
         let values = self.values.clone();
@@ -91,24 +92,24 @@ impl Tangents {
         self.values[start..start + self.width].fill(0.0);
     }
 
-    /// Follows a tape that has just run.
-    pub fn follow(&mut self, instance: &mut Instance<'_>, tape: &[Instr]) -> Result<(), Fault> {
+    /// Propagates derivatives along a tape that has just been executed.
+    pub fn propagate(&mut self, machine: &mut Machine<'_>, tape: &[Instr]) -> Result<(), Fault> {
         for i in tape {
             match i.op {
-                Op::Solve => self.solve(instance, i.a as usize)?,
-                Op::Implicit => self.differentiate(instance, i.a as usize)?,
-                Op::Repeat => self.repeat(instance, i.a as usize)?,
-                Op::Call => self.call(instance, i.a as usize)?,
-                _ => self.step(instance, i),
+                Op::Solve => self.solve(machine, i.a as usize)?,
+                Op::Differentiate => self.differentiate(machine, i.a as usize)?,
+                Op::Iterate => self.iterate(machine, i.a as usize)?,
+                Op::Call => self.call(machine, i.a as usize)?,
+                _ => self.propagate_instruction(machine, i),
             }
         }
         Ok(())
     }
 
-    /// The chain rule for one instruction whose value stands in the memory.
+    /// Propagates derivatives along one instruction whose result is in the memory.
     #[inline]
-    fn step(&mut self, instance: &Instance<'_>, i: &Instr) {
-        match rule(instance, i) {
+    fn propagate_instruction(&mut self, machine: &Machine<'_>, i: &Instr) {
+        match rule(machine, i) {
             Rule::Keep => {}
             Rule::Clear => self.clear(i.dst),
             Rule::Copy(from) => self.copy(i.dst, from),
@@ -158,78 +159,78 @@ impl Tangents {
         &mut self.values[at..at + LANES]
     }
 
-    /// `J dz = -dr`, where `dr` are the derivatives of the residuals with `z` held.
-    fn solve(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
-        let program = instance.program;
-        let solver = &program.solvers[k];
-        let n = solver.unknowns.len();
-        for slot in &solver.slots {
+    /// `J dz = -dr`, where `dr` are the derivatives of the residuals at constant `z`.
+    fn solve(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
+        let program = machine.program;
+        let torn_block = &program.routines.torn_blocks[k];
+        let n = torn_block.unknowns.len();
+        for slot in &torn_block.slots {
             self.clear(*slot);
         }
-        self.follow(instance, &solver.residual_tape)?;
-        instance.run(&solver.jacobian_tape)?;
+        self.propagate(machine, &torn_block.residual_tape)?;
+        machine.run(&torn_block.jacobian_tape)?;
         let mut matrix = vec![0.0; n * n];
-        for e in &solver.jacobian {
-            matrix[e.row as usize + n * e.column as usize] = instance.get(e.slot);
+        for e in &torn_block.jacobian {
+            matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
         }
         let mut lu = DenseLu::new(n);
         let factored = lu.factor(&matrix);
-        factored.map_err(|s| Fault::Singular { solver: k, unknown: s.column })?;
+        factored.map_err(|s| Fault::Singular { torn_block: k, unknown: s.column })?;
         let mut column = vec![0.0; n];
         for direction in 0..self.directions {
-            for (c, slot) in column.iter_mut().zip(&solver.residuals) {
+            for (c, slot) in column.iter_mut().zip(&torn_block.residuals) {
                 *c = -self.of(*slot)[direction];
             }
             lu.solve_in_place(&mut column);
-            for (c, slot) in column.iter().zip(&solver.slots) {
+            for (c, slot) in column.iter().zip(&torn_block.slots) {
                 self.of_mut(*slot)[direction] = *c;
             }
         }
-        self.follow(instance, &solver.residual_tape)
+        self.propagate(machine, &torn_block.residual_tape)
     }
 
     /// From `J z = -B` follows `J dz = -dB - dJ z`.
-    fn differentiate(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
-        let implicit = &instance.program.implicits[k];
-        let n = implicit.order;
+    fn differentiate(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
+        let derivative = &machine.program.routines.block_derivatives[k];
+        let n = derivative.order;
         let mut matrix = vec![0.0; n * n];
-        for e in &implicit.jacobian {
-            matrix[e.row as usize + n * e.column as usize] = instance.get(e.slot);
+        for e in &derivative.jacobian {
+            matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
         }
         let mut lu = DenseLu::new(n);
-        let solver = implicit.solver as usize;
+        let torn_block = derivative.torn_block as usize;
         let factored = lu.factor(&matrix);
-        factored.map_err(|s| Fault::Singular { solver, unknown: s.column })?;
-        let mut columns = vec![0.0; implicit.results.len()];
+        factored.map_err(|s| Fault::Singular { torn_block, unknown: s.column })?;
+        let mut columns = vec![0.0; derivative.results.len()];
         for direction in 0..self.directions {
             columns.fill(0.0);
-            for e in &implicit.seeds {
+            for e in &derivative.seeds {
                 columns[e.row as usize + n * e.column as usize] = -self.of(e.slot)[direction];
             }
             for (seed, column) in columns.chunks_exact_mut(n).enumerate() {
-                for e in &implicit.jacobian {
-                    let z = instance.get(implicit.results[seed * n + e.column as usize]);
+                for e in &derivative.jacobian {
+                    let z = machine.get(derivative.results[seed * n + e.column as usize]);
                     column[e.row as usize] -= self.of(e.slot)[direction] * z;
                 }
                 lu.solve_in_place(column);
             }
-            for (slot, value) in implicit.results.iter().zip(&columns) {
+            for (slot, value) in derivative.results.iter().zip(&columns) {
                 self.of_mut(*slot)[direction] = *value;
             }
         }
         Ok(())
     }
 
-    /// The values rest; the derivatives are repeated until they rest too.
-    fn repeat(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
-        let mixed = &instance.program.loops[k];
+    /// The values have converged; iterates the derivatives until they converge too.
+    fn iterate(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
+        let mixed = &machine.program.routines.mixed_blocks[k];
         let mut before: Vec<f64> = Vec::new();
-        for _ in 0..LOOP_LIMIT {
-            let watched = mixed.watched.iter().map(|w| watched_slot(*w));
+        for _ in 0..ITERATION_LIMIT {
+            let discrete_unknowns = mixed.discrete_unknowns.iter().map(|w| discrete_slot(*w));
             before.clear();
-            before.extend(watched.clone().flat_map(|slot| self.of(slot).iter().copied()));
-            self.follow(instance, &mixed.tape)?;
-            let mut now = watched.flat_map(|slot| self.of(slot).iter());
+            before.extend(discrete_unknowns.clone().flat_map(|slot| self.of(slot).iter().copied()));
+            self.propagate(machine, &mixed.tape)?;
+            let mut now = discrete_unknowns.flat_map(|slot| self.of(slot).iter());
             if before.iter().all(|b| now.next() == Some(b)) {
                 break;
             }
@@ -237,28 +238,28 @@ impl Tangents {
         Ok(())
     }
 
-    fn call(&mut self, instance: &mut Instance<'_>, k: usize) -> Result<(), Fault> {
-        let program = instance.program;
-        let site = &program.calls[k];
-        if !instance.needs(site) {
+    fn call(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
+        let program = machine.program;
+        let site = &program.routines.calls[k];
+        if !machine.is_needed(site) {
             return Ok(());
         }
-        let function = &program.functions[site.function];
+        let function = &program.routines.functions[site.function];
         let Some((output, arg)) = site.partial else {
-            self.enter(instance, site, None)?;
+            self.enter(machine, site, None)?;
             for (to, from) in site.results.iter().zip(&function.outputs) {
-                instance.memory[*to as usize] = instance.memory[*from as usize];
+                machine.memory[*to as usize] = machine.memory[*from as usize];
                 self.copy(*to, *from);
             }
             return Ok(());
         };
-        // The derivative of the difference quotient that stands for the partial derivative.
+        // Differentiate the difference quotient that approximates the partial derivative.
         let out = function.outputs[output];
-        let x = instance.get(site.args[arg]);
+        let x = machine.get(site.args[arg]);
         let h = f64::EPSILON.cbrt() * if x == 0.0 { 1.0 } else { x.abs() };
-        self.enter(instance, site, Some((arg, x + h)))?;
+        self.enter(machine, site, Some((arg, x + h)))?;
         let above = self.of(out).to_vec();
-        self.enter(instance, site, Some((arg, x - h)))?;
+        self.enter(machine, site, Some((arg, x - h)))?;
         let width = (x + h) - (x - h);
         let result: Vec<f64> =
             above.iter().zip(self.of(out)).map(|(a, b)| (a - b) / width).collect();
@@ -266,93 +267,93 @@ impl Tangents {
         Ok(())
     }
 
-    /// Runs the body of a function again, each instruction followed by its derivatives: its locals
-    /// are shared by all calls.
+    /// Executes the body of a function again, propagating derivatives after each instruction: its
+    /// locals are shared by all calls, so their values may be those of another call.
     fn enter(
         &mut self,
-        instance: &mut Instance<'_>,
+        machine: &mut Machine<'_>,
         site: &CallSite,
         moved: Option<(usize, f64)>,
     ) -> Result<(), Fault> {
-        let program = instance.program;
-        let function = &program.functions[site.function];
+        let program = machine.program;
+        let function = &program.routines.functions[site.function];
         for local in &function.locals {
-            instance.set(*local, 0.0);
+            machine.set(*local, 0.0);
             self.clear(*local);
         }
         for (i, (to, from)) in function.inputs.iter().zip(&site.args).enumerate() {
-            instance.memory[*to as usize] = match moved {
+            machine.memory[*to as usize] = match moved {
                 Some((arg, value)) if arg == i => value,
-                _ => instance.memory[*from as usize],
+                _ => machine.memory[*from as usize],
             };
             self.copy(*to, *from);
         }
-        let depth = instance.frames.depth();
-        self.body(instance, site.function, depth).inspect_err(|_| {
-            instance.frames.give_up(depth);
-            self.frames.give_up(0);
+        let depth = machine.frames.depth();
+        self.run_body(machine, site.function, depth).inspect_err(|_| {
+            machine.frames.unwind(depth);
+            self.frames.unwind(0);
         })
     }
 
-    /// As the body of a function is run by [`Instance`].
-    fn body(
+    /// As [`Machine`] executes the body of a function, with derivatives.
+    fn run_body(
         &mut self,
-        instance: &mut Instance<'_>,
+        machine: &mut Machine<'_>,
         mut function: usize,
         depth: usize,
     ) -> Result<(), Fault> {
-        let program = instance.program;
-        let mut tape = &program.functions[function].tape;
+        let program = machine.program;
+        let mut tape = &program.routines.functions[function].tape;
         let (mut at, mut jumps) = (0, 0);
         loop {
             let Some(i) = tape.get(at) else {
-                if instance.frames.depth() == depth {
+                if machine.frames.depth() == depth {
                     return Ok(());
                 }
-                self.frames.leave(program, &mut self.values, self.width);
-                let back = instance.frames.leave(program, &mut instance.memory, 1);
+                self.frames.pop(program, &mut self.values, self.width);
+                let back = machine.frames.pop(program, &mut machine.memory, 1);
                 (function, at) = back.unwrap_or((function, at));
-                tape = &program.functions[function].tape;
+                tape = &program.routines.functions[function].tape;
                 continue;
             };
             at += 1;
             match i.op {
                 Op::Jump => at = i.a as usize,
-                Op::JumpUnless if instance.get(i.a) == 0.0 => at = i.b as usize,
+                Op::JumpUnless if machine.get(i.a) == 0.0 => at = i.b as usize,
                 Op::JumpUnless | Op::Assert => {}
-                Op::Call if program.calls_itself(i.a as usize) => {
+                Op::Call if program.is_recursive_call(i.a as usize) => {
                     let (site, back) = (i.a as usize, (function, at));
-                    let own = self.frames.enter(program, site, back, &mut self.values, self.width);
-                    let memory = &mut instance.memory;
-                    if !(own && instance.frames.enter(program, site, back, memory, 1)) {
-                        return Err(instance.fail(Fault::Endless { function }));
+                    let own = self.frames.push(program, site, back, &mut self.values, self.width);
+                    let memory = &mut machine.memory;
+                    if !(own && machine.frames.push(program, site, back, memory, 1)) {
+                        return Err(machine.fail(Fault::NonTerminating { function }));
                     }
-                    (function, at) = (program.calls[site].function, 0);
-                    tape = &program.functions[function].tape;
+                    (function, at) = (program.routines.calls[site].function, 0);
+                    tape = &program.routines.functions[function].tape;
                     jumps += 1;
                 }
-                Op::Call => self.call(instance, i.a as usize)?,
-                _ => self.step_anew(instance, i),
+                Op::Call => self.call(machine, i.a as usize)?,
+                _ => self.compute_and_propagate(machine, i),
             }
             jumps += u32::from(i.op == Op::Jump);
             if jumps > JUMP_LIMIT {
-                return Err(instance.fail(Fault::Endless { function }));
+                return Err(machine.fail(Fault::NonTerminating { function }));
             }
         }
     }
 
-    /// Computes an instruction and follows it. A variable of a function may stand on both sides.
-    fn step_anew(&mut self, instance: &mut Instance<'_>, i: &Instr) {
-        let (a, b) = (instance.get(i.a), instance.get(i.b));
-        if instance.inside {
-            step::<true>(&mut instance.memory, i);
+    /// Executes an instruction and propagates derivatives; its result may overwrite an operand.
+    fn compute_and_propagate(&mut self, machine: &mut Machine<'_>, i: &Instr) {
+        let (a, b) = (machine.get(i.a), machine.get(i.b));
+        if machine.clamp_domain {
+            compute::<true>(&mut machine.memory, i);
         } else {
-            step::<false>(&mut instance.memory, i);
+            compute::<false>(&mut machine.memory, i);
         }
-        let value = instance.get(i.dst);
+        let value = machine.get(i.dst);
         let overwritten = i.dst == i.a || i.dst == i.b;
         if !overwritten {
-            return self.step(instance, i);
+            return self.propagate_instruction(machine, i);
         }
         match i.op {
             Op::Mul => self.combine(i, b, a),
@@ -364,13 +365,13 @@ impl Tangents {
             }
             Op::CopyIf if a != 0.0 => self.copy(i.dst, i.b),
             Op::CopyIf => {}
-            // The others do not read the operands.
-            _ => self.step(instance, i),
+            // The other rules do not read the operands.
+            _ => self.propagate_instruction(machine, i),
         }
     }
 }
 
-/// What an instruction does to derivatives.
+/// How an instruction propagates derivatives.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Rule {
     /// Nothing.
@@ -385,10 +386,10 @@ enum Rule {
     Combine(f64, f64),
 }
 
-/// The chain rule for an instruction whose value stands in the memory.
+/// The chain rule for an instruction whose result is in the memory.
 #[inline]
-fn rule(instance: &Instance<'_>, i: &Instr) -> Rule {
-    let memory = &instance.memory;
+fn rule(machine: &Machine<'_>, i: &Instr) -> Rule {
+    let memory = &machine.memory;
     let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
     let value = memory[i.dst as usize];
     match i.op {
@@ -399,29 +400,29 @@ fn rule(instance: &Instance<'_>, i: &Instr) -> Rule {
         Op::Add => Rule::Combine(1.0, 1.0),
         Op::Sub => Rule::Combine(1.0, -1.0),
         Op::Mul => Rule::Combine(b, a),
-        Op::Div if instance.inside && a == 0.0 && b == 0.0 => Rule::Clear,
+        Op::Div if machine.clamp_domain && a == 0.0 && b == 0.0 => Rule::Clear,
         Op::Div => Rule::Combine(1.0 / b, -value / b),
         Op::Neg => Rule::Scale(-1.0),
         Op::Unary(op) => {
             let factor = partial::unary(op, a, value);
-            // At the border of a domain the branch goes on level.
-            let level = instance.inside && !factor.is_finite();
+            // Beyond a domain boundary the clamped function is constant.
+            let level = machine.clamp_domain && !factor.is_finite();
             Rule::Scale(if level { 0.0 } else { factor })
         }
         Op::Binary(op) => {
             let (mut by_a, mut by_b) = partial::binary(op, a, b, value);
-            if instance.inside {
+            if machine.clamp_domain {
                 by_a = if by_a.is_finite() { by_a } else { 0.0 };
                 by_b = if by_b.is_finite() { by_b } else { 0.0 };
             }
             Rule::Combine(by_a, by_b)
         }
-        Op::Solve | Op::Implicit | Op::Repeat | Op::Call => Rule::Keep,
+        Op::Solve | Op::Differentiate | Op::Iterate | Op::Call => Rule::Keep,
         Op::Jump | Op::JumpUnless | Op::Assert => Rule::Keep,
     }
 }
 
-/// Where there is nothing to multiply, an infinite slope counts nothing.
+/// `factor * d`, where zero times an infinite slope is zero.
 #[inline]
 fn product(factor: f64, d: f64) -> f64 {
     if d == 0.0 { 0.0 } else { factor * d }

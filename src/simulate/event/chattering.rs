@@ -5,12 +5,12 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::Binary;
-use crate::ir::program::Watch;
+use crate::ir::program::RelationTrigger;
 use crate::ir::trajectory::Event;
 
-use super::iterate::Settled;
+use super::iterate::EventEffects;
 use super::sliding::Sliding;
-use super::zeno::shortens;
+use super::zeno::intervals_shrink;
 use crate::simulate::failure::{Failure, of_fault};
 use crate::simulate::run::Simulation;
 
@@ -20,185 +20,199 @@ const CHATTER_EVENTS: usize = 64;
 const CHATTER_SPAN: f64 = 1e-7;
 
 /// The part of the short time that is no time at all.
-const AT_ONCE: f64 = 1e-13;
+const INSTANTANEOUS: f64 = 1e-13;
 /// So many events of one relation alone in the short time, and its two sides are asked whether they
 /// meet.
-const MEETING_EVENTS: u32 = 4;
+const SLIDING_EVENTS: u32 = 4;
 /// Halvings of a step to find the end of a motion along a surface.
 const HALVINGS: u32 = 50;
 
 /// The times of the last events, to notice chattering.
-pub struct Recent {
+pub struct EventHistory {
     times: [f64; CHATTER_EVENTS],
     at: usize,
     span: f64,
     /// The relations that switched at them.
     flipped: Vec<u32>,
     /// The last relation that switched alone, how often in a row, and since when.
-    alone: Option<(u32, u32, f64)>,
+    single: Option<(u32, u32, f64)>,
     /// The last relation at whose switching something other than relations changed, and its value then.
     acting: Option<(u32, bool)>,
 }
 
-impl Recent {
+impl EventHistory {
     /// No event yet, in a run of this length.
     pub fn new(length: f64) -> Self {
         let times = [f64::NEG_INFINITY; CHATTER_EVENTS];
-        Recent {
+        EventHistory {
             times,
             at: 0,
             span: CHATTER_SPAN * length,
             flipped: Vec::new(),
-            alone: None,
+            single: None,
             acting: None,
         }
     }
 
     /// True if the last events pile up.
-    fn piles_up(&self) -> bool {
+    fn accumulates(&self) -> bool {
         let (later, earlier) = self.times.split_at(self.at);
-        shortens(&[earlier, later].concat())
+        intervals_shrink(&[earlier, later].concat())
     }
 }
 
 impl Simulation<'_, '_> {
     /// Stays on the surface of a relation that switched alone several times in no time, if its two
     /// sides meet there; true if so.
-    pub(crate) fn slides(
+    pub(crate) fn try_sliding(
         &mut self,
         t: f64,
         flipped: &[(u32, bool)],
-        settled: Settled,
+        effects: EventEffects,
     ) -> Result<bool, Failure> {
         let &[(k, truth)] = flipped else {
-            self.recent.alone = None;
+            self.history.single = None;
             return Ok(false);
         };
         // Loops that the integrator solves would have two solutions at once there.
-        let implicit = !self.program.algebraics.is_empty();
-        if implicit || settled.acted || self.program.watches[k as usize] != Watch::State {
-            self.recent.alone = None;
+        let has_algebraics = !self.program.algebraics.is_empty();
+        if has_algebraics
+            || effects.acted
+            || self.program.events.relation_triggers[k as usize] != RelationTrigger::State
+        {
+            self.history.single = None;
             return Ok(false);
         }
-        let (times, since) = match self.recent.alone {
-            Some((last, times, since)) if last == k && t - since <= self.recent.span => {
+        let (times, since) = match self.history.single {
+            Some((last, times, since)) if last == k && t - since <= self.history.span => {
                 (times + 1, since)
             }
             _ => (1, t),
         };
-        self.recent.alone = Some((k, times, since));
-        if times < MEETING_EVENTS {
+        self.history.single = Some((k, times, since));
+        if times < SLIDING_EVENTS {
             return Ok(false);
         }
         let op = self.program.blocks.dae.relations[k as usize].op;
         let rising = matches!(op, Binary::Greater | Binary::GreaterEqual);
-        let instance = &mut self.model.instance;
-        let mut sliding = Sliding::along(k, instance, self.stop - self.start);
+        let machine = &mut self.system.machine;
+        let mut sliding = Sliding::along(k, machine, self.stop - self.start);
         let n = self.program.order();
-        let rates = sliding.rates(instance, t, &self.y[..n]);
-        if !rates.is_ok_and(|rates| rates.meet(rising)) {
-            let back = sliding.switch(instance, usize::from(truth));
-            back.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        let rates = sliding.rates(machine, t, &self.y[..n]);
+        if !rates.is_ok_and(|rates| rates.point_inward(rising)) {
+            let back = sliding.switch(machine, usize::from(truth));
+            back.map_err(|f| of_fault(&self.system.machine, f, t))?;
             return Ok(false);
         }
-        self.model.sliding = Some(sliding);
+        self.system.sliding = Some(sliding);
         self.enter_surface(t, truth)?;
-        self.search.ignore(Some(k));
-        self.recent.alone = None;
-        let evaluated = self.model.evaluate_all(t, &self.y);
-        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        self.tell_of_sliding(t, k, "stays where it switches");
+        self.locator.ignore(Some(k));
+        self.history.single = None;
+        let evaluated = self.system.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
+        self.report_sliding(t, k, "stays where it switches");
         Ok(true)
     }
 
     /// Leaves a surface that the last step should not have followed to its end; where it left.
     pub(crate) fn end_of_sliding(&mut self) -> Result<Option<f64>, Failure> {
-        let Some(mut sliding) = self.model.sliding.take() else { return Ok(None) };
-        let (mut inside, mut outside) = (self.stepper.t_previous(), self.stepper.t());
+        let Some(mut sliding) = self.system.sliding.take() else { return Ok(None) };
+        let (mut sliding_at, mut left_at) = (self.stepper.t_previous(), self.stepper.t());
         let n = self.program.order();
-        let mut part_at = |s: &mut Self, t: f64| {
+        let mut weight_at = |s: &mut Self, t: f64| {
             s.stepper.interpolate(t, &mut s.y);
-            let rates = sliding.rates(&mut s.model.instance, t, &s.y[..n]);
-            rates.map(|r| r.part()).map_err(|f| of_fault(&s.model.instance, f, t))
+            let rates = sliding.rates(&mut s.system.machine, t, &s.y[..n]);
+            rates.map(|r| r.weight()).map_err(|f| of_fault(&s.system.machine, f, t))
         };
-        let is_inside = |part: f64| (0.0..=1.0).contains(&part);
-        let mut part = part_at(self, outside)?;
-        if is_inside(part) {
-            self.model.sliding = Some(sliding);
+        let is_sliding = |weight: f64| (0.0..=1.0).contains(&weight);
+        let mut weight = weight_at(self, left_at)?;
+        if is_sliding(weight) {
+            self.system.sliding = Some(sliding);
             return Ok(None);
         }
         for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            let there = part_at(self, middle)?;
-            if is_inside(there) {
-                inside = middle;
+            let middle = 0.5 * (sliding_at + left_at);
+            let there = weight_at(self, middle)?;
+            if is_sliding(there) {
+                sliding_at = middle;
             } else {
-                (outside, part) = (middle, there);
+                (left_at, weight) = (middle, there);
             }
         }
-        let (t, k) = (outside, sliding.relation());
-        self.model.sliding = Some(sliding);
-        self.vary()?;
+        let (t, k) = (left_at, sliding.relation());
+        self.system.sliding = Some(sliding);
+        self.advance_sensitivities()?;
         self.record_grid(t, true)?;
         self.stepper.interpolate(t, &mut self.y);
-        if let Some(sliding) = self.model.sliding.take() {
-            self.leave_surface(&sliding, t, part > 0.5)?;
+        if let Some(sliding) = self.system.sliding.take() {
+            self.leave_surface(&sliding, t, weight > 0.5)?;
         }
         self.t = t;
-        self.tell_of_sliding(t, k, "switches again");
+        self.report_sliding(t, k, "switches again");
         self.restart()?;
         Ok(Some(t))
     }
 
-    fn tell_of_sliding(&mut self, t: f64, k: u32, what: &str) {
+    fn report_sliding(&mut self, t: f64, k: u32, what: &str) {
         let what = format!("{} {what}", self.relation_text(k));
         let place = self.place(self.relation_span(k));
         self.recorder.flush(self.sink);
         self.sink.event(Event { time: t, what, place });
     }
 
-    pub(crate) fn guard_against_chattering(
+    pub(crate) fn check_chattering(
         &mut self,
         t: f64,
         flipped: &[(u32, bool)],
-        settled: Settled,
+        effects: EventEffects,
     ) -> Result<(), Failure> {
-        let recent = &mut self.recent;
-        if settled.acted {
-            recent.acting = flipped.first().copied();
+        let history = &mut self.history;
+        if effects.acted {
+            history.acting = flipped.first().copied();
         }
-        let oldest = recent.times[recent.at];
-        recent.times[recent.at] = t;
-        recent.at = (recent.at + 1) % CHATTER_EVENTS;
-        recent.flipped.extend(flipped.iter().map(|f| f.0));
-        if t - oldest > recent.span {
+        let oldest = history.times[history.at];
+        history.times[history.at] = t;
+        history.at = (history.at + 1) % CHATTER_EVENTS;
+        history.flipped.extend(flipped.iter().map(|f| f.0));
+        if t - oldest > history.span {
             // Twice as many as may matter, so that the list is cut seldom.
             let kept = 2 * CHATTER_EVENTS;
-            let excess = recent.flipped.len().saturating_sub(kept);
-            recent.flipped.drain(..if excess > kept { excess } else { 0 });
+            let excess = history.flipped.len().saturating_sub(kept);
+            history.flipped.drain(..if excess > kept { excess } else { 0 });
             return Ok(());
         }
-        let mut relations = std::mem::take(&mut recent.flipped);
+        let mut relations = std::mem::take(&mut history.flipped);
         relations.sort_unstable();
         relations.dedup();
-        relations.retain(|k| self.program.watches[*k as usize] == Watch::State);
+        relations.retain(|k| {
+            self.program.events.relation_triggers[*k as usize] == RelationTrigger::State
+        });
         // What switches in no time at all switches by rounding of operands that rest at the border.
-        let at_once = t - oldest <= AT_ONCE * self.recent.span;
-        let piled = self.recent.acting.filter(|_| !at_once && self.recent.piles_up());
-        let failure = self.chatters(t, t - oldest, piled.or(flipped.first().copied()));
-        let goes_on = match piled {
-            Some(piled) => self.passes_pile(piled, relations.into_iter(), failure.clone()),
-            None => at_once && self.search.widen(relations.into_iter()),
+        let instantaneous = t - oldest <= INSTANTANEOUS * self.history.span;
+        let accumulated =
+            self.history.acting.filter(|_| !instantaneous && self.history.accumulates());
+        let failure =
+            self.chattering_failure(t, t - oldest, accumulated.or(flipped.first().copied()));
+        let continues = match accumulated {
+            Some(accumulated) => {
+                self.widen_at_accumulation(accumulated, relations.into_iter(), failure.clone())
+            }
+            None => instantaneous && self.locator.widen_hysteresis(relations.into_iter()),
         };
-        if goes_on {
-            self.recent.times = [f64::NEG_INFINITY; CHATTER_EVENTS];
+        if continues {
+            self.history.times = [f64::NEG_INFINITY; CHATTER_EVENTS];
             return Ok(());
         }
         Err(failure)
     }
 
     /// Says that a relation switches without end.
-    fn chatters(&mut self, t: f64, duration: f64, relation: Option<(u32, bool)>) -> Failure {
+    fn chattering_failure(
+        &mut self,
+        t: f64,
+        duration: f64,
+        relation: Option<(u32, bool)>,
+    ) -> Failure {
         let k = relation.map(|f| f.0);
         let what =
             k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));

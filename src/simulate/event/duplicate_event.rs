@@ -13,34 +13,34 @@ const SPAN: f64 = 1e-9;
 const NOISE: f64 = 1e-9;
 
 /// The last event.
-pub struct Echo {
+pub struct DuplicateFilter {
     span: f64,
     time: f64,
     flipped: Vec<(u32, bool)>,
 }
 
-impl Echo {
+impl DuplicateFilter {
     /// In a run of this duration, s.
     pub fn new(duration: f64) -> Self {
-        Echo { span: SPAN * duration, time: f64::NEG_INFINITY, flipped: Vec::new() }
+        DuplicateFilter { span: SPAN * duration, time: f64::NEG_INFINITY, flipped: Vec::new() }
     }
 
     /// Takes an event with the relations that it turned.
-    pub fn remember(&mut self, t: f64, flipped: &[(u32, bool)]) {
+    pub fn record(&mut self, t: f64, flipped: &[(u32, bool)]) {
         self.time = t;
         self.flipped.clear();
         self.flipped.extend_from_slice(flipped);
     }
 
     /// Whether these relations are among those of the event before, turn back, and follow at once.
-    pub fn may_be(&self, t: f64, flipped: &[(u32, bool)]) -> bool {
-        let turned_back = |(k, truth): &(u32, bool)| self.flipped.contains(&(*k, !truth));
-        t - self.time <= self.span && !flipped.is_empty() && flipped.iter().all(turned_back)
+    pub fn matches(&self, t: f64, flipped: &[(u32, bool)]) -> bool {
+        let flipped_back = |(k, truth): &(u32, bool)| self.flipped.contains(&(*k, !truth));
+        t - self.time <= self.span && !flipped.is_empty() && flipped.iter().all(flipped_back)
     }
 }
 
 /// Whether all variables that the user declared have the same values in both memories.
-pub fn nothing_moved(program: &Program, before: &[f64], after: &[f64]) -> bool {
+pub fn is_unchanged(program: &Program, before: &[f64], after: &[f64]) -> bool {
     let variables = &program.blocks.dae.variables;
     let same = |cell: Slot| {
         let (a, b) = (before[cell as usize], after[cell as usize]);
@@ -55,14 +55,14 @@ mod tests {
 
     #[test]
     fn an_echo_turns_back_what_its_event_turned() {
-        let mut echo = Echo::new(10.0);
-        assert!(!echo.may_be(1.0, &[(3, true)]));
-        echo.remember(1.0, &[(3, true), (5, false)]);
-        assert!(echo.may_be(1.0 + 1e-12, &[(3, false)]));
-        assert!(echo.may_be(1.0, &[(5, true), (3, false)]));
-        assert!(!echo.may_be(1.0, &[(3, true)]));
-        assert!(!echo.may_be(1.0, &[(4, false)]));
-        assert!(!echo.may_be(1.0, &[]));
-        assert!(!echo.may_be(1.0 + 1e-6, &[(3, false)]));
+        let mut filter = DuplicateFilter::new(10.0);
+        assert!(!filter.matches(1.0, &[(3, true)]));
+        filter.record(1.0, &[(3, true), (5, false)]);
+        assert!(filter.matches(1.0 + 1e-12, &[(3, false)]));
+        assert!(filter.matches(1.0, &[(5, true), (3, false)]));
+        assert!(!filter.matches(1.0, &[(3, true)]));
+        assert!(!filter.matches(1.0, &[(4, false)]));
+        assert!(!filter.matches(1.0, &[]));
+        assert!(!filter.matches(1.0 + 1e-6, &[(3, false)]));
     }
 }

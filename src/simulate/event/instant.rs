@@ -2,21 +2,21 @@
 //! on.
 
 use crate::integrate::stepper::Stepper;
-use crate::ir::program::{Slot, Watch};
+use crate::ir::program::{RelationTrigger, Slot};
 use crate::ir::trajectory::Event;
 
-use super::duplicate_event::nothing_moved;
-use super::iterate::{Settled, Unsettled, settle};
-use crate::simulate::failure::{Failure, of_fault, unsettled};
+use super::duplicate_event::is_unchanged;
+use super::iterate::{EventEffects, EventError, iterate};
+use crate::simulate::failure::{Failure, event_failure, of_fault};
 use crate::simulate::run::Simulation;
-use crate::simulate::system::of_domain;
+use crate::simulate::system::is_domain_fault;
 
 /// First shift of an event that its evaluation does not confirm, in spacings of doubles.
-const NUDGE: f64 = 8.0;
+const FIRST_SHIFT: f64 = 8.0;
 /// How often an event is looked at a little later before all combinations of its relations are tried.
-const PATIENCE: u32 = 4;
+const SHIFTS_BEFORE_SEARCH: u32 = 4;
 /// How often readers of what is carried may come to other pieces at one instant.
-const MOST_ARRIVALS: u32 = 100;
+const MAX_SEGMENT_CHANGES: u32 = 100;
 
 /// What leads to an event.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -28,14 +28,14 @@ pub enum Cause {
 }
 
 /// Where an event iteration came to rest.
-struct Arrived {
+struct EventPoint {
     /// The instant, s.
     t: f64,
     /// A clock has ticked.
     ticked: bool,
     /// Relations that led there.
     triggers: Vec<u32>,
-    settled: Settled,
+    effects: EventEffects,
     /// The memory at its left limit.
     before: Vec<f64>,
 }
@@ -43,23 +43,23 @@ struct Arrived {
 impl Simulation<'_, '_> {
     /// Everything that happens at one instant of the last step.
     pub(crate) fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
-        self.vary()?;
+        self.advance_sensitivities()?;
         self.note_delayed(t, false)?;
         self.record_grid(t, false)?;
         // Whatever happens, both sides are looked at anew.
-        if let Some(mut sliding) = self.model.sliding.take() {
+        if let Some(mut sliding) = self.system.sliding.take() {
             self.arrive_from_surface(&mut sliding, t);
         }
-        self.search.ignore(None);
-        let held = self.held_relations();
-        let Arrived { t, ticked, triggers, settled, before } = self.come_to_rest(t, cause)?;
+        self.locator.ignore(None);
+        let before_event = self.relation_values();
+        let EventPoint { t, ticked, triggers, effects, before } = self.iterate_at(t, cause)?;
         self.t = t;
         let n = self.program.order();
-        self.y[..n].copy_from_slice(self.model.instance.states());
-        let flipped = self.flipped(&held, &triggers);
-        let echoes = !ticked && self.echoes(t, &flipped, settled, &before)?;
-        self.model.instance.release(before);
-        if settled.changed && !echoes {
+        self.y[..n].copy_from_slice(self.system.machine.states());
+        let flipped = self.flipped(&before_event, &triggers);
+        let is_duplicate = !ticked && self.is_duplicate(t, &flipped, effects, &before)?;
+        self.system.machine.recycle(before);
+        if effects.changed && !is_duplicate {
             self.put_row(t);
             self.depart(t)?;
             self.record(t)?;
@@ -68,25 +68,25 @@ impl Simulation<'_, '_> {
             }
         } else {
             self.record_grid(t, true)?;
-            self.go_to(t)?;
+            self.evaluate_at(t)?;
             self.depart(t)?;
         }
         self.note_delayed(t, true)?;
-        if !echoes {
-            self.echo.remember(t, &flipped);
-            self.announce(t, cause, ticked, &flipped, settled);
+        if !is_duplicate {
+            self.duplicates.record(t, &flipped);
+            self.report_event(t, cause, ticked, &flipped, effects);
         }
-        if !ticked && !self.slides(t, &flipped, settled)? {
-            self.leave_pile(&flipped, settled);
-            self.guard_against_chattering(t, &flipped, settled)?;
+        if !ticked && !self.try_sliding(t, &flipped, effects)? {
+            self.clear_accumulation(&flipped, effects);
+            self.check_chattering(t, &flipped, effects)?;
         }
         self.check_assertions(t)?;
-        self.act_on(settled, t)?;
+        self.handle_effects(effects, t)?;
         if !self.ended && t < self.stop {
             if !self.selection.is_empty() {
-                let evaluated = self.model.evaluate_all(t, &self.y);
-                evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-                self.renew(t)?;
+                let evaluated = self.system.evaluate_all(t, &self.y);
+                evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
+                self.reselect_states(t)?;
             }
             self.restart()?;
         }
@@ -94,137 +94,142 @@ impl Simulation<'_, '_> {
     }
 
     /// Goes to an instant, or as little beyond it as it takes, and iterates there until nothing changes.
-    fn come_to_rest(&mut self, mut t: f64, cause: Cause) -> Result<Arrived, Failure> {
-        let mut nudge =
-            NUDGE * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
-        let (mut ticked, mut nudges) = (false, 0);
+    fn iterate_at(&mut self, mut t: f64, cause: Cause) -> Result<EventPoint, Failure> {
+        let mut shift =
+            FIRST_SHIFT * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
+        let (mut ticked, mut shifts) = (false, 0);
         let mut triggers: Vec<u32> = Vec::new();
         loop {
-            self.go_to(t)?;
+            self.evaluate_at(t)?;
             self.take_row(t)?;
-            self.look(t)?;
-            triggers.extend(self.search.switched(&self.model.instance));
+            self.evaluate_sensitivities(t)?;
+            triggers.extend(self.locator.switched(&self.system.machine));
             let derivatives = self.arrive(t, cause);
-            ticked |= self.clocks.raise(&mut self.model.instance, t);
-            let instance = &mut self.model.instance;
-            if instance.delayed.pass(t, &instance.memory) {
-                instance.delayed.place(t, &mut instance.memory);
+            ticked |= self.clocks.raise(&mut self.system.machine, t);
+            let machine = &mut self.system.machine;
+            if machine.delays.advance_past(t, &machine.memory) {
+                machine.delays.write_slots(t, &mut machine.memory);
             }
-            let passed = instance.transports.pass(&mut instance.memory);
-            let before = self.model.instance.keep();
-            self.model.instance.said.clear();
-            let may_wait = cause == Cause::State && t < self.stepper.t() && !passed;
-            let settled = self.settle_readers(!may_wait || nudges >= PATIENCE, passed);
+            let passed = machine.transports.advance_past(&mut machine.memory);
+            let before = self.system.machine.snapshot();
+            self.system.machine.assertion_messages.clear();
+            let may_shift = cause == Cause::State && t < self.stepper.t() && !passed;
+            let effects =
+                self.iterate_with_transport(!may_shift || shifts >= SHIFTS_BEFORE_SEARCH, passed);
             if let Some(s) = &mut self.sensitivity {
-                s.detach(&mut self.model.instance);
+                s.detach(&mut self.system.machine);
             }
-            match settled {
+            match effects {
                 // Where relations meet, rounding may turn one by the other: a little later it will not.
-                Err(Unsettled::Restless(..)) if may_wait => {
-                    self.model.instance.memory.copy_from_slice(&before);
+                Err(EventError::NotConverged(..)) if may_shift => {
+                    self.system.machine.memory.copy_from_slice(&before);
                     if let Some(s) = &mut self.sensitivity {
                         s.restore(derivatives.as_ref());
                     }
                 }
                 // The event sequence may round an operand to the other side: a little later it will not.
-                Ok(settled) if !settled.changed && may_wait => {}
-                Ok(settled) => return Ok(Arrived { t, ticked, triggers, settled, before }),
-                Err(u) => return Err(unsettled(&self.model.instance, u, t)),
+                Ok(effects) if !effects.changed && may_shift => {}
+                Ok(effects) => return Ok(EventPoint { t, ticked, triggers, effects, before }),
+                Err(u) => return Err(event_failure(&self.system.machine, u, t)),
             }
-            self.model.instance.release(before);
-            t = (t + nudge).min(self.stepper.t());
-            (nudge, nudges) = (4.0 * nudge, nudges + 1);
+            self.system.machine.recycle(before);
+            t = (t + shift).min(self.stepper.t());
+            (shift, shifts) = (4.0 * shift, shifts + 1);
         }
     }
 
     /// The event at the end of the run, for what happens `when terminal()`.
-    pub(crate) fn finish(&mut self) -> Result<(), Failure> {
+    pub(crate) fn terminal_event(&mut self) -> Result<(), Failure> {
         let t = self.t;
         let terminal = self.program.layout.terminal;
-        self.model.instance.set(terminal, 1.0);
-        let outcome = settle(&mut self.model.instance, &self.clocks, true);
-        let settled = outcome.map_err(|u| unsettled(&self.model.instance, u, t))?;
-        if settled.changed {
+        self.system.machine.set(terminal, 1.0);
+        let outcome = iterate(&mut self.system.machine, &self.clocks, true);
+        let effects = outcome.map_err(|u| event_failure(&self.system.machine, u, t))?;
+        if effects.changed {
             let n = self.program.order();
-            self.y[..n].copy_from_slice(self.model.instance.states());
+            self.y[..n].copy_from_slice(self.system.machine.states());
             self.record(t)?;
         }
-        self.act_on(settled, t)
+        self.handle_effects(effects, t)
     }
 
     /// The event iteration, again while it brings readers of what is carried to other pieces of that.
-    fn settle_readers(&mut self, thoroughly: bool, passed: bool) -> Result<Settled, Unsettled> {
-        let mut settled = self.settle(thoroughly)?;
-        settled.changed |= passed;
-        for _ in 0..MOST_ARRIVALS {
-            let instance = &mut self.model.instance;
-            if !instance.transports.pass(&mut instance.memory) {
+    fn iterate_with_transport(
+        &mut self,
+        exhaustive: bool,
+        passed: bool,
+    ) -> Result<EventEffects, EventError> {
+        let mut effects = self.iterate_clamped(exhaustive)?;
+        effects.changed |= passed;
+        for _ in 0..MAX_SEGMENT_CHANGES {
+            let machine = &mut self.system.machine;
+            if !machine.transports.advance_past(&mut machine.memory) {
                 break;
             }
-            let again = self.settle(true)?;
-            settled = Settled { changed: true, ..settled }.before(again);
+            let again = self.iterate_clamped(true)?;
+            effects = EventEffects { changed: true, ..effects }.before(again);
         }
-        Ok(settled)
+        Ok(effects)
     }
 
     /// The event iteration, beyond the domain of functions where it can not be helped: new
     /// relations and old branches meet in it.
-    fn settle(&mut self, thoroughly: bool) -> Result<Settled, Unsettled> {
-        let mut outcome = settle(&mut self.model.instance, &self.clocks, thoroughly);
-        if let Err(Unsettled::Fault(fault)) = outcome
-            && of_domain(fault)
+    fn iterate(&mut self, exhaustive: bool) -> Result<EventEffects, EventError> {
+        let mut outcome = iterate(&mut self.system.machine, &self.clocks, exhaustive);
+        if let Err(EventError::Fault(fault)) = outcome
+            && is_domain_fault(fault)
         {
-            self.model.instance.inside = true;
-            outcome = settle(&mut self.model.instance, &self.clocks, thoroughly);
-            self.model.instance.inside = false;
+            self.system.machine.clamp_domain = true;
+            outcome = iterate(&mut self.system.machine, &self.clocks, exhaustive);
+            self.system.machine.clamp_domain = false;
         }
         outcome
     }
 
-    fn held_relations(&self) -> Vec<f64> {
+    fn relation_values(&self) -> Vec<f64> {
         let first = self.program.layout.relations;
-        (0..self.program.watches.len() as Slot)
-            .map(|k| self.model.instance.get(first + k))
+        (0..self.program.events.relation_triggers.len() as Slot)
+            .map(|k| self.system.machine.get(first + k))
             .collect()
     }
 
     /// Relations that led to the event, and those that differ from what was held; with the value
     /// that they took.
-    fn flipped(&self, held: &[f64], triggers: &[u32]) -> Vec<(u32, bool)> {
-        let now = self.held_relations();
-        let pairs = held.iter().zip(&now).enumerate();
+    fn flipped(&self, before_event: &[f64], triggers: &[u32]) -> Vec<(u32, bool)> {
+        let now = self.relation_values();
+        let pairs = before_event.iter().zip(&now).enumerate();
         let changed = pairs.filter(|(k, (a, b))| a != b || triggers.contains(&(*k as u32)));
         changed.map(|(k, (before, _))| (k as u32, *before == 0.0)).collect()
     }
 
     /// Whether this event only turns back what the one before turned, and nothing moves by it.
-    fn echoes(
+    fn is_duplicate(
         &mut self,
         t: f64,
         flipped: &[(u32, bool)],
-        settled: Settled,
+        effects: EventEffects,
         before: &[f64],
     ) -> Result<bool, Failure> {
-        let speaks = settled.failed.is_some() || settled.terminate.is_some();
-        if !settled.changed || speaks || !self.echo.may_be(t, flipped) {
+        let ends_run = effects.failed.is_some() || effects.terminate.is_some();
+        if !effects.changed || ends_run || !self.duplicates.matches(t, flipped) {
             return Ok(false);
         }
-        let evaluated = self.model.evaluate_all(t, &self.y);
-        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        Ok(nothing_moved(self.program, before, &self.model.instance.memory))
+        let evaluated = self.system.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
+        Ok(is_unchanged(self.program, before, &self.system.machine.memory))
     }
 
     /// Counts the event and tells the sink.
-    fn announce(
+    fn report_event(
         &mut self,
         t: f64,
         cause: Cause,
         ticked: bool,
         flipped: &[(u32, bool)],
-        settled: Settled,
+        effects: EventEffects,
     ) {
         // A switching that the event iteration does not confirm is rounding, not an event.
-        if !settled.changed {
+        if !effects.changed {
             return;
         }
         self.recorder.flush(self.sink);
@@ -233,7 +238,7 @@ impl Simulation<'_, '_> {
             Cause::Time => self.statistics.time_events += 1,
         }
         for &(k, truth) in flipped {
-            if self.program.watches[k as usize] == Watch::Discrete {
+            if self.program.events.relation_triggers[k as usize] == RelationTrigger::Discrete {
                 continue;
             }
             let what = format!("{} became {truth}", self.relation_text(k));

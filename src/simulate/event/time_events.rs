@@ -1,7 +1,7 @@
 //! Instants that are known in advance: sample clocks, and comparisons with time.
 
-use crate::ir::program::Watch;
-use crate::runtime::machine::Instance;
+use crate::ir::program::RelationTrigger;
+use crate::runtime::machine::Machine;
 
 /// Instants this close together, in units of rounding, are one.
 const SIMULTANEOUS: f64 = 4.0;
@@ -15,9 +15,9 @@ pub struct Clocks {
 
 impl Clocks {
     /// Clocks before `start`; parameters must be evaluated.
-    pub fn new(instance: &Instance<'_>, start: f64) -> Self {
-        let next = instance.program.clocks.iter().map(|clock| {
-            let (first, interval) = (instance.get(clock.start), instance.get(clock.interval));
+    pub fn new(machine: &Machine<'_>, start: f64) -> Self {
+        let next = machine.program.events.clocks.iter().map(|clock| {
+            let (first, interval) = (machine.get(clock.start), machine.get(clock.interval));
             let passed = ((start - first) / interval - 1e-9).ceil();
             if passed > 0.0 { passed as u64 } else { 0 }
         });
@@ -25,24 +25,24 @@ impl Clocks {
     }
 
     /// The next instant after `t` at which something happens by the clock; infinity if none.
-    pub fn next_instant(&self, instance: &Instance<'_>, t: f64) -> f64 {
-        let relations = instance.program.watches.iter().filter_map(|w| match w {
-            Watch::Time(slot) => Some(instance.get(*slot)),
+    pub fn next_instant(&self, machine: &Machine<'_>, t: f64) -> f64 {
+        let relations = machine.program.events.relation_triggers.iter().filter_map(|w| match w {
+            RelationTrigger::Time(slot) => Some(machine.get(*slot)),
             _ => None,
         });
-        let ticks = (0..self.next.len()).map(|k| self.tick(instance, k));
+        let ticks = (0..self.next.len()).map(|k| self.tick(machine, k));
         relations.chain(ticks).filter(|at| *at > t).fold(f64::INFINITY, f64::min)
     }
 
     /// Raises the flags of the clocks that tick at `t` and turns to their next tick; true if any
     /// does.
-    pub fn raise(&mut self, instance: &mut Instance<'_>, t: f64) -> bool {
+    pub fn raise(&mut self, machine: &mut Machine<'_>, t: f64) -> bool {
         let mut any = false;
         for k in 0..self.next.len() {
-            if self.tick(instance, k) <= t + SIMULTANEOUS * f64::EPSILON * t.abs() {
+            if self.tick(machine, k) <= t + SIMULTANEOUS * f64::EPSILON * t.abs() {
                 self.next[k] += 1;
-                let flag = instance.program.clocks[k].flag;
-                instance.set(flag, 1.0);
+                let flag = machine.program.events.clocks[k].flag;
+                machine.set(flag, 1.0);
                 any = true;
             }
         }
@@ -52,23 +52,23 @@ impl Clocks {
     /// The first clock whose next tick is `near`, with the number of that tick.
     pub fn ticking(
         &self,
-        instance: &Instance<'_>,
+        machine: &Machine<'_>,
         near: impl Fn(f64) -> bool,
     ) -> Option<(usize, f64)> {
-        let k = (0..self.next.len()).find(|k| near(self.tick(instance, *k)))?;
+        let k = (0..self.next.len()).find(|k| near(self.tick(machine, *k)))?;
         Some((k, self.next[k] as f64))
     }
 
     /// Lowers all flags.
-    pub fn lower(&self, instance: &mut Instance<'_>) {
+    pub fn lower(&self, machine: &mut Machine<'_>) {
         for k in 0..self.next.len() {
-            let flag = instance.program.clocks[k].flag;
-            instance.set(flag, 0.0);
+            let flag = machine.program.events.clocks[k].flag;
+            machine.set(flag, 0.0);
         }
     }
 
-    fn tick(&self, instance: &Instance<'_>, k: usize) -> f64 {
-        let clock = &instance.program.clocks[k];
-        instance.get(clock.start) + self.next[k] as f64 * instance.get(clock.interval)
+    fn tick(&self, machine: &Machine<'_>, k: usize) -> f64 {
+        let clock = &machine.program.events.clocks[k];
+        machine.get(clock.start) + self.next[k] as f64 * machine.get(clock.interval)
     }
 }

@@ -7,9 +7,9 @@ use crate::ir::expr::{Const, ExprId};
 use crate::ir::flat::Level;
 use crate::ir::program::Program;
 
-use super::non_finite::Reader;
+use super::non_finite::Explainer;
 use super::{Failure, FailureKind, UNDETERMINED, of_fault, undetermined};
-use crate::simulate::event::iterate::Settled;
+use crate::simulate::event::iterate::EventEffects;
 use crate::simulate::run::Simulation;
 
 impl Simulation<'_, '_> {
@@ -17,38 +17,38 @@ impl Simulation<'_, '_> {
     pub(crate) fn check_assertions_of_step(&mut self) -> Result<(), Failure> {
         let t = self.stepper.t();
         // The search for events has evaluated them, if there was one.
-        if self.search.is_empty() && !self.program.asserts.is_empty() {
-            let evaluated = self.model.evaluate_roots_beyond(t, self.stepper.y());
-            evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
+        if self.locator.is_empty() && !self.program.events.asserts.is_empty() {
+            let evaluated = self.system.evaluate_roots_clamped(t, self.stepper.y());
+            evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
         }
         self.check_assertions(t)
     }
 
     /// Assertions outside of when-clauses, as evaluated last.
     pub(crate) fn check_assertions(&mut self, t: f64) -> Result<(), Failure> {
-        for k in 0..self.program.asserts.len() {
-            let cells = self.program.asserts[k];
-            if cells.at_events || self.model.instance.get(cells.condition) != 0.0 {
+        for k in 0..self.program.events.asserts.len() {
+            let cells = self.program.events.asserts[k];
+            if cells.at_events || self.system.machine.get(cells.condition) != 0.0 {
                 continue;
             }
             let assert = &self.program.blocks.dae.asserts[k].assert;
             if assert.level == Level::Error {
                 return Err(self.assertion(k, t));
             }
-            if !self.warned[k] {
-                let text = text_of(self.program, &self.model.instance.memory, assert.message);
-                self.say(k, t, &text);
+            if !self.reported_asserts[k] {
+                let text = message_text(self.program, &self.system.machine.memory, assert.message);
+                self.report(k, t, &text);
             }
         }
         Ok(())
     }
 
     /// What an assertion says that does not fail the run: a warning once.
-    fn say(&mut self, k: usize, t: f64, text: &str) {
-        let again = std::mem::replace(&mut self.warned[k], true);
+    fn report(&mut self, k: usize, t: f64, text: &str) {
+        let is_repeated = std::mem::replace(&mut self.reported_asserts[k], true);
         match self.program.blocks.dae.asserts[k].assert.level {
             Level::Print(file) => self.sink.print(text, file.as_str()),
-            _ if again => {}
+            _ if is_repeated => {}
             _ => {
                 let failure = self.assertion(k, t);
                 let severity = Severity::Warning;
@@ -60,31 +60,31 @@ impl Simulation<'_, '_> {
     }
 
     fn assertion(&self, k: usize, t: f64) -> Failure {
-        violated(self.program, &self.model.instance.memory, k, t)
+        violated(self.program, &self.system.machine.memory, k, t)
     }
 
     /// Warns once of an unknown that its equations leave open, in the last step or at its end.
     pub(crate) fn warn_of_undetermined(&mut self, t: f64) {
-        let Some((solver, unknown)) = self.model.instance.undetermined.take() else { return };
-        let said = self.statistics.warnings.iter().any(|w| w.code == UNDETERMINED);
-        if !said {
-            let warning = undetermined(&self.model.instance, solver, unknown, t);
+        let Some((torn_block, unknown)) = self.system.machine.undetermined.take() else { return };
+        let is_reported = self.statistics.warnings.iter().any(|w| w.code == UNDETERMINED);
+        if !is_reported {
+            let warning = undetermined(&self.system.machine, torn_block, unknown, t);
             self.statistics.warnings.push(warning);
         }
     }
 
     /// Failed assertions and terminations of an event iteration.
-    pub(crate) fn act_on(&mut self, settled: Settled, t: f64) -> Result<(), Failure> {
-        for (k, text) in std::mem::take(&mut self.model.instance.said) {
-            self.say(k, t, &text);
+    pub(crate) fn handle_effects(&mut self, effects: EventEffects, t: f64) -> Result<(), Failure> {
+        for (k, text) in std::mem::take(&mut self.system.machine.assertion_messages) {
+            self.report(k, t, &text);
         }
-        if let Some(k) = settled.failed {
+        if let Some(k) = effects.failed {
             return Err(self.assertion(k, t));
         }
-        if let Some(k) = settled.terminate {
+        if let Some(k) = effects.terminate {
             let message = self.program.blocks.dae.terminates[k].message;
             self.statistics.terminated =
-                Some(text_of(self.program, &self.model.instance.memory, message));
+                Some(message_text(self.program, &self.system.machine.memory, message));
             self.ended = true;
         }
         Ok(())
@@ -94,17 +94,18 @@ impl Simulation<'_, '_> {
 /// A violated assertion of the model; `k` is its position.
 pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure {
     let guarded = &program.blocks.dae.asserts[k];
-    let condition = Reader::new(program, memory).text(guarded.assert.condition);
-    let message = format!("at time {t} s: {}", text_of(program, memory, guarded.assert.message));
+    let condition = Explainer::new(program, memory).text(guarded.assert.condition);
+    let message =
+        format!("at time {t} s: {}", message_text(program, memory, guarded.assert.message));
     let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
         .label(format!("`{condition}` is false"));
     Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
 }
 
 /// The text of a `String` expression.
-pub fn text_of(program: &Program, memory: &[f64], e: ExprId) -> String {
+pub fn message_text(program: &Program, memory: &[f64], e: ExprId) -> String {
     match program.blocks.dae.graph.as_const(e) {
         Some(Const::String(text)) => text.to_string(),
-        _ => Reader::new(program, memory).message(e),
+        _ => Explainer::new(program, memory).message(e),
     }
 }

@@ -10,13 +10,13 @@ use crate::base::source::Span;
 use crate::integrate::outcome::Failure as Integration;
 use crate::ir::blocks::{Block, Source, Torn};
 use crate::ir::expr::VarId;
-use crate::ir::program::{Program, Sequence, Watched};
-use crate::runtime::machine::{Fault, Instance};
+use crate::ir::program::{DiscreteUnknown, Program, Sequence};
+use crate::runtime::machine::{Fault, Machine};
 
 use self::assertion::violated;
-use self::non_finite::{Reader, block, first_source, relation_text, source_of};
-use super::event::iterate::Unsettled;
-use super::initialization::NoStart;
+use self::non_finite::{Explainer, block, first_source, relation_text, source_of};
+use super::event::iterate::EventError;
+use super::initialization::StartError;
 
 /// What kind of failure it is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -68,53 +68,55 @@ impl Failure {
 }
 
 /// The failure of a tape, explained from the memory at the moment it happened.
-pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
-    let program = instance.program;
-    let reader = Reader::new(program, &instance.fault_memory);
+pub fn of_fault(machine: &Machine<'_>, fault: Fault, time: f64) -> Failure {
+    let program = machine.program;
+    let explainer = Explainer::new(program, &machine.fault_memory);
     let diagnostic = match fault {
         Fault::Derivative { state } => {
             let states = &program.blocks.states;
             let sequence = Sequence::Continuous;
             match state.checked_sub(states.len()) {
-                None => reader.not_finite(states[state].derivative, sequence, time),
+                None => explainer.not_finite(states[state].derivative, sequence, time),
                 Some(k) => {
                     let a = program.algebraics[k];
-                    reader.expression_not_finite(a.residual, a.source, sequence, time)
+                    explainer.expression_not_finite(a.residual, a.source, sequence, time)
                 }
             }
         }
-        Fault::NotFinite { solver, residual } => {
-            let place = program.solvers[solver].place;
-            let torn = block(program, place).and_then(|b| torn_of(b, program, solver));
+        Fault::NotFinite { torn_block, residual } => {
+            let place = program.routines.torn_blocks[torn_block].place;
+            let torn = block(program, place).and_then(|b| torn_of(b, program, torn_block));
             match torn.and_then(|t| t.residuals.get(residual)) {
-                Some(r) => reader.expression_not_finite(r.value, r.source, place.sequence, time),
-                None => reader.plain("a simultaneous equation is not finite", time),
+                Some(r) => explainer.expression_not_finite(r.value, r.source, place.sequence, time),
+                None => explainer.plain("a simultaneous equation is not finite", time),
             }
         }
-        Fault::Singular { solver, unknown }
-            if !is_solved(program, &instance.fault_memory, solver) =>
+        Fault::Singular { torn_block, unknown }
+            if !is_solved(program, &machine.fault_memory, torn_block) =>
         {
-            unsolved(&reader, program, solver, unknown, time)
+            unsolved(&explainer, program, torn_block, unknown, time)
                 .note("the iteration came to a point where no correction is determined")
         }
-        Fault::Singular { solver, unknown } => {
+        Fault::Singular { torn_block, unknown } => {
             let text = |v: &str| {
                 format!(
                     "at time {time} s the equations do not determine `{v}`: their matrix is singular"
                 )
             };
-            torn_failure(&reader, program, solver, unknown, "MO0903", &text)
+            torn_failure(&explainer, program, torn_block, unknown, "MO0903", &text)
                 .help("check whether a coefficient of this variable becomes zero here")
         }
-        Fault::Diverged { solver, unknown } => unsolved(&reader, program, solver, unknown, time),
-        Fault::Restless { mixed, watched } => {
-            let program_loop = &program.loops[mixed];
-            let what = match program_loop.watched[watched] {
-                Watched::Variable(v, _) => format!("`{}`", program.name(v)),
-                Watched::Relation(k, _) => format!("`{}`", reader.relation(k)),
+        Fault::Diverged { torn_block, unknown } => {
+            unsolved(&explainer, program, torn_block, unknown, time)
+        }
+        Fault::NotConverged { mixed_block, unknown } => {
+            let mixed = &program.routines.mixed_blocks[mixed_block];
+            let what = match mixed.discrete_unknowns[unknown] {
+                DiscreteUnknown::Variable(v, _) => format!("`{}`", program.name(v)),
+                DiscreteUnknown::Relation(k, _) => format!("`{}`", explainer.relation(k)),
             };
-            let source = block(program, program_loop.place).and_then(first_source);
-            let span = source.map_or(Span::NONE, |s| reader.span(s));
+            let source = block(program, mixed.place).and_then(first_source);
+            let span = source.map_or(Span::NONE, |s| explainer.span(s));
             let message = format!("at time {time} s {what} does not come to rest");
             Diagnostic::error("MO0905", span, message)
                 .label("equations of this loop have no consistent solution")
@@ -122,15 +124,15 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
         }
         Fault::Assertion { function, message } => {
             let function_info = &program.blocks.dae.functions;
-            let (cell, place) = program.functions[function].messages[message];
-            let text = string_of_id(instance.fault_memory[cell as usize] as u32);
+            let (cell, place) = program.routines.functions[function].messages[message];
+            let text = string_of_id(machine.fault_memory[cell as usize] as u32);
             let info = function_info.iter().nth(function);
             let name = info.map_or("", |f| f.name.as_str());
             let span = info.map_or(Span::NONE, |f| f.span);
             let message = format!("at time {time} s an assertion in `{name}` failed: {text}");
             Diagnostic::error("MO0906", place, message).also(span, "while this was computed")
         }
-        Fault::Endless { function } => {
+        Fault::NonTerminating { function } => {
             let info = program.blocks.dae.functions.iter().nth(function);
             let name = info.map_or("", |f| f.name.as_str());
             let span = info.map_or(Span::NONE, |f| f.span);
@@ -143,9 +145,9 @@ pub fn of_fault(instance: &Instance<'_>, fault: Fault, time: f64) -> Failure {
 }
 
 /// The failure of the integrator.
-pub fn of_integration(instance: &Instance<'_>, failure: Integration, time: f64) -> Failure {
-    let program = instance.program;
-    let reader = Reader::new(program, &instance.memory);
+pub fn of_integration(machine: &Machine<'_>, failure: Integration, time: f64) -> Failure {
+    let program = machine.program;
+    let explainer = Explainer::new(program, &machine.memory);
     let state = |component: usize| program.component(component);
     match failure {
         Integration::Options(error) => Failure::settings(error.to_string()),
@@ -155,35 +157,35 @@ pub fn of_integration(instance: &Instance<'_>, failure: Integration, time: f64) 
             Failure::numerics(time, Diagnostic::error("MO0908", Span::NONE, message))
         }
         Integration::Eval { .. } | Integration::NonFinite { .. } => {
-            if let Some(fault) = instance.fault {
-                return of_fault(instance, fault, time);
+            if let Some(fault) = machine.fault {
+                return of_fault(machine, fault, time);
             }
             let named = match failure {
                 Integration::NonFinite { component, .. } => state(component),
                 _ => None,
             };
             let diagnostic = match named {
-                Some(v) => unbounded(&reader, program, v, time),
-                None => reader.plain("a derivative is not finite", time),
+                Some(v) => unbounded(&explainer, program, v, time),
+                None => explainer.plain("a derivative is not finite", time),
             };
             Failure::numerics(time, diagnostic)
         }
         Integration::StepTooSmall { h, component, .. }
         | Integration::NewtonFailed { h, component, .. } => {
             // A step that shrank to nothing at the border of a domain is better explained by that.
-            if let Some(fault) = instance.fault {
-                return of_fault(instance, fault, time);
+            if let Some(fault) = machine.fault {
+                return of_fault(machine, fault, time);
             }
             let diagnostic = match state(component) {
-                Some(v) => stuck(&reader, program, v, h, time),
-                None => reader.plain("the step became too small", time),
+                Some(v) => stuck(&explainer, program, v, h, time),
+                None => explainer.plain("the step became too small", time),
             };
             Failure::numerics(time, diagnostic)
         }
         Integration::Singular { component, .. } => {
             let diagnostic = match state(component) {
-                Some(v) => stuck(&reader, program, v, 0.0, time),
-                None => reader.plain("the iteration matrix is singular", time),
+                Some(v) => stuck(&explainer, program, v, 0.0, time),
+                None => explainer.plain("the iteration matrix is singular", time),
             };
             Failure::numerics(time, diagnostic)
         }
@@ -197,11 +199,11 @@ pub fn of_integration(instance: &Instance<'_>, failure: Integration, time: f64) 
 }
 
 /// An event iteration or an initialisation that did not end.
-pub fn unsettled(instance: &Instance<'_>, why: Unsettled, t: f64) -> Failure {
+pub fn event_failure(machine: &Machine<'_>, why: EventError, t: f64) -> Failure {
     match why {
-        Unsettled::Fault(fault) => of_fault(instance, fault, t),
-        Unsettled::Restless(variables, relations) => {
-            let program = instance.program;
+        EventError::Fault(fault) => of_fault(machine, fault, t),
+        EventError::NotConverged(variables, relations) => {
+            let program = machine.program;
             let hidden = |v: &&VarId| program.blocks.dae.variables[**v].hidden;
             let all_hidden = variables.iter().all(|v| hidden(&v));
             let shown = variables.iter().filter(|v| all_hidden || !hidden(v));
@@ -228,34 +230,34 @@ pub fn unsettled(instance: &Instance<'_>, why: Unsettled, t: f64) -> Failure {
 }
 
 /// A run that could not begin.
-pub fn no_start(instance: &Instance<'_>, why: NoStart, t: f64) -> Failure {
-    let program = instance.program;
+pub fn start_failure(machine: &Machine<'_>, why: StartError, t: f64) -> Failure {
+    let program = machine.program;
     match why {
-        NoStart::NotAnInput(v) => Failure::settings(format!(
+        StartError::NotAnInput(v) => Failure::settings(format!(
             "`{}` can not be set for a run: it is not a parameter or start value of the program",
             program.name(v)
         )),
-        NoStart::Parameter(v) => {
-            let reader = Reader::new(program, &instance.fault_memory);
+        StartError::Parameter(v) => {
+            let explainer = Explainer::new(program, &machine.fault_memory);
             let value = program.blocks.dae.parameters.iter().find(|p| p.0 == v).map(|p| p.1);
             let diagnostic = match value {
                 Some(value) => {
                     let source = Source::Start(v);
-                    reader.expression_not_finite(value, source, Sequence::Initial, t)
+                    explainer.expression_not_finite(value, source, Sequence::Initial, t)
                 }
-                None => reader.plain("a parameter is not finite", t),
+                None => explainer.plain("a parameter is not finite", t),
             };
             Failure::numerics(t, diagnostic)
         }
-        NoStart::Clock(k) => {
-            let interval = instance.get(program.clocks[k].interval);
+        StartError::Clock(k) => {
+            let interval = machine.get(program.events.clocks[k].interval);
             let flag = program.blocks.dae.samples[k].flag;
             let message = format!("the interval of a `sample` is {interval} s, not positive");
             let span = program.blocks.dae.variables[flag].span;
             Failure::numerics(t, Diagnostic::error("MO0914", span, message))
         }
-        NoStart::Assertion(k) => violated(program, &instance.memory, k, t),
-        NoStart::Unsettled(u) => unsettled(instance, u, t),
+        StartError::Assertion(k) => violated(program, &machine.memory, k, t),
+        StartError::Event(u) => event_failure(machine, u, t),
     }
 }
 
@@ -264,15 +266,15 @@ pub const UNDETERMINED: &str = "MO0918";
 
 /// An unknown of a linear block whose equations agree but do not determine it.
 pub fn undetermined(
-    instance: &Instance<'_>,
-    solver: usize,
+    machine: &Machine<'_>,
+    torn_block: usize,
     unknown: usize,
     time: f64,
 ) -> Diagnostic {
-    let program = instance.program;
-    let reader = Reader::new(program, &instance.memory);
+    let program = machine.program;
+    let explainer = Explainer::new(program, &machine.memory);
     let text = |v: &str| format!("at time {time} s nothing determines `{v}`");
-    let diagnostic = torn_failure(&reader, program, solver, unknown, UNDETERMINED, &text)
+    let diagnostic = torn_failure(&explainer, program, torn_block, unknown, UNDETERMINED, &text)
         .note("its equations do not contradict each other: the solution nearest to the last one was taken")
         .help("check what ties it down: a ground, a fixed place or a reference may be missing");
     Diagnostic { severity: Severity::Warning, ..diagnostic }
@@ -280,58 +282,58 @@ pub fn undetermined(
 
 /// Whether the residuals of a torn block vanish: then it is no solution that is missing, but what
 /// makes it the only one.
-fn is_solved(program: &Program, memory: &[f64], solver: usize) -> bool {
-    let s = &program.solvers[solver];
+fn is_solved(program: &Program, memory: &[f64], torn_block: usize) -> bool {
+    let s = &program.routines.torn_blocks[torn_block];
     s.linear || s.residuals.iter().all(|r| memory[*r as usize] == 0.0)
 }
 
 /// An iteration without an end, with the residuals where it was given up.
 fn unsolved(
-    reader: &Reader<'_>,
+    explainer: &Explainer<'_>,
     program: &Program,
-    solver: usize,
+    torn_block: usize,
     unknown: usize,
     time: f64,
 ) -> Diagnostic {
-    let s = &program.solvers[solver];
+    let s = &program.routines.torn_blocks[torn_block];
     let text = |v: &str| format!("at time {time} s the iteration finds no solution for `{v}`");
-    let mut diagnostic = torn_failure(reader, program, solver, unknown, "MO0904", &text);
-    let torn = block(program, s.place).and_then(|b| torn_of(b, program, solver));
+    let mut diagnostic = torn_failure(explainer, program, torn_block, unknown, "MO0904", &text);
+    let torn = block(program, s.place).and_then(|b| torn_of(b, program, torn_block));
     let residuals = torn.into_iter().flat_map(|t| &t.residuals).zip(&s.residuals);
     for (residual, cell) in residuals.take(5) {
-        let equation = reader.equation(residual.source);
-        let gap = reader.cell(*cell);
+        let equation = explainer.equation(residual.source);
+        let gap = explainer.cell(*cell);
         diagnostic = diagnostic.note(format!("the sides of `{equation}` differ by {gap} at last"));
     }
     if let Some(v) = s.unknowns.get(unknown) {
         diagnostic =
-            diagnostic.note(format!("there `{}` = {}", program.name(*v), reader.value(*v)));
+            diagnostic.note(format!("there `{}` = {}", program.name(*v), explainer.value(*v)));
     }
     diagnostic.help(
         "check that there is a solution at all; if so, give `start` and `nominal` values near it",
     )
 }
 
-fn stuck(reader: &Reader<'_>, program: &Program, v: VarId, h: f64, time: f64) -> Diagnostic {
+fn stuck(explainer: &Explainer<'_>, program: &Program, v: VarId, h: f64, time: f64) -> Diagnostic {
     let name = &program.blocks.dae.variables[v].name;
     let message = format!(
         "at time {time} s the step became too small ({h:e} s); `{name}` can not be followed"
     );
-    of_state(reader, program, v, "MO0909", message)
+    of_state(explainer, program, v, "MO0909", message)
         .help("look for a jump, a pole, or a law with infinite slope; loosen the tolerance")
 }
 
-fn unbounded(reader: &Reader<'_>, program: &Program, v: VarId, time: f64) -> Diagnostic {
+fn unbounded(explainer: &Explainer<'_>, program: &Program, v: VarId, time: f64) -> Diagnostic {
     let name = &program.blocks.dae.variables[v].name;
     let message =
         format!("at time {time} s the derivative of `{name}` is not finite, or its slope is not");
-    of_state(reader, program, v, "MO0902", message)
+    of_state(explainer, program, v, "MO0902", message)
         .help("look for a pole, or a law with infinite slope there, such as a root of zero")
 }
 
 /// A failure at a state: where it is declared, and where its derivative comes from.
 fn of_state(
-    reader: &Reader<'_>,
+    explainer: &Explainer<'_>,
     program: &Program,
     v: VarId,
     code: &'static str,
@@ -342,48 +344,50 @@ fn of_state(
     let mut diagnostic = Diagnostic::error(code, variable.span, message).label(format!(
         "`{}` = {}",
         variable.name,
-        reader.value(v)
+        explainer.value(v)
     ));
     if let Some(d) = derivative {
-        diagnostic = diagnostic.note(format!("its derivative is {}", reader.value(d)));
+        diagnostic = diagnostic.note(format!("its derivative is {}", explainer.value(d)));
         if let Some(source) = source_of(program, d) {
-            diagnostic = diagnostic.also(reader.span(source), "its derivative comes from here");
+            diagnostic = diagnostic.also(explainer.span(source), "its derivative comes from here");
         }
     }
     diagnostic
 }
 
 fn torn_failure(
-    reader: &Reader<'_>,
+    explainer: &Explainer<'_>,
     program: &Program,
-    solver: usize,
+    torn_block: usize,
     unknown: usize,
     code: &'static str,
     text: &dyn Fn(&str) -> String,
 ) -> Diagnostic {
-    let s = &program.solvers[solver];
+    let s = &program.routines.torn_blocks[torn_block];
     let v = s.unknowns[unknown.min(s.unknowns.len().saturating_sub(1))];
-    let torn = block(program, s.place).and_then(|b| torn_of(b, program, solver));
+    let torn = block(program, s.place).and_then(|b| torn_of(b, program, torn_block));
     let mut diagnostic = match torn.and_then(|t| t.residuals.get(unknown)) {
-        Some(r) => Diagnostic::error(code, reader.span(r.source), text(program.name(v)))
-            .label(reader.equation(r.source)),
+        Some(r) => Diagnostic::error(code, explainer.span(r.source), text(program.name(v)))
+            .label(explainer.equation(r.source)),
         None => Diagnostic::error(code, Span::NONE, text(program.name(v))),
     };
     for other in s.unknowns.iter().filter(|u| **u != v).take(5) {
         diagnostic = diagnostic.note(format!(
             "together with `{}` = {}",
             program.name(*other),
-            reader.value(*other)
+            explainer.value(*other)
         ));
     }
     diagnostic
 }
 
 /// The torn block of a solver inside of its outermost block.
-fn torn_of<'a>(outer: &'a Block, program: &Program, solver: usize) -> Option<&'a Torn> {
+fn torn_of<'a>(outer: &'a Block, program: &Program, torn_block: usize) -> Option<&'a Torn> {
     match outer {
-        Block::Torn(t) => (t.unknowns == program.solvers[solver].unknowns).then_some(t),
-        Block::Mixed(parts) => parts.iter().find_map(|p| torn_of(p, program, solver)),
+        Block::Torn(t) => {
+            (t.unknowns == program.routines.torn_blocks[torn_block].unknowns).then_some(t)
+        }
+        Block::Mixed(parts) => parts.iter().find_map(|p| torn_of(p, program, torn_block)),
         Block::Assign(_) => None,
     }
 }

@@ -6,20 +6,20 @@ use crate::base::name::string_of_id;
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Source};
 use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Unary, VarId};
-use crate::ir::program::{BlockPlace, Program, Sequence, Slot, source_span};
+use crate::ir::program::{BlockPosition, Program, Sequence, Slot, source_span};
 use crate::symbolic::eval;
 use crate::symbolic::print::print;
 use crate::symbolic::rewrite::Rewriter;
 use crate::symbolic::string;
 
 /// Values of a run by variable, and texts in the user's names.
-pub struct Reader<'a> {
+pub struct Explainer<'a> {
     program: &'a Program,
     memory: &'a [f64],
 }
 
 /// The outermost block at a place.
-pub fn block(program: &Program, place: BlockPlace) -> Option<&Block> {
+pub fn block(program: &Program, place: BlockPosition) -> Option<&Block> {
     blocks_of(program, place.sequence).get(place.index)
 }
 
@@ -37,10 +37,10 @@ pub fn source_of(program: &Program, v: VarId) -> Option<Source> {
     definitions(&program.blocks.continuous).remove(&v).map(|(_, source)| source)
 }
 
-impl<'a> Reader<'a> {
+impl<'a> Explainer<'a> {
     /// Reads the values of `memory`.
     pub fn new(program: &'a Program, memory: &'a [f64]) -> Self {
-        Reader { program, memory }
+        Explainer { program, memory }
     }
 
     /// The value of a variable.
@@ -274,7 +274,7 @@ impl<'a> Reader<'a> {
                 Node::Terminal => cell(layout.terminal),
                 Node::Relation(k) => cell(layout.relations + k),
                 Node::Recorded(v, order) => {
-                    let known = layout.recorded.iter().find(|r| (r.0, r.1) == (v, order));
+                    let known = layout.signals.iter().find(|r| (r.0, r.1) == (v, order));
                     known.map_or(f64::NAN, |(.., slot)| cell(*slot))
                 }
                 Node::Call { .. } | Node::Sample(..) => f64::NAN,
@@ -294,8 +294,13 @@ impl<'a> Reader<'a> {
 pub fn relation_text(program: &Program, k: u32) -> String {
     let dae = &program.blocks.dae;
     let relation = &dae.relations[k as usize];
-    let reader = Reader::new(program, &[]);
-    format!("{} {} {}", reader.text(relation.lhs), relation.op.name(), reader.text(relation.rhs))
+    let explainer = Explainer::new(program, &[]);
+    format!(
+        "{} {} {}",
+        explainer.text(relation.lhs),
+        relation.op.name(),
+        explainer.text(relation.rhs)
+    )
 }
 
 fn written_out(program: &Program, graph: &mut Graph, e: ExprId) -> ExprId {

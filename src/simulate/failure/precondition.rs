@@ -7,14 +7,14 @@ use crate::base::index::FastMap;
 use crate::ir::dae::Kind;
 use crate::ir::expr::{ExprId, Node};
 use crate::ir::flat::Level;
-use crate::runtime::machine::Instance;
+use crate::runtime::machine::Machine;
 use crate::symbolic::eval;
 
 /// The first violated assertion of level error whose condition reads nothing but parameters, which
 /// have their values in the memory.
-pub fn violated(instance: &Instance<'_>) -> Option<usize> {
-    let mut values = Values { instance, known: FastMap::default() };
-    let asserts = &instance.program.blocks.dae.asserts;
+pub fn violated(machine: &Machine<'_>) -> Option<usize> {
+    let mut values = Values { machine, known: FastMap::default() };
+    let asserts = &machine.program.blocks.dae.asserts;
     asserts.iter().position(|a| {
         let always = a.active.is_none() && a.assert.level == Level::Error;
         always && values.of(a.assert.condition) == Some(0.0)
@@ -23,7 +23,7 @@ pub fn violated(instance: &Instance<'_>) -> Option<usize> {
 
 /// Values of expressions; none where something else than parameters is read, or no number comes out.
 struct Values<'a, 'p> {
-    instance: &'a Instance<'p>,
+    machine: &'a Machine<'p>,
     known: FastMap<ExprId, Option<f64>>,
 }
 
@@ -38,11 +38,11 @@ impl Values<'_, '_> {
     }
 
     fn compute(&mut self, e: ExprId) -> Option<f64> {
-        let dae = &self.instance.program.blocks.dae;
+        let dae = &self.machine.program.blocks.dae;
         match dae.graph.node(e) {
             Node::Const(c) => Some(c.register()),
             Node::Var(v) => {
-                (dae.variables[v].kind == Kind::Parameter).then(|| self.instance.value(v))
+                (dae.variables[v].kind == Kind::Parameter).then(|| self.machine.value(v))
             }
             Node::Unary(op, a) => Some(eval::unary(op, self.of(a)?)),
             Node::Binary(op, a, b) => Some(eval::binary(op, self.of(a)?, self.of(b)?)),

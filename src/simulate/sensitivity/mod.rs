@@ -23,20 +23,20 @@ use crate::integrate::stepper::Stepper;
 use crate::integrate::system::{EvalError, System};
 use crate::integrate::variational::Variational;
 use crate::ir::expr::VarId;
-use crate::ir::program::{Instr, Program, Slot, Watch};
-use crate::runtime::machine::{Fault, Instance};
+use crate::ir::program::{Instr, Program, RelationTrigger, Slot};
+use crate::runtime::machine::{Fault, Machine};
 use crate::runtime::tangent::Tangents;
 use crate::runtime::tangent::forcing::Forcing;
 use crate::runtime::tangent::outputs::needed;
 
-use self::sliding::{AlongSurface, Surface};
+use self::sliding::{Surface, SurfaceEquations};
 use super::event::instant::Cause;
 use super::event::sliding::Sliding;
 use super::event::time_events::Clocks;
 use super::failure::{Failure, of_fault};
 use super::run::Simulation;
 use super::settings::Settings;
-use super::system::{Model, of_domain};
+use super::system::{HybridSystem, is_domain_fault};
 
 /// What a run is differentiated by.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,11 +53,11 @@ pub struct Sensitivity {
     /// One direction for each input, and a last one along the trajectory.
     tangents: Option<Box<Tangents>>,
     variation: Variation,
-    linearisation: Linearisation,
+    linearization: Linearization,
     /// Of the rates, by the inputs alone.
     forcing: Box<Forcing>,
     /// The memory depends on the inputs in another way than when `forcing` was prepared.
-    stale: bool,
+    is_stale: bool,
     /// What the recorded variables depend on.
     outputs: Vec<Instr>,
     s: Vec<f64>,
@@ -73,7 +73,7 @@ pub struct Sensitivity {
 }
 
 /// The variational equations at the stages of a step.
-struct Linearisation {
+struct Linearization {
     n: usize,
     jacobian: [Vec<f64>; 3],
     /// `df/dp`, input by input.
@@ -86,20 +86,20 @@ struct Linearisation {
 /// input of the program.
 pub fn with_inputs(program: &Program, settings: &Settings, inputs: &[Input]) -> Option<Settings> {
     let mut settings = settings.clone();
-    let mut instance = Instance::new(program);
-    settings.parameters.iter().all(|&(v, x)| instance.set_parameter(v, x)).then_some(())?;
-    settings.starts.iter().all(|&(v, x)| instance.set_start(v, x)).then_some(())?;
-    instance.run(&program.parameters).ok()?;
+    let mut machine = Machine::new(program);
+    settings.parameters.iter().all(|&(v, x)| machine.set_parameter(v, x)).then_some(())?;
+    settings.starts.iter().all(|&(v, x)| machine.set_start(v, x)).then_some(())?;
+    machine.run(&program.tapes.parameters).ok()?;
     for input in inputs {
         let slot = input_cell(program, *input)?;
-        if !instance.get(slot).is_nan() {
+        if !machine.get(slot).is_nan() {
             continue;
         }
         match *input {
-            Input::Parameter(v) => settings.parameters.push((v, instance.value(v))),
+            Input::Parameter(v) => settings.parameters.push((v, machine.value(v))),
             Input::Start(v) => {
                 let (.., start) = program.layout.starts.iter().find(|(s, ..)| *s == v)?;
-                settings.starts.push((v, instance.get(*start)));
+                settings.starts.push((v, machine.get(*start)));
             }
         }
     }
@@ -118,18 +118,18 @@ fn input_cell(program: &Program, input: Input) -> Option<Slot> {
 
 impl Sensitivity {
     /// Before the start of a run; `None` if one of the inputs is none of the program.
-    pub fn new(model: &Model<'_>, inputs: &[Input]) -> Option<Self> {
-        let program = model.instance.program;
+    pub fn new(system: &HybridSystem<'_>, inputs: &[Input]) -> Option<Self> {
+        let program = system.machine.program;
         let count = inputs.len();
         let mut tangents = Tangents::new(program.image.len(), count + 1);
         for (direction, input) in inputs.iter().enumerate() {
             tangents.of_mut(input_cell(program, *input)?)[direction] = 1.0;
         }
-        let n = model.dim();
-        let pattern = model.pattern()?;
+        let n = system.dim();
+        let pattern = system.pattern()?;
         let entries = || std::array::from_fn(|_| vec![0.0; pattern.entries()]);
         let rows = (0..n).flat_map(|j| pattern.column(j).iter().copied()).collect();
-        let linearisation = Linearisation {
+        let linearization = Linearization {
             n,
             jacobian: entries(),
             forcing: std::array::from_fn(|_| vec![0.0; n * count]),
@@ -137,14 +137,18 @@ impl Sensitivity {
             rows,
         };
         let recorded: Vec<Slot> = program.recorded.iter().map(|v| program.slot(*v)).collect();
-        let outputs = needed(program, &[&program.rhs, &program.roots, &program.rest], &recorded);
+        let outputs = needed(
+            program,
+            &[&program.tapes.rhs, &program.tapes.roots, &program.tapes.outputs],
+            &recorded,
+        );
         Some(Sensitivity {
             count,
             tangents: Some(Box::new(tangents)),
             variation: Variation::new(n, count),
-            linearisation,
+            linearization,
             forcing: Box::new(Forcing::new(program, count)),
-            stale: true,
+            is_stale: true,
             outputs,
             s: vec![0.0; n],
             shift: vec![0.0; count + 1],
@@ -156,14 +160,14 @@ impl Sensitivity {
     }
 
     /// From here on everything that runs is followed.
-    pub fn attach(&mut self, instance: &mut Instance<'_>) {
-        instance.tangents = self.tangents.take();
-        self.stale = true;
+    pub fn attach(&mut self, machine: &mut Machine<'_>) {
+        machine.tangents = self.tangents.take();
+        self.is_stale = true;
     }
 
     /// Ends what `attach` began.
-    pub fn detach(&mut self, instance: &mut Instance<'_>) {
-        self.tangents = instance.tangents.take().or(self.tangents.take());
+    pub fn detach(&mut self, machine: &mut Machine<'_>) {
+        self.tangents = machine.tangents.take().or(self.tangents.take());
     }
 
     /// A copy of all derivatives, to return to.
@@ -175,7 +179,7 @@ impl Sensitivity {
     pub fn restore(&mut self, snapshot: Option<&Tangents>) {
         if let (Some(tangents), Some(snapshot)) = (&mut self.tangents, snapshot) {
             tangents.copy_from(snapshot);
-            self.stale = true;
+            self.is_stale = true;
         }
     }
 
@@ -188,29 +192,29 @@ impl Sensitivity {
     /// The derivatives over the last step.
     pub fn advance(
         &mut self,
-        model: &mut Model<'_>,
+        system: &mut HybridSystem<'_>,
         stepper: &mut Radau,
     ) -> Result<(), NoVariation> {
         let Some(tangents) = self.tangents.take() else { return Ok(()) };
-        if let (Some(surface), true) = (&mut self.surface, model.sliding.is_some()) {
+        if let (Some(surface), true) = (&mut self.surface, system.sliding.is_some()) {
             let Surface { variation, equations, .. } = &mut **surface;
-            let mut along = AlongSurface { model, tangents: Some(tangents), equations };
-            let outcome = stepper.vary(&mut along, variation);
-            self.tangents = along.tangents.take();
+            let mut equations = SurfaceEquations { system, tangents: Some(tangents), equations };
+            let outcome = stepper.vary(&mut equations, variation);
+            self.tangents = equations.tangents.take();
             return outcome;
         }
-        if std::mem::take(&mut self.stale) {
-            self.forcing.prepare(model.instance.program, &tangents);
+        if std::mem::take(&mut self.is_stale) {
+            self.forcing.prepare(system.machine.program, &tangents);
         }
         self.tangents = Some(tangents);
-        let (forcing, memory) = (&mut *self.forcing, &mut self.linearisation);
-        let mut along = Along { model, forcing, memory };
-        stepper.vary(&mut along, &mut self.variation)
+        let (forcing, memory) = (&mut *self.forcing, &mut self.linearization);
+        let mut equations = TrajectoryEquations { system, forcing, memory };
+        stepper.vary(&mut equations, &mut self.variation)
     }
 
     /// Derivatives of everything at `t` within the last step, where everything has been evaluated.
-    pub fn look(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
-        let program = instance.program;
+    pub fn evaluate(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
+        let program = machine.program;
         let layout = &program.layout;
         self.place(program, t);
         let Some(tangents) = &mut self.tangents else { return Ok(()) };
@@ -218,26 +222,26 @@ impl Sensitivity {
         for i in 0..program.order() {
             let rate = match &self.arrival {
                 Some(rates) => rates[i],
-                None => instance.get(layout.derivatives[i]),
+                None => machine.get(layout.derivatives[i]),
             };
             tangents.of_mut(layout.states + i as Slot)[self.count] = rate;
         }
         tangents.of_mut(layout.time)[self.count] = 1.0;
-        instance.played.rates(&instance.memory, |slot, rate| {
+        machine.input_signals.rates(&machine.memory, |slot, rate| {
             tangents.of_mut(slot)[self.count] = rate;
         });
-        for tape in [&program.rhs, &program.roots, &program.rest] {
-            tangents.follow(instance, tape)?;
+        for tape in [&program.tapes.rhs, &program.tapes.roots, &program.tapes.outputs] {
+            tangents.propagate(machine, tape)?;
         }
         self.read_slopes();
         Ok(())
     }
 
     /// Derivatives of what is recorded at `t` within the last step, where everything has been evaluated.
-    pub fn look_at_row(&mut self, instance: &mut Instance<'_>, t: f64) -> Result<(), Fault> {
-        self.place(instance.program, t);
+    pub fn evaluate_row(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
+        self.place(machine.program, t);
         if let Some(tangents) = &mut self.tangents {
-            tangents.follow(instance, &self.outputs)?;
+            tangents.propagate(machine, &self.outputs)?;
         }
         self.read_slopes();
         Ok(())
@@ -261,7 +265,7 @@ impl Sensitivity {
             }
         }
         tangents.of_mut(layout.time).fill(0.0);
-        layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+        layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
     }
 
     fn read_slopes(&mut self) {
@@ -276,47 +280,47 @@ impl Sensitivity {
         let Some(tangents) = &mut self.tangents else { return };
         self.shift.fill(0.0);
         if let Some(k) = relation {
-            let gap = tangents.of(program.layout.gaps + k);
-            let rate = gap[self.count];
-            for (shift, g) in self.shift.iter_mut().zip(&gap[..self.count]) {
+            let indicator = tangents.of(program.layout.indicators + k);
+            let rate = indicator[self.count];
+            for (shift, g) in self.shift.iter_mut().zip(&indicator[..self.count]) {
                 let moved = -g / rate;
                 *shift = if moved.is_finite() { moved } else { 0.0 };
             }
         }
-        tangents.shear(self.count, &self.shift);
+        tangents.shift_along(self.count, &self.shift);
     }
 
     /// Takes everything along to the moving instant `t` of a clock or a comparison with time.
-    pub fn arrive_by_clock(&mut self, instance: &Instance<'_>, clocks: &Clocks, t: f64) {
-        let program = instance.program;
+    pub fn arrive_by_clock(&mut self, machine: &Machine<'_>, clocks: &Clocks, t: f64) {
+        let program = machine.program;
         let Some(tangents) = &mut self.tangents else { return };
         self.shift.fill(0.0);
         let near = |at: f64| (at - t).abs() <= 8.0 * f64::EPSILON * t.abs().max(at.abs());
-        let comparison = program.watches.iter().find_map(|w| match w {
-            Watch::Time(slot) if near(instance.get(*slot)) => Some(*slot),
+        let comparison = program.events.relation_triggers.iter().find_map(|w| match w {
+            RelationTrigger::Time(slot) if near(machine.get(*slot)) => Some(*slot),
             _ => None,
         });
         if let Some(slot) = comparison {
             self.shift[..self.count].copy_from_slice(&tangents.of(slot)[..self.count]);
-        } else if let Some((k, tick)) = clocks.ticking(instance, near) {
-            let clock = &program.clocks[k];
+        } else if let Some((k, tick)) = clocks.ticking(machine, near) {
+            let clock = &program.events.clocks[k];
             let (start, interval) = (tangents.of(clock.start), tangents.of(clock.interval));
             for (j, shift) in self.shift[..self.count].iter_mut().enumerate() {
                 *shift = start[j] + tick * interval[j];
             }
         }
-        tangents.shear(self.count, &self.shift);
+        tangents.shift_along(self.count, &self.shift);
     }
 
     /// Leaves the event at `t`, after which the derivatives of the states are in the memory.
-    pub fn depart(&mut self, instance: &Instance<'_>, t: f64) {
-        let layout = &instance.program.layout;
-        let order = instance.program.order();
+    pub fn depart(&mut self, machine: &Machine<'_>, t: f64) {
+        let layout = &machine.program.layout;
+        let order = machine.program.order();
         let Some(tangents) = &mut self.tangents else { return };
         for direction in 0..self.count {
             for i in 0..order {
                 let arrived = tangents.of(layout.states + i as Slot)[direction];
-                let rate = instance.get(layout.derivatives[i]);
+                let rate = machine.get(layout.derivatives[i]);
                 self.s[i] = arrived - rate * self.shift[direction];
             }
             self.s[order..].fill(0.0);
@@ -326,7 +330,7 @@ impl Sensitivity {
     }
 
     /// Stands at `t` with the derivatives of the states as they are in the memory.
-    pub fn stand(&mut self, program: &Program, t: f64) {
+    pub fn restart_from_memory(&mut self, program: &Program, t: f64) {
         let Some(tangents) = &mut self.tangents else { return };
         for direction in 0..self.count {
             for i in 0..program.order() {
@@ -357,30 +361,30 @@ impl Sensitivity {
 impl Sensitivity {
     /// Derivatives of what is recorded at `t` of a motion along a surface, whose values stand in the
     /// memory.
-    fn look_at_surface(&mut self, model: &mut Model<'_>, t: f64) -> Result<(), Fault> {
-        let (Some(surface), Some(sliding)) = (&mut self.surface, &mut model.sliding) else {
+    fn evaluate_on_surface(&mut self, system: &mut HybridSystem<'_>, t: f64) -> Result<(), Fault> {
+        let (Some(surface), Some(sliding)) = (&mut self.surface, &mut system.sliding) else {
             return Ok(());
         };
-        let (instance, tangents) = (&mut model.instance, &mut self.tangents);
-        surface.look(instance, sliding, tangents, t, &self.recorded, &mut self.slopes)
+        let (machine, tangents) = (&mut system.machine, &mut self.tangents);
+        surface.evaluate(machine, sliding, tangents, t, &self.recorded, &mut self.slopes)
     }
 
-    /// Enters the surface of `model.sliding` at `(t, y)`, from the side on which its relation is `truth`.
+    /// Enters the surface of `system.sliding` at `(t, y)`, from the side on which its relation is `truth`.
     fn enter_surface(
         &mut self,
-        model: &mut Model<'_>,
+        system: &mut HybridSystem<'_>,
         t: f64,
         y: &[f64],
         truth: bool,
     ) -> Result<(), EvalError> {
-        let program = model.instance.program;
+        let program = system.machine.program;
         let (cells, n) = (program.image.len(), program.order());
         let mut surface = Box::new(Surface::new(cells, n, self.count, self.recorded.len()));
         let variation = &self.variation;
         let before = |direction: usize, s: &mut [f64]| {
             s.copy_from_slice(&variation.at_end(direction)[..s.len()]);
         };
-        surface.enter(model, &mut self.tangents, (t, y), truth, before)?;
+        surface.enter(system, &mut self.tangents, (t, y), truth, before)?;
         self.surface = Some(surface);
         Ok(())
     }
@@ -400,8 +404,8 @@ impl Simulation<'_, '_> {
     /// The derivatives where the solution begins to stay on a surface, if they are wanted.
     pub(super) fn enter_surface(&mut self, t: f64, truth: bool) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
-        let entered = s.enter_surface(&mut self.model, t, &self.y, truth);
-        entered.map_err(|error| not_differentiable(NoVariation::Eval(error), t))
+        let entered = s.enter_surface(&mut self.system, t, &self.y, truth);
+        entered.map_err(|error| sensitivity_failure(NoVariation::Eval(error), t))
     }
 
     /// The derivatives where the solution leaves a surface for the side of `truth`, if they are wanted.
@@ -411,16 +415,16 @@ impl Simulation<'_, '_> {
         t: f64,
         truth: bool,
     ) -> Result<(), Failure> {
-        let instance = &mut self.model.instance;
+        let machine = &mut self.system.machine;
         if let Some(s) = &mut self.sensitivity {
-            s.attach(instance);
+            s.attach(machine);
         }
-        let left = sliding.switch(instance, usize::from(truth));
+        let left = sliding.switch(machine, usize::from(truth));
         if let Some(s) = &mut self.sensitivity {
-            s.detach(instance);
+            s.detach(machine);
             s.leave_surface(t);
         }
-        left.map_err(|f| of_fault(&self.model.instance, f, t))
+        left.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
     /// The end at `t` of a motion along a surface by an event of something else: the states arrive with
@@ -430,67 +434,67 @@ impl Simulation<'_, '_> {
         let n = self.program.order();
         let mut rates = vec![0.0; n];
         self.stepper.interpolate(t, &mut self.y);
-        let slid = sliding.derivatives(&mut self.model.instance, t, &self.y[..n], &mut rates);
+        let slid = sliding.derivatives(&mut self.system.machine, t, &self.y[..n], &mut rates);
         s.arrival = slid.is_ok().then_some(rates);
     }
 
     /// The derivatives over the last step, if they are wanted.
-    pub(super) fn vary(&mut self) -> Result<(), Failure> {
+    pub(super) fn advance_sensitivities(&mut self) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
         let t = self.stepper.t();
         let Some(radau) = self.stepper.radau() else { return Ok(()) };
-        s.advance(&mut self.model, radau).map_err(|why| not_differentiable(why, t))
+        s.advance(&mut self.system, radau).map_err(|why| sensitivity_failure(why, t))
     }
 
     /// The derivatives of everything at `t` in the last step, if they are wanted.
-    pub(super) fn look(&mut self, t: f64) -> Result<(), Failure> {
+    pub(super) fn evaluate_sensitivities(&mut self, t: f64) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
-        let looked = if self.model.sliding.is_some() {
-            s.look_at_surface(&mut self.model, t)
+        let evaluated = if self.system.sliding.is_some() {
+            s.evaluate_on_surface(&mut self.system, t)
         } else {
-            s.look(&mut self.model.instance, t)
+            s.evaluate(&mut self.system.machine, t)
         };
-        looked.map_err(|f| of_fault(&self.model.instance, f, t))
+        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
     /// The derivatives of what is recorded at `t` in the last step, if they are wanted.
-    pub(super) fn look_at_row(&mut self, t: f64) -> Result<(), Failure> {
+    pub(super) fn evaluate_row_sensitivities(&mut self, t: f64) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
-        let looked = if self.model.sliding.is_some() {
-            s.look_at_surface(&mut self.model, t)
+        let evaluated = if self.system.sliding.is_some() {
+            s.evaluate_on_surface(&mut self.system, t)
         } else {
-            s.look_at_row(&mut self.model.instance, t)
+            s.evaluate_row(&mut self.system.machine, t)
         };
-        looked.map_err(|f| of_fault(&self.model.instance, f, t))
+        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
     /// Takes the derivatives along to an event, where they will be followed; a copy of what they were.
     pub(super) fn arrive(&mut self, t: f64, cause: Cause) -> Option<Tangents> {
         let s = self.sensitivity.as_mut()?;
-        let instance = &mut self.model.instance;
+        let machine = &mut self.system.machine;
         let before = s.snapshot();
         match cause {
             Cause::State => {
-                let relation = self.search.switched(instance).next();
+                let relation = self.locator.switched(machine).next();
                 s.arrive_by_relation(self.program, relation);
             }
-            Cause::Time => s.arrive_by_clock(instance, &self.clocks, t),
+            Cause::Time => s.arrive_by_clock(machine, &self.clocks, t),
         }
-        s.attach(instance);
+        s.attach(machine);
         before
     }
 
     /// Leaves an event with the derivatives that the states have after it.
     pub(super) fn depart(&mut self, t: f64) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
-        let evaluated = self.model.evaluate_all(t, &self.y);
-        evaluated.map_err(|f| of_fault(&self.model.instance, f, t))?;
-        s.depart(&self.model.instance, t);
+        let evaluated = self.system.evaluate_all(t, &self.y);
+        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
+        s.depart(&self.system.machine, t);
         Ok(())
     }
 }
 
-fn not_differentiable(why: NoVariation, t: f64) -> Failure {
+fn sensitivity_failure(why: NoVariation, t: f64) -> Failure {
     let message = format!(
         "at time {t} s the derivatives by the inputs can not be computed: {}",
         match why {
@@ -502,27 +506,27 @@ fn not_differentiable(why: NoVariation, t: f64) -> Failure {
 }
 
 /// The variational equations along a run.
-struct Along<'a, 'p> {
-    model: &'a mut Model<'p>,
+struct TrajectoryEquations<'a, 'p> {
+    system: &'a mut HybridSystem<'p>,
     forcing: &'a mut Forcing,
-    memory: &'a mut Linearisation,
+    memory: &'a mut Linearization,
 }
 
-impl Variational for Along<'_, '_> {
+impl Variational for TrajectoryEquations<'_, '_> {
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
-        let Along { model, forcing, memory } = self;
-        model.jacobian_entries(t, y, &mut memory.jacobian[stage])?;
-        let instance = &mut model.instance;
-        let program = instance.program;
-        instance.place(t, &y[..program.order()]);
-        let mut outcome = instance.run(&program.rhs);
-        let beyond = outcome.is_err_and(of_domain);
-        instance.inside = beyond;
+        let TrajectoryEquations { system, forcing, memory } = self;
+        system.jacobian_entries(t, y, &mut memory.jacobian[stage])?;
+        let machine = &mut system.machine;
+        let program = machine.program;
+        machine.set_point(t, &y[..program.order()]);
+        let mut outcome = machine.run(&program.tapes.rhs);
+        let beyond = outcome.is_err_and(is_domain_fault);
+        machine.clamp_domain = beyond;
         if beyond {
-            outcome = instance.run(&program.rhs);
+            outcome = machine.run(&program.tapes.rhs);
         }
-        let outcome = outcome.and_then(|()| forcing.follow(instance));
-        instance.inside = false;
+        let outcome = outcome.and_then(|()| forcing.propagate(machine));
+        machine.clamp_domain = false;
         outcome.map_err(|_| EvalError::Recoverable(0))?;
         for (i, slot) in program.layout.derivatives.iter().enumerate() {
             for (direction, d) in forcing.of(*slot).iter().enumerate() {
@@ -533,7 +537,7 @@ impl Variational for Along<'_, '_> {
     }
 
     fn slope(&self, stage: usize, direction: usize, s: &[f64], out: &mut [f64]) {
-        let Linearisation { n, jacobian, forcing, starts, rows } = &*self.memory;
+        let Linearization { n, jacobian, forcing, starts, rows } = &*self.memory;
         out.copy_from_slice(&forcing[stage][direction * n..(direction + 1) * n]);
         for (j, s) in s.iter().enumerate() {
             if *s != 0.0 {

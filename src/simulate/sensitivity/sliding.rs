@@ -20,11 +20,11 @@ use crate::integrate::radau::variation::Variation;
 use crate::integrate::system::EvalError;
 use crate::integrate::variational::Variational;
 use crate::ir::program::Slot;
-use crate::runtime::machine::{Fault, Instance};
+use crate::runtime::machine::{Fault, Machine};
 use crate::runtime::tangent::Tangents;
 
 use crate::simulate::event::sliding::Sliding;
-use crate::simulate::system::Model;
+use crate::simulate::system::HybridSystem;
 
 /// States by which everything is differentiated in one go.
 const LANES: usize = 8;
@@ -56,9 +56,9 @@ struct Point {
     /// `f1 - f0`
     jump: Vec<f64>,
     /// `dg/dx`
-    gap_by_state: Vec<f64>,
+    indicator_by_state: Vec<f64>,
     /// `dg/dp`
-    gap_by_input: Vec<f64>,
+    indicator_by_input: Vec<f64>,
     /// The part of the side on which the relation is true.
     part: f64,
 }
@@ -71,8 +71,8 @@ impl Surface {
             jacobian: vec![0.0; n * n],
             forcing: vec![0.0; n * count],
             jump: vec![0.0; n],
-            gap_by_state: vec![0.0; n],
-            gap_by_input: vec![0.0; count],
+            indicator_by_state: vec![0.0; n],
+            indicator_by_input: vec![0.0; count],
             part: 0.0,
         };
         Surface {
@@ -90,63 +90,63 @@ impl Surface {
     /// Enters at `(t, y)` with the derivatives `s` of each input, which hold on the side of `truth`.
     pub fn enter(
         &mut self,
-        model: &mut Model<'_>,
+        system: &mut HybridSystem<'_>,
         tangents: &mut Option<Box<Tangents>>,
         (t, y): (f64, &[f64]),
         truth: bool,
         s: impl Fn(usize, &mut [f64]),
     ) -> Result<(), EvalError> {
-        let n = model.instance.program.order();
-        let Some(mut sliding) = model.sliding.take() else { return Ok(()) };
-        let rates = sliding.rates(&mut model.instance, t, &y[..n]);
+        let n = system.machine.program.order();
+        let Some(mut sliding) = system.sliding.take() else { return Ok(()) };
+        let rates = sliding.rates(&mut system.machine, t, &y[..n]);
         let equations = &mut self.equations;
-        let linearised = equations.linearise(model, &mut sliding, tangents, 0, (t, y));
-        model.sliding = Some(sliding);
+        let linearised = equations.linearise(system, &mut sliding, tangents, 0, (t, y));
+        system.sliding = Some(sliding);
         linearised?;
         let rates = rates.map_err(|_| EvalError::Recoverable(0))?;
         let point = &self.equations.points[0];
         // On the side of truth f - fs is the rest of the jump.
         let (rate, rest) = match truth {
-            true => (rates.when_true, 1.0 - point.part),
-            false => (rates.when_false, -point.part),
+            true => (rates.when_true, 1.0 - point.weight),
+            false => (rates.when_false, -point.weight),
         };
-        let mut own = vec![0.0; n + 1];
+        let mut s = vec![0.0; n + 1];
         for direction in 0..self.equations.count {
-            s(direction, &mut own[..n]);
-            let gap: f64 = own.iter().zip(&point.gap_by_state).map(|(s, g)| s * g).sum();
-            let shift = -(gap + point.gap_by_input[direction]) / rate;
-            for (s, jump) in own[..n].iter_mut().zip(&point.jump) {
+            s(direction, &mut s[..n]);
+            let indicator: f64 = s.iter().zip(&point.indicator_by_state).map(|(s, g)| s * g).sum();
+            let shift = -(indicator + point.indicator_by_input[direction]) / rate;
+            for (s, jump) in s[..n].iter_mut().zip(&point.jump) {
                 *s += rest * jump * shift;
             }
-            own[n] = 0.0;
-            self.variation.restart(t, direction, &own);
+            s[n] = 0.0;
+            self.variation.restart(t, direction, &s);
         }
         Ok(())
     }
 
     /// Derivatives of the recorded cells at `(t, y)`, where the memory is as `Sliding` left it: value by
     /// value, input by input. Everything is seen from both sides.
-    pub fn look(
+    pub fn evaluate(
         &mut self,
-        instance: &mut Instance<'_>,
+        machine: &mut Machine<'_>,
         sliding: &mut Sliding,
         tangents: &mut Option<Box<Tangents>>,
         t: f64,
         recorded: &[Slot],
         slopes: &mut [f64],
     ) -> Result<(), Fault> {
-        let program = instance.program;
+        let program = machine.program;
         let layout = &program.layout;
         let n = program.order();
         let count = self.equations.count;
-        let blended = instance.memory.clone();
-        let y = instance.states().to_vec();
-        let part = sliding.rates(instance, t, &y)?.part();
+        let blended = machine.memory.clone();
+        let y = machine.states().to_vec();
+        let part = sliding.rates(machine, t, &y)?.weight();
         let mut s = vec![0.0; n + 1];
         let mut parts = vec![0.0; count];
         if let Some(tangents) = tangents {
             tangents.of_mut(layout.time).fill(0.0);
-            layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+            layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
             for (direction, part) in parts.iter_mut().enumerate() {
                 self.variation.interpolate(direction, t, &mut s);
                 *part = s[n];
@@ -156,34 +156,34 @@ impl Surface {
             }
         }
         for truth in [0, 1] {
-            instance.tangents = tangents.take();
-            let outcome = sliding.switch(instance, truth).and_then(|()| {
-                instance.place(t, &y);
-                instance.run(&program.rhs)?;
-                instance.run(&program.roots)?;
-                instance.run(&program.rest)
+            machine.tangents = tangents.take();
+            let outcome = sliding.switch(machine, truth).and_then(|()| {
+                machine.set_point(t, &y);
+                machine.run(&program.tapes.rhs)?;
+                machine.run(&program.tapes.roots)?;
+                machine.run(&program.tapes.outputs)
             });
-            *tangents = instance.tangents.take();
+            *tangents = machine.tangents.take();
             outcome?;
             let Some(tangents) = tangents else { break };
             for (k, slot) in recorded.iter().enumerate() {
-                let own = &tangents.of(*slot)[..count];
+                let s = &tangents.of(*slot)[..count];
                 let range = k * count..(k + 1) * count;
                 if truth == 0 {
-                    self.values[k] = instance.get(*slot);
-                    self.derivatives[range].copy_from_slice(own);
+                    self.values[k] = machine.get(*slot);
+                    self.derivatives[range].copy_from_slice(s);
                     continue;
                 }
-                let jump = instance.get(*slot) - self.values[k];
+                let jump = machine.get(*slot) - self.values[k];
                 let before = &self.derivatives[range.clone()];
                 for (((slope, d0), d1), by) in
-                    slopes[range].iter_mut().zip(before).zip(own).zip(&parts)
+                    slopes[range].iter_mut().zip(before).zip(s).zip(&parts)
                 {
                     *slope = d0 + part * (d1 - d0) + jump * by;
                 }
             }
         }
-        instance.memory.copy_from_slice(&blended);
+        machine.memory.copy_from_slice(&blended);
         Ok(())
     }
 }
@@ -191,19 +191,19 @@ impl Surface {
 impl Equations {
     fn linearise(
         &mut self,
-        model: &mut Model<'_>,
+        system: &mut HybridSystem<'_>,
         sliding: &mut Sliding,
         tangents: &mut Option<Box<Tangents>>,
         stage: usize,
         (t, y): (f64, &[f64]),
     ) -> Result<(), EvalError> {
-        let instance = &mut model.instance;
-        let n = instance.program.order();
+        let machine = &mut system.machine;
+        let n = machine.program.order();
         let y = &y[..n];
         let failed = |_| EvalError::Recoverable(0);
-        let part = sliding.rates(instance, t, y).map_err(failed)?.part();
+        let part = sliding.rates(machine, t, y).map_err(failed)?.weight();
         let point = &mut self.points[stage];
-        point.part = part;
+        point.weight = part;
         point.jacobian.fill(0.0);
         point.forcing.fill(0.0);
         let [when_false, when_true] = sliding.sides();
@@ -211,16 +211,16 @@ impl Equations {
             *jump = f1 - f0;
         }
         for (truth, weight) in [(0, 1.0 - part), (1, part)] {
-            instance.tangents = tangents.take();
-            let outcome = by_inputs(instance, sliding, truth, t, y);
-            *tangents = instance.tangents.take();
+            machine.tangents = tangents.take();
+            let outcome = by_inputs(machine, sliding, truth, t, y);
+            *tangents = machine.tangents.take();
             outcome.map_err(failed)?;
             if let Some(tangents) = tangents {
-                point.add_inputs(instance, sliding.relation(), tangents, self.count, weight);
+                point.add_inputs(machine, sliding.relation(), tangents, self.count, weight);
             }
             for first in (0..n).step_by(LANES) {
                 point
-                    .add_states(instance, sliding.relation(), &mut self.seeds, first, weight)
+                    .add_states(machine, sliding.relation(), &mut self.seeds, first, weight)
                     .map_err(failed)?;
             }
         }
@@ -231,96 +231,97 @@ impl Equations {
 /// Runs everything that decides about the derivatives, and its derivatives by the inputs at held
 /// states.
 fn by_inputs(
-    instance: &mut Instance<'_>,
+    machine: &mut Machine<'_>,
     sliding: &Sliding,
     truth: usize,
     t: f64,
     y: &[f64],
 ) -> Result<(), Fault> {
-    let program = instance.program;
+    let program = machine.program;
     let layout = &program.layout;
-    sliding.switch(instance, truth)?;
-    instance.place(t, y);
-    if let Some(tangents) = &mut instance.tangents {
+    sliding.switch(machine, truth)?;
+    machine.set_point(t, y);
+    if let Some(tangents) = &mut machine.tangents {
         tangents.of_mut(layout.time).fill(0.0);
-        layout.recorded.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+        layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
         for i in 0..y.len() {
             tangents.of_mut(layout.states + i as Slot).fill(0.0);
         }
     }
-    instance.run(&program.rhs)?;
-    instance.run(&program.roots)
+    machine.run(&program.tapes.rhs)?;
+    machine.run(&program.tapes.roots)
 }
 
 impl Point {
     fn add_inputs(
         &mut self,
-        instance: &Instance<'_>,
+        machine: &Machine<'_>,
         relation: u32,
         tangents: &Tangents,
         count: usize,
         weight: f64,
     ) {
-        let layout = &instance.program.layout;
+        let layout = &machine.program.layout;
         let n = layout.derivatives.len();
         for (i, slot) in layout.derivatives.iter().enumerate() {
             for (direction, d) in tangents.of(*slot)[..count].iter().enumerate() {
                 self.forcing[direction * n + i] += weight * d;
             }
         }
-        self.gap_by_input.copy_from_slice(&tangents.of(layout.gaps + relation)[..count]);
+        self.indicator_by_input
+            .copy_from_slice(&tangents.of(layout.indicators + relation)[..count]);
     }
 
     /// Columns of some states, from what stands in the memory.
     fn add_states(
         &mut self,
-        instance: &mut Instance<'_>,
+        machine: &mut Machine<'_>,
         relation: u32,
         seeds: &mut Tangents,
         first: usize,
         weight: f64,
     ) -> Result<(), Fault> {
-        let program = instance.program;
+        let program = machine.program;
         let layout = &program.layout;
         let n = program.order();
         let lanes = seeds.directions();
         for i in 0..n {
-            let own = seeds.of_mut(layout.states + i as Slot);
-            own.fill(0.0);
+            let s = seeds.of_mut(layout.states + i as Slot);
+            s.fill(0.0);
             if (first..first + lanes).contains(&i) {
-                own[i - first] = 1.0;
+                s[i - first] = 1.0;
             }
         }
-        seeds.follow(instance, &program.rhs)?;
-        seeds.follow(instance, &program.roots)?;
+        seeds.propagate(machine, &program.tapes.rhs)?;
+        seeds.propagate(machine, &program.tapes.roots)?;
         for j in first..(first + lanes).min(n) {
             for (i, slot) in layout.derivatives.iter().enumerate() {
                 self.jacobian[i + n * j] += weight * seeds.of(*slot)[j - first];
             }
-            self.gap_by_state[j] = seeds.of(layout.gaps + relation)[j - first];
+            self.indicator_by_state[j] = seeds.of(layout.indicators + relation)[j - first];
         }
         Ok(())
     }
 }
 
 /// The variational equations along a step on the surface.
-pub struct AlongSurface<'a, 'p> {
+pub struct SurfaceEquations<'a, 'p> {
     /// The run.
-    pub model: &'a mut Model<'p>,
+    pub system: &'a mut HybridSystem<'p>,
     /// By the inputs.
     pub tangents: Option<Box<Tangents>>,
     /// What they are at the stages.
     pub equations: &'a mut Equations,
 }
 
-impl Variational for AlongSurface<'_, '_> {
+impl Variational for SurfaceEquations<'_, '_> {
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
-        let Some(mut sliding) = self.model.sliding.take() else {
+        let Some(mut sliding) = self.system.sliding.take() else {
             return Err(EvalError::Fatal(0));
         };
-        let AlongSurface { model, tangents, equations } = self;
-        let outcome = equations.linearise(model, &mut sliding, tangents, stage, (t, y));
-        self.model.sliding = Some(sliding);
+        let SurfaceEquations { system, tangents, equations } = self;
+        let outcome = equations.linearise(system, &mut sliding, tangents, stage, (t, y));
+        self.system.sliding = Some(sliding);
         outcome
     }
 
@@ -337,7 +338,7 @@ impl Variational for AlongSurface<'_, '_> {
         for (out, jump) in out.iter_mut().zip(&point.jump) {
             *out += jump * part;
         }
-        let gap: f64 = states.iter().zip(&point.gap_by_state).map(|(s, g)| s * g).sum();
-        out[n] = point.gap_by_input[direction] + gap;
+        let indicator: f64 = states.iter().zip(&point.indicator_by_state).map(|(s, g)| s * g).sum();
+        out[n] = point.indicator_by_input[direction] + indicator;
     }
 }

@@ -167,7 +167,7 @@ fn the_jacobian_agrees_with_central_differences() {
     let program = b.program();
     let mut model = Model::new(&program);
     let settings = Settings::of(&Default::default());
-    crate::simulate::initialization::initialise(&mut model.instance, &settings).unwrap();
+    crate::simulate::initialization::initialise(&mut model.machine, &settings).unwrap();
     let at = [0.7, 1.3, -0.4];
     let mut exact = [0.0; 9];
     model.jacobian(0.0, &at, &mut exact).unwrap();
@@ -238,7 +238,7 @@ fn functions_run_and_are_differentiated() {
     let program = b.program();
     let mut model = Model::new(&program);
     let settings = Settings::of(&Default::default());
-    crate::simulate::initialization::initialise(&mut model.instance, &settings).unwrap();
+    crate::simulate::initialization::initialise(&mut model.machine, &settings).unwrap();
     let mut slope = [0.0];
     model.jacobian(0.0, &[0.7], &mut slope).unwrap();
     assert!((slope[0] + 3.0).abs() < 1e-9, "{}", slope[0]);
@@ -306,7 +306,11 @@ fn recording_less_changes_nothing_but_the_work() {
     let all = simulate(&whole, &settings, &b.sources).unwrap().trajectory;
     let mut part = b.program();
     only(&mut part, |name| name == "x[3]" || name == "double[7]");
-    assert!(whole.rest.len() >= 80 && part.rest.len() <= 2, "{}", part.rest.len());
+    assert!(
+        whole.tapes.outputs.len() >= 80 && part.tapes.outputs.len() <= 2,
+        "{}",
+        part.tapes.outputs.len()
+    );
     let some = simulate(&part, &settings, &b.sources).unwrap().trajectory;
     let names: Vec<&str> = some.columns.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["x[3]", "double[7]"]);
