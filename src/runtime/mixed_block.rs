@@ -2,7 +2,7 @@
 //! point; if the iteration cycles or meets equations without a solution, values of the relations that
 //! are consistent with the equations are searched for.
 
-use crate::ir::program::{Program, Slot, DiscreteUnknown};
+use crate::ir::program::{DiscreteUnknown, Program, Slot};
 use crate::numeric::combinations::Combinations;
 use crate::numeric::cycle_detection::CycleDetector;
 

@@ -131,7 +131,8 @@ impl TransportLines {
 /// The segment at a coordinate, searched from `current`. At a boundary the upper segment applies,
 /// consistent with the relations that monitor it.
 fn segment_at(segments: &VecDeque<PolynomialSegment>, mut current: usize, at: f64) -> usize {
-    while current + 1 < segments.len() && segments[current].last().is_some_and(|(end, _)| at >= end) {
+    while current + 1 < segments.len() && segments[current].last().is_some_and(|(end, _)| at >= end)
+    {
         current += 1;
     }
     while current > 0 && segments[current].first().is_some_and(|(begin, _)| at < begin) {

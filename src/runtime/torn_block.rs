@@ -100,7 +100,9 @@ impl TornBlockSolver {
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
                 let branch_switch = equations.machine.branch_switch;
-                if branch_switch && self.z.len() == 1 && !matches!(ending, NewtonOutcome::Converged { .. })
+                if branch_switch
+                    && self.z.len() == 1
+                    && !matches!(ending, NewtonOutcome::Converged { .. })
                 {
                     // The current solution branch may have ended at a fold.
                     let found = other_branch(&mut equations, self.start[0], self.nominal[0]);
@@ -109,7 +111,10 @@ impl TornBlockSolver {
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
-                if branch_switch && self.z.len() > 1 && !matches!(ending, NewtonOutcome::Converged { .. }) {
+                if branch_switch
+                    && self.z.len() > 1
+                    && !matches!(ending, NewtonOutcome::Converged { .. })
+                {
                     region.bounds = None;
                     ending = from_displaced_starts(
                         newton,

@@ -1,7 +1,8 @@
-//! Values beyond the `min` and `max` of their variables (section 4.9.1 of the specification).
+//! Warnings about values outside of the `min` and `max` of their variables (Modelica specification 3.6,
+//! section 4.8.1).
 //!
-//! The specification has them as assertions. They are looked at in every row, and violations are
-//! warnings: many published models touch a bound on their way.
+//! The specification treats bounds as assertions. mocc checks them in every row and only warns, because
+//! many published models exceed a bound slightly.
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::Id;
@@ -9,21 +10,21 @@ use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::{Const, ExprId, Node, Unary, VarId};
 use crate::ir::program::{Bounds, Program};
 
-/// A value beyond a bound of its variable.
+/// Code of a warning about a value outside of its bounds.
 const BEYOND: &str = "MO0919";
 
-/// Variables that are named before the rest is left unsaid.
+/// Maximum number of variables that are reported.
 const MAX_WARNINGS: usize = 8;
 
-/// The variables that are looked at.
+/// The monitored variables.
 pub struct BoundWarnings {
     monitored: Vec<(Bounds, f64)>,
     reported: usize,
 }
 
 impl BoundWarnings {
-    /// Watches what is recorded. What is less than `tolerance` beyond a bound, relative to the bound and to the
-    /// typical size, is not.
+    /// Monitors the recorded variables. Violations smaller than `tolerance`, relative to the bound and to
+    /// the nominal value, are ignored.
     pub fn new(program: &Program, tolerance: f64) -> BoundWarnings {
         let mut recorded = vec![false; program.blocks.dae.variables.len()];
         for v in program.recorded.iter().chain(&program.constants) {
@@ -37,7 +38,7 @@ impl BoundWarnings {
         BoundWarnings { monitored: monitored.map(|b| (*b, margin(b))).collect(), reported: 0 }
     }
 
-    /// Looks at the values of an instant; each variable is named once.
+    /// Checks the values at an instant; reports each variable once.
     #[inline]
     pub fn check(
         &mut self,
@@ -66,7 +67,7 @@ impl BoundWarnings {
         }
     }
 
-    /// Does not look at parameters any more.
+    /// Stops monitoring parameters.
     pub fn drop_parameters(&mut self, program: &Program) {
         let variables = &program.blocks.dae.variables;
         self.monitored.retain(|(b, _)| variables[b.variable].kind != Kind::Parameter);
@@ -92,7 +93,7 @@ fn beyond(program: &Program, memory: &[f64], bounds: &Bounds, t: f64) -> Diagnos
     let is_low = value < min;
     let (reported, negative) =
         declaring(dae, bounds.variable, is_low).unwrap_or((bounds.variable, false));
-    // No bound is a negative zero.
+    // Avoids negative zero.
     let signed = |x: f64| if negative { 0.0 - x } else { x };
     let (value, bound) = (signed(value), signed(if is_low { min } else { max }));
     let (side, attribute) = if is_low == negative { ("above", "max") } else { ("below", "min") };
@@ -110,7 +111,7 @@ fn beyond(program: &Program, memory: &[f64], bounds: &Bounds, t: f64) -> Diagnos
     Diagnostic::warning(BEYOND, v.span, message).help(help)
 }
 
-/// Which of the variables that are the same has the bound, and whether it has the other sign.
+/// The alias that declares the bound, and whether it has the opposite sign.
 fn declaring(dae: &Dae, v: VarId, is_low: bool) -> Option<(VarId, bool)> {
     let bound = |v: VarId, low: bool| {
         let variable = &dae.variables[v];
@@ -118,7 +119,7 @@ fn declaring(dae: &Dae, v: VarId, is_low: bool) -> Option<(VarId, bool)> {
     };
     let wanted = bound(v, is_low)?;
     let same = |&(other, value): &(VarId, ExprId)| match dae.graph.node(value) {
-        // The representative has the bounds of all.
+        // The representative has the bounds of all its aliases.
         Node::Var(of) if of == v && bound(other, is_low) == Some(wanted) => Some((other, false)),
         Node::Unary(Unary::Neg, of) if dae.graph.node(of) == Node::Var(v) => {
             let number = |e: ExprId| dae.graph.as_const(e).and_then(Const::number);

@@ -1,4 +1,4 @@
-//! What a run records, as columns: names, units, and which of them need no column of their own.
+//! Columns of a result: names, units, and which of them are aliases or constant.
 
 use crate::base::index::FastMap;
 use crate::ir::dae::{Dae, Kind, Variable};
@@ -7,13 +7,13 @@ use crate::ir::program::Program;
 use crate::ir::trajectory::{self, Column, ColumnStorage, Constant};
 use crate::runtime::machine::Machine;
 
-/// The columns of what a run of the program records.
+/// The columns of the recorded variables.
 pub fn columns(program: &Program) -> Vec<Column> {
     program.recorded.iter().map(|v| column(&program.blocks.dae.variables[*v])).collect()
 }
 
-/// What is known of each column: variables that were eliminated as aliases share a course, and what
-/// depends on parameters only has none.
+/// How each column is determined: aliases refer to another column, and expressions of parameters are
+/// constant.
 pub fn column_storage(program: &Program) -> Vec<ColumnStorage> {
     let dae = &program.blocks.dae;
     let values: FastMap<VarId, ExprId> = dae.eliminated.iter().copied().collect();
@@ -43,7 +43,7 @@ pub fn column_storage(program: &Program) -> Vec<ColumnStorage> {
     program.recorded.iter().enumerate().map(course).collect()
 }
 
-/// The parameters and constants of a run that has begun.
+/// The parameters and constants of an initialized run.
 pub fn constants(machine: &Machine<'_>) -> Vec<Constant> {
     let program = machine.program;
     let constant = |v: &VarId| Constant {
@@ -69,7 +69,7 @@ fn column(v: &Variable) -> Column {
     }
 }
 
-/// The variable that a value is, or whose negative it is.
+/// The variable that a value is an alias of, and whether it is negated.
 fn alias(dae: &Dae, value: ExprId) -> Option<(VarId, bool)> {
     match dae.graph.node(value) {
         Node::Var(v) | Node::Der(v) => Some((v, false)),
@@ -85,7 +85,7 @@ fn is_parameter(dae: &Dae, v: VarId) -> bool {
     matches!(dae.variables[v].kind, Kind::Parameter | Kind::InitialParameter)
 }
 
-/// Reads nothing but literals and parameters.
+/// True if an expression reads only literals and parameters.
 fn is_constant(dae: &Dae, value: ExprId) -> bool {
     dae.graph.postorder([value]).into_iter().all(|e| match dae.graph.node(e) {
         Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,

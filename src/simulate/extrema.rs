@@ -1,8 +1,7 @@
-//! The greatest and the least value that a variable takes during a run, between its rows too.
+//! Extrema of variables over a run, including between its rows.
 //!
-//! After each step the variables are looked at on the polynomial of the step. Where a parabola through three
-//! neighbouring looks promises more than the best value so far, its maximum is sought there. At an event both
-//! sides count.
+//! After each step the variables are probed on the dense output. If a parabola through three adjacent
+//! probes exceeds the best value so far, the maximum is refined there. At events both limits count.
 
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
@@ -11,12 +10,12 @@ use crate::numeric::brent::{maximum, vertex};
 use super::failure::Failure;
 use super::run::Simulation;
 
-/// An extreme value that is wanted.
+/// A request for an extremum.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ExtremumRequest {
-    /// Of this variable.
+    /// The variable.
     pub variable: VarId,
-    /// The greatest value rather than the least.
+    /// Maximum rather than minimum.
     pub greatest: bool,
     /// Counts only while this Boolean is true.
     pub after: Option<VarId>,
@@ -24,24 +23,24 @@ pub struct ExtremumRequest {
     pub before: Option<VarId>,
 }
 
-/// Looks at a step at least, one of them at its begin.
+/// Minimum number of intervals between probes of a step.
 const MIN_PROBES: f64 = 5.0;
-/// Looks at a step at most.
+/// Maximum number of intervals between probes of a step.
 const MAX_PROBES: f64 = 1e4;
-/// The place of an extreme value, as a part of the distance of two looks. The value is then exact to the square of
-/// it.
+/// Tolerance of the location of an extremum, relative to the distance of probes. The error of its value
+/// is of the order of the square.
 const LOCATION_TOLERANCE: f64 = 1e-6;
 
-/// The extreme values so far.
+/// The extrema so far.
 #[derive(Default)]
 pub struct ExtremaSearch {
     wanted: Vec<Wanted>,
-    /// Greatest distance of two looks, s.
+    /// Maximum distance of probes, s.
     spacing: f64,
-    /// Everything up to here has been looked at, s.
+    /// Everything up to this time has been probed, s.
     reached: f64,
     times: Vec<f64>,
-    /// For each look the values of all that is wanted, signed so that the greatest counts.
+    /// For each probe the values of all requests, with sign so that the maximum counts.
     values: Vec<f64>,
 }
 
@@ -54,7 +53,7 @@ struct Wanted {
 }
 
 impl ExtremaSearch {
-    /// Nothing found yet, in a run that begins at `start`, s, and whose course does not change within `spacing`, s.
+    /// A search for a run that starts at `start`, s, and has no extrema closer than `spacing`, s.
     pub fn new(program: &Program, wanted: &[ExtremumRequest], start: f64, spacing: f64) -> Self {
         let of = |e: &ExtremumRequest| Wanted {
             slot: program.slot(e.variable),
@@ -67,14 +66,14 @@ impl ExtremaSearch {
         ExtremaSearch { wanted, spacing, reached: start, ..ExtremaSearch::default() }
     }
 
-    /// What was found, in the order asked for; none where the variable never counted.
+    /// The extrema in the order of the requests; `None` if the condition was never true.
     pub fn found(&self) -> Vec<Option<f64>> {
         self.wanted.iter().map(|w| w.best.map(|best| w.sign * best)).collect()
     }
 }
 
 impl Simulation<'_, '_> {
-    /// Counts the values in the memory.
+    /// Updates the extrema by the values in the memory.
     pub(super) fn update_extrema(&mut self) {
         let machine = &self.system.machine;
         for w in &mut self.extrema.wanted {
@@ -87,7 +86,7 @@ impl Simulation<'_, '_> {
         }
     }
 
-    /// Looks at the last step up to `end`, s.
+    /// Searches the last step up to `end`, s.
     pub(super) fn search_extrema(&mut self, end: f64) -> Result<(), Failure> {
         if self.extrema.wanted.is_empty() {
             return Ok(());
@@ -112,7 +111,7 @@ impl Simulation<'_, '_> {
             values.extend(self.extrema.wanted.iter().map(|w| w.sign * machine.get(w.slot)));
             self.update_extrema();
         }
-        // Whether a value counts changes at events only.
+        // Conditions of requests change at events only.
         for k in 0..width {
             let at = |i: usize| (times[i], values[i * width + k]);
             for i in 2..times.len() {
@@ -132,7 +131,7 @@ impl Simulation<'_, '_> {
         Ok(())
     }
 
-    /// The greatest value of one variable in a part of the last step.
+    /// Refines the maximum of one request within a part of the last step.
     fn refine_extremum(&mut self, k: usize, begin: f64, end: f64) -> Result<(), Failure> {
         let (slot, sign) = (self.extrema.wanted[k].slot, self.extrema.wanted[k].sign);
         let mut failed = None;

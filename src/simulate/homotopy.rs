@@ -1,8 +1,8 @@
-//! The way from the simplified system to the actual one.
+//! Homotopy: continuation from the simplified system to the actual one.
 //!
-//! `lambda` goes from 0 to 1 in steps whose length follows the success of the iteration (natural
-//! continuation: E. L. Allgower, K. Georg, *Introduction to Numerical Continuation Methods*, 2003,
-//! ch. 2), each start being the guess of the next.
+//! `lambda` goes from 0 to 1 in steps whose length adapts to the success of the initialization (natural
+//! continuation: E. L. Allgower, K. Georg, *Introduction to Numerical Continuation Methods*, 2003, ch.
+//! 2). Each solution is the guess for the next.
 
 use crate::ir::program::{Continuation, Slot};
 use crate::runtime::machine::Machine;
@@ -12,14 +12,14 @@ use super::settings::Settings;
 
 /// First step of `lambda`; later ones at most double.
 const FIRST: f64 = 0.25;
-/// A step as short as this is given up.
+/// Minimum step of `lambda`.
 const SHORTEST: f64 = 1e-4;
 
-/// Guesses for the slots of the program itself, if the way leads to its end.
+/// Guesses for the slots of the actual program, if the continuation reaches `lambda = 1`.
 pub fn follow(continuation: &Continuation, settings: &Settings) -> Option<Vec<(Slot, f64)>> {
     let Continuation { program, lambda, slots } = continuation;
     let names = settings.parameters.iter().chain(&settings.starts);
-    // Both programs number the variables of the flat model alike.
+    // Both programs have the same numbering of variables.
     debug_assert!(names.clone().all(|(v, _)| v != lambda));
     let mut settings = settings.clone();
     let mut machine = Machine::new(program);

@@ -1,4 +1,4 @@
-//! The start of a run: parameters, the initial sequence, and the first event iteration.
+//! Initialization: parameters, the initial equations, and the first event iteration.
 
 use crate::ir::dae::Kind;
 use crate::ir::expr::VarId;
@@ -14,10 +14,10 @@ use super::homotopy;
 use super::settings::Settings;
 use super::state_selection::StateSelector;
 
-/// What went wrong before the run began.
+/// Why a run could not be initialized.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StartError {
-    /// This can not be set in a run.
+    /// The variable is not an input of the program.
     NotAnInput(VarId),
     /// A parameter is not finite.
     Parameter(VarId),
@@ -35,18 +35,18 @@ impl From<EventError> for StartError {
     }
 }
 
-/// What a run begins with.
+/// Result of the initialization.
 pub type Start = (Clocks, StateSelector, EventEffects);
 
-/// Gives every variable its value at the start: from the solution of the simplified system that the model
-/// may offer, or from its guesses.
+/// Initializes all variables: by homotopy from a simplified system if the model provides one, else from
+/// the start values.
 pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     machine.branch_switch = false;
     let started = from_homotopy(machine, settings);
     machine.branch_switch = true;
     match started {
-        // At last solutions are looked for that are far from all guesses. If there are none, what is told is
-        // how the first attempt ended.
+        // Finally, allow solutions far from the start values. If there are none, report the failure of
+        // the first attempt.
         Err(StartError::Event(_)) => {
             let saved = (machine.memory.clone(), machine.fault_memory.clone(), machine.fault);
             initialise_from(machine, settings, &[]).or_else(|_| {
@@ -58,8 +58,9 @@ pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Star
     }
 }
 
-/// The start from the simplified system if the model offers one, else from the guesses. Of several
-/// solutions the model means the one to which its simplified system leads (Modelica 3.6, section 3.7.4.4).
+/// Initializes by homotopy if the model provides a simplified system, else from the start values. Among
+/// several solutions, the one reached by homotopy is intended (Modelica specification 3.6, section
+/// 3.7.4.4).
 fn from_homotopy(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     if let Some(continuation) = &machine.program.continuation
         && let Some(guess) = homotopy::follow(continuation, settings)
@@ -70,7 +71,7 @@ fn from_homotopy(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start
     initialise_from(machine, settings, &[])
 }
 
-/// What assertions and terminations do that act `when initial()`.
+/// Effects of assertions and terminations that are active `when initial()`.
 fn initial_actions(machine: &mut Machine<'_>) -> EventEffects {
     let mut effects = EventEffects::default();
     machine.assertion_messages.clear();
@@ -78,7 +79,7 @@ fn initial_actions(machine: &mut Machine<'_>) -> EventEffects {
     if program.events.asserts.iter().all(|a| !a.at_events) && program.events.terminates.is_empty() {
         return effects;
     }
-    // Looked at only: neither values nor their derivatives come from here.
+    // Evaluate actions only: values and derivatives are restored afterwards.
     let (saved_memory, tangents) = (machine.snapshot(), machine.tangents.take());
     update_pre(machine);
     if machine.run(&program.tapes.event).is_ok() {
@@ -90,7 +91,7 @@ fn initial_actions(machine: &mut Machine<'_>) -> EventEffects {
     effects
 }
 
-/// Gives every variable its value at the start, where iterations begin at the guesses for some cells.
+/// Initializes all variables, with the given guesses for the start of iterations.
 pub fn initialise_from(
     machine: &mut Machine<'_>,
     settings: &Settings,
@@ -113,7 +114,7 @@ pub fn initialise_from(
     machine.set(program.layout.time, settings.start);
     machine.set(program.layout.initial, 1.0);
     machine.run(&program.tapes.parameters).map_err(EventError::Fault)?;
-    // A bad parameter is better explained by the model than by what it leads to.
+    // Check assertions about parameters first: their messages are better than those of consequences.
     if let Some(k) = precondition::violated(machine) {
         return Err(StartError::Assertion(k));
     }
@@ -129,7 +130,7 @@ pub fn initialise_from(
             return Err(StartError::Clock(k));
         }
     }
-    // Start values are the guesses of iterations, and what `pre` is before the first event.
+    // Start values are the guesses of iterations, and `pre` before the first event.
     for &(v, _, start) in &program.layout.starts {
         machine.copy(program.slot(v), start);
     }
@@ -137,7 +138,7 @@ pub fn initialise_from(
     for &(slot, value) in guess {
         machine.set(slot, value);
     }
-    begin(machine)?;
+    solve_initial(machine)?;
     let selection = StateSelector::begin(machine).map_err(EventError::Fault)?;
     let at_start = initial_actions(machine);
     machine.set(program.layout.initial, 0.0);

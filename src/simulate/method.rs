@@ -1,21 +1,21 @@
-//! Which integration method a run uses.
+//! Chooses the integration method of a run.
 //!
-//! What a program is made of decides, never a clock, so that equal inputs give equal bits:
+//! The choice depends on the structure of the program, never on a clock, so equal inputs give equal
+//! bits:
 //!
-//! - Radau wherever something can happen to the smooth course of a run: relations, changes of states,
-//!   derivatives by inputs. It restarts at its full order, where a multistep method begins anew with
-//!   order 1.
-//! - BDF for large systems without events, where decompositions rule: it has one real matrix to
-//!   decompose, not a real and a complex one, and does so more rarely. At equal error it takes half the
-//!   time of Radau on a plate of 400 to 3600 cells, and a quarter more on a rod, whose matrices are
-//!   decomposed in no time.
-//! - Otherwise Dormand-Prince for as long as the system does not turn out to be stiff, Radau from there
-//!   on, and BDF if Radau's steps are often refused ([`Switching`]).
+//! - Radau if the solution may be non-smooth or is differentiated: relations, state selection,
+//!   sensitivities. It restarts at full order, whereas a multistep method restarts with order 1.
+//! - BDF for large systems without events, where factorizations dominate: it factorizes one real
+//!   matrix instead of a real and a complex one, and does so less often. At equal error it takes half
+//!   the time of Radau on a plate of 400 to 3600 cells, and a quarter more on a rod, whose matrices are
+//!   cheap to factorize.
+//! - Otherwise Dormand-Prince until the system turns out to be stiff, then Radau, and BDF if Radau's
+//!   steps are often rejected ([`Switching`]).
 //!
-//! A system that keeps algebraic equations is never given to an explicit method.
+//! A system with algebraic equations is never given to an explicit method.
 //!
-//! The same tolerance should mean about the same error whichever method it is: Radau meets it with
-//! digits to spare, the others do not, and are given a smaller one.
+//! The same tolerance should give about the same error with every method: Radau meets it with digits to
+//! spare; the others do not and get a tighter one.
 
 use crate::integrate::bdf::Bdf;
 use crate::integrate::explicit::DormandPrince;
@@ -30,13 +30,13 @@ use crate::ir::program::Program;
 
 use super::settings::Method;
 
-/// States from which on BDF is chosen for a system without events.
+/// Number of states from which on BDF is chosen for a system without events.
 const MANY_STATES: usize = 150;
-/// Part of the tolerance that Dormand-Prince is given.
+/// Factor on the tolerance of Dormand-Prince.
 const SHARPER_DOPRI: f64 = 0.1;
-/// Part of the tolerance that BDF is given: the errors of its many steps add up.
+/// Factor on the tolerance of BDF: the errors of its many steps add up.
 const SHARPER_BDF: f64 = 0.01;
-/// Relative tolerances are not sharpened beyond this.
+/// Minimum relative tolerance after tightening.
 const SHARPEST: f64 = 1e-13;
 
 /// The stepper of a run.
@@ -47,16 +47,16 @@ pub enum Integrator {
     Bdf(Box<Bdf>),
     /// Systems that are not stiff.
     DormandPrince(Box<DormandPrince>),
-    /// Those of which it is not known.
+    /// Systems whose stiffness is unknown.
     Switching(Box<Switching>),
 }
 
-/// What was chosen.
+/// The chosen method and the reason.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Choice {
     /// Name of the method in use at the end.
     pub method: &'static str,
-    /// Why, if it was not asked for.
+    /// The reason, if it was chosen automatically.
     pub because: Option<String>,
 }
 
@@ -66,7 +66,7 @@ pub enum NoMethod {
     /// An option is out of range.
     #[error(transparent)]
     Options(#[from] OptionError),
-    /// An explicit method can not solve algebraic equations.
+    /// An explicit method cannot solve algebraic equations.
     #[error(
         "dopri is explicit: it can not find the {unknowns} unknowns of algebraic loops; take radau, bdf or the reduced mode"
     )]
@@ -77,8 +77,8 @@ pub enum NoMethod {
 }
 
 impl Integrator {
-    /// The stepper for a program and its right side. `differentiated` asks for derivatives by inputs,
-    /// which only Radau can give.
+    /// The stepper for a program and its right side. `differentiated` requests sensitivities, which
+    /// only Radau supports.
     pub fn new(
         wanted: Method,
         program: &Program,
@@ -118,7 +118,7 @@ impl Integrator {
         Ok((integrator, choice))
     }
 
-    /// The name of the method in use, as the command line has it.
+    /// The name of the method in use, as on the command line.
     pub fn name(&self) -> &'static str {
         match self {
             Integrator::Radau(_) => "radau",
@@ -132,7 +132,7 @@ impl Integrator {
         }
     }
 
-    /// The choice after the run, when it is known whether the system was stiff.
+    /// The choice after the run, including whether the system was stiff.
     pub fn describe(&self, mut choice: Choice) -> Choice {
         choice.method = self.name();
         if let (Integrator::Switching(s), Some(because)) = (self, &mut choice.because) {
@@ -147,7 +147,7 @@ impl Integrator {
         choice
     }
 
-    /// The stepper that can be differentiated.
+    /// The stepper, if it supports sensitivities.
     pub fn radau(&mut self) -> Option<&mut Radau> {
         match self {
             Integrator::Radau(radau) => Some(radau),
@@ -174,16 +174,17 @@ impl Integrator {
     }
 }
 
-/// The options of BDF. What decays far below its size at the start would keep an error of the size of
-/// the absolute tolerance, which Radau undercuts by orders there: a part of a part of it makes
-/// Robertson's reaction, whose first concentration falls by eight decades, right to five digits.
+/// The options of BDF. A component that decays far below its initial size would keep an error of the
+/// size of the absolute tolerance, which Radau undercuts by orders of magnitude. With the factor applied
+/// twice, Robertson's reaction, whose first concentration falls by eight decades, is correct to five
+/// digits.
 fn for_bdf(options: &Options) -> Options {
     let mut sharper = sharpened(options, SHARPER_BDF);
     sharper.atol.iter_mut().for_each(|a| *a *= SHARPER_BDF);
     sharper
 }
 
-/// The same options with this part of the tolerances.
+/// The same options with tolerances multiplied by `part`.
 fn sharpened(options: &Options, part: f64) -> Options {
     let mut options = options.clone();
     let part = part.max(SHARPEST / options.rtol).min(1.0);
@@ -192,7 +193,7 @@ fn sharpened(options: &Options, part: f64) -> Options {
     options
 }
 
-/// [`Method::Auto`] as the answer stands for: explicit until it is stiff.
+/// The automatic choice and its reason; [`Method::Auto`] as a result means [`Switching`].
 fn choose(program: &Program) -> (Method, String) {
     let (states, algebraics) = (program.order(), program.algebraics.len());
     let mut counted = match states - algebraics {
@@ -222,7 +223,7 @@ impl std::fmt::Display for Choice {
     }
 }
 
-/// One virtual call per step, beside the many of the right side.
+/// One additional virtual call per step, compared to many for the right side.
 impl Stepper for Integrator {
     fn restart(
         &mut self,

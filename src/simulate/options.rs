@@ -1,4 +1,4 @@
-//! What the integrator is told: tolerances by nominal values, and how long its steps may be.
+//! Options of the integrator: tolerances from nominal values, and limits of the step size.
 
 use crate::base::index::Id;
 use crate::integrate::options::Options;
@@ -9,11 +9,11 @@ use super::settings::Settings;
 use super::state_selection::LIMIT;
 use super::system::HybridSystem;
 
-/// Longest step in intervals between two values of a recording that drives the model.
+/// Maximum step, in sampling intervals of the recordings that drive the model.
 const UNSEEN: f64 = 4.0;
 /// Tolerances are not sharpened beyond this.
 const SHARPEST: f64 = 1e-12;
-/// Fewest steps of a run in which a source oscillates and relations are searched.
+/// Minimum number of steps of a run with an oscillating source and state-dependent relations.
 const LEAST_STEPS: f64 = 50.0;
 
 /// Options of the integrator for a model at its start.
@@ -25,27 +25,28 @@ pub fn options(system: &HybridSystem<'_>, settings: &Settings) -> Options {
     });
     let mut nominals: Vec<f64> = nominals.collect();
     nominals.resize(program.order().max(1), 1.0);
-    // What is not selected meets the tolerance too, though it and its rate react stronger.
+    // Dependent candidates must meet the tolerance too, although they react more strongly.
     let reaction = if program.state_sets.is_empty() { 1.0 } else { LIMIT * LIMIT };
     let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
     let mut options = Options::with_nominals(tolerance, &nominals);
     options.max_steps = settings.most_steps;
-    // What is shorter than a step may not be seen.
+    // Shorter features of the signals could be stepped over.
     let machine = &system.machine;
     options.max_step = UNSEEN * machine.input_signals.spacing();
     options.max_step = options.max_step.min(machine.delays.shortest_delay(&machine.memory));
     if program.events.relation_triggers.contains(&RelationTrigger::State) && oscillates(program) {
-        // Where states rest nothing but this limits the step, and a source may come and go within it.
+        // While states are constant nothing else limits the step, and a pulse of the source could be
+        // stepped over.
         options.max_step = options.max_step.min((settings.stop - settings.start) / LEAST_STEPS);
     }
     if program.order() == 0 && settings.stop > settings.start {
-        // Nothing limits the error of a resting state, but events must not be stepped over.
+        // A constant state does not limit the step, but events must not be stepped over.
         options.max_step = options.max_step.min(settings.spacing.unwrap_or(settings.interval));
     }
     options
 }
 
-/// True if a sine or cosine of time stands in the model.
+/// True if a sine or cosine of time occurs in the model.
 fn oscillates(program: &Program) -> bool {
     let graph = &program.blocks.dae.graph;
     let mut of_time: Vec<bool> = Vec::with_capacity(graph.len());

@@ -1,4 +1,4 @@
-//! Rows and events on their way out.
+//! Recording: passes rows and events of a run to a sink.
 
 use std::sync::Arc;
 
@@ -10,46 +10,46 @@ use crate::runtime::machine::Machine;
 use super::columns::column_storage;
 use super::settings::Settings;
 
-/// Takes what a run records. `row` is called in order of time, at events twice.
+/// Receives the results of a run. Rows come in order of time; an event has two.
 pub trait Sink {
-    /// The variables, once before all rows.
+    /// The recorded variables; called once before all rows.
     fn begin(&mut self, columns: Vec<Column>);
-    /// About how many rows there will be, once before all rows.
+    /// The approximate number of rows; called once before all rows.
     fn expect(&mut self, _rows: usize) {}
-    /// False: [`Sink::constants`] is not called.
+    /// If false, [`Sink::constants`] is not called.
     fn wants_constants(&self) -> bool {
         true
     }
-    /// Parameters and constants, once after `begin`.
+    /// Parameters and constants; called once after `begin`.
     fn constants(&mut self, _: Vec<Constant>) {}
-    /// One value for each variable.
+    /// A row: one value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
-    /// What is known of the columns, once before the rows. A sink that answers with true gets only the
-    /// first row whole; of all others what goes its own way, by [`Sink::own_columns`], and then
-    /// [`Sink::end`].
+    /// How each column is determined; called once before the rows. A sink that returns true receives
+    /// only the first row completely, and of all others only the independent columns
+    /// ([`Sink::own_columns`]).
     fn column_storage(&mut self, _: Vec<ColumnStorage>) -> bool {
         false
     }
-    /// As [`Sink::rows`], without the columns whose course is known, and column by column: the values of
-    /// each begin `stride` after those of the one before.
+    /// As [`Sink::rows`] for the independent columns, in column-major order: columns start `stride`
+    /// values apart.
     fn own_columns(&mut self, _times: &[f64], _values: &[f64], _stride: usize) {}
-    /// Called once after the last row, of a run that failed too.
+    /// Called once after the last row, also if the run failed.
     fn end(&mut self) {}
-    /// Several rows, one after the other, for what is faster with many at once. Rows of a run may come
-    /// late, but never after an event that follows them, nor after its end.
+    /// Several consecutive rows, for sinks that process them faster together. Rows may be delayed, but
+    /// never past a subsequent event or the end of the run.
     fn rows(&mut self, times: &[f64], values: &[f64]) {
         let columns = values.len() / times.len().max(1);
         for (row, time) in times.iter().enumerate() {
             self.row(*time, &values[row * columns..(row + 1) * columns]);
         }
     }
-    /// The derivatives of the last row, if the run is differentiated: value by value, input by input.
+    /// The sensitivities of the last row, if requested: value by value, input by input.
     fn slopes(&mut self, _slopes: &[f64]) {}
-    /// Something happened.
+    /// An event.
     fn event(&mut self, event: Event);
-    /// The model prints a line: to the file of this name, to the terminal if it has none.
+    /// A line printed by the model: to the file of this name, or to the terminal if it is empty.
     fn print(&mut self, _line: &str, _file: &str) {}
-    /// Called after each step with the time that it reached, s. False ends the run there.
+    /// Called after each step with its end time, s. Return false to end the run.
     fn goes_on(&mut self, _: f64) -> bool {
         true
     }
@@ -83,27 +83,27 @@ impl Sink for Trajectory {
     }
 }
 
-/// Events for whose rows there is room from the start.
+/// Number of events whose rows are included in the estimated row count.
 const EXPECTED_EVENTS: usize = 64;
 
-/// Rows that are handed over together: as many values as a cache near the processor holds.
+/// Maximum number of values in a block of rows, chosen to fit into the L1 cache.
 const BLOCK_VALUES: usize = 1 << 14;
-/// And no more rows than this.
+/// Maximum number of rows in a block.
 const BLOCK_ROWS: usize = 64;
 
-/// What is recorded, and the next instant of the output grid.
+/// Collects rows in blocks, and tracks the output grid.
 pub struct Recorder {
     cells: Vec<(VarId, Slot)>,
-    /// What is recorded after the first row, if not all.
+    /// The independent variables, if only they are recorded after the first row.
     own: Option<Vec<(VarId, Slot)>>,
     narrowed: bool,
-    /// Times of the rows that were not handed over yet.
+    /// Times of the rows in the block.
     times: Vec<f64>,
-    /// Their values, and room for those of others: row by row, narrowed column by column.
+    /// Values of the block: row-major, or column-major if narrowed.
     block: Vec<f64>,
-    /// Rows that there is room for.
+    /// Capacity in rows.
     rows: usize,
-    /// How far the values of one row are apart in the block.
+    /// Distance between the values of a row.
     stride: usize,
     next: u64,
     count: u64,
@@ -113,27 +113,27 @@ pub struct Recorder {
     instants: Option<Arc<[f64]>>,
 }
 
-/// Values in a line of the cache.
+/// Values per cache line.
 const LINE: usize = 8;
 
-/// Rows that are handed over together, of so many columns.
+/// Number of rows in a block with this many columns.
 fn rows_of_block(columns: usize) -> usize {
     (BLOCK_VALUES / columns.max(1)).clamp(1, BLOCK_ROWS)
 }
 
 impl Recorder {
-    /// Records what the program says, at the instants that the settings ask for.
+    /// Records the variables selected in the program at the instants given by the settings.
     pub fn new(program: &Program, settings: &Settings) -> Self {
         let Settings { start, stop, interval, .. } = *settings;
         let instants = settings.instants.clone();
         let cells: Vec<(VarId, Slot)> =
             program.recorded.iter().map(|&v| (v, program.slot(v))).collect();
-        // A last interval that is only rounding is none.
+        // Ignore a last interval of the size of rounding errors.
         let intervals = (stop - start) / interval;
         let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
         let rows = rows_of_block(cells.len());
         let (times, block) = (Vec::with_capacity(rows), vec![0.0; rows * cells.len()]);
-        // The start has its row already.
+        // The start is recorded separately.
         let passed = |list: &Arc<[f64]>| list.partition_point(|t| *t <= start) as u64;
         let next = instants.as_ref().map_or(1, passed);
         Recorder {
@@ -153,7 +153,7 @@ impl Recorder {
         }
     }
 
-    /// The next instant of the grid if it lies before `end`, or at it if `inclusive`.
+    /// The next instant of the grid, if it is before `end`, or equal to it if `inclusive`.
     pub fn due(&self, end: f64, inclusive: bool) -> Option<f64> {
         if let Some(list) = &self.instants {
             let at = *list.get(self.next as usize)?;
@@ -167,19 +167,19 @@ impl Recorder {
         (at < end || (inclusive && at == end)).then_some(at)
     }
 
-    /// Rows that are due, and two for each of a few events.
+    /// The rows of the grid, and two rows for each of some events.
     pub fn expected_rows(&self) -> usize {
         const MOST: u64 = 1 << 20;
         let due = self.instants.as_ref().map_or(self.count, |list| list.len() as u64);
         (due.min(MOST) + 1) as usize + 2 * EXPECTED_EVENTS
     }
 
-    /// Goes on to the next instant of the grid.
+    /// Advances to the next instant of the grid.
     pub fn advance(&mut self) {
         self.next += 1;
     }
 
-    /// Takes the values of a row; the variable that is not finite if there is one.
+    /// Copies the values of a row; the error is a variable that is not finite.
     pub fn take(&mut self, machine: &Machine<'_>) -> Result<(), VarId> {
         let row = self.times.len();
         let first = if self.narrowed { row } else { row * self.cells.len() };
@@ -197,7 +197,7 @@ impl Recorder {
         broken.map_or(Ok(()), |(v, _)| Err(*v))
     }
 
-    /// Hands over the row that was taken last, or keeps it for later with those before it.
+    /// Completes the row that was taken last; passes the block to the sink if it is full.
     pub fn put(&mut self, time: f64, sink: &mut dyn Sink) {
         self.times.push(time);
         if self.times.len() == self.rows {
@@ -205,7 +205,7 @@ impl Recorder {
         }
     }
 
-    /// Hands over what is left.
+    /// Passes the remaining rows to the sink.
     pub fn flush(&mut self, sink: &mut dyn Sink) {
         let Recorder { times, block, stride, .. } = self;
         match (times.is_empty(), self.narrowed) {
@@ -216,7 +216,7 @@ impl Recorder {
         self.times.clear();
     }
 
-    /// Tells the sink what is known of the columns.
+    /// Announces to the sink how each column is determined.
     pub fn announce_storage(&mut self, program: &Program, sink: &mut dyn Sink) {
         let column_storage = column_storage(program);
         let own = self
@@ -228,12 +228,13 @@ impl Recorder {
         self.own = sink.column_storage(column_storage).then_some(own);
     }
 
-    /// Hands over the first row, and goes on with what the sink wants of the others.
+    /// Passes the first row to the sink, then narrows recording to independent columns if the sink
+    /// supports it.
     pub fn flush_first(&mut self, sink: &mut dyn Sink) {
         self.flush(sink);
         if let Some(own) = self.own.take() {
             self.rows = rows_of_block(own.len());
-            // With an odd number of lines between columns they do not displace each other in the cache.
+            // An odd number of cache lines between columns avoids conflicts in the cache.
             self.stride = self.rows.next_multiple_of(2 * LINE) + LINE;
             self.block.resize(self.stride * own.len().max(1), 0.0);
             self.cells = own;

@@ -1,4 +1,4 @@
-//! The loop: step, look for events, record, settle, go on.
+//! The simulation loop: step, locate events, record, execute events.
 
 use std::time::{Duration, Instant};
 
@@ -32,48 +32,48 @@ use super::system::{HybridSystem, is_domain_fault};
 use crate::integrate::system::System;
 use crate::runtime::machine::Fault;
 
-/// How far beyond the end of a branch another one is looked for first, as a part of the run.
+/// First shift beyond the end of a solution branch, as a fraction of the run.
 const FIRST_BRANCH_SHIFT: f64 = 1e-12;
 
-/// How often that distance grows tenfold.
+/// Number of shifts, each ten times the previous one.
 const MAX_BRANCH_SHIFTS: i32 = 7;
 
-/// Points of each step that the history of a delayed expression keeps.
+/// Points per step that are recorded in the histories of delayed variables.
 const HISTORY_POINTS: u32 = 5;
 
-/// Part of a run that a step may last at least, though it reads what is only coming: beyond what is known
-/// the course goes on along its last slope.
+/// Minimum limit of a step by histories, as a fraction of the run. A longer step extrapolates a history
+/// along its last slope.
 const MIN_STEP_FRACTION: f64 = 1e-4;
 
-/// How often the start is computed until what is delayed begins as it is.
+/// Maximum number of initializations until the initial values of histories are consistent.
 const MAX_HISTORY_ITERATIONS: usize = 5;
 
-/// What a run cost.
+/// Statistics of a run.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Statistics {
-    /// Work of the integrator.
+    /// Counters of the integrator.
     pub integration: Stats,
-    /// Which integrator that was.
+    /// The integration method.
     pub method: Choice,
-    /// Instants at which a relation on the trajectory switched.
+    /// Number of events triggered by state-dependent relations.
     pub state_events: u64,
-    /// Instants known in advance: comparisons with time, and clocks.
+    /// Number of time events: comparisons with time, and clocks.
     pub time_events: u64,
-    /// How often other variables became states.
+    /// Number of changes of the selected states.
     pub selections: u64,
     /// Rows recorded.
     pub rows: u64,
-    /// Time spent.
+    /// Elapsed wall-clock time.
     pub elapsed: Duration,
-    /// Where the run ended, s: before the stop if the model terminated it.
+    /// End of the run, s; before the stop time if the model terminated it.
     pub end: f64,
-    /// The text of the `terminate` that ended it.
+    /// Message of the `terminate` that ended it.
     pub terminated: Option<String>,
     /// The sink ended it.
     pub interrupted: bool,
-    /// Assertions of level warning that were violated, each once.
+    /// Violated assertions of level warning, each once.
     pub warnings: Vec<Diagnostic>,
-    /// The extreme values that were wanted; none where the variable never counted.
+    /// The requested extrema; `None` if the condition of the request was never true.
     pub extrema: Vec<Option<f64>>,
 }
 
@@ -82,11 +82,11 @@ pub struct Statistics {
 pub struct Run {
     /// All rows and events.
     pub trajectory: Trajectory,
-    /// What it cost.
+    /// Its statistics.
     pub statistics: Statistics,
 }
 
-/// Runs a program and keeps the whole trajectory. `sources` gives events their place.
+/// Runs a program and returns the whole trajectory. `sources` gives the source positions of events.
 pub fn simulate(
     program: &Program,
     settings: &Settings,
@@ -97,7 +97,7 @@ pub fn simulate(
     Ok(Run { trajectory, statistics })
 }
 
-/// Runs a program and hands each row and event to `sink` as it comes; what was handed over before a
+/// Runs a program and passes each row and event to `sink` immediately; everything passed before a
 /// failure is valid.
 pub fn simulate_to(
     program: &Program,
@@ -108,9 +108,8 @@ pub fn simulate_to(
     run_to(program, settings, &[], sources, sink)
 }
 
-/// As [`simulate_to`], and after each row hands over the derivatives of its values by the inputs
-/// ([`Sink::slopes`]). They are right across events, and along the surface of a relation that the
-/// solution slides on.
+/// As [`simulate_to`], with the derivatives of each row with respect to `inputs` ([`Sink::slopes`]).
+/// They are exact across events and during sliding.
 pub fn simulate_with_sensitivities(
     program: &Program,
     settings: &Settings,
@@ -162,7 +161,7 @@ fn run_to(
     Ok(statistics)
 }
 
-/// A run under way.
+/// A run in progress.
 pub struct Simulation<'p, 's> {
     pub(super) program: &'p Program,
     pub(super) sources: &'s SourceMap,
@@ -182,7 +181,7 @@ pub struct Simulation<'p, 's> {
     pub(super) bound_warnings: BoundWarnings,
     pub(super) relation_texts: Vec<Option<String>>,
     pub(super) history: EventHistory,
-    /// Where events have piled up, as long as nothing says how it goes on from there.
+    /// An accumulation of events that has not been resolved yet.
     pub(super) accumulation: Option<Accumulation>,
     pub(super) duplicates: DuplicateFilter,
     pub(super) ended: bool,
@@ -291,7 +290,7 @@ impl<'p, 's> Simulation<'p, 's> {
             let mut reached = self.step(t_stop)?;
             let mut switched = self.first_switch()?;
             if self.system.left_domain && switched.is_none() && self.has_left_the_domain() {
-                // No relation would have kept the step inside: so must the step itself.
+                // The step left the domain without an event: repeat it without clamping.
                 self.stepper.interpolate(self.t, &mut self.y);
                 if let Some(s) = &mut self.sensitivity {
                     s.restart(self.t);
@@ -328,8 +327,8 @@ impl<'p, 's> Simulation<'p, 's> {
         }
     }
 
-    /// Adds to the histories of delayed expressions: what they are now, or the course of the last step
-    /// up to `end`.
+    /// Records the histories of delayed variables and transport lines: the current values (`now`), or
+    /// the last step up to `end`.
     pub(super) fn record_history(&mut self, end: f64, now: bool) -> Result<(), Failure> {
         if !self.system.machine.has_history() {
             return Ok(());
@@ -346,7 +345,7 @@ impl<'p, 's> Simulation<'p, 's> {
             return Ok(());
         }
         let begin = self.t.max(self.stepper.t_previous());
-        // What rests between events has a course of two points.
+        // Histories that are constant between events need only the end point.
         let points = if self.system.machine.records_history() { HISTORY_POINTS } else { 1 };
         for k in 1..=points {
             let part = f64::from(k) / f64::from(points);
@@ -357,12 +356,12 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
-    /// Checks and records the step that ends at `t` without an event, and stands there.
+    /// Checks and records the step that ends at `t` without an event, and advances to `t`.
     fn complete_step(&mut self, t: f64) -> Result<(), Failure> {
         self.locator.on_step(&self.system.machine);
         self.check_accumulation()?;
         self.warn_of_undetermined(t);
-        // What fails at the end may have failed before.
+        // An assertion violated at the end may have been violated at an earlier row.
         let at_end = self.check_assertions_of_step();
         self.advance_sensitivities()?;
         self.record_grid(t, true)?;
@@ -371,7 +370,7 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
-    /// Goes on past a corner of what recordings say about inputs. Only what jumps there is an event.
+    /// Advances past a breakpoint of an input signal. It is an event only if a value or rate jumps.
     fn breakpoint(&mut self, t: f64) -> Result<(), Failure> {
         let machine = &self.system.machine;
         if machine.delays.next_breakpoint(&machine.memory) <= t {
@@ -416,19 +415,19 @@ impl<'p, 's> Simulation<'p, 's> {
                     self.system.machine.discard_fault(saved);
                     outcome = switched;
                 }
-                // What failed first is what is told.
+                // Report the first failure.
                 None => self.system.machine.restore_fault(saved),
             }
         }
         self.system.machine.branch_switch = true;
         let step =
             outcome.map_err(|e| of_integration(&self.system.machine, e, self.stepper.t()))?;
-        // What a shorter step could avoid is no failure.
+        // Faults that a shorter step avoided do not count.
         self.system.machine.fault = None;
         Ok(matches!(step, Step::Reached { .. }))
     }
 
-    /// True if a loop had no solution near the last one.
+    /// True if an algebraic loop has no solution near the last one.
     fn lost_a_branch(&self) -> bool {
         matches!(
             self.system.machine.fault,
@@ -436,14 +435,14 @@ impl<'p, 's> Simulation<'p, 's> {
         )
     }
 
-    /// A step that begins on another branch of an algebraic loop, just beyond the end of the one that the
-    /// solution was on; `None` if there is none.
+    /// A step that starts on another solution branch of an algebraic loop, just beyond the end of the
+    /// current one; `None` if there is no such branch.
     fn switch_branch(
         &mut self,
         t_stop: f64,
     ) -> Option<Result<Step, crate::integrate::outcome::Failure>> {
         let (t, y) = (self.stepper.t(), self.stepper.y().to_vec());
-        // As the last step went: the derivatives here may be beyond the end already.
+        // The slope of the last step: derivatives may not exist at its end.
         let before = self.stepper.t_previous();
         let mut slope = y.clone();
         self.stepper.interpolate(before, &mut slope);
@@ -457,7 +456,7 @@ impl<'p, 's> Simulation<'p, 's> {
             if beyond >= t_stop {
                 return None;
             }
-            // The states go on to where the branch is no more.
+            // Extrapolate the states beyond the end of the branch.
             for ((m, y), slope) in moved.iter_mut().zip(&y).zip(&slope) {
                 *m = y + way * slope;
             }
@@ -487,7 +486,7 @@ impl<'p, 's> Simulation<'p, 's> {
         started.map_err(|e| of_integration(&self.system.machine, e, self.t))
     }
 
-    /// Selects states anew at the end of a step if necessary; true if they changed.
+    /// Updates the state selection at the end of a step; true if it changed.
     fn reselect_after_step(&mut self) -> Result<bool, Failure> {
         if self.selection.is_empty() {
             return Ok(false);
@@ -497,7 +496,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.reselect_states(t)
     }
 
-    /// Selects states anew, if necessary, where the variables are in the memory.
+    /// Updates the state selection at the point in the memory; true if it changed.
     pub(super) fn reselect_states(&mut self, t: f64) -> Result<bool, Failure> {
         self.evaluate_sensitivities(t)?;
         if let Some(s) = &mut self.sensitivity {
@@ -518,7 +517,7 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(changed)
     }
 
-    /// Evaluates everything at an instant of the last step, relations held.
+    /// Evaluates all variables at an instant of the last step, with relations held.
     pub(super) fn evaluate_at(&mut self, t: f64) -> Result<(), Failure> {
         if t == self.stepper.t() {
             self.y.copy_from_slice(self.stepper.y());
@@ -532,12 +531,12 @@ impl<'p, 's> Simulation<'p, 's> {
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
-    /// Records the rows of the grid up to `end`, and looks for extreme values up to there.
+    /// Records the rows of the output grid up to `end`, and updates the extrema.
     pub(super) fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
         self.search_extrema(end)?;
         while let Some(at) = self.recorder.due(end, inclusive) {
             self.evaluate_at(at)?;
-            // A long step may come back to where they hold.
+            // A long step may end where the assertions hold again.
             self.check_assertions(at)?;
             self.take_row(at)?;
             self.put_row(at);
@@ -546,7 +545,7 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
-    /// Records the row at `t` with the states in `self.y`.
+    /// Records a row at `t` with the states in `self.y`.
     pub(super) fn record(&mut self, t: f64) -> Result<(), Failure> {
         let evaluated = self.system.evaluate_all(t, &self.y);
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
@@ -556,7 +555,7 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
-    /// Takes the values in the memory as the next row.
+    /// Copies the values in the memory to the next row.
     pub(super) fn take_row(&mut self, t: f64) -> Result<(), Failure> {
         let mut taken = self.recorder.take(&self.system.machine);
         if taken.is_err() && self.system.left_domain {
@@ -598,7 +597,8 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 }
 
-/// Begins the histories of delayed expressions; true if what they begin with has changed.
+/// Starts the histories of delayed variables and transport lines; true if their initial values have
+/// changed.
 fn first_values(system: &mut HybridSystem<'_>, t: f64) -> bool {
     let mut y = vec![0.0; system.machine.program.order().max(1)];
     let n = system.machine.program.order();

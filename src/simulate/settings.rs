@@ -1,4 +1,4 @@
-//! What a run may choose, with its only defaults.
+//! Settings of a run and their defaults.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::runtime::jit::tiering::Execution;
 
 use super::extrema::ExtremumRequest;
 
-/// Default end of a run, s.
+/// Default stop time, s.
 pub const DEFAULT_STOP: f64 = 1.0;
 /// Default number of intervals between rows.
 pub const DEFAULT_INTERVALS: f64 = 500.0;
@@ -20,7 +20,7 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 /// An integration method, or the choice of one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Method {
-    /// By what the model is made of, see `simulate::method`.
+    /// Chosen from the structure of the model, see `simulate::method`.
     #[default]
     Auto,
     /// Radau IIA of order 5: stiff systems, many events.
@@ -31,40 +31,40 @@ pub enum Method {
     Dopri,
 }
 
-/// Choices for one run.
+/// Settings of one run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Settings {
-    /// Begin, s.
+    /// Start time, s.
     pub start: f64,
-    /// End, s; not before `start`.
+    /// Stop time, s; not before `start`.
     pub stop: f64,
-    /// Time between two rows, s; positive.
+    /// Output interval, s; positive.
     pub interval: f64,
-    /// Tolerated relative error of a step, without unit, between 1e-14 and 1.
+    /// Relative tolerance of a step, dimensionless, between 1e-14 and 1.
     pub tolerance: f64,
     /// The integration method.
     pub method: Method,
-    /// Values for parameters.
+    /// Overridden parameters.
     pub parameters: Vec<(VarId, f64)>,
-    /// Values for starts.
+    /// Overridden start values.
     pub starts: Vec<(VarId, f64)>,
-    /// What recordings say about inputs of the program; those without a course rest at 0.
+    /// Recorded signals that drive inputs of the program; the other inputs are 0.
     pub courses: Vec<(VarId, Arc<TimeSeries>)>,
-    /// How tapes are run; the results are the same.
+    /// How tapes are executed; the results are the same.
     pub execution: Execution,
-    /// Instants of the rows, s, instead of equal intervals: ascending, none after `stop`. Events have
-    /// their rows besides.
+    /// Instants of the rows, s, instead of an equidistant grid: ascending, none after `stop`. Events
+    /// have additional rows.
     pub instants: Option<Arc<[f64]>>,
-    /// Extreme values that are wanted, found in [`Statistics`](super::run::Statistics).
+    /// Requested extrema; the results are in [`Statistics`](super::run::Statistics).
     pub extrema: Vec<ExtremumRequest>,
-    /// Variables do not turn twice within this time, s; without it, within `interval`.
+    /// Minimum distance of extrema, s; `interval` if not given.
     pub spacing: Option<f64>,
-    /// Steps of the integrator, rejected ones too, after which the run is given up.
+    /// Maximum number of steps of the integrator, including rejected ones.
     pub most_steps: u64,
 }
 
 impl Settings {
-    /// What the model asks for, with defaults where it does not.
+    /// The settings of the model's `experiment` annotation, with defaults.
     pub fn of(experiment: &Experiment) -> Self {
         let start = experiment.start.unwrap_or(0.0);
         let stop = experiment.stop.unwrap_or(start + DEFAULT_STOP);
@@ -85,7 +85,7 @@ impl Settings {
         }
     }
 
-    /// What is out of range, if anything.
+    /// A message if a setting is out of range.
     pub fn fault(&self) -> Option<String> {
         let Settings { start, stop, interval, tolerance, .. } = self;
         if !(start.is_finite() && stop.is_finite() && stop >= start) {

@@ -1,25 +1,25 @@
-//! The selection of states while the model runs.
+//! Dynamic state selection.
 //!
-//! After each step the constraints are asked how strongly what is not selected reacts to what is.
-//! As soon as a reaction exceeds [`LIMIT`] the selection is made anew; it is then so good that much
-//! has to happen before the next time, so that it does not go to and fro.
+//! After each step the constraints are differentiated: how strongly do dependent candidates react to
+//! the selected states? If a derivative exceeds [`LIMIT`], states are selected again. The new selection
+//! is so well conditioned that it does not alternate with the old one.
 
 use crate::ir::program::Program;
 use crate::numeric::maxvol::Basis;
 use crate::runtime::machine::{Fault, Machine};
 
-/// Largest tolerated derivative of a dependent candidate by a state, both in units of their nominal
-/// value.
+/// Largest tolerated derivative of a dependent candidate with respect to a state, both in units of
+/// their nominal value.
 pub const LIMIT: f64 = 2.0;
 
-/// The states in use.
+/// The current selection.
 pub struct StateSelector {
     dependent: Vec<Basis>,
     matrix: Vec<f64>,
 }
 
 impl StateSelector {
-    /// What the compiler would select. Variables must have their values.
+    /// Starts from the selection of the compiler and improves it. All variables must be in the memory.
     pub fn begin(machine: &mut Machine<'_>) -> Result<StateSelector, Fault> {
         let program = machine.program;
         let mut dependent = Vec::new();
@@ -40,8 +40,8 @@ impl StateSelector {
         self.dependent.is_empty()
     }
 
-    /// Selects anew if necessary; true if states changed. Variables must have their values, and the
-    /// states in the memory get theirs.
+    /// Updates the selection if necessary, and the states in the memory; true if it changed. All
+    /// variables must be in the memory.
     pub fn update(&mut self, machine: &mut Machine<'_>) -> Result<bool, Fault> {
         let changed = self.improve(machine)?;
         if changed {

@@ -1,4 +1,4 @@
-//! A running program as the integrator sees it.
+//! The hybrid system between events, in the form that the integrator expects.
 
 use crate::integrate::system::{EvalError, System};
 use crate::ir::program::{Entry, Program, RelationTrigger};
@@ -8,37 +8,37 @@ use crate::runtime::machine::{Fault, Machine};
 use super::event::sliding::Sliding;
 
 /// The derivatives of the states, and the residuals of the loops that are left to the integrator. A
-/// model without states has one that rests, so that events of its algebraic variables are found by
-/// the same loop.
+/// model without states gets a constant one, so that the same loop locates events of its algebraic
+/// variables.
 pub struct HybridSystem<'p> {
-    /// The run.
+    /// The machine that evaluates the program.
     pub machine: Machine<'p>,
-    /// Since this was reset, a function was evaluated beyond its domain.
+    /// A function was evaluated outside of its domain since this flag was reset.
     pub left_domain: bool,
-    /// Nothing is evaluated beyond its domain.
+    /// Do not clamp arguments to the domain of functions.
     pub strict: bool,
-    /// The surface that the solution stays on, if any.
+    /// The surface along which the solution slides, if any.
     pub sliding: Option<Sliding>,
     differential: Vec<bool>,
     pattern: Pattern,
-    /// Relations that are searched on the trajectory.
+    /// State-dependent relations.
     state_relations: Vec<u32>,
     probes: ProbeHistory,
-    /// For each entry of the program its place in the pattern.
+    /// Position in the pattern of each Jacobian entry of the program.
     positions: Vec<usize>,
     displaced: Vec<f64>,
     base: Vec<f64>,
     slope: Vec<f64>,
 }
 
-/// The last evaluations of derivatives, with whether a searched relation differed from its held value.
+/// The last evaluations of derivatives, each with a flag that a relation differed from its held value.
 #[derive(Default)]
 struct ProbeHistory {
-    /// As many as a step of Radau IIA makes after its last iteration began: three stages, the error
+    /// As many as Radau IIA makes per step from its last iteration on: three stages, the error
     /// estimate, and the end.
     recent: [(f64, bool); 5],
     next: usize,
-    /// The memory is as the last one left it.
+    /// The memory has not changed since the last one.
     is_current: bool,
 }
 
@@ -58,7 +58,7 @@ fn state_relations(program: &Program) -> Vec<u32> {
 }
 
 impl<'p> HybridSystem<'p> {
-    /// A run that has not begun.
+    /// A system in its initial state.
     pub fn new(program: &'p Program) -> Self {
         let (states, order) = (program.blocks.states.len(), program.order());
         let n = order.max(1);
@@ -83,8 +83,8 @@ impl<'p> HybridSystem<'p> {
         }
     }
 
-    /// An instant in the second half of a step before which the integrator looked at searched
-    /// relations and found none switched, if it looked into both halves: at the stages of a Runge-Kutta
+    /// An instant in the second half of a step up to which the evaluations of the integrator found no
+    /// relation changed, if there were evaluations in both halves: at the stages of a Runge-Kutta
     /// method relations cost next to nothing.
     pub fn quiet_until(&self, t0: f64, t1: f64) -> Option<f64> {
         let middle = 0.5 * (t0 + t1);
@@ -94,7 +94,7 @@ impl<'p> HybridSystem<'p> {
         (quiet && latest > middle).then_some(latest)
     }
 
-    /// True if searched relations in the memory are those at `(t, y)`.
+    /// True if the relations in the memory were evaluated at `(t, y)`.
     pub fn is_current_at(&self, t: f64, y: &[f64]) -> bool {
         let machine = &self.machine;
         self.probes.is_current
@@ -102,7 +102,7 @@ impl<'p> HybridSystem<'p> {
             && machine.states() == &y[..machine.program.order()]
     }
 
-    /// Evaluates searched relations where the derivatives were evaluated last.
+    /// Evaluates the relations at the point of the last evaluation of derivatives.
     fn probe(&mut self, t: f64) {
         let program = self.machine.program;
         if self.left_domain
@@ -117,7 +117,7 @@ impl<'p> HybridSystem<'p> {
         self.probes.note(t, switched);
     }
 
-    /// Everything at `(t, y)`, relations held.
+    /// Evaluates all variables at `(t, y)`, with relations held.
     pub fn evaluate_all(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
         self.probes.is_current = false;
         if let Some(sliding) = &mut self.sliding {
@@ -129,7 +129,7 @@ impl<'p> HybridSystem<'p> {
         self.machine.run(&program.tapes.outputs)
     }
 
-    /// Derivatives, searched relations and assertions at `(t, y)`.
+    /// Evaluates derivatives, zero-crossing indicators and assertions at `(t, y)`.
     pub fn evaluate_roots(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
         self.probes.is_current = false;
         let program = self.machine.program;
@@ -138,7 +138,7 @@ impl<'p> HybridSystem<'p> {
         self.machine.run(&program.tapes.roots)
     }
 
-    /// As [`HybridSystem::evaluate_all`], beyond the domain of functions too.
+    /// As [`HybridSystem::evaluate_all`], with arguments clamped to the domain of functions.
     pub fn evaluate_all_clamped(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
         self.machine.clamp_domain = true;
         let outcome = self.evaluate_all(t, y);
@@ -146,7 +146,7 @@ impl<'p> HybridSystem<'p> {
         outcome
     }
 
-    /// As [`HybridSystem::evaluate_roots`], beyond the domain of functions if the step went there.
+    /// As [`HybridSystem::evaluate_roots`], with arguments clamped if the step left the domain.
     pub fn evaluate_roots_clamped(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
         let outcome = self.evaluate_roots(t, y);
         let layout = &self.machine.program.layout;
@@ -175,8 +175,8 @@ impl<'p> HybridSystem<'p> {
         self.machine.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
     }
 
-    /// Runs the tape of the Jacobian; false if a torn block has no derivative there. That is no reason
-    /// to fail: differences do.
+    /// Executes the tape of the Jacobian; false if a torn block has no derivative there. The caller then
+    /// uses difference quotients.
     fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<bool, EvalError> {
         self.probes.is_current = false;
         let program = self.machine.program;
@@ -197,8 +197,8 @@ impl<'p> HybridSystem<'p> {
         Ok(self.machine.run(&program.tapes.jacobian).is_ok())
     }
 
-    /// Writes a column of the Jacobian as one-sided difference quotients to `slope`, for where the exact
-    /// derivative is infinite, as that of a root at zero.
+    /// Writes a column of the Jacobian to `slope` as one-sided difference quotients, for points where
+    /// the exact derivative is infinite, such as that of a root at zero.
     fn difference(&mut self, t: f64, y: &[f64], column: usize) -> Result<(), Fault> {
         let n = self.machine.program.order();
         self.displaced.copy_from_slice(y);
@@ -288,7 +288,7 @@ impl System for HybridSystem<'_> {
     }
 
     fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
-        // On a sliding surface this is the Jacobian beside it: near enough for Newton's method.
+        // During sliding this is the Jacobian of one side: close enough for Newton's method.
         let program = self.machine.program;
         let exact = self.differentiate(t, y)?;
         for (e, &place) in program.jacobian_entries.iter().zip(&self.positions) {
@@ -309,8 +309,8 @@ impl System for HybridSystem<'_> {
     }
 }
 
-/// The derivatives, beyond the domain of functions where nothing else is possible: while a relation
-/// is held its branch must go on a little beyond the point at which it switches.
+/// Evaluates the derivatives, with clamped arguments if they cannot be evaluated otherwise: while a
+/// relation is held, its branch must extend slightly beyond the crossing.
 fn derivatives(
     machine: &mut Machine<'_>,
     left_domain: &mut bool,
@@ -331,12 +331,12 @@ fn derivatives(
     }
 }
 
-/// True for a fault that moving arguments into their domain may cure.
+/// True for faults that clamping of arguments may avoid.
 pub fn is_domain_fault(fault: Fault) -> bool {
     matches!(fault, Fault::Derivative { .. } | Fault::NotFinite { .. })
 }
 
-/// The fault itself stays with the instance.
+/// The machine records the fault itself.
 fn recoverable(_: Fault) -> EvalError {
     EvalError::Recoverable(0)
 }

@@ -1,7 +1,7 @@
 //! Algebraic loops that are left to the integrator: against closed forms, published values, and the
 //! reduced mode.
 
-use mocc::ir::program::Form;
+use mocc::ir::program::SystemForm;
 use mocc::simulate::settings::Method;
 
 use super::door::{Case, Reading, assert_close};

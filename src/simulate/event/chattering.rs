@@ -1,5 +1,5 @@
-//! Relations that switch again and again: where both sides lead back the solution stays between them,
-//! and switching without end is reported.
+//! Chattering: relations that switch back and forth in rapid succession. If the solution returns from
+//! both sides, it slides along the threshold; otherwise chattering is an error.
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -14,34 +14,33 @@ use super::zeno::intervals_shrink;
 use crate::simulate::failure::{Failure, of_fault};
 use crate::simulate::run::Simulation;
 
-/// So many events in so short a time are chattering, not physics.
+/// Number of events within [`CHATTER_SPAN`] that count as chattering.
 const CHATTER_EVENTS: usize = 64;
-/// The short time, as a part of the whole run.
+/// Time span of chattering, as a fraction of the run.
 const CHATTER_SPAN: f64 = 1e-7;
 
-/// The part of the short time that is no time at all.
+/// Fraction of the time span below which events count as simultaneous.
 const INSTANTANEOUS: f64 = 1e-13;
-/// So many events of one relation alone in the short time, and its two sides are asked whether they
-/// meet.
+/// Number of events of a single relation within the time span after which sliding is tested.
 const SLIDING_EVENTS: u32 = 4;
-/// Halvings of a step to find the end of a motion along a surface.
+/// Bisections of a step to locate the end of sliding.
 const HALVINGS: u32 = 50;
 
-/// The times of the last events, to notice chattering.
+/// Recent events, for detecting chattering.
 pub struct EventHistory {
     times: [f64; CHATTER_EVENTS],
     at: usize,
     span: f64,
-    /// The relations that switched at them.
+    /// The relations that changed in them.
     flipped: Vec<u32>,
-    /// The last relation that switched alone, how often in a row, and since when.
+    /// The last relation that changed as the only one, how often in succession, and since when.
     single: Option<(u32, u32, f64)>,
-    /// The last relation at whose switching something other than relations changed, and its value then.
+    /// The last relation whose change had effects on variables, and its new value.
     acting: Option<(u32, bool)>,
 }
 
 impl EventHistory {
-    /// No event yet, in a run of this length.
+    /// An empty history, for a run of this length.
     pub fn new(length: f64) -> Self {
         let times = [f64::NEG_INFINITY; CHATTER_EVENTS];
         EventHistory {
@@ -54,7 +53,7 @@ impl EventHistory {
         }
     }
 
-    /// True if the last events pile up.
+    /// True if the last events accumulate.
     fn accumulates(&self) -> bool {
         let (later, earlier) = self.times.split_at(self.at);
         intervals_shrink(&[earlier, later].concat())
@@ -62,8 +61,8 @@ impl EventHistory {
 }
 
 impl Simulation<'_, '_> {
-    /// Stays on the surface of a relation that switched alone several times in no time, if its two
-    /// sides meet there; true if so.
+    /// Starts sliding along the surface of a relation that repeatedly changed as the only one, if the
+    /// derivatives on both sides point towards it; true if so.
     pub(crate) fn try_sliding(
         &mut self,
         t: f64,
@@ -74,7 +73,7 @@ impl Simulation<'_, '_> {
             self.history.single = None;
             return Ok(false);
         };
-        // Loops that the integrator solves would have two solutions at once there.
+        // Loops solved by the integrator would need two solutions at once.
         let has_algebraics = !self.program.algebraics.is_empty();
         if has_algebraics
             || effects.acted
@@ -114,7 +113,7 @@ impl Simulation<'_, '_> {
         Ok(true)
     }
 
-    /// Leaves a surface that the last step should not have followed to its end; where it left.
+    /// Ends sliding if the last step should have left the surface; the instant at which it leaves.
     pub(crate) fn end_of_sliding(&mut self) -> Result<Option<f64>, Failure> {
         let Some(mut sliding) = self.system.sliding.take() else { return Ok(None) };
         let (mut sliding_at, mut left_at) = (self.stepper.t_previous(), self.stepper.t());
@@ -175,7 +174,7 @@ impl Simulation<'_, '_> {
         history.at = (history.at + 1) % CHATTER_EVENTS;
         history.flipped.extend(flipped.iter().map(|f| f.0));
         if t - oldest > history.span {
-            // Twice as many as may matter, so that the list is cut seldom.
+            // Twice as many as may matter, so that the list is rarely trimmed.
             let kept = 2 * CHATTER_EVENTS;
             let excess = history.flipped.len().saturating_sub(kept);
             history.flipped.drain(..if excess > kept { excess } else { 0 });
@@ -187,7 +186,7 @@ impl Simulation<'_, '_> {
         relations.retain(|k| {
             self.program.events.relation_triggers[*k as usize] == RelationTrigger::State
         });
-        // What switches in no time at all switches by rounding of operands that rest at the border.
+        // Simultaneous changes are rounding errors of operands at the threshold.
         let instantaneous = t - oldest <= INSTANTANEOUS * self.history.span;
         let accumulated =
             self.history.acting.filter(|_| !instantaneous && self.history.accumulates());
@@ -206,7 +205,7 @@ impl Simulation<'_, '_> {
         Err(failure)
     }
 
-    /// Says that a relation switches without end.
+    /// The failure of a chattering relation.
     fn chattering_failure(
         &mut self,
         t: f64,

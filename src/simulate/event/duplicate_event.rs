@@ -1,15 +1,15 @@
-//! The echo of an event: a relation that an event turned and that turns back at once.
+//! Duplicate events: a relation that changes in an event and changes back immediately afterwards.
 //!
-//! A ball that meets the floor lies below it by rounding, and the `reinit` of its speed takes it out
-//! again: `h <= 0` becomes true, and false in the same instant as far as anyone can see. The second
-//! switching must be found, so that the next impact is one; but nothing happens at it, and it is
-//! neither told nor counted.
+//! A ball that hits the floor is below it by a rounding error, and the `reinit` of its speed lifts it
+//! out again: `h <= 0` becomes true, and false at virtually the same instant. The second change must
+//! be located, so that the next impact is an event; but it has no effect, and is neither reported nor
+//! counted.
 
 use crate::ir::program::{Program, Slot};
 
-/// An echo follows its event within this part of the run.
+/// Maximum time between an event and its duplicate, as a fraction of the run.
 const SPAN: f64 = 1e-9;
-/// Variables that differ by less, relative to their size, stay as they are.
+/// Relative difference below which variables count as unchanged.
 const NOISE: f64 = 1e-9;
 
 /// The last event.
@@ -20,26 +20,26 @@ pub struct DuplicateFilter {
 }
 
 impl DuplicateFilter {
-    /// In a run of this duration, s.
+    /// For a run of this duration, s.
     pub fn new(duration: f64) -> Self {
         DuplicateFilter { span: SPAN * duration, time: f64::NEG_INFINITY, flipped: Vec::new() }
     }
 
-    /// Takes an event with the relations that it turned.
+    /// Records an event with the relations that it flipped.
     pub fn record(&mut self, t: f64, flipped: &[(u32, bool)]) {
         self.time = t;
         self.flipped.clear();
         self.flipped.extend_from_slice(flipped);
     }
 
-    /// Whether these relations are among those of the event before, turn back, and follow at once.
+    /// True if these relations flip back relations of the previous event immediately after it.
     pub fn matches(&self, t: f64, flipped: &[(u32, bool)]) -> bool {
         let flipped_back = |(k, truth): &(u32, bool)| self.flipped.contains(&(*k, !truth));
         t - self.time <= self.span && !flipped.is_empty() && flipped.iter().all(flipped_back)
     }
 }
 
-/// Whether all variables that the user declared have the same values in both memories.
+/// True if all declared variables have the same values in both memories.
 pub fn is_unchanged(program: &Program, before: &[f64], after: &[f64]) -> bool {
     let variables = &program.blocks.dae.variables;
     let same = |cell: Slot| {
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_echo_turns_back_what_its_event_turned() {
+    fn a_duplicate_flips_back_relations_of_the_previous_event() {
         let mut filter = DuplicateFilter::new(10.0);
         assert!(!filter.matches(1.0, &[(3, true)]));
         filter.record(1.0, &[(3, true), (5, false)]);

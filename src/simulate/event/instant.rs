@@ -1,5 +1,4 @@
-//! What happens at one instant: the event iteration, what is recorded and told of it, and how the run goes
-//! on.
+//! Executes an event: iterates at its instant, records and reports it, and restarts the integration.
 
 use crate::integrate::stepper::Stepper;
 use crate::ir::program::{RelationTrigger, Slot};
@@ -11,42 +10,42 @@ use crate::simulate::failure::{Failure, event_failure, of_fault};
 use crate::simulate::run::Simulation;
 use crate::simulate::system::is_domain_fault;
 
-/// First shift of an event that its evaluation does not confirm, in spacings of doubles.
+/// First shift of an instant whose event iteration does not confirm the event, in spacings of doubles.
 const FIRST_SHIFT: f64 = 8.0;
-/// How often an event is looked at a little later before all combinations of its relations are tried.
+/// Number of shifts before all combinations of the relations are tried.
 const SHIFTS_BEFORE_SEARCH: u32 = 4;
-/// How often readers of what is carried may come to other pieces at one instant.
+/// Maximum number of times that readers of transport lines may change segments at one instant.
 const MAX_SEGMENT_CHANGES: u32 = 100;
 
-/// What leads to an event.
+/// Cause of an event.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// A relation on the trajectory switches.
+    /// A state-dependent relation changes.
     State,
     /// An instant known in advance.
     Time,
 }
 
-/// Where an event iteration came to rest.
+/// Result of the iteration at an event.
 struct EventPoint {
     /// The instant, s.
     t: f64,
     /// A clock has ticked.
     ticked: bool,
-    /// Relations that led there.
+    /// Relations that triggered the event.
     triggers: Vec<u32>,
     effects: EventEffects,
-    /// The memory at its left limit.
+    /// The memory at the left limit.
     before: Vec<f64>,
 }
 
 impl Simulation<'_, '_> {
-    /// Everything that happens at one instant of the last step.
+    /// Executes the event at an instant within the last step.
     pub(crate) fn event(&mut self, t: f64, cause: Cause) -> Result<(), Failure> {
         self.advance_sensitivities()?;
-        self.note_delayed(t, false)?;
+        self.record_history(t, false)?;
         self.record_grid(t, false)?;
-        // Whatever happens, both sides are looked at anew.
+        // Any event ends sliding: both sides are reevaluated.
         if let Some(mut sliding) = self.system.sliding.take() {
             self.arrive_from_surface(&mut sliding, t);
         }
@@ -71,7 +70,7 @@ impl Simulation<'_, '_> {
             self.evaluate_at(t)?;
             self.depart(t)?;
         }
-        self.note_delayed(t, true)?;
+        self.record_history(t, true)?;
         if !is_duplicate {
             self.duplicates.record(t, &flipped);
             self.report_event(t, cause, ticked, &flipped, effects);
@@ -93,7 +92,7 @@ impl Simulation<'_, '_> {
         Ok(())
     }
 
-    /// Goes to an instant, or as little beyond it as it takes, and iterates there until nothing changes.
+    /// Iterates at an instant, shifting it slightly until the iteration converges.
     fn iterate_at(&mut self, mut t: f64, cause: Cause) -> Result<EventPoint, Failure> {
         let mut shift =
             FIRST_SHIFT * f64::EPSILON * t.abs().max(self.stepper.t() - self.stepper.t_previous());
@@ -120,14 +119,15 @@ impl Simulation<'_, '_> {
                 s.detach(&mut self.system.machine);
             }
             match effects {
-                // Where relations meet, rounding may turn one by the other: a little later it will not.
+                // At the intersection of relations, rounding in one may flip the other: retry slightly
+                // later.
                 Err(EventError::NotConverged(..)) if may_shift => {
                     self.system.machine.memory.copy_from_slice(&before);
                     if let Some(s) = &mut self.sensitivity {
                         s.restore(derivatives.as_ref());
                     }
                 }
-                // The event sequence may round an operand to the other side: a little later it will not.
+                // The event sequence may round an operand to the other side: retry slightly later.
                 Ok(effects) if !effects.changed && may_shift => {}
                 Ok(effects) => return Ok(EventPoint { t, ticked, triggers, effects, before }),
                 Err(u) => return Err(event_failure(&self.system.machine, u, t)),
@@ -138,7 +138,7 @@ impl Simulation<'_, '_> {
         }
     }
 
-    /// The event at the end of the run, for what happens `when terminal()`.
+    /// The event at the end of the run, for `when terminal()`.
     pub(crate) fn terminal_event(&mut self) -> Result<(), Failure> {
         let t = self.t;
         let terminal = self.program.layout.terminal;
@@ -153,7 +153,7 @@ impl Simulation<'_, '_> {
         self.handle_effects(effects, t)
     }
 
-    /// The event iteration, again while it brings readers of what is carried to other pieces of that.
+    /// Repeats the event iteration while readers of transport lines change segments.
     fn iterate_with_transport(
         &mut self,
         exhaustive: bool,
@@ -172,9 +172,9 @@ impl Simulation<'_, '_> {
         Ok(effects)
     }
 
-    /// The event iteration, beyond the domain of functions where it can not be helped: new
-    /// relations and old branches meet in it.
-    fn iterate(&mut self, exhaustive: bool) -> Result<EventEffects, EventError> {
+    /// The event iteration, with clamped arguments if it fails otherwise: intermediate steps combine
+    /// new relations with old branches.
+    fn iterate_clamped(&mut self, exhaustive: bool) -> Result<EventEffects, EventError> {
         let mut outcome = iterate(&mut self.system.machine, &self.clocks, exhaustive);
         if let Err(EventError::Fault(fault)) = outcome
             && is_domain_fault(fault)
@@ -193,8 +193,7 @@ impl Simulation<'_, '_> {
             .collect()
     }
 
-    /// Relations that led to the event, and those that differ from what was held; with the value
-    /// that they took.
+    /// Relations that triggered the event or changed in it, with their new value.
     fn flipped(&self, before_event: &[f64], triggers: &[u32]) -> Vec<(u32, bool)> {
         let now = self.relation_values();
         let pairs = before_event.iter().zip(&now).enumerate();
@@ -202,7 +201,7 @@ impl Simulation<'_, '_> {
         changed.map(|(k, (before, _))| (k as u32, *before == 0.0)).collect()
     }
 
-    /// Whether this event only turns back what the one before turned, and nothing moves by it.
+    /// True if this event only flips back relations of the previous event and changes nothing else.
     fn is_duplicate(
         &mut self,
         t: f64,
@@ -219,7 +218,7 @@ impl Simulation<'_, '_> {
         Ok(is_unchanged(self.program, before, &self.system.machine.memory))
     }
 
-    /// Counts the event and tells the sink.
+    /// Counts the event and reports it to the sink.
     fn report_event(
         &mut self,
         t: f64,
@@ -228,7 +227,7 @@ impl Simulation<'_, '_> {
         flipped: &[(u32, bool)],
         effects: EventEffects,
     ) {
-        // A switching that the event iteration does not confirm is rounding, not an event.
+        // A change that the event iteration does not confirm is a rounding error, not an event.
         if !effects.changed {
             return;
         }

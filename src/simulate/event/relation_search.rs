@@ -1,5 +1,5 @@
-//! Relations and equations that must be solved together: by repetition, and where that goes round in
-//! circles, by a search for values of the relations that the equations confirm.
+//! Solves relations and equations together: by fixed-point iteration, and if that cycles, by a search
+//! for values of the relations that are consistent with the equations.
 
 use crate::ir::program::Tape;
 use crate::numeric::combinations::Combinations;
@@ -8,14 +8,14 @@ use crate::runtime::machine::{Fault, Machine};
 
 use super::iterate::{EventError, ITERATION_LIMIT};
 
-/// Relations that are turned one by one before all combinations are tried.
+/// Maximum number of single flips before all combinations are tried.
 const MAX_FLIPS: usize = 300;
-/// Values of relations that were found by a search and are tried first at the next one.
+/// Number of consistent values that are remembered and tried first in the next search.
 const MAX_KNOWN: usize = 16;
 
-/// Runs a tape of the initial or event sequence until the relations it reads too early rest. Where
-/// they go round in circles, or lead to equations without solution, others are looked for: near by, or
-/// `exhaustive` among all combinations.
+/// Executes a tape of the initial or event sequence until its lagged relations stop changing. If they
+/// cycle or lead to equations without a solution, searches for other values: by single flips, and if
+/// `exhaustive`, among all combinations.
 pub fn solve_relations<'p>(
     machine: &mut Machine<'p>,
     tape: &'p Tape,
@@ -45,8 +45,9 @@ pub fn solve_relations<'p>(
     outcome
 }
 
-/// Repeats the tape until the relations rest, or come again as they were. `changed` is told which moved.
-fn rest<'p>(
+/// Repeats the tape until the relations stop changing or a combination recurs. Appends the relations
+/// that changed to `changed`.
+fn iterate_relations<'p>(
     machine: &mut Machine<'p>,
     tape: &'p Tape,
     lagged: &[u32],
@@ -78,23 +79,24 @@ fn rest<'p>(
     Err(EventError::NotConverged(Vec::new(), changing))
 }
 
-/// Attempts to find values of relations that the equations confirm.
+/// A search for values of relations that are consistent with the equations.
 struct RelationSearch<'a, 'p> {
     machine: &'a mut Machine<'p>,
     tape: &'p Tape,
     lagged: &'a [u32],
-    /// The memory from which each attempt begins.
+    /// The memory at the start of each attempt.
     entry_memory: &'a [f64],
 }
 
 impl RelationSearch<'_, '_> {
-    /// Values of the relations at the beginning.
+    /// Values of the relations on entry.
     fn first(&self) -> Vec<f64> {
         let first = self.machine.program.layout.relations;
         self.lagged.iter().map(|k| self.entry_memory[(first + k) as usize]).collect()
     }
 
-    /// Runs the tape with these values of the relations; the first of them that the equations contradict.
+    /// Executes the tape with these values of the relations; the first one that the equations
+    /// contradict.
     fn contradicted(&mut self, values: &[f64]) -> Result<Option<usize>, Fault> {
         let first = self.machine.program.layout.relations;
         self.machine.memory.copy_from_slice(self.entry_memory);
@@ -110,7 +112,7 @@ impl RelationSearch<'_, '_> {
         self.contradicted(values) == Ok(None)
     }
 
-    /// Tries what was found before: what switches periodically comes to the same again and again.
+    /// Tries the results of previous searches: periodic switching recurs to the same values.
     fn try_known(&mut self) -> bool {
         let mut known = std::mem::take(&mut self.machine.relation_solutions);
         let found = known.iter().position(|values| self.is_confirmed(values));
@@ -127,13 +129,13 @@ impl RelationSearch<'_, '_> {
         known.insert(0, values);
     }
 
-    /// Turns of the relations that the equations contradict only the first, until there is none: where
-    /// the relations are those of a linear complementarity problem with a P-matrix, as of networks of
-    /// ideal diodes and resistances, that ends (K. G. Murty, "Note on a Bard-type scheme for solving the
-    /// complementarity problem", Opsearch 11, 1974).
+    /// Repeatedly flips the first relation that the equations contradict. This terminates if the
+    /// relations form a linear complementarity problem with a P-matrix, as in networks of ideal diodes
+    /// and resistors (K. G. Murty, "Note on a Bard-type scheme for solving the complementarity
+    /// problem", Opsearch 11, 1974).
     fn flip_contradicted(&mut self) -> bool {
         let mut values = self.first();
-        // Elsewhere it may go round in circles.
+        // Otherwise it may cycle.
         let mut cycle = CycleDetector::default();
         for _ in 0..MAX_FLIPS {
             if cycle.repeats(&values) {
@@ -151,8 +153,8 @@ impl RelationSearch<'_, '_> {
         false
     }
 
-    /// Looks for values that differ least from those at the beginning, first among the relations that were
-    /// seen to move.
+    /// Tries all combinations in order of the number of flips, first of the relations that changed
+    /// during the iteration.
     fn enumerate(&mut self, changed: &[u32]) -> bool {
         let position = |k: &u32| self.lagged.iter().position(|l| l == k);
         let mut order: Vec<usize> = changed.iter().filter_map(position).collect();
@@ -179,7 +181,7 @@ impl RelationSearch<'_, '_> {
     }
 }
 
-/// What may come to rest if each turn sees the one before as its past.
+/// True for failures that another strategy may avoid.
 pub fn may_have_solution(failed: &EventError) -> bool {
     matches!(
         failed,

@@ -1,42 +1,42 @@
-//! Motion along the surface on which a relation switches.
+//! Sliding motion along the switching surface of a relation.
 //!
 //! A. F. Filippov, *Differential Equations with Discontinuous Righthand Sides*, 1988, sec. 4: where
-//! the derivatives on both sides of the surface `indicator = 0` point towards it, the solution stays on
-//! it, and its derivative is that convex combination of the two that keeps the gap.
+//! the derivatives on both sides of the surface `g = 0` point towards it, the solution stays on it,
+//! and its derivative is the convex combination of the two that keeps the indicator `g` constant.
 
 use crate::ir::program::Slot;
 use crate::runtime::machine::{Fault, Machine};
 
-/// A displacement along the derivatives by which the rate of a gap is found, as a part of the run:
-/// central differences of a gap that is linear in the states are exact.
+/// Displacement along the derivatives for the rate of an indicator, as a fraction of the run. Central
+/// differences are exact for indicators that are linear in the states.
 const PROBE: f64 = 1e-6;
 
-/// The surface that the solution stays on, and memory for the two sides.
+/// The switching surface of a sliding motion, and memory for its two sides.
 pub struct Sliding {
     relation: u32,
     probe: f64,
     displaced: Vec<f64>,
-    /// Derivatives where the relation is false, and where it is true.
+    /// Derivatives with the relation false, and with the relation true.
     sides: [Vec<f64>; 2],
     memory: Vec<f64>,
 }
 
-/// How the two sides meet.
+/// Rates of the indicator on both sides of the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Rates {
-    /// Rate of the gap where the relation is false.
+    /// Rate with the relation false.
     pub when_false: f64,
-    /// Rate of the gap where the relation is true.
+    /// Rate with the relation true.
     pub when_true: f64,
 }
 
 impl Rates {
-    /// The part of the side on which the relation is true; in `[0, 1]` where the solution slides.
+    /// Weight of the side on which the relation is true; in `[0, 1]` while the solution slides.
     pub fn weight(self) -> f64 {
         self.when_false / (self.when_false - self.when_true)
     }
 
-    /// Both sides lead to the surface; `rising`: the relation is true for positive gaps.
+    /// True if both sides lead to the surface. `rising`: the relation is true for positive indicators.
     pub fn point_inward(self, rising: bool) -> bool {
         let sign = if rising { 1.0 } else { -1.0 };
         sign * self.when_true < 0.0 && sign * self.when_false > 0.0
@@ -44,7 +44,7 @@ impl Rates {
 }
 
 impl Sliding {
-    /// Along the surface of a relation, in a run of length `span`.
+    /// Sliding along the surface of a relation, in a run of length `span`.
     pub fn along(relation: u32, machine: &Machine<'_>, span: f64) -> Sliding {
         let n = machine.program.order();
         let zeros = || vec![0.0; n];
@@ -57,24 +57,24 @@ impl Sliding {
         }
     }
 
-    /// The relation that switches.
+    /// The relation of the surface.
     pub fn relation(&self) -> u32 {
         self.relation
     }
 
-    /// The derivatives where the relation is false, and where it is true, as looked at last.
+    /// The last evaluated derivatives with the relation false, and with the relation true.
     pub fn sides(&self) -> [&[f64]; 2] {
         [&self.sides[0], &self.sides[1]]
     }
 
-    /// The rates of the gap on both sides. The relation is left true.
+    /// The rates of the indicator on both sides. Leaves the relation true.
     pub fn rates(&mut self, machine: &mut Machine<'_>, t: f64, y: &[f64]) -> Result<Rates, Fault> {
         let when_false = self.rate(machine, t, y, 0)?;
         let when_true = self.rate(machine, t, y, 1)?;
         Ok(Rates { when_false, when_true })
     }
 
-    /// The derivatives along the surface, from the rates there.
+    /// The derivatives of the sliding motion.
     pub fn derivatives(
         &mut self,
         machine: &mut Machine<'_>,
@@ -92,7 +92,7 @@ impl Sliding {
         Ok(())
     }
 
-    /// Leaves in the memory, for each variable, the combination of its values on both sides.
+    /// Evaluates all variables as combinations of their values on both sides.
     pub fn evaluate_all(
         &mut self,
         machine: &mut Machine<'_>,
@@ -126,7 +126,7 @@ impl Sliding {
         first..first + machine.program.events.relation_triggers.len()
     }
 
-    /// Puts the relation to one of its values, with what depends on it.
+    /// Sets the relation and evaluates the discrete expressions that depend on it.
     pub fn switch(&self, machine: &mut Machine<'_>, truth: usize) -> Result<(), Fault> {
         let cell = machine.program.layout.relations + self.relation as Slot;
         machine.set(cell, truth as f64);

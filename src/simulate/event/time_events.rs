@@ -1,9 +1,9 @@
-//! Instants that are known in advance: sample clocks, and comparisons with time.
+//! Time events: sample clocks, and comparisons with time.
 
 use crate::ir::program::RelationTrigger;
 use crate::runtime::machine::Machine;
 
-/// Instants this close together, in units of rounding, are one.
+/// Distance, in units of rounding, below which instants are simultaneous.
 const SIMULTANEOUS: f64 = 4.0;
 
 /// The clocks of a run.
@@ -14,7 +14,7 @@ pub struct Clocks {
 }
 
 impl Clocks {
-    /// Clocks before `start`; parameters must be evaluated.
+    /// The clocks before `start`; parameters must have been evaluated.
     pub fn new(machine: &Machine<'_>, start: f64) -> Self {
         let next = machine.program.events.clocks.iter().map(|clock| {
             let (first, interval) = (machine.get(clock.start), machine.get(clock.interval));
@@ -24,7 +24,7 @@ impl Clocks {
         Clocks { next: next.collect() }
     }
 
-    /// The next instant after `t` at which something happens by the clock; infinity if none.
+    /// The next time event after `t`; infinity if there is none.
     pub fn next_instant(&self, machine: &Machine<'_>, t: f64) -> f64 {
         let relations = machine.program.events.relation_triggers.iter().filter_map(|w| match w {
             RelationTrigger::Time(slot) => Some(machine.get(*slot)),
@@ -34,8 +34,7 @@ impl Clocks {
         relations.chain(ticks).filter(|at| *at > t).fold(f64::INFINITY, f64::min)
     }
 
-    /// Raises the flags of the clocks that tick at `t` and turns to their next tick; true if any
-    /// does.
+    /// Raises the flags of the clocks that tick at `t` and advances them; true if any ticks.
     pub fn raise(&mut self, machine: &mut Machine<'_>, t: f64) -> bool {
         let mut any = false;
         for k in 0..self.next.len() {

@@ -1,9 +1,9 @@
-//! Events that pile up at shorter and shorter intervals, as the bounces of a ball do (Zeno).
+//! Zeno behaviour: events that accumulate at ever shorter intervals, like the bounces of a ball.
 //!
-//! The solution ends where they pile up. What the model says beyond is found by giving its relations a
-//! margin, so that the last bounces do not leave the border any more: a model that knows a state of rest
-//! enters it then (K. H. Johansson et al., *On the regularization of Zeno hybrid automata*, Systems &
-//! Control Letters 38, 1999, sec. 4). One that does not falls through the border, and the run ends.
+//! The solution ends at the accumulation point. To continue beyond it, the relations get a hysteresis,
+//! so that the last bounces no longer leave the threshold: a model with a state of rest enters it (K. H.
+//! Johansson et al., *On the regularization of Zeno hybrid automata*, Systems & Control Letters 38,
+//! 1999, sec. 4). A model without one passes the threshold, and the run fails.
 
 use crate::ir::trajectory::Event;
 
@@ -11,24 +11,24 @@ use super::iterate::EventEffects;
 use crate::simulate::failure::Failure;
 use crate::simulate::run::Simulation;
 
-/// Parts of the last events of which each must be shorter than the one before.
+/// Number of groups of the last events whose durations must decrease.
 const PARTS: usize = 4;
-/// The last part must be so much shorter than the first.
+/// Maximum ratio of the durations of the last and the first group.
 const SHRINKAGE: f64 = 0.8;
-/// So many margins beyond the border nothing rests there.
+/// Distance from the threshold, in units of the hysteresis, that counts as having passed it.
 const BEYOND: f64 = 1e6;
 
-/// A relation whose events have piled up.
+/// A relation whose events accumulate.
 pub struct Accumulation {
     /// The relation.
     relation: u32,
-    /// Its value after its last event at which something other than relations changed.
+    /// Its value after its last event with effects on variables.
     truth: bool,
-    /// What to say if the solution goes on beyond its border.
+    /// The failure to report if the solution passes its threshold.
     failure: Failure,
 }
 
-/// True if events at these times, in order, come at shorter and shorter intervals.
+/// True if the intervals between these times, in order, shrink.
 pub fn intervals_shrink(times: &[f64]) -> bool {
     let parts = times.chunks_exact((times.len() / PARTS).max(2));
     let lengths: Vec<f64> = parts.map(|part| part[part.len() - 1] - part[0]).collect();
@@ -37,8 +37,8 @@ pub fn intervals_shrink(times: &[f64]) -> bool {
 }
 
 impl Simulation<'_, '_> {
-    /// Goes on beyond a pile of events, which are those of `relations`; `failure` says that they have no
-    /// end. False if their margins are large already.
+    /// Continues beyond an accumulation of events of `relations`; `failure` reports that they do not
+    /// end. False if their hysteresis has reached the maximum.
     pub(crate) fn widen_at_accumulation(
         &mut self,
         (relation, truth): (u32, bool),
@@ -48,7 +48,7 @@ impl Simulation<'_, '_> {
         if !self.locator.widen_hysteresis(relations) {
             return false;
         }
-        let hysteresis = self.locator.hysteresis(relation);
+        let margin = self.locator.hysteresis(relation);
         let text = self.relation_text(relation);
         let what = format!(
             "{text} switches at shorter and shorter intervals; from here on only {margin:e} beyond its border"
@@ -60,8 +60,8 @@ impl Simulation<'_, '_> {
         true
     }
 
-    /// Forgets the last pile at an event that changes something without its relation: the model has come to
-    /// rest there.
+    /// Ends the accumulation at an event with effects that does not involve its relation: the model has
+    /// come to rest.
     pub(crate) fn clear_accumulation(&mut self, flipped: &[(u32, bool)], effects: EventEffects) {
         let is_at_rest = |accumulation: &Accumulation| {
             effects.acted && flipped.iter().all(|f| f.0 != accumulation.relation)
@@ -71,7 +71,7 @@ impl Simulation<'_, '_> {
         }
     }
 
-    /// Fails if the solution went on beyond the border at which events have piled up.
+    /// Fails if the solution has passed the threshold at which events accumulated.
     pub(crate) fn check_accumulation(&mut self) -> Result<(), Failure> {
         let Some(accumulation) = &self.accumulation else { return Ok(()) };
         let (machine, layout) = (&self.system.machine, &self.program.layout);

@@ -1,5 +1,4 @@
-//! What is said about a run besides its results: assertions and terminations of the model, and unknowns
-//! that it leaves open.
+//! Reports assertions and terminations of the model, and unknowns that it does not determine.
 
 use crate::base::diag::{Diagnostic, Severity};
 use crate::integrate::stepper::Stepper;
@@ -13,10 +12,10 @@ use crate::simulate::event::iterate::EventEffects;
 use crate::simulate::run::Simulation;
 
 impl Simulation<'_, '_> {
-    /// Assertions outside of when-clauses at the end of the last step.
+    /// Checks assertions outside of when-clauses at the end of the last step.
     pub(crate) fn check_assertions_of_step(&mut self) -> Result<(), Failure> {
         let t = self.stepper.t();
-        // The search for events has evaluated them, if there was one.
+        // Event location has already evaluated them, if there are relations.
         if self.locator.is_empty() && !self.program.events.asserts.is_empty() {
             let evaluated = self.system.evaluate_roots_clamped(t, self.stepper.y());
             evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
@@ -24,7 +23,7 @@ impl Simulation<'_, '_> {
         self.check_assertions(t)
     }
 
-    /// Assertions outside of when-clauses, as evaluated last.
+    /// Checks assertions outside of when-clauses at the last evaluation.
     pub(crate) fn check_assertions(&mut self, t: f64) -> Result<(), Failure> {
         for k in 0..self.program.events.asserts.len() {
             let cells = self.program.events.asserts[k];
@@ -43,7 +42,7 @@ impl Simulation<'_, '_> {
         Ok(())
     }
 
-    /// What an assertion says that does not fail the run: a warning once.
+    /// Reports the message of an assertion that is not an error: prints it, or warns once.
     fn report(&mut self, k: usize, t: f64, text: &str) {
         let is_repeated = std::mem::replace(&mut self.reported_asserts[k], true);
         match self.program.blocks.dae.asserts[k].assert.level {
@@ -63,7 +62,7 @@ impl Simulation<'_, '_> {
         violated(self.program, &self.system.machine.memory, k, t)
     }
 
-    /// Warns once of an unknown that its equations leave open, in the last step or at its end.
+    /// Warns once about an unknown that its equations did not determine during the last step.
     pub(crate) fn warn_of_undetermined(&mut self, t: f64) {
         let Some((torn_block, unknown)) = self.system.machine.undetermined.take() else { return };
         let is_reported = self.statistics.warnings.iter().any(|w| w.code == UNDETERMINED);
@@ -73,7 +72,7 @@ impl Simulation<'_, '_> {
         }
     }
 
-    /// Failed assertions and terminations of an event iteration.
+    /// Handles violated assertions and terminations of an event iteration.
     pub(crate) fn handle_effects(&mut self, effects: EventEffects, t: f64) -> Result<(), Failure> {
         for (k, text) in std::mem::take(&mut self.system.machine.assertion_messages) {
             self.report(k, t, &text);
@@ -91,7 +90,7 @@ impl Simulation<'_, '_> {
     }
 }
 
-/// A violated assertion of the model; `k` is its position.
+/// The failure of assertion `k` of the model.
 pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure {
     let guarded = &program.blocks.dae.asserts[k];
     let condition = Explainer::new(program, memory).text(guarded.assert.condition);
@@ -102,7 +101,7 @@ pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure 
     Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
 }
 
-/// The text of a `String` expression.
+/// The value of a `String` expression.
 pub fn message_text(program: &Program, memory: &[f64], e: ExprId) -> String {
     match program.blocks.dae.graph.as_const(e) {
         Some(Const::String(text)) => text.to_string(),

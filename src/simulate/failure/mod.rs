@@ -1,4 +1,4 @@
-//! Every way a run can fail, in the user's names.
+//! Failures of a run, reported in the user's names.
 
 pub mod assertion;
 pub mod non_finite;
@@ -18,14 +18,14 @@ use self::non_finite::{Explainer, block, first_source, relation_text, source_of}
 use super::event::iterate::EventError;
 use super::initialization::StartError;
 
-/// What kind of failure it is.
+/// Kind of failure.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FailureKind {
-    /// The numerics could not go on.
+    /// The numerics failed.
     Numerics,
     /// An assertion of the model is violated.
     Assertion,
-    /// The settings can not be meant.
+    /// The settings are out of range.
     Settings,
     /// A bug in mocc.
     Bug,
@@ -34,16 +34,16 @@ pub enum FailureKind {
 /// A run that ended early.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Failure {
-    /// What kind.
+    /// Its kind.
     pub kind: FailureKind,
-    /// Where the simulation stood, s.
+    /// Time of the failure, s.
     pub time: f64,
-    /// What to say.
+    /// The message.
     pub diagnostic: Box<Diagnostic>,
 }
 
 impl Failure {
-    /// The run itself is fine, but has no derivatives by its inputs.
+    /// True if only the sensitivities of the run could not be computed.
     pub fn is_without_derivatives(&self) -> bool {
         self.diagnostic.code == "MO0917"
     }
@@ -53,7 +53,7 @@ impl Failure {
         Failure { kind: FailureKind::Numerics, time, diagnostic: Box::new(diagnostic) }
     }
 
-    /// A broken promise inside of mocc.
+    /// A violated invariant of mocc.
     pub fn bug(time: f64, what: impl Into<String>) -> Self {
         let diagnostic = Diagnostic::error("MO0999", Span::NONE, what)
             .help("this is a bug in mocc, please report it with the model");
@@ -67,7 +67,7 @@ impl Failure {
     }
 }
 
-/// The failure of a tape, explained from the memory at the moment it happened.
+/// Explains a fault of a tape from the memory at the time of the fault.
 pub fn of_fault(machine: &Machine<'_>, fault: Fault, time: f64) -> Failure {
     let program = machine.program;
     let explainer = Explainer::new(program, &machine.fault_memory);
@@ -144,7 +144,7 @@ pub fn of_fault(machine: &Machine<'_>, fault: Fault, time: f64) -> Failure {
     Failure::numerics(time, diagnostic)
 }
 
-/// The failure of the integrator.
+/// Explains a failure of the integrator.
 pub fn of_integration(machine: &Machine<'_>, failure: Integration, time: f64) -> Failure {
     let program = machine.program;
     let explainer = Explainer::new(program, &machine.memory);
@@ -172,7 +172,7 @@ pub fn of_integration(machine: &Machine<'_>, failure: Integration, time: f64) ->
         }
         Integration::StepTooSmall { h, component, .. }
         | Integration::NewtonFailed { h, component, .. } => {
-            // A step that shrank to nothing at the border of a domain is better explained by that.
+            // If the step shrank at the boundary of a domain, report that.
             if let Some(fault) = machine.fault {
                 return of_fault(machine, fault, time);
             }
@@ -198,7 +198,7 @@ pub fn of_integration(machine: &Machine<'_>, failure: Integration, time: f64) ->
     }
 }
 
-/// An event iteration or an initialisation that did not end.
+/// Explains a failed event iteration or initialization.
 pub fn event_failure(machine: &Machine<'_>, why: EventError, t: f64) -> Failure {
     match why {
         EventError::Fault(fault) => of_fault(machine, fault, t),
@@ -229,7 +229,7 @@ pub fn event_failure(machine: &Machine<'_>, why: EventError, t: f64) -> Failure 
     }
 }
 
-/// A run that could not begin.
+/// Explains why a run could not be initialized.
 pub fn start_failure(machine: &Machine<'_>, why: StartError, t: f64) -> Failure {
     let program = machine.program;
     match why {
@@ -261,10 +261,10 @@ pub fn start_failure(machine: &Machine<'_>, why: StartError, t: f64) -> Failure 
     }
 }
 
-/// The warning of an unknown that was solved for though its equations leave it open.
+/// Code of the warning about an unknown that its equations do not determine.
 pub const UNDETERMINED: &str = "MO0918";
 
-/// An unknown of a linear block whose equations agree but do not determine it.
+/// Warns about an unknown of a linear block whose equations are consistent but do not determine it.
 pub fn undetermined(
     machine: &Machine<'_>,
     torn_block: usize,
@@ -280,14 +280,13 @@ pub fn undetermined(
     Diagnostic { severity: Severity::Warning, ..diagnostic }
 }
 
-/// Whether the residuals of a torn block vanish: then it is no solution that is missing, but what
-/// makes it the only one.
+/// True if the residuals of a torn block vanish: a solution exists but is not unique.
 fn is_solved(program: &Program, memory: &[f64], torn_block: usize) -> bool {
     let s = &program.routines.torn_blocks[torn_block];
     s.linear || s.residuals.iter().all(|r| memory[*r as usize] == 0.0)
 }
 
-/// An iteration without an end, with the residuals where it was given up.
+/// Explains an iteration that did not converge, with its last residuals.
 fn unsolved(
     explainer: &Explainer<'_>,
     program: &Program,
@@ -331,7 +330,7 @@ fn unbounded(explainer: &Explainer<'_>, program: &Program, v: VarId, time: f64) 
         .help("look for a pole, or a law with infinite slope there, such as a root of zero")
 }
 
-/// A failure at a state: where it is declared, and where its derivative comes from.
+/// Explains a failure at a state by its declaration and the equation of its derivative.
 fn of_state(
     explainer: &Explainer<'_>,
     program: &Program,
@@ -381,7 +380,7 @@ fn torn_failure(
     diagnostic
 }
 
-/// The torn block of a solver inside of its outermost block.
+/// The torn block with this number within its outermost block.
 fn torn_of<'a>(outer: &'a Block, program: &Program, torn_block: usize) -> Option<&'a Torn> {
     match outer {
         Block::Torn(t) => {

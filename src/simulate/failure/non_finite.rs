@@ -1,4 +1,4 @@
-//! Why a value is not finite: from the memory back to the sub-expression that broke.
+//! Explains why a value is not finite: traces it back to the first subexpression that is not.
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet, Id};
@@ -12,7 +12,7 @@ use crate::symbolic::print::print;
 use crate::symbolic::rewrite::Rewriter;
 use crate::symbolic::string;
 
-/// Values of a run by variable, and texts in the user's names.
+/// Access to values and expressions of a run in the user's names.
 pub struct Explainer<'a> {
     program: &'a Program,
     memory: &'a [f64],
@@ -23,7 +23,7 @@ pub fn block(program: &Program, place: BlockPosition) -> Option<&Block> {
     blocks_of(program, place.sequence).get(place.index)
 }
 
-/// An equation of a block, the first there is.
+/// The first equation of a block.
 pub fn first_source(block: &Block) -> Option<Source> {
     match block {
         Block::Assign(a) => Some(a.source),
@@ -48,21 +48,21 @@ impl<'a> Explainer<'a> {
         self.memory[self.program.layout.variables[v.idx()] as usize]
     }
 
-    /// The value in a cell.
+    /// The value in a slot.
     pub fn cell(&self, slot: Slot) -> f64 {
         self.memory[slot as usize]
     }
 
-    /// Where an equation stands.
+    /// Source position of an equation.
     pub fn span(&self, source: Source) -> Span {
         source_span(&self.program.blocks.dae, source)
     }
 
-    /// The text of an expression, relations written out.
+    /// Prints an expression, with relations expanded.
     pub fn text(&self, e: ExprId) -> String {
         let dae = &self.program.blocks.dae;
         let is_relation = |n: &ExprId| matches!(dae.graph.node(*n), Node::Relation(_));
-        // Events ask for many texts, and a graph is large.
+        // Events print many expressions, and cloning a graph is expensive.
         if !dae.graph.postorder([e]).iter().any(is_relation) {
             return print(&dae.graph, e, &|v| self.name(v));
         }
@@ -71,7 +71,7 @@ impl<'a> Explainer<'a> {
         print(&graph, e, &|v| self.name(v))
     }
 
-    /// The value of an expression of type String: what is known by value is, the rest as it is written.
+    /// The value of a `String` expression; parts whose value is unknown are printed as expressions.
     pub fn message(&self, e: ExprId) -> String {
         let dae = &self.program.blocks.dae;
         let graph = &dae.graph;
@@ -97,12 +97,12 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// The text of a relation.
+    /// Prints a relation.
     pub fn relation(&self, k: u32) -> String {
         relation_text(self.program, k)
     }
 
-    /// The text of an equation.
+    /// Prints an equation.
     pub fn equation(&self, source: Source) -> String {
         let dae = &self.program.blocks.dae;
         match source {
@@ -122,7 +122,7 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// A message without a place.
+    /// A message without a source position.
     pub fn plain(&self, what: &str, time: f64) -> Diagnostic {
         Diagnostic::error("MO0902", Span::NONE, format!("at time {time} s {what}"))
     }
@@ -141,7 +141,7 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// Explains an expression that is not finite, going back through the variables it reads.
+    /// Explains an expression that is not finite by following the variables it reads.
     pub fn expression_not_finite(
         &self,
         root: ExprId,
@@ -166,7 +166,7 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// The message about the operation that gave the first value that is not finite.
+    /// The message about the operation that produced the first value that is not finite.
     fn broken(
         &self,
         culprit: ExprId,
@@ -220,7 +220,7 @@ impl<'a> Explainer<'a> {
         diagnostic
     }
 
-    /// From an expression that is not finite down to one whose operands are.
+    /// Descends from an expression that is not finite to one whose operands are.
     fn descend(&self, root: ExprId, values: &FastMap<ExprId, f64>) -> ExprId {
         let graph = &self.program.blocks.dae.graph;
         let broken = |e: ExprId| values.get(&e).is_some_and(|v| !v.is_finite());
@@ -244,7 +244,7 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// The values of all nodes below `root`; calls have none.
+    /// The values of all nodes below `root`; NaN for calls.
     fn evaluate(&self, root: ExprId) -> FastMap<ExprId, f64> {
         let graph = &self.program.blocks.dae.graph;
         let layout = &self.program.layout;
@@ -290,7 +290,7 @@ impl<'a> Explainer<'a> {
     }
 }
 
-/// The text of a relation in the user's names.
+/// Prints a relation in the user's names.
 pub fn relation_text(program: &Program, k: u32) -> String {
     let dae = &program.blocks.dae;
     let relation = &dae.relations[k as usize];
@@ -322,7 +322,7 @@ fn blocks_of(program: &Program, sequence: Sequence) -> &[Block] {
     }
 }
 
-/// What each variable is assigned; tearing variables get the first residual of their block.
+/// The defining expression of each variable; for tearing variables, a residual of their block.
 fn definitions(blocks: &[Block]) -> FastMap<VarId, (ExprId, Source)> {
     let mut found = FastMap::default();
     let mut pending: Vec<&Block> = blocks.iter().collect();

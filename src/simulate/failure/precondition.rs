@@ -1,7 +1,8 @@
-//! Assertions that read parameters only: they hold before anything is solved, or never.
+//! Assertions about parameters: checked before anything is solved.
 //!
-//! Modelica specification 3.6, section 8.3.7: an assertion is not violated during the evaluation of
-//! what it guards. So those of parameters come before the initialisation that uses them.
+//! Modelica specification 3.6, section 8.3.7: an assertion of level error keeps the model from being
+//! evaluated outside of its limits of validity. So assertions about parameters come before the
+//! initialization that uses them.
 
 use crate::base::index::FastMap;
 use crate::ir::dae::Kind;
@@ -10,8 +11,8 @@ use crate::ir::flat::Level;
 use crate::runtime::machine::Machine;
 use crate::symbolic::eval;
 
-/// The first violated assertion of level error whose condition reads nothing but parameters, which
-/// have their values in the memory.
+/// The first violated assertion of level error whose condition reads only parameters. Parameters must
+/// be in the memory.
 pub fn violated(machine: &Machine<'_>) -> Option<usize> {
     let mut values = Values { machine, known: FastMap::default() };
     let asserts = &machine.program.blocks.dae.asserts;
@@ -21,7 +22,7 @@ pub fn violated(machine: &Machine<'_>) -> Option<usize> {
     })
 }
 
-/// Values of expressions; none where something else than parameters is read, or no number comes out.
+/// Values of expressions; `None` if they read anything other than parameters, or are NaN.
 struct Values<'a, 'p> {
     machine: &'a Machine<'p>,
     known: FastMap<ExprId, Option<f64>>,

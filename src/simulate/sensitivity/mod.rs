@@ -1,17 +1,16 @@
-//! Derivatives of a run by parameters and start values, right across events.
+//! Sensitivities of a run with respect to parameters and start values, exact across events.
 //!
-//! Between events the derivatives `S` of the states obey `S' = J S + df/dp`, which is integrated along
-//! with the steps of the solution. At an event of the surface `g(t, x, p) = 0` its instant moves by
+//! Between events the derivatives `S` of the states obey `S' = J S + df/dp`, which is integrated
+//! together with the solution. The instant of an event on the surface `g(t, x, p) = 0` shifts by
 //!
 //! `dt/dp = -(dg/dp) / (dg/dt)`,
 //!
-//! both taken along the trajectory, and what happens there is differentiated at the moving instant:
-//! the states arrive with `S + f dt/dp`, the event sequence carries these derivatives through `reinit`
-//! and every discrete equation, and `S` leaves as `X - f dt/dp` with the `f` that holds afterwards
+//! both derivatives taken along the trajectory. The event is differentiated at the shifting instant:
+//! the states arrive with `S + f dt/dp`, the event sequence propagates these derivatives through
+//! `reinit` and every discrete equation, and `S` departs as `X - f dt/dp` with the `f` after the event
 //! (S. Galán, W. F. Feehery, P. I. Barton, *Parametric sensitivity functions for hybrid discrete/
-//! continuous systems*, Applied Numerical Mathematics 31, 1999). An instant that is known in advance
-//! moves with the parameters that it is computed from. Along a surface that the solution slides on
-//! the equations are those of `surface`.
+//! continuous systems*, Applied Numerical Mathematics 31, 1999). The instant of a time event shifts
+//! with the parameters that determine it. During sliding the equations of [`sliding`] apply.
 
 pub mod sliding;
 
@@ -38,37 +37,37 @@ use super::run::Simulation;
 use super::settings::Settings;
 use super::system::{HybridSystem, is_domain_fault};
 
-/// What a run is differentiated by.
+/// A quantity with respect to which a run is differentiated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Input {
-    /// A parameter that is no constant of the program.
+    /// A parameter that is an input of the program.
     Parameter(VarId),
     /// The start value of a variable.
     Start(VarId),
 }
 
-/// The derivatives of a run at one instant after the other.
+/// The sensitivities of a run at the current instant.
 pub struct Sensitivity {
     count: usize,
-    /// One direction for each input, and a last one along the trajectory.
+    /// One direction for each input, and an additional one along the trajectory.
     tangents: Option<Box<Tangents>>,
     variation: Variation,
     linearization: Linearization,
-    /// Of the rates, by the inputs alone.
+    /// Derivatives of the right side with respect to the inputs at constant states.
     forcing: Box<Forcing>,
-    /// The memory depends on the inputs in another way than when `forcing` was prepared.
+    /// The tangents of the memory have changed since `forcing` was prepared.
     is_stale: bool,
-    /// What the recorded variables depend on.
+    /// The instructions that the recorded variables depend on.
     outputs: Vec<Instr>,
     s: Vec<f64>,
-    /// How the instant of the event at hand moves with each input.
+    /// Shift of the instant of the current event with each input.
     shift: Vec<f64>,
     recorded: Vec<Slot>,
     slopes: Vec<f64>,
-    /// While the solution slides, in place of `variation`.
+    /// Replaces `variation` during sliding.
     surface: Option<Box<Surface>>,
-    /// The rates of the states on their way to an event, where those in the memory are not: at the
-    /// end of a motion along a surface.
+    /// Derivatives of the states on arrival at an event that ends sliding, where they differ from those
+    /// in the memory.
     arrival: Option<Vec<f64>>,
 }
 
@@ -82,8 +81,8 @@ struct Linearization {
     rows: Vec<usize>,
 }
 
-/// Gives every input a value of its own, that it can be differentiated by; `None` if one is no
-/// input of the program.
+/// Sets every input explicitly, so that it can be differentiated; `None` if one is not an input of the
+/// program.
 pub fn with_inputs(program: &Program, settings: &Settings, inputs: &[Input]) -> Option<Settings> {
     let mut settings = settings.clone();
     let mut machine = Machine::new(program);
@@ -117,7 +116,7 @@ fn input_cell(program: &Program, input: Input) -> Option<Slot> {
 }
 
 impl Sensitivity {
-    /// Before the start of a run; `None` if one of the inputs is none of the program.
+    /// Sensitivities before the start of a run; `None` if one of `inputs` is not an input of the program.
     pub fn new(system: &HybridSystem<'_>, inputs: &[Input]) -> Option<Self> {
         let program = system.machine.program;
         let count = inputs.len();
@@ -159,7 +158,7 @@ impl Sensitivity {
         })
     }
 
-    /// From here on everything that runs is followed.
+    /// Lets the machine propagate derivatives from now on.
     pub fn attach(&mut self, machine: &mut Machine<'_>) {
         machine.tangents = self.tangents.take();
         self.is_stale = true;
@@ -170,12 +169,12 @@ impl Sensitivity {
         self.tangents = machine.tangents.take().or(self.tangents.take());
     }
 
-    /// A copy of all derivatives, to return to.
+    /// A copy of all derivatives that can be restored.
     pub fn snapshot(&self) -> Option<Tangents> {
         self.tangents.as_ref().map(|t| t.snapshot())
     }
 
-    /// Returns to a copy.
+    /// Restores a copy.
     pub fn restore(&mut self, snapshot: Option<&Tangents>) {
         if let (Some(tangents), Some(snapshot)) = (&mut self.tangents, snapshot) {
             tangents.copy_from(snapshot);
@@ -183,13 +182,13 @@ impl Sensitivity {
         }
     }
 
-    /// Derivatives of the recorded variables at the instant looked at last: variable by variable,
-    /// input by input.
+    /// Derivatives of the recorded variables at the last evaluated instant: variable by variable, input
+    /// by input.
     pub fn slopes(&self) -> &[f64] {
         &self.slopes
     }
 
-    /// The derivatives over the last step.
+    /// Advances the derivatives over the last step.
     pub fn advance(
         &mut self,
         system: &mut HybridSystem<'_>,
@@ -212,13 +211,14 @@ impl Sensitivity {
         stepper.vary(&mut equations, &mut self.variation)
     }
 
-    /// Derivatives of everything at `t` within the last step, where everything has been evaluated.
+    /// Computes the derivatives of all slots at `t` within the last step, where all variables have been
+    /// evaluated.
     pub fn evaluate(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
         let program = machine.program;
         let layout = &program.layout;
         self.place(program, t);
         let Some(tangents) = &mut self.tangents else { return Ok(()) };
-        // The last direction moves along the trajectory.
+        // The last direction is along the trajectory.
         for i in 0..program.order() {
             let rate = match &self.arrival {
                 Some(rates) => rates[i],
@@ -237,7 +237,8 @@ impl Sensitivity {
         Ok(())
     }
 
-    /// Derivatives of what is recorded at `t` within the last step, where everything has been evaluated.
+    /// Computes the derivatives of the recorded variables at `t` within the last step, where all
+    /// variables have been evaluated.
     pub fn evaluate_row(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
         self.place(machine.program, t);
         if let Some(tangents) = &mut self.tangents {
@@ -247,7 +248,7 @@ impl Sensitivity {
         Ok(())
     }
 
-    /// Takes the derivatives of the states at `t` within the last step; time rests.
+    /// Sets the derivatives of the states at `t` within the last step, at constant time.
     fn place(&mut self, program: &Program, t: f64) {
         let Some(tangents) = &mut self.tangents else { return };
         let layout = &program.layout;
@@ -275,7 +276,7 @@ impl Sensitivity {
         }
     }
 
-    /// Takes everything along to the moving instant of a relation that switches, looked at last.
+    /// Shifts all derivatives to the instant at which a relation changes, as last evaluated.
     pub fn arrive_by_relation(&mut self, program: &Program, relation: Option<u32>) {
         let Some(tangents) = &mut self.tangents else { return };
         self.shift.fill(0.0);
@@ -290,7 +291,7 @@ impl Sensitivity {
         tangents.shift_along(self.count, &self.shift);
     }
 
-    /// Takes everything along to the moving instant `t` of a clock or a comparison with time.
+    /// Shifts all derivatives to the instant `t` of a clock or a comparison with time.
     pub fn arrive_by_clock(&mut self, machine: &Machine<'_>, clocks: &Clocks, t: f64) {
         let program = machine.program;
         let Some(tangents) = &mut self.tangents else { return };
@@ -312,7 +313,7 @@ impl Sensitivity {
         tangents.shift_along(self.count, &self.shift);
     }
 
-    /// Leaves the event at `t`, after which the derivatives of the states are in the memory.
+    /// Departs from the event at `t`; the derivatives of the states after it are in the memory.
     pub fn depart(&mut self, machine: &Machine<'_>, t: f64) {
         let layout = &machine.program.layout;
         let order = machine.program.order();
@@ -329,7 +330,7 @@ impl Sensitivity {
         (self.surface, self.arrival) = (None, None);
     }
 
-    /// Stands at `t` with the derivatives of the states as they are in the memory.
+    /// Restarts at `t` with the derivatives of the states in the memory.
     pub fn restart_from_memory(&mut self, program: &Program, t: f64) {
         let Some(tangents) = &mut self.tangents else { return };
         for direction in 0..self.count {
@@ -342,7 +343,7 @@ impl Sensitivity {
         self.surface = None;
     }
 
-    /// Forgets the history of the last steps at `t`, the end of the last one.
+    /// Restarts at `t`, the end of the last step.
     pub fn restart(&mut self, t: f64) {
         if let Some(surface) = &mut self.surface {
             for direction in 0..self.count {
@@ -359,7 +360,7 @@ impl Sensitivity {
 }
 
 impl Sensitivity {
-    /// Derivatives of what is recorded at `t` of a motion along a surface, whose values stand in the
+    /// Computes the derivatives of the recorded variables at `t` during sliding; their values are in the
     /// memory.
     fn evaluate_on_surface(&mut self, system: &mut HybridSystem<'_>, t: f64) -> Result<(), Fault> {
         let (Some(surface), Some(sliding)) = (&mut self.surface, &mut system.sliding) else {
@@ -389,7 +390,7 @@ impl Sensitivity {
         Ok(())
     }
 
-    /// Leaves the surface at `t` in the last step, where the solution does so smoothly.
+    /// Leaves the surface smoothly at `t` within the last step.
     fn leave_surface(&mut self, t: f64) {
         let Some(surface) = self.surface.take() else { return };
         let mut s = vec![0.0; self.s.len() + 1];
@@ -401,14 +402,14 @@ impl Sensitivity {
 }
 
 impl Simulation<'_, '_> {
-    /// The derivatives where the solution begins to stay on a surface, if they are wanted.
+    /// Updates the sensitivities at the start of sliding, if requested.
     pub(super) fn enter_surface(&mut self, t: f64, truth: bool) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
         let entered = s.enter_surface(&mut self.system, t, &self.y, truth);
         entered.map_err(|error| sensitivity_failure(NoVariation::Eval(error), t))
     }
 
-    /// The derivatives where the solution leaves a surface for the side of `truth`, if they are wanted.
+    /// Ends sliding towards the side of `truth`, and updates the sensitivities if requested.
     pub(super) fn leave_surface(
         &mut self,
         sliding: &Sliding,
@@ -427,8 +428,8 @@ impl Simulation<'_, '_> {
         left.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
-    /// The end at `t` of a motion along a surface by an event of something else: the states arrive with
-    /// the rates that they had on it.
+    /// Ends sliding at `t` by an unrelated event: the states arrive with the derivatives of the sliding
+    /// motion.
     pub(super) fn arrive_from_surface(&mut self, sliding: &mut Sliding, t: f64) {
         let Some(s) = &mut self.sensitivity else { return };
         let n = self.program.order();
@@ -438,7 +439,7 @@ impl Simulation<'_, '_> {
         s.arrival = slid.is_ok().then_some(rates);
     }
 
-    /// The derivatives over the last step, if they are wanted.
+    /// Advances the sensitivities over the last step, if requested.
     pub(super) fn advance_sensitivities(&mut self) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
         let t = self.stepper.t();
@@ -446,7 +447,7 @@ impl Simulation<'_, '_> {
         s.advance(&mut self.system, radau).map_err(|why| sensitivity_failure(why, t))
     }
 
-    /// The derivatives of everything at `t` in the last step, if they are wanted.
+    /// Computes the sensitivities of all slots at `t` in the last step, if requested.
     pub(super) fn evaluate_sensitivities(&mut self, t: f64) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
         let evaluated = if self.system.sliding.is_some() {
@@ -457,7 +458,7 @@ impl Simulation<'_, '_> {
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
-    /// The derivatives of what is recorded at `t` in the last step, if they are wanted.
+    /// Computes the sensitivities of the recorded variables at `t` in the last step, if requested.
     pub(super) fn evaluate_row_sensitivities(&mut self, t: f64) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
         let evaluated = if self.system.sliding.is_some() {
@@ -468,7 +469,8 @@ impl Simulation<'_, '_> {
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
-    /// Takes the derivatives along to an event, where they will be followed; a copy of what they were.
+    /// Shifts the sensitivities to an event and lets the machine propagate them; returns a copy from
+    /// before.
     pub(super) fn arrive(&mut self, t: f64, cause: Cause) -> Option<Tangents> {
         let s = self.sensitivity.as_mut()?;
         let machine = &mut self.system.machine;
@@ -484,7 +486,7 @@ impl Simulation<'_, '_> {
         before
     }
 
-    /// Leaves an event with the derivatives that the states have after it.
+    /// Departs from an event with the sensitivities of the states after it.
     pub(super) fn depart(&mut self, t: f64) -> Result<(), Failure> {
         let Some(s) = &mut self.sensitivity else { return Ok(()) };
         let evaluated = self.system.evaluate_all(t, &self.y);

@@ -1,20 +1,21 @@
-//! Derivatives of a solution that slides along the surface of a relation.
+//! Sensitivities of a solution that slides along the switching surface of a relation.
 //!
 //! On the surface `g(t, x, p) = 0` Filippov's solution obeys
 //!
 //! `x' = (1 - a) f0 + a f1,  0 = g(t, x, p)`
 //!
-//! with the part `a` as an algebraic unknown, a system of index 2. Differentiated by the inputs, with
-//! `S = dx/dp` and `A = da/dp`, it is linear and asks for first derivatives only:
+//! with the weight `a` as an algebraic unknown, a system of index 2. Differentiated with respect to the
+//! inputs, with `S = dx/dp` and `A = da/dp`, it is linear and needs first derivatives only:
 //!
 //! `S' = ((1 - a) J0 + a J1) S + (1 - a) df0/dp + a df1/dp + (f1 - f0) A,  0 = dg/dx S + dg/dp`.
 //!
-//! Radau IIA integrates linear systems of index 2 in this form as they stand (Hairer & Wanner II, sec.
-//! VII.4). Where the solution enters the surface at a rate `r` of the gap, with the derivatives `f`
-//! before and `fs` after, `S` jumps by `(f - fs) dt/dp` with `dt/dp = -(dg/dx S + dg/dp) / r`: onto the
-//! constraint. Where it leaves, `f = fs`, and nothing jumps (L. Dieci, L. Lopez, *Fundamental matrix
-//! solutions of piecewise smooth differential systems*, Mathematics and Computers in Simulation 81,
-//! 2011, sec. 3; M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008, sec. 2.5).
+//! Radau IIA integrates linear systems of index 2 in this form directly (Hairer & Wanner II, sec.
+//! VII.4). Where the solution enters the surface with rate `r` of the indicator, and derivatives `f`
+//! before and `fs` after, `S` jumps by `(f - fs) dt/dp` with `dt/dp = -(dg/dx S + dg/dp) / r`, which
+//! satisfies the constraint. Where it leaves, `f = fs`, and `S` is continuous (L. Dieci, L. Lopez,
+//! *Fundamental matrix solutions of piecewise smooth differential systems*, Mathematics and Computers
+//! in Simulation 81, 2011, sec. 3; M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008,
+//! sec. 2.5).
 
 use crate::integrate::radau::variation::Variation;
 use crate::integrate::system::EvalError;
@@ -26,14 +27,14 @@ use crate::runtime::tangent::Tangents;
 use crate::simulate::event::sliding::Sliding;
 use crate::simulate::system::HybridSystem;
 
-/// States by which everything is differentiated in one go.
+/// Number of states with respect to which everything is differentiated together.
 const LANES: usize = 8;
 
-/// The derivatives while the solution slides.
+/// The sensitivities during sliding.
 pub struct Surface {
-    /// Of the states, and of the part as the last component.
+    /// Derivatives of the states, and of the weight as the last component.
     pub variation: Variation,
-    /// The equations that they obey.
+    /// Their equations.
     pub equations: Equations,
     values: Vec<f64>,
     derivatives: Vec<f64>,
@@ -43,15 +44,15 @@ pub struct Surface {
 pub struct Equations {
     count: usize,
     points: [Point; 3],
-    /// By some of the states at a time.
+    /// Tangents with respect to a group of states.
     seeds: Tangents,
 }
 
 /// The variational equations at a point.
 struct Point {
-    /// Mixed Jacobian, column-major.
+    /// Weighted Jacobian, column-major.
     jacobian: Vec<f64>,
-    /// Mixed derivatives by the inputs, input by input.
+    /// Weighted derivatives with respect to the inputs, input by input.
     forcing: Vec<f64>,
     /// `f1 - f0`
     jump: Vec<f64>,
@@ -59,13 +60,13 @@ struct Point {
     indicator_by_state: Vec<f64>,
     /// `dg/dp`
     indicator_by_input: Vec<f64>,
-    /// The part of the side on which the relation is true.
-    part: f64,
+    /// The weight of the side on which the relation is true.
+    weight: f64,
 }
 
 impl Surface {
-    /// For a program of `cells` cells and `n` states, whose runs are differentiated by `count` inputs
-    /// and recorded in `recorded` columns.
+    /// For a program with `cells` slots and `n` states, differentiated with respect to `count` inputs,
+    /// with `recorded` columns.
     pub fn new(cells: usize, n: usize, count: usize, recorded: usize) -> Surface {
         let point = || Point {
             jacobian: vec![0.0; n * n],
@@ -73,7 +74,7 @@ impl Surface {
             jump: vec![0.0; n],
             indicator_by_state: vec![0.0; n],
             indicator_by_input: vec![0.0; count],
-            part: 0.0,
+            weight: 0.0,
         };
         Surface {
             variation: Variation::constrained(n, count),
@@ -87,7 +88,7 @@ impl Surface {
         }
     }
 
-    /// Enters at `(t, y)` with the derivatives `s` of each input, which hold on the side of `truth`.
+    /// Enters at `(t, y)` with the derivatives `s` for each input on the side of `truth`.
     pub fn enter(
         &mut self,
         system: &mut HybridSystem<'_>,
@@ -105,27 +106,28 @@ impl Surface {
         linearised?;
         let rates = rates.map_err(|_| EvalError::Recoverable(0))?;
         let point = &self.equations.points[0];
-        // On the side of truth f - fs is the rest of the jump.
+        // On the side of `truth`, f - fs is a multiple of the jump.
         let (rate, rest) = match truth {
             true => (rates.when_true, 1.0 - point.weight),
             false => (rates.when_false, -point.weight),
         };
-        let mut s = vec![0.0; n + 1];
+        let mut initial = vec![0.0; n + 1];
         for direction in 0..self.equations.count {
-            s(direction, &mut s[..n]);
-            let indicator: f64 = s.iter().zip(&point.indicator_by_state).map(|(s, g)| s * g).sum();
+            s(direction, &mut initial[..n]);
+            let indicator: f64 =
+                initial.iter().zip(&point.indicator_by_state).map(|(s, g)| s * g).sum();
             let shift = -(indicator + point.indicator_by_input[direction]) / rate;
-            for (s, jump) in s[..n].iter_mut().zip(&point.jump) {
+            for (s, jump) in initial[..n].iter_mut().zip(&point.jump) {
                 *s += rest * jump * shift;
             }
-            s[n] = 0.0;
-            self.variation.restart(t, direction, &s);
+            initial[n] = 0.0;
+            self.variation.restart(t, direction, &initial);
         }
         Ok(())
     }
 
-    /// Derivatives of the recorded cells at `(t, y)`, where the memory is as `Sliding` left it: value by
-    /// value, input by input. Everything is seen from both sides.
+    /// Derivatives of the recorded slots at `(t, y)`, after [`Sliding::evaluate_all`]: value by value,
+    /// input by input. Combines the derivatives on both sides.
     pub fn evaluate(
         &mut self,
         machine: &mut Machine<'_>,
@@ -167,17 +169,17 @@ impl Surface {
             outcome?;
             let Some(tangents) = tangents else { break };
             for (k, slot) in recorded.iter().enumerate() {
-                let s = &tangents.of(*slot)[..count];
+                let side = &tangents.of(*slot)[..count];
                 let range = k * count..(k + 1) * count;
                 if truth == 0 {
                     self.values[k] = machine.get(*slot);
-                    self.derivatives[range].copy_from_slice(s);
+                    self.derivatives[range].copy_from_slice(side);
                     continue;
                 }
                 let jump = machine.get(*slot) - self.values[k];
                 let before = &self.derivatives[range.clone()];
                 for (((slope, d0), d1), by) in
-                    slopes[range].iter_mut().zip(before).zip(s).zip(&parts)
+                    slopes[range].iter_mut().zip(before).zip(side).zip(&parts)
                 {
                     *slope = d0 + part * (d1 - d0) + jump * by;
                 }
@@ -228,7 +230,7 @@ impl Equations {
     }
 }
 
-/// Runs everything that decides about the derivatives, and its derivatives by the inputs at held
+/// Evaluates derivatives and indicators, and their derivatives with respect to the inputs at constant
 /// states.
 fn by_inputs(
     machine: &mut Machine<'_>,
@@ -272,7 +274,7 @@ impl Point {
             .copy_from_slice(&tangents.of(layout.indicators + relation)[..count]);
     }
 
-    /// Columns of some states, from what stands in the memory.
+    /// Adds the columns of a group of states, evaluated at the point in the memory.
     fn add_states(
         &mut self,
         machine: &mut Machine<'_>,
@@ -286,10 +288,10 @@ impl Point {
         let n = program.order();
         let lanes = seeds.directions();
         for i in 0..n {
-            let s = seeds.of_mut(layout.states + i as Slot);
-            s.fill(0.0);
+            let seed = seeds.of_mut(layout.states + i as Slot);
+            seed.fill(0.0);
             if (first..first + lanes).contains(&i) {
-                s[i - first] = 1.0;
+                seed[i - first] = 1.0;
             }
         }
         seeds.propagate(machine, &program.tapes.rhs)?;
@@ -304,13 +306,13 @@ impl Point {
     }
 }
 
-/// The variational equations along a step on the surface.
+/// The variational equations of a step on the surface.
 pub struct SurfaceEquations<'a, 'p> {
-    /// The run.
+    /// The system.
     pub system: &'a mut HybridSystem<'p>,
-    /// By the inputs.
+    /// Tangents with respect to the inputs.
     pub tangents: Option<Box<Tangents>>,
-    /// What they are at the stages.
+    /// The equations at the stages.
     pub equations: &'a mut Equations,
 }
 

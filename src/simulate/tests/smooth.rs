@@ -6,7 +6,7 @@ use crate::integrate::system::System;
 use crate::ir::expr::{Binary, Unary};
 use crate::simulate::run::simulate;
 use crate::simulate::settings::Settings;
-use crate::simulate::system::Model;
+use crate::simulate::system::HybridSystem;
 
 #[test]
 fn decay_follows_the_exponential_and_parameters_are_inputs() {
@@ -165,7 +165,7 @@ fn the_jacobian_agrees_with_central_differences() {
     b.assign(dz, tanh);
 
     let program = b.program();
-    let mut model = Model::new(&program);
+    let mut model = HybridSystem::new(&program);
     let settings = Settings::of(&Default::default());
     crate::simulate::initialization::initialise(&mut model.machine, &settings).unwrap();
     let at = [0.7, 1.3, -0.4];
@@ -236,7 +236,7 @@ fn functions_run_and_are_differentiated() {
     assert!((last - (-3.0f64).exp()).abs() < 1e-9);
 
     let program = b.program();
-    let mut model = Model::new(&program);
+    let mut model = HybridSystem::new(&program);
     let settings = Settings::of(&Default::default());
     crate::simulate::initialization::initialise(&mut model.machine, &settings).unwrap();
     let mut slope = [0.0];
@@ -280,7 +280,7 @@ fn ring() -> Builder {
 #[test]
 fn entries_by_pattern_are_those_of_the_dense_jacobian() {
     let program = ring().program();
-    let mut model = Model::new(&program);
+    let mut model = HybridSystem::new(&program);
     let n = model.dim();
     let y: Vec<f64> = (0..n).map(|k| 0.1 + k as f64).collect();
     let mut dense = vec![0.0; n * n];

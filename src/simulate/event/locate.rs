@@ -1,0 +1,198 @@
+//! Event location: finds the first instant within a step at which a relation changes.
+//!
+//! In: a step of the integrator with its dense output. Out: the instant, enclosed from the right.
+//! Relations are probed at points within the step; the crossing is enclosed by a bracketing root
+//! finder on the zero-crossing indicators.
+
+use crate::integrate::stepper::Stepper;
+use crate::ir::program::{Program, RelationTrigger};
+use crate::numeric::root::locate;
+use crate::runtime::machine::{Fault, Machine};
+use crate::simulate::system::HybridSystem;
+
+/// Points within a step, as fractions, at which relations are probed in addition to its end.
+const PROBES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// Maximum number of failed evaluations within one step.
+const MAX_FAILURES: u32 = 100;
+/// Width of the interval that encloses a crossing, in spacings of doubles at its time.
+const ENCLOSURE_WIDTH: f64 = 4.0;
+
+/// Locates changes of state-dependent relations.
+pub struct Locator {
+    relations: Vec<u32>,
+    point: Vec<f64>,
+    /// Temporarily not monitored.
+    ignored: Option<u32>,
+    /// Hysteresis of each relation: minimum absolute value of its indicator after a change.
+    hysteresis: Vec<f64>,
+}
+
+/// First hysteresis of a chattering relation, in units of its operands.
+const FIRST_HYSTERESIS: f64 = 1e-13;
+/// Growth factor of the hysteresis while the relation keeps chattering.
+const HYSTERESIS_GROWTH: f64 = 100.0;
+/// Maximum hysteresis.
+const MAX_HYSTERESIS: f64 = 1e-7;
+
+impl Locator {
+    /// Monitors all state-dependent relations of a program.
+    pub fn new(program: &Program) -> Self {
+        let relations = (0..program.events.relation_triggers.len() as u32)
+            .filter(|k| program.events.relation_triggers[*k as usize] == RelationTrigger::State)
+            .collect();
+        let hysteresis = vec![0.0; program.events.relation_triggers.len()];
+        Locator { relations, point: vec![0.0; program.order().max(1)], ignored: None, hysteresis }
+    }
+
+    /// Widens the hysteresis of chattering relations: smaller changes are rounding errors of operands
+    /// at the threshold. False if all have reached the maximum.
+    pub fn widen_hysteresis(&mut self, relations: impl Iterator<Item = u32>) -> bool {
+        let mut widened = false;
+        for k in relations {
+            let margin = &mut self.hysteresis[k as usize];
+            let wider = (*margin * HYSTERESIS_GROWTH).max(FIRST_HYSTERESIS);
+            if wider <= MAX_HYSTERESIS {
+                *margin = wider;
+                widened = true;
+            }
+        }
+        widened
+    }
+
+    /// The hysteresis of a relation.
+    pub fn hysteresis(&self, relation: u32) -> f64 {
+        self.hysteresis[relation as usize]
+    }
+
+    /// Stops monitoring a relation, or monitors all (`None`).
+    pub fn ignore(&mut self, relation: Option<u32>) {
+        self.ignored = relation;
+    }
+
+    /// Resumes monitoring an ignored relation as soon as its candidate value equals its held value.
+    pub fn on_step(&mut self, machine: &Machine<'_>) {
+        let layout = &machine.program.layout;
+        self.ignored = self
+            .ignored
+            .filter(|k| machine.get(layout.candidates + k) != machine.get(layout.relations + k));
+    }
+
+    /// True if there are no relations to monitor.
+    pub fn is_empty(&self) -> bool {
+        self.relations.is_empty()
+    }
+
+    /// The first instant within the last step at which a relation has changed, enclosed from the right.
+    pub fn first_switch(
+        &mut self,
+        system: &mut HybridSystem<'_>,
+        stepper: &dyn Stepper,
+    ) -> Result<Option<f64>, Fault> {
+        if self.relations.is_empty() {
+            return Ok(None);
+        }
+        let (t0, t1) = (stepper.t_previous(), stepper.t());
+        let quiet_until = if self.ignored.is_none() { system.quiet_until(t0, t1) } else { None };
+        let mut left = quiet_until.unwrap_or(t0);
+        let mut failures_left = MAX_FAILURES;
+        let probes = PROBES.map(|fraction| t0 + fraction * (t1 - t0)).into_iter();
+        for target in probes.filter(|_| quiet_until.is_none()).chain([t1]) {
+            let mut right = target;
+            while left < target {
+                match self.evaluate(system, stepper, right) {
+                    Ok(()) if self.switched(&system.machine).next().is_some() => {
+                        return Ok(Some(self.enclose(system, stepper, left, right)));
+                    }
+                    Ok(()) => (left, right) = (right, target),
+                    // The held branch may end within the step, but not before its relation changes.
+                    Err(fault) => {
+                        failures_left = failures_left.saturating_sub(1);
+                        right = left + 0.5 * (right - left);
+                        if failures_left > 0 && left < right {
+                            continue;
+                        }
+                        // Between the ends the interpolant may leave the domain; the end decides.
+                        if target < t1 {
+                            break;
+                        }
+                        return Err(fault);
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Shrinks the interval around the first change and returns its right end.
+    fn enclose(
+        &mut self,
+        system: &mut HybridSystem<'_>,
+        stepper: &dyn Stepper,
+        left: f64,
+        right: f64,
+    ) -> f64 {
+        let candidates: Vec<u32> = self.switched(&system.machine).collect();
+        let at_right = self.largest_overshoot(&system.machine, &candidates);
+        // At the left end all candidates agree with their held values.
+        let at_left = match self.evaluate(system, stepper, left) {
+            Ok(()) => -self.smallest_distance(&system.machine, &candidates),
+            Err(_) => -f64::MIN_POSITIVE,
+        };
+        let tolerance = ENCLOSURE_WIDTH * f64::EPSILON * right.abs().max(right - left);
+        let signed = |t: f64| match self.evaluate(system, stepper, t) {
+            Ok(()) if self.switched(&system.machine).next().is_some() => {
+                self.largest_overshoot(&system.machine, &candidates)
+            }
+            Ok(()) => -self.smallest_distance(&system.machine, &candidates),
+            Err(_) => f64::MIN_POSITIVE,
+        };
+        locate(signed, (left, at_left), (right, at_right), tolerance).map_or(right, |b| b.right)
+    }
+
+    fn evaluate(
+        &mut self,
+        system: &mut HybridSystem<'_>,
+        stepper: &dyn Stepper,
+        t: f64,
+    ) -> Result<(), Fault> {
+        if t == stepper.t() {
+            if system.is_current_at(t, stepper.y()) {
+                return Ok(());
+            }
+            self.point.copy_from_slice(stepper.y());
+        } else {
+            stepper.interpolate(t, &mut self.point);
+        }
+        system.evaluate_roots_clamped(t, &self.point)
+    }
+
+    /// The relations whose candidate value differs from the held one.
+    pub fn switched<'a>(&'a self, machine: &'a Machine<'_>) -> impl Iterator<Item = u32> + 'a {
+        let layout = &machine.program.layout;
+        self.relations
+            .iter()
+            .copied()
+            .filter(|k| self.ignored != Some(*k))
+            .filter(|k| machine.get(layout.candidates + k) != machine.get(layout.relations + k))
+            .filter(|k| {
+                let margin = self.hysteresis[*k as usize];
+                margin == 0.0 || machine.get(layout.indicators + k).abs() > margin
+            })
+    }
+
+    /// Largest absolute indicator of the candidates that have changed; positive.
+    fn largest_overshoot(&self, machine: &Machine<'_>, candidates: &[u32]) -> f64 {
+        let indicators = machine.program.layout.indicators;
+        let switched = self.switched(machine).filter(|k| candidates.contains(k));
+        let far = switched.map(|k| machine.get(indicators + k).abs()).fold(0.0, f64::max);
+        if far > 0.0 && far.is_finite() { far } else { f64::MIN_POSITIVE }
+    }
+
+    /// Smallest absolute indicator of the candidates; not negative.
+    fn smallest_distance(&self, machine: &Machine<'_>, candidates: &[u32]) -> f64 {
+        let indicators = machine.program.layout.indicators;
+        let near = candidates.iter().map(|k| machine.get(indicators + k).abs());
+        let near = near.fold(f64::INFINITY, f64::min);
+        if near.is_finite() { near } else { f64::MIN_POSITIVE }
+    }
+}
