@@ -1,4 +1,4 @@
-//! The answer of the graph algorithms, written back into the system.
+//! Writes the result of the index reduction back into the system of equations.
 
 use crate::base::index::{Id, IndexVec};
 use crate::graph::bipartite::{Col, Row};
@@ -21,9 +21,9 @@ pub fn differentiate(
             integral[derivative] = Some(col);
         }
     }
-    for place in unknowns.len()..reduction.derivative.len() {
-        // A new column is the derivative of one with a lower number.
-        let Some(of) = integral[Col::from_usize(place)] else { continue };
+    for index in unknowns.len()..reduction.derivative.len() {
+        // A new column is the derivative of a column with a lower number.
+        let Some(of) = integral[Col::from_usize(index)] else { continue };
         let of = variable[of];
         let mut derivative = Variable::derivative(of, &dae.variables[of], Kind::Algebraic);
         derivative.hidden = true;
@@ -38,15 +38,15 @@ pub fn differentiate(
             origin[differentiated] = Some(row);
         }
     }
-    for place in dae.equations.len()..reduction.differentiated.len() {
-        let Some(of) = origin[Row::from_usize(place)] else { continue };
+    for index in dae.equations.len()..reduction.differentiated.len() {
+        let Some(of) = origin[Row::from_usize(index)] else { continue };
         let equation = derivative(dae, EqId::from_usize(of.idx()));
         dae.equations.push(equation);
     }
     variable
 }
 
-/// The derivative of an equation by time. Discrete variables do not change between events.
+/// The time derivative of an equation. Discrete variables do not change between events.
 fn derivative(dae: &mut Dae, of: EqId) -> Equation {
     let Equation { lhs, rhs, residual, origin, .. } = dae.equations[of].clone();
     let Dae { graph, variables, .. } = dae;

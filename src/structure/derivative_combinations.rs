@@ -1,8 +1,10 @@
-//! Sums of derivatives: `c1 * der(x1) + c2 * der(x2) = f` is `der(w) = f` with `w = c1 * x1 + c2 * x2`.
+//! Linear combinations of derivatives: `c1 * der(x1) + c2 * der(x2) = f` is equivalent to
+//! `der(w) = f` with `w = c1 * x1 + c2 * x2`.
 //!
-//! The balance of a node with several charges is written like that. Where its derivatives occur in
-//! no other equation, constraints tie the terms to each other; with `w` as the state these are
-//! solved as they are, instead of following their derivatives, which may be steep or jump.
+//! The balance of a node with several storage terms has this form. If its derivatives occur in no
+//! other equation, constraints relate the terms to each other; with `w` as the state, the constraints
+//! are solved as they are instead of being differentiated, which matters if their derivatives are
+//! steep or discontinuous.
 
 use super::solve;
 use crate::base::index::FastMap;
@@ -12,21 +14,21 @@ use crate::ir::flat::StateSelect;
 use crate::symbolic::gradient::Leaf;
 use crate::symbolic::linear;
 
-/// An equation with a sum of derivatives that occur nowhere else.
-pub struct Sum {
+/// An equation with a combination of derivatives that occur in no other equation.
+pub struct DerivativeCombination {
     equation: EqId,
     rates: Vec<VarId>,
 }
 
-/// The sums of a system. None where `reinit` sets states anew: then a term may jump, and the others, which
-/// do not (section 8.3.6 of the specification), are no longer tied to it.
-pub fn find(dae: &Dae) -> Vec<Sum> {
+/// The combinations in a system. Empty if the system contains `reinit`: a term may then jump while
+/// the others do not (Modelica 3.6, section 8.3.6), which a common state would prevent.
+pub fn find(dae: &Dae) -> Vec<DerivativeCombination> {
     if !dae.reinits.is_empty() {
         return Vec::new();
     }
-    // How often each derivative occurs.
+    // The number of occurrences of each derivative.
     let mut occurrences: FastMap<VarId, usize> = FastMap::default();
-    let mut sums: Vec<Sum> = Vec::new();
+    let mut combinations: Vec<DerivativeCombination> = Vec::new();
     for (equation, e) in dae.equations.enumerate() {
         let mut rates = dae.graph.variables(e.residual);
         rates.retain(|v| dae.variables[*v].derivative_of.is_some());
@@ -35,30 +37,32 @@ pub fn find(dae: &Dae) -> Vec<Sum> {
         }
         if rates.len() > 1 {
             rates.sort_unstable();
-            sums.push(Sum { equation, rates });
+            combinations.push(DerivativeCombination { equation, rates });
         }
     }
     let is_algebraic = |v: VarId| dae.variables[v].kind == Kind::Algebraic;
-    sums.retain(|sum| sum.rates.iter().all(|v| occurrences[v] == 1 && is_algebraic(*v)));
-    sums
+    combinations.retain(|sum| sum.rates.iter().all(|v| occurrences[v] == 1 && is_algebraic(*v)));
+    combinations
 }
 
-/// Gives every sum with constant coefficients a state of its own.
-pub fn gather(dae: &mut Dae, sums: &[Sum]) {
-    for Sum { equation, rates } in sums {
+/// Introduces a state for every combination with constant coefficients.
+pub fn introduce_states(dae: &mut Dae, combinations: &[DerivativeCombination]) {
+    for DerivativeCombination { equation, rates } in combinations {
         if let Some((coefficients, rest)) = split(dae, *equation, rates) {
             replace(dae, *equation, rates, &coefficients, rest);
         }
     }
 }
 
-/// The coefficients of the derivatives if they do not vary, and the rest of the equation.
+/// The coefficients of the derivatives, if they are constant, and the remainder of the equation.
 fn split(dae: &mut Dae, id: EqId, rates: &[VarId]) -> Option<(Vec<ExprId>, ExprId)> {
     let mut rest = dae.equations[id].residual;
     let mut coefficients = Vec::with_capacity(rates.len());
     for v in rates {
         let (coefficient, without) = linear::split(&mut dae.graph, rest, Leaf::Var(*v))?;
-        if !solve::is_fixed(dae, coefficient) || !solve::is_never_zero(dae, coefficient) {
+        if !solve::is_parameter_expression(dae, coefficient)
+            || !solve::is_never_zero(dae, coefficient)
+        {
             return None;
         }
         coefficients.push(coefficient);

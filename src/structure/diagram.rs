@@ -1,13 +1,13 @@
-//! The sorted system as something to draw: `mocc structure --svg` and `--dot`.
+//! The sorted system as a diagram, for `mocc structure --svg` and `--dot`.
 
-use super::print::shown;
+use super::print::printed;
 use crate::base::index::FastMap;
 use crate::ir::blocks::{Assignment, Block, Blocks};
 use crate::ir::dae::Dae;
 use crate::ir::diagram::{Diagram, Line, Method, Part};
 use crate::ir::expr::{ExprId, VarId};
 
-/// The phase between events; that at events, if nothing is solved between them.
+/// The diagram of the phase between events; that of the phase at events if the former is empty.
 pub fn diagram(blocks: &Blocks) -> Diagram {
     let (phase, sequence) = match blocks.continuous.as_slice() {
         [] => ("at events", &blocks.event),
@@ -36,7 +36,7 @@ pub fn diagram(blocks: &Blocks) -> Diagram {
     Diagram { model: dae.name.clone(), phase, lines, parts }
 }
 
-/// An unknown with what it is solved from.
+/// An unknown with the expression that determines it.
 struct Solved {
     unknown: VarId,
     value: ExprId,
@@ -47,7 +47,7 @@ struct Solved {
 fn collect(block: &Block, dae: &Dae, out: &mut Vec<Solved>) {
     let mut assign = |a: &Assignment| {
         let name = &dae.variables[a.variable].name;
-        let equation = format!("{name} := {}", shown(dae, a.value));
+        let equation = format!("{name} := {}", printed(dae, a.value));
         out.push(Solved { unknown: a.variable, value: a.value, equation, torn: false });
     };
     match block {
@@ -55,7 +55,7 @@ fn collect(block: &Block, dae: &Dae, out: &mut Vec<Solved>) {
         Block::Torn(t) => {
             t.explicit.iter().for_each(assign);
             for (v, r) in t.unknowns.iter().zip(&t.residuals) {
-                let equation = format!("0 = {}", shown(dae, r.value));
+                let equation = format!("0 = {}", printed(dae, r.value));
                 out.push(Solved { unknown: *v, value: r.value, equation, torn: true });
             }
         }

@@ -1,4 +1,4 @@
-//! What can be wrong with a system of equations: codes MO0401 to MO0499.
+//! Errors of the structural analysis: codes MO0401 to MO0499.
 
 use super::explain::{list, origin, with_places};
 use crate::base::diag::Diagnostic;
@@ -9,7 +9,7 @@ use crate::ir::expr::VarId;
 use crate::ir::flat::Origin;
 use crate::symbolic::print;
 
-/// MO0401: unknowns that the equations leave open. `counts`: equations and unknowns of the model.
+/// MO0401: unknowns that the equations do not determine. `counts`: equations and unknowns of the model.
 pub fn too_few_equations(
     dae: &Dae,
     counts: (usize, usize),
@@ -28,7 +28,7 @@ pub fn too_few_equations(
         ),
     };
     let first = variables.first().map_or(Span::NONE, |v| dae.variables[*v].span);
-    // Variables of several instances share the line of their declaration: each label names its own.
+    // Variables of several instances share the line of their declaration, so each label names its own.
     let label = |v: &VarId| match variables.len() {
         1 => "not determined".to_string(),
         _ => format!("`{}` is not determined", dae.variables[*v].name),
@@ -48,7 +48,7 @@ pub fn too_few_equations(
     ))
 }
 
-/// MO0402: equations that are too many for their unknowns.
+/// MO0402: more equations than unknowns.
 pub fn too_many_equations(
     dae: &Dae,
     counts: (usize, usize),
@@ -72,7 +72,7 @@ pub fn too_many_equations(
     })
 }
 
-/// MO0403: constraints that repeat or contradict each other whatever the values are.
+/// MO0403: constraints that repeat or contradict each other for all values.
 pub fn dependent(dae: &Dae, equations: &[EqId]) -> Diagnostic {
     let d = Diagnostic::error(
         "MO0403",
@@ -102,7 +102,7 @@ pub fn not_differentiable(dae: &Dae, equation: EqId, constraint: &[EqId]) -> Dia
     d
 }
 
-/// MO0405: `stateSelect = always` can not be met.
+/// MO0405: `stateSelect = always` cannot be satisfied.
 pub fn not_a_state(v: &Variable) -> Diagnostic {
     Diagnostic::error(
         "MO0405",
@@ -113,16 +113,16 @@ pub fn not_a_state(v: &Variable) -> Diagnostic {
     .help("use `StateSelect.prefer`, or drop the wish for another variable of the constraint")
 }
 
-/// MO0405: `stateSelect = always` of what is no state at all.
+/// MO0405: `stateSelect = always` of a variable that is discontinuous.
 pub fn jumping_state(v: &Variable) -> Diagnostic {
     Diagnostic::error("MO0405", v.span, format!("`{}` can not be a state: it jumps", v.name))
         .label("declared with `stateSelect = StateSelect.always`")
         .help("leave `stateSelect` out: a state is continuous between events (section 4.9.7.1)")
 }
 
-/// MO0406: `stateSelect = never` can not be met.
+/// MO0406: `stateSelect = never` cannot be satisfied.
 ///
-/// With a `substitute`, which is tied to it, the wish could be met by another choice: a warning.
+/// A warning if there is a `substitute` that the modeller could have selected as the state instead.
 pub fn needed_as_state(v: &Variable, substitute: bool) -> Diagnostic {
     let message = format!("`{}` must be a state: nothing else determines it", v.name);
     let diagnostic = match substitute {
@@ -159,7 +159,7 @@ pub fn initially_too_many(
         Span::NONE,
         format!("the start of the simulation is determined more than once: {names}"),
     );
-    // What the user would remove comes first.
+    // The conditions that the user is most likely to remove come first.
     let mut sources = sources.to_vec();
     sources.sort_by_key(|source| match source {
         Source::Start(_) => 0,
@@ -173,7 +173,7 @@ pub fn initially_too_many(
     ))
 }
 
-/// MO0409: a variable that nothing determines at the start.
+/// MO0409: a variable that is not determined at the start.
 pub fn initially_open(v: &Variable) -> Diagnostic {
     Diagnostic::error(
         "MO0409",
@@ -196,7 +196,7 @@ fn count(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
-/// How an equation is shown: its text, since that in the file may be a `connect` or an array.
+/// The label of an equation: its expanded form, since the source may be a `connect` or an array.
 fn label(dae: &Dae, source: Source, origin: &Origin) -> String {
     let text = match source {
         Source::Start(v) => format!("start of `{}`, fixed", dae.variables[v].name),

@@ -1,6 +1,6 @@
-//! Systems that can not be solved, explained in the user's names (Dulmage and Mendelsohn 1958).
+//! Explains singular systems in the user's names (Dulmage and Mendelsohn 1958).
 
-use super::incidence::System;
+use super::incidence::EquationSystem;
 use super::{error, reduce};
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::source::Span;
@@ -13,12 +13,12 @@ use crate::ir::dae::{Dae, Variable};
 use crate::ir::expr::VarId;
 use crate::ir::flat::Origin;
 
-/// Reports equations that are too many and unknowns that are not determined, derivatives being
-/// taken for the variables themselves; `None` if there are any.
+/// Reports surplus equations and undetermined unknowns, with derivatives identified with their
+/// variables; `None` if there are any.
 pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
-    let system = reduce::whole(dae);
+    let system = reduce::full_system(dae);
     let lowest = pantelides::lowest(&reduce::derivatives(dae, &system));
-    // Each unknown with its derivatives is one column, numbered as the lowest of them.
+    // An unknown and its derivatives form one column, numbered like the lowest of them.
     let mut number = vec![None; lowest.len()];
     let mut unknowns = Vec::new();
     for (col, &low) in lowest.enumerate() {
@@ -40,7 +40,7 @@ pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
         return Some(());
     }
     let parts = dulmage_mendelsohn::decompose(&collapsed, &matched);
-    // The model's own count: what was solved for by hand has an equation and an unknown each.
+    // Count like the user: each eliminated variable is one equation and one unknown.
     let trivial = dae.eliminated.len();
     let counts = (rows + trivial, cols + trivial);
     let named = |part: &Subsystem| -> (Vec<Source>, Vec<VarId>) {
@@ -60,8 +60,8 @@ pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
     None
 }
 
-/// The choice of states left a system that can not be matched.
-pub fn lost_rank(dae: &Dae, system: &System, matched: &Matching) -> Diagnostic {
+/// The error for a system that has no perfect matching after state selection.
+pub fn lost_rank(dae: &Dae, system: &EquationSystem, matched: &Matching) -> Diagnostic {
     let parts = dulmage_mendelsohn::decompose(&system.graph, matched);
     let sources: Vec<Source> =
         parts.over_determined.rows.iter().map(|row| system.sources[*row]).collect();
@@ -76,8 +76,8 @@ pub fn lost_rank(dae: &Dae, system: &System, matched: &Matching) -> Diagnostic {
     error::dependent(dae, &equations)
 }
 
-/// The initial equations and fixed starts are too many.
-pub fn initially_too_many(dae: &Dae, system: &System, matched: &Matching) -> Diagnostic {
+/// The error for too many initial equations and fixed starts.
+pub fn initially_too_many(dae: &Dae, system: &EquationSystem, matched: &Matching) -> Diagnostic {
     let parts = dulmage_mendelsohn::decompose(&system.graph, matched);
     let part = &parts.over_determined;
     let sources: Vec<Source> = part.rows.iter().map(|row: &Row| system.sources[*row]).collect();
@@ -85,12 +85,12 @@ pub fn initially_too_many(dae: &Dae, system: &System, matched: &Matching) -> Dia
     error::initially_too_many(dae, sources.len() - variables.len(), &sources, &variables)
 }
 
-/// A variable is left without a way to compute it at the start.
+/// The error for a variable that cannot be computed at the start.
 pub fn initially_open(dae: &Dae, v: VarId) -> Diagnostic {
     error::initially_open(&dae.variables[v])
 }
 
-/// Where an equation stands, and the component it belongs to.
+/// The span of an equation and the component it belongs to.
 pub fn origin(dae: &Dae, source: Source) -> Origin {
     match source {
         Source::Continuous(id) => dae.equations[id].origin.clone(),
@@ -100,7 +100,7 @@ pub fn origin(dae: &Dae, source: Source) -> Origin {
     }
 }
 
-/// Names in a list that stays readable: at most six, then how many more.
+/// A readable list of names: at most six, then the number of further ones.
 pub fn list<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> String {
     let names: Vec<String> = variables.into_iter().map(|v| format!("`{}`", v.name)).collect();
     let shown = if names.len() > 7 { 6 } else { names.len() };
@@ -112,7 +112,7 @@ pub fn list<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> String {
     }
 }
 
-/// Adds the places of equations to a diagnostic, the first as the primary one.
+/// Adds the spans of equations to a diagnostic, the first as the primary one.
 pub fn with_places(
     mut diagnostic: Diagnostic,
     dae: &Dae,

@@ -1,11 +1,11 @@
-//! The system of initialisation: Modelica 3.6, section 8.6.
+//! The initialisation problem (Modelica 3.6, section 8.6).
 //!
-//! States are unknowns here. All equations hold, and besides them the initial equations and
-//! `variable = start` where `fixed = true`. What the model leaves open is closed by further starts,
-//! those of states first.
+//! States are unknowns here. All equations hold, and in addition the initial equations and
+//! `variable = start` for `fixed = true`. If the model leaves unknowns undetermined, further start
+//! values are assumed, those of states first.
 
-use super::incidence::System;
-use super::structural_zero::Vanishing;
+use super::incidence::EquationSystem;
+use super::structural_zeros::StructuralZeros;
 use super::{explain, is_continuous, reduce, sort};
 use crate::base::diag::Problems;
 use crate::base::index::{Id, IndexVec};
@@ -16,19 +16,19 @@ use crate::ir::blocks::{Block, Source};
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::VarId;
 
-/// The blocks of initialisation, and the variables whose starts had to be assumed.
+/// The blocks of initialisation, and the variables whose start values had to be assumed.
 pub fn sequence(
     dae: &mut Dae,
     is_state: &IndexVec<VarId, bool>,
-    vanishing: &Vanishing,
+    zeros: &StructuralZeros,
     problems: &mut Problems,
 ) -> Option<(Vec<Block>, Vec<VarId>)> {
-    let system = given(dae);
-    let system = super::redundant_initial::without_repeated(dae, system, vanishing);
-    // States are matched last, so that those left over are the ones to be assumed, mostly without
-    // any search.
+    let system = specified(dae);
+    let system = super::redundant_initial::without_redundant(dae, system, zeros);
+    // States are matched last: unmatched states are the ones to be assumed, usually without any
+    // search.
     let column_class = |col: Col| u8::from(is_state[system.unknowns[col]]);
-    let mut matched = preferred(&system, vanishing, column_class);
+    let mut matched = preferred_matching(&system, zeros, column_class);
     if matched.cardinality() < system.sources.len() {
         problems.push(explain::initially_too_many(dae, &system, &matched));
         return None;
@@ -44,8 +44,8 @@ pub fn sequence(
     let starts: Vec<VarId> = chosen.iter().map(|col| system.unknowns[*col]).collect();
     let sources = sources.chain(starts.iter().map(|v| Source::Start(*v))).collect();
     let (system, matched) = {
-        let matched = without_refused(&system, &matched, &assumed);
-        let system = System::new(dae, sources, system.unknowns.iter().copied().collect());
+        let matched = compact(&system, &matched, &assumed);
+        let system = EquationSystem::new(dae, sources, system.unknowns.iter().copied().collect());
         system.with_discrete(dae, matched)
     };
     let mut starts = starts;
@@ -53,37 +53,41 @@ pub fn sequence(
     Some((sort::sequence(dae, &system, &matched), starts))
 }
 
-/// A maximum matching with columns of low class, and without incidences that vanish where it can.
-fn preferred(system: &System, vanishing: &Vanishing, column_class: impl Fn(Col) -> u8) -> Matching {
-    let gone = vanishing.edges(system);
+/// A maximum matching that prefers columns of low class and avoids structural zeros where possible.
+fn preferred_matching(
+    system: &EquationSystem,
+    zeros: &StructuralZeros,
+    column_class: impl Fn(Col) -> u8,
+) -> Matching {
+    let vanished = zeros.edges(system);
     let cost = system.graph.rows().flat_map(|row| system.graph.edges(row));
     let cost = cost
-        .map(|edge| Some(if gone[edge] { 2 } else { column_class(system.graph.col(edge)) }))
+        .map(|edge| Some(if vanished[edge] { 2 } else { column_class(system.graph.col(edge)) }))
         .collect();
     matching::maximum_preferring(&system.graph, &cost, Matching::empty(&system.graph))
 }
 
-/// The equations that the model gives.
-fn given(dae: &Dae) -> System {
+/// The initialisation problem as specified by the model.
+fn specified(dae: &Dae) -> EquationSystem {
     let is_unknown =
         |v: &VarId| is_continuous(dae, *v) || dae.variables[*v].kind == Kind::InitialParameter;
     let is_fixed = |v: &VarId| is_continuous(dae, *v) && dae.variables[*v].fixed == Some(true);
     let mut sources: Vec<Source> = dae.equations.ids().map(Source::Continuous).collect();
     sources.extend((0..dae.initial.len()).map(Source::Initial));
     sources.extend(dae.variables.ids().filter(is_fixed).map(Source::Start));
-    System::new(dae, sources, dae.variables.ids().filter(is_unknown).collect())
+    EquationSystem::new(dae, sources, dae.variables.ids().filter(is_unknown).collect())
 }
 
-/// The unknowns whose starts may be assumed, best first: states, then what is differentiated, then
-/// whatever has a start of its own.
-fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &System) -> Vec<Col> {
+/// The unknowns whose start values may be assumed, best first: states, then differentiated variables,
+/// then the others by priority.
+fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSystem) -> Vec<Col> {
     let mut candidates: Vec<Col> = system.unknowns.ids().collect();
     candidates.sort_by_key(|col| {
         let v = system.unknowns[*col];
         let variable = &dae.variables[v];
         let is_differentiated = matches!(variable.kind, Kind::Differentiated { .. });
         let priority = reduce::priority(variable);
-        // What the compiler made has no start of its own.
+        // Variables introduced by the compiler have no start value of their own.
         let is_state = is_state[v] && !variable.hidden;
         std::cmp::Reverse((
             is_state,
@@ -95,9 +99,9 @@ fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &System) -> V
     candidates
 }
 
-/// Adds rows `candidate = start` as long as columns are free and the row helps. Returns the places
-/// of the accepted candidates. The rows of all candidates stand in the graph from the beginning, so
-/// that failed searches are remembered and the whole is nearly linear.
+/// Adds rows `candidate = start` as long as columns are free and the row can be matched. Returns the
+/// indices of the accepted candidates. The graph contains the rows of all candidates from the start,
+/// so that failed searches are not repeated and the effort is nearly linear.
 fn complete(graph: &Bipartite, matched: &mut Matching, candidates: &[Col]) -> Vec<usize> {
     let mut extended = graph.clone();
     for col in candidates {
@@ -107,21 +111,21 @@ fn complete(graph: &Bipartite, matched: &mut Matching, candidates: &[Col]) -> Ve
     let mut open = matched.free_cols().count();
     let mut search = AugmentingSearch::new();
     let mut accepted = Vec::new();
-    for place in 0..candidates.len() {
+    for index in 0..candidates.len() {
         if open == 0 {
             break;
         }
-        let row = Row::from_usize(graph.row_count() + place);
+        let row = Row::from_usize(graph.row_count() + index);
         if search.augment(&extended, matched, row, |_, _| true) {
-            accepted.push(place);
+            accepted.push(index);
             open -= 1;
         }
     }
     accepted
 }
 
-/// The matching with the rows of accepted candidates directly behind those of the system.
-fn without_refused(system: &System, matched: &Matching, accepted: &[usize]) -> Matching {
+/// The matching with the rows of accepted candidates directly after those of the system.
+fn compact(system: &EquationSystem, matched: &Matching, accepted: &[usize]) -> Matching {
     let first = system.sources.len();
     let rows = (0..first).chain(accepted.iter().map(|place| first + place));
     let mut compact = Matching {

@@ -1,12 +1,13 @@
-//! System of equations to blocks in order of evaluation.
+//! Structural analysis: from a system of equations to blocks in order of evaluation.
 //!
-//! In comes a [`Dae`], out go [`Blocks`]: constraints are differentiated (Pantelides 1988), states are
-//! chosen (Mattsson and Söderlind 1993), some of them again and again while the model runs (Mattsson,
-//! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into
-//! blocks (Tarjan 1972) and torn. What can not be solved is explained in the user's names.
+//! *In:* a [`Dae`]. *Out:* [`Blocks`]: constraints are differentiated (Pantelides 1988), states are
+//! selected (Mattsson and Söderlind 1993), some of them dynamically during simulation (Mattsson,
+//! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into blocks (Tarjan
+//! 1972) and torn. Singular systems are explained in the user's names.
 pub mod apply;
 pub mod derivative_combinations;
 pub mod diagram;
+pub mod dynamic_selection;
 pub mod error;
 pub mod explain;
 pub mod incidence;
@@ -14,10 +15,9 @@ pub mod initial;
 pub mod print;
 pub mod reduce;
 pub mod redundant_initial;
-pub mod select;
 pub mod solve;
 pub mod sort;
-pub mod structural_zero;
+pub mod structural_zeros;
 pub mod tear;
 
 #[cfg(test)]
@@ -29,26 +29,25 @@ use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Blocks, Source, State};
 use crate::ir::dae::{Dae, Kind};
 use crate::ir::expr::VarId;
-use incidence::System;
-use structural_zero::Vanishing;
+use incidence::EquationSystem;
+use structural_zeros::StructuralZeros;
 
-/// Sorts a system. Whatever is wrong with the model is added to `problems`; without errors there is
-/// a result.
+/// Sorts a system. Errors are added to `problems`; `None` if there are any.
 pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
-    let vanishing = Vanishing::find(&mut dae);
-    let original = (!vanishing.is_empty()).then(|| dae.clone());
+    let zeros = StructuralZeros::find(&mut dae);
+    let original = (!zeros.is_empty()).then(|| dae.clone());
     explain::check_determined(&dae, problems)?;
     let reduce::Reduced { mut is_state, pivots } = reduced(&mut dae, problems)?;
 
-    let reduced_vanishing = match original {
-        Some(_) => Vanishing::find(&mut dae),
-        None => vanishing,
+    let reduced_zeros = match original {
+        Some(_) => StructuralZeros::find(&mut dae),
+        None => zeros,
     };
-    let (mut system, mut matched) = matched(&dae, &is_state, &reduced_vanishing, problems)?;
+    let (mut system, mut matched) = matched(&dae, &is_state, &reduced_zeros, problems)?;
     if let Some(mut original) = original {
-        let wrong = reduced_vanishing.mismatched(&dae, &system, &matched);
-        // Should the model make no sense at these values, its numbers will say so.
-        if Vanishing::find(&mut original).apply(&mut original, &wrong)
+        let wrong = reduced_zeros.mismatched(&dae, &system, &matched);
+        // If the model is singular at these values, the simulation reports it.
+        if StructuralZeros::find(&mut original).apply(&mut original, &wrong)
             && let mut quiet = Problems::new()
             && let Some(blocks) = structure(original, &mut quiet)
         {
@@ -56,12 +55,12 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
             return Some(blocks);
         }
     }
-    let vanishing = reduced_vanishing;
-    // The start is computed before any state is selected.
-    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, &vanishing, problems)?;
-    let state_sets = select::state_sets(&mut dae, &pivots, &mut is_state);
+    let zeros = reduced_zeros;
+    // Initialisation precedes the dynamic selection of states.
+    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, &zeros, problems)?;
+    let state_sets = dynamic_selection::state_sets(&mut dae, &pivots, &mut is_state);
     if !state_sets.is_empty() {
-        (system, matched) = self::matched(&dae, &is_state, &vanishing, problems)?;
+        (system, matched) = self::matched(&dae, &is_state, &zeros, problems)?;
     }
     let continuous = sort::sequence(&mut dae, &system, &matched);
     let (system, matched) = system.with_discrete(&dae, matched);
@@ -72,38 +71,38 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
     Some(Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts })
 }
 
-/// Reduces the index. Sums of derivatives that are tied by nonlinear constraints become states.
+/// Reduces the index. Combinations of derivatives that nonlinear constraints relate become states.
 fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
-    let sums = derivative_combinations::find(dae);
-    if sums.is_empty() {
+    let combinations = derivative_combinations::find(dae);
+    if combinations.is_empty() {
         return reduce::reduce(dae, problems);
     }
     let original = dae.clone();
-    let mut said = Problems::new();
-    let reduced = reduce::reduce(dae, &mut said);
+    let mut first_problems = Problems::new();
+    let reduced = reduce::reduce(dae, &mut first_problems);
     let is_nonlinear = |r: &reduce::Reduced| r.pivots.iter().any(|pivot| pivot.nonlinear);
     if !reduced.as_ref().is_some_and(is_nonlinear) {
-        problems.extend(said);
+        problems.extend(first_problems);
         return reduced;
     }
     *dae = original;
-    derivative_combinations::gather(dae, &sums);
+    derivative_combinations::introduce_states(dae, &combinations);
     reduce::reduce(dae, problems)
 }
 
-/// The equations between events, each matched to one of the unknowns, which are all determined.
+/// The equations between events with a perfect matching of equations and unknowns.
 fn matched(
     dae: &Dae,
     is_state: &IndexVec<VarId, bool>,
-    vanishing: &Vanishing,
+    zeros: &StructuralZeros,
     problems: &mut Problems,
-) -> Option<(System, Matching)> {
+) -> Option<(EquationSystem, Matching)> {
     let system = running(dae, is_state);
     let empty = Matching::empty(&system.graph);
-    let matched = if vanishing.is_empty() {
+    let matched = if zeros.is_empty() {
         matching::maximum(&system.graph, |_, _| true, empty)
     } else {
-        let cost = vanishing.edges(&system).iter().map(|gone| Some(u8::from(*gone))).collect();
+        let cost = zeros.edges(&system).iter().map(|vanished| Some(u8::from(*vanished))).collect();
         matching::maximum_preferring(&system.graph, &cost, empty)
     };
     if matched.cardinality() < system.sources.len().max(system.unknowns.len()) {
@@ -114,10 +113,10 @@ fn matched(
 }
 
 /// The equations between events, with the states known.
-fn running(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> System {
+fn running(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> EquationSystem {
     let sources = dae.equations.ids().map(Source::Continuous).collect();
     let unknowns = dae.variables.ids().filter(|v| is_continuous(dae, *v) && !is_state[*v]);
-    System::new(dae, sources, unknowns.collect())
+    EquationSystem::new(dae, sources, unknowns.collect())
 }
 
 fn split(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> (Vec<State>, Vec<VarId>) {
@@ -135,7 +134,7 @@ fn split(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> (Vec<State>, Vec<VarId>
     (states, dummies)
 }
 
-/// An unknown of the continuous equations, or a state.
+/// True for an unknown of the continuous equations or a state.
 fn is_continuous(dae: &Dae, v: VarId) -> bool {
     matches!(dae.variables[v].kind, Kind::Algebraic | Kind::Differentiated { .. })
 }

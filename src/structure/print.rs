@@ -1,4 +1,4 @@
-//! The sorted system as text for an engineer: `mocc structure`.
+//! Prints the sorted system for `mocc structure`.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use crate::ir::dae::{Dae, EqId};
 use crate::ir::expr::{ExprId, VarId};
 use crate::symbolic::print::Printer;
 
-/// States, differentiated equations, dummy derivatives, and the blocks of each phase in order.
+/// Prints states, differentiated equations, dummy derivatives, and the blocks of each phase in order.
 pub fn print(blocks: &Blocks, sources: &SourceMap) -> String {
     let mut out = String::new();
     let dae = &blocks.dae;
@@ -50,7 +50,7 @@ fn differentiated(out: &mut String, dae: &Dae, sources: &SourceMap) {
     let mut times: IndexVec<EqId, u32> = IndexVec::filled(0, dae.equations.len());
     let mut first: IndexVec<EqId, EqId> = dae.equations.ids().collect();
     for (id, e) in dae.equations.enumerate() {
-        // An equation is derived from one with a lower number.
+        // A differentiated equation has a higher number than its origin.
         if let Some(of) = e.derivative_of {
             first[id] = first[of];
             times[first[id]] += 1;
@@ -63,7 +63,7 @@ fn differentiated(out: &mut String, dae: &Dae, sources: &SourceMap) {
             2 => "twice".to_string(),
             n => format!("{n} times"),
         };
-        let text = format!("{} = {}", shown(dae, e.lhs), shown(dae, e.rhs));
+        let text = format!("{} = {}", printed(dae, e.lhs), printed(dae, e.rhs));
         let place = sources.place(e.origin.span).map_or(String::new(), |p| format!("  [{p}]"));
         let _ = writeln!(out, "  differentiated {often}: {text}{place}");
     }
@@ -112,7 +112,7 @@ fn write_block(out: &mut String, dae: &Dae, block: &Block, number: &str, depth: 
                 let _ = writeln!(out, "{indent}     {}", assignment(dae, a));
             }
             for r in &t.residuals {
-                let _ = writeln!(out, "{indent}     0 = {}", shown(dae, r.value));
+                let _ = writeln!(out, "{indent}     0 = {}", printed(dae, r.value));
             }
         }
         Block::Mixed(parts) => {
@@ -131,11 +131,11 @@ fn assignment(dae: &Dae, a: &Assignment) -> String {
         Source::Initial(_) => "  (initial equation)",
         _ => "",
     };
-    format!("{name} := {}{note}", shown(dae, a.value))
+    format!("{name} := {}{note}", printed(dae, a.value))
 }
 
-/// An expression with relations written out, cut where it gets too long to read.
-pub(super) fn shown(dae: &Dae, e: ExprId) -> String {
+/// An expression with its relations spelled out, truncated if it is long.
+pub(super) fn printed(dae: &Dae, e: ExprId) -> String {
     const LONGEST: usize = 160;
     let relation = |k: u32| dae.relations.get(k as usize).map(|r| (r.op, r.lhs, r.rhs));
     let text = Printer {

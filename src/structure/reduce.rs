@@ -1,6 +1,6 @@
-//! Index reduction: which equations are differentiated, and what is a state.
+//! Index reduction: the equations to differentiate, and the states.
 
-use super::incidence::System;
+use super::incidence::EquationSystem;
 use super::{apply, error, is_continuous, solve};
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
@@ -14,37 +14,37 @@ use crate::ir::flat::StateSelect;
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 
-/// Which variables are states, and how that came about.
+/// The result of the index reduction.
 pub struct Reduced {
-    /// The choice made once for all.
+    /// The statically selected states.
     pub is_state: IndexVec<VarId, bool>,
-    /// Constraints with what they determine.
-    pub pivots: Vec<Pivot>,
+    /// The constraints with the variables that they determine.
+    pub pivots: Vec<ConstraintPivot>,
 }
 
 /// A constraint and the variable that it determines, see [`dummy_derivatives::Pivot`].
-pub struct Pivot {
+pub struct ConstraintPivot {
     /// Constraints of different rounds are independent.
     pub round: usize,
     /// The constraint.
     pub constraint: EqId,
-    /// What it determines.
+    /// The variable that it determines.
     pub determined: VarId,
-    /// What it might determine.
+    /// The variables that it could determine.
     pub candidates: Vec<VarId>,
-    /// It might become unable to determine it.
+    /// The pivot varies and may become singular.
     pub varying: bool,
-    /// Its derivatives by its candidates vary.
+    /// The partial derivatives with respect to the candidates vary.
     pub nonlinear: bool,
 }
 
-/// Appends the differentiated equations to the system and tells which variables are states.
-/// The structure must be determined (see [`super::explain::check_determined`]).
+/// Appends the differentiated equations to the system and selects the states. The system must be
+/// structurally determined (see [`super::explain::check_determined`]).
 pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
-    // Of equals, what is declared later becomes a dummy first: columns count backwards.
+    // Among equals, the variable declared later becomes a dummy first: columns are in reverse order.
     let sources = dae.equations.ids().map(Source::Continuous).collect();
     let unknowns = dae.variables.ids().rev().filter(|v| is_continuous(dae, *v)).collect();
-    let system = System::new(dae, sources, unknowns);
+    let system = EquationSystem::new(dae, sources, unknowns);
     let derivative = derivatives(dae, &system);
     let not_differentiable: Vec<Row> = (dae.equations.ids())
         .filter(|id| calls_a_function(dae, dae.equations[*id].residual))
@@ -80,8 +80,8 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
     for &col in &choice.states {
         is_state[columns[col]] = true;
     }
-    check_wishes(dae, &is_state, problems);
-    let pivots = choice.pivots.into_iter().map(|pivot| Pivot {
+    check_selected_states(dae, &is_state, problems);
+    let pivots = choice.pivots.into_iter().map(|pivot| ConstraintPivot {
         round: pivot.round,
         constraint: EqId(pivot.constraint.0),
         determined: columns[pivot.determined],
@@ -94,14 +94,14 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
 }
 
 /// All continuous equations in all continuous variables, states and derivatives included.
-pub fn whole(dae: &Dae) -> System {
+pub fn full_system(dae: &Dae) -> EquationSystem {
     let sources = dae.equations.ids().map(Source::Continuous).collect();
     let unknowns = dae.variables.ids().filter(|v| is_continuous(dae, *v)).collect();
-    System::new(dae, sources, unknowns)
+    EquationSystem::new(dae, sources, unknowns)
 }
 
 /// The derivative of each column: the list A of Pantelides.
-pub fn derivatives(dae: &Dae, system: &System) -> IndexVec<Col, Option<Col>> {
+pub fn derivatives(dae: &Dae, system: &EquationSystem) -> IndexVec<Col, Option<Col>> {
     let of = |v: &VarId| match dae.variables[*v].kind {
         Kind::Differentiated { derivative } => system.column[derivative],
         _ => None,
@@ -109,9 +109,9 @@ pub fn derivatives(dae: &Dae, system: &System) -> IndexVec<Col, Option<Col>> {
     system.unknowns.iter().map(of).collect()
 }
 
-/// How much the modeller, and then custom, wants a variable as a state.
+/// The priority of a variable as a state: by `stateSelect`, then by convention.
 pub fn priority(variable: &Variable) -> i32 {
-    let wish = match variable.state_select {
+    let preference = match variable.state_select {
         StateSelect::Never => -10_000,
         StateSelect::Avoid => -1_000,
         StateSelect::Default => 0,
@@ -120,9 +120,9 @@ pub fn priority(variable: &Variable) -> i32 {
     };
     let fixed = if variable.fixed == Some(true) { 100 } else { 0 };
     let start = if variable.start.is_some() { 50 } else { 0 };
-    // A coordinate near the top of the model means more to the user than one deep inside.
+    // A variable near the top of the model is more meaningful to the user than one deep inside.
     let depth = variable.name.bytes().filter(|b| *b == b'.').count().min(20) as i32;
-    wish + fixed + start - depth
+    preference + fixed + start - depth
 }
 
 fn equations(rows: &[Row]) -> Vec<EqId> {
@@ -139,10 +139,10 @@ fn calls_a_function(dae: &Dae, residual: ExprId) -> bool {
     arguments.into_iter().any(|v| is_continuous(dae, v))
 }
 
-/// What is known of the partial derivatives of the equations that were differentiated.
+/// The kinds of the partial derivatives of the equations that were differentiated.
 fn coefficients(
     dae: &mut Dae,
-    system: &System,
+    system: &EquationSystem,
     reduction: &Reduction,
 ) -> IndexVec<Edge, Coefficient> {
     let mut coefficients = IndexVec::filled(Coefficient::Varying, system.graph.edge_count());
@@ -170,7 +170,7 @@ fn coefficients(
     coefficients
 }
 
-/// True if an equation ties the variable to another one, which a modeller could have made the state.
+/// True if an equation relates the variable to another one that could have been the state.
 fn has_substitute(dae: &Dae, id: VarId) -> bool {
     dae.equations.iter().any(|e| {
         let reads = dae.graph.postorder([e.residual]);
@@ -181,9 +181,9 @@ fn has_substitute(dae: &Dae, id: VarId) -> bool {
     })
 }
 
-/// Says where the choice of states goes against the modeller's wish, and refuses to reinitialise
-/// what is not a state.
-fn check_wishes(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Problems) {
+/// Reports `stateSelect` attributes that the selection does not satisfy, and `reinit` of variables
+/// that are not states.
+fn check_selected_states(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Problems) {
     for (id, v) in dae.variables.enumerate() {
         let is_differentiated = matches!(v.kind, Kind::Differentiated { .. });
         if is_differentiated && v.state_select == StateSelect::Always && !is_state[id] {
@@ -203,7 +203,7 @@ fn check_wishes(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Prob
     }
 }
 
-/// Whether a variable is a choice that relations make between values: no state can jump.
+/// True if relations select the value of a variable, so that it may jump and cannot be a state.
 fn jumps(dae: &Dae, v: VarId) -> bool {
     let chosen = |e: ExprId| match dae.graph.node(e) {
         Node::If(c, ..) => {

@@ -1,9 +1,8 @@
-//! Initial values that are stated more than once. In comes the system of initialisation, out goes one in
-//! which what others imply with the same value is no equation of its own: at the start it is compared,
-//! and that is all.
+//! Redundant initial values. *In:* the initialisation problem. *Out:* the same without initial values
+//! that the other equations imply; these become assertions that are checked at the start.
 
-use super::incidence::System;
-use super::structural_zero::Vanishing;
+use super::incidence::EquationSystem;
+use super::structural_zeros::StructuralZeros;
 use crate::base::index::IndexVec;
 use crate::graph::bipartite::{Bipartite, Row};
 use crate::graph::matching::{self, Matching};
@@ -12,48 +11,52 @@ use crate::ir::dae::{Dae, GuardedAssert};
 use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{Assert, Level, Origin};
 
-/// `variable = value` at the start.
-struct Statement {
+/// An initial condition `variable = value`.
+struct InitialValue {
     variable: VarId,
-    /// `None` if only a run knows it.
+    /// `None` if it cannot be evaluated before simulation.
     value: Option<f64>,
 }
 
-/// The system without the fixed starts and initial equations `variable = number` that compete with
-/// another one of the same value.
-pub fn without_repeated(dae: &mut Dae, system: System, vanishing: &Vanishing) -> System {
-    // Statements are matched after everything else, so that those left over are statements if any can be.
-    let gone = vanishing.edges(&system);
+/// Removes fixed starts and initial equations `variable = number` that compete with another one of
+/// the same value.
+pub fn without_redundant(
+    dae: &mut Dae,
+    system: EquationSystem,
+    zeros: &StructuralZeros,
+) -> EquationSystem {
+    // Initial values are matched last, so that the unmatched rows are initial values if possible.
+    let vanished = zeros.edges(&system);
     let mut cost = IndexVec::new();
     for row in system.graph.rows() {
-        let states = statement(dae, system.sources[row]).is_some();
+        let states = initial_value(dae, system.sources[row]).is_some();
         for edge in system.graph.edges(row) {
-            cost.push(Some(if states { 2 } else { u8::from(gone[edge]) }));
+            cost.push(Some(if states { 2 } else { u8::from(vanished[edge]) }));
         }
     }
     let empty = Matching::empty(&system.graph);
     let matched = matching::maximum_preferring(&system.graph, &cost, empty);
-    let mut repeated = Vec::new();
+    let mut redundant = Vec::new();
     for row in matched.free_rows() {
-        let Some(own) = statement(dae, system.sources[row]) else { continue };
+        let Some(own) = initial_value(dae, system.sources[row]) else { continue };
         let tied = dependent(&system.graph, &matched, row);
         let mut others = tied.iter().filter(|other| **other != row);
         if others.any(|other| {
-            statement(dae, system.sources[*other]).is_some_and(|s| s.value == own.value)
+            initial_value(dae, system.sources[*other]).is_some_and(|s| s.value == own.value)
         }) {
-            repeated.push((row, own));
+            redundant.push((row, own));
         }
     }
-    if repeated.is_empty() {
+    if redundant.is_empty() {
         return system;
     }
-    for (row, own) in &repeated {
-        let assert = compared(dae, system.sources[*row], own);
+    for (row, own) in &redundant {
+        let assert = comparison(dae, system.sources[*row], own);
         dae.asserts.push(assert);
     }
-    let kept = system.sources.enumerate().filter(|(row, _)| !repeated.iter().any(|r| r.0 == *row));
+    let kept = system.sources.enumerate().filter(|(row, _)| !redundant.iter().any(|r| r.0 == *row));
     let sources = kept.map(|(_, source)| *source).collect();
-    System::new(dae, sources, system.unknowns.iter().copied().collect())
+    EquationSystem::new(dae, sources, system.unknowns.iter().copied().collect())
 }
 
 /// The rows that compete with a free row for columns.
@@ -75,21 +78,21 @@ fn dependent(graph: &Bipartite, matched: &Matching, free: Row) -> Vec<Row> {
     rows
 }
 
-/// What a fixed start, or an initial equation between a variable and a number, states.
-fn statement(dae: &Dae, source: Source) -> Option<Statement> {
+/// The initial value given by a fixed start or by an initial equation `variable = number`.
+fn initial_value(dae: &Dae, source: Source) -> Option<InitialValue> {
     match source {
         Source::Start(variable) => {
             let value = match dae.variables[variable].start {
                 Some(e) => dae.graph.as_number(e),
                 None => Some(0.0),
             };
-            Some(Statement { variable, value })
+            Some(InitialValue { variable, value })
         }
         Source::Initial(k) => {
             let equation = &dae.initial[k];
             let between = |a: ExprId, b: ExprId| match dae.graph.node(a) {
                 Node::Var(variable) => {
-                    Some(Statement { variable, value: Some(dae.graph.as_number(b)?) })
+                    Some(InitialValue { variable, value: Some(dae.graph.as_number(b)?) })
                 }
                 _ => None,
             };
@@ -100,8 +103,8 @@ fn statement(dae: &Dae, source: Source) -> Option<Statement> {
 }
 
 /// `not initial() or abs(variable - value) <= 1e-6 * (1 + abs(value))`
-fn compared(dae: &mut Dae, source: Source, stated: &Statement) -> GuardedAssert {
-    let Statement { variable: v, value } = *stated;
+fn comparison(dae: &mut Dae, source: Source, stated: &InitialValue) -> GuardedAssert {
+    let InitialValue { variable: v, value } = *stated;
     let value = value.unwrap_or(0.0);
     let g = &mut dae.graph;
     let (own, start) = (g.var(v, dae.variables[v].ty), g.real(value));

@@ -1,4 +1,4 @@
-//! An equation solved for one of its unknowns.
+//! Solves an equation symbolically for one of its unknowns.
 
 use crate::base::index::FastMap;
 use crate::ir::blocks::Source;
@@ -7,8 +7,8 @@ use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::symbolic::gradient::Leaf;
 use crate::symbolic::linear;
 
-/// The value of `v` by the equation, if the equation is linear in it with a coefficient that can
-/// not vanish while the model runs.
+/// The value of `v` by the equation, if the equation is linear in it with a coefficient that cannot
+/// vanish during simulation.
 pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
     let (lhs, rhs, residual) = match source {
         Source::Continuous(id) => {
@@ -37,7 +37,7 @@ pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
             return Some(other);
         }
     }
-    // `a = b / v` is `v = b / a`, and needs no iteration.
+    // `a = b / v` becomes `v = b / a`, which needs no iteration.
     for (side, other) in [(lhs, rhs), (rhs, lhs)] {
         if let Node::Binary(Binary::Div, b, divisor) = dae.graph.node(side)
             && is_v(dae, divisor)
@@ -61,7 +61,7 @@ pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
     Some(dae.graph.div(opposite, coefficient))
 }
 
-/// What must vanish.
+/// The expression that must be zero.
 pub fn residual(dae: &mut Dae, source: Source) -> ExprId {
     match source {
         Source::Continuous(id) => dae.equations[id].residual,
@@ -79,7 +79,7 @@ pub fn residual(dae: &mut Dae, source: Source) -> ExprId {
     }
 }
 
-/// The start value of a variable; zero where none is given.
+/// The start value of a variable; zero if it has none.
 fn start(dae: &mut Dae, v: VarId) -> ExprId {
     match dae.variables[v].start {
         Some(e) => e,
@@ -91,19 +91,19 @@ fn start(dae: &mut Dae, v: VarId) -> ExprId {
     }
 }
 
-/// True for what is not zero whatever the variables are: literals, parameters (which are taken to
-/// be chosen so that the model makes sense; those that are 0 in the text make sense at 0), products of
-/// these, and choices between them.
+/// True for expressions that are nonzero for all values of the variables: literals, parameters, their
+/// products, and choices between these. Parameters are assumed to have values for which the model is
+/// regular; those that are 0 in the source are assumed to be regular at 0.
 pub fn is_never_zero(dae: &Dae, e: ExprId) -> bool {
     facts(dae, e).1
 }
 
-/// True if an expression reads parameters only.
-pub fn is_fixed(dae: &Dae, e: ExprId) -> bool {
+/// True if an expression depends only on parameters.
+pub fn is_parameter_expression(dae: &Dae, e: ExprId) -> bool {
     facts(dae, e).0
 }
 
-/// Whether an expression reads parameters only, and whether it is not zero.
+/// Whether an expression depends only on parameters, and whether it is never zero.
 fn facts(dae: &Dae, e: ExprId) -> (bool, bool) {
     let g = &dae.graph;
     let mut facts: FastMap<ExprId, (bool, bool)> = FastMap::default();

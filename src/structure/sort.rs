@@ -1,6 +1,6 @@
-//! A matched system as a sequence of blocks.
+//! Sorts a matched system into a sequence of blocks.
 
-use super::incidence::System;
+use super::incidence::EquationSystem;
 use super::{solve, tear};
 use crate::base::index::FastMap;
 use crate::graph::bipartite::{Bipartite, Col, Row};
@@ -11,33 +11,33 @@ use crate::ir::dae::Dae;
 use crate::symbolic::linear;
 
 /// The blocks of a system in order of evaluation (block lower triangular form).
-pub fn sequence(dae: &mut Dae, system: &System, matching: &Matching) -> Vec<Block> {
+pub fn sequence(dae: &mut Dae, system: &EquationSystem, matching: &Matching) -> Vec<Block> {
     scc::blocks(&system.graph, matching).iter().map(|pairs| block(dae, system, pairs)).collect()
 }
 
-fn block(dae: &mut Dae, system: &System, pairs: &[(Row, Col)]) -> Block {
+fn block(dae: &mut Dae, system: &EquationSystem, pairs: &[(Row, Col)]) -> Block {
     let (discrete, continuous): (Vec<_>, Vec<_>) =
         pairs.iter().partition(|(row, _)| matches!(system.sources[*row], Source::Discrete(_)));
     match (&discrete[..], &continuous[..]) {
-        ([], [single]) => lone(dae, system, *single),
+        ([], [single]) => single_equation(dae, system, *single),
         ([], _) => Block::Torn(tear::tear(dae, system, pairs)),
         ([single], []) => match assignment(dae, system, *single) {
             Some(assignment) => Block::Assign(assignment),
-            None => Block::Mixed(in_order(dae, system, &discrete)),
+            None => Block::Mixed(discrete_assignments(dae, system, &discrete)),
         },
         _ => {
             let mut parts = Vec::new();
             for inner in ordered(system, &continuous) {
                 parts.push(block(dae, system, &inner));
             }
-            parts.extend(in_order(dae, system, &discrete));
+            parts.extend(discrete_assignments(dae, system, &discrete));
             Block::Mixed(parts)
         }
     }
 }
 
 /// One continuous equation with one unknown.
-fn lone(dae: &mut Dae, system: &System, pair: (Row, Col)) -> Block {
+fn single_equation(dae: &mut Dae, system: &EquationSystem, pair: (Row, Col)) -> Block {
     if let Some(assignment) = assignment(dae, system, pair) {
         return Block::Assign(assignment);
     }
@@ -53,14 +53,19 @@ fn lone(dae: &mut Dae, system: &System, pair: (Row, Col)) -> Block {
     })
 }
 
-fn assignment(dae: &mut Dae, system: &System, (row, col): (Row, Col)) -> Option<Assignment> {
+fn assignment(
+    dae: &mut Dae,
+    system: &EquationSystem,
+    (row, col): (Row, Col),
+) -> Option<Assignment> {
     let (source, variable) = (system.sources[row], system.unknowns[col]);
     let value = solve::explicit(dae, source, variable)?;
     Some(Assignment { variable, value, source })
 }
 
-/// Discrete equations that depend on each other or on themselves, as far as possible in order.
-fn in_order(dae: &Dae, system: &System, discrete: &[(Row, Col)]) -> Vec<Block> {
+/// Discrete equations that depend on each other or on themselves, in order of dependency as far as
+/// possible.
+fn discrete_assignments(dae: &Dae, system: &EquationSystem, discrete: &[(Row, Col)]) -> Vec<Block> {
     let mut parts = Vec::new();
     for (row, col) in ordered(system, discrete).into_iter().flatten() {
         let source = system.sources[row];
@@ -73,9 +78,9 @@ fn in_order(dae: &Dae, system: &System, discrete: &[(Row, Col)]) -> Vec<Block> {
     parts
 }
 
-/// The blocks of a part of a system, everything else being known.
-fn ordered(system: &System, pairs: &[(Row, Col)]) -> Vec<Vec<(Row, Col)>> {
-    let (graph, _) = part(system, pairs);
+/// The blocks of a subsystem, with all other variables known.
+fn ordered(system: &EquationSystem, pairs: &[(Row, Col)]) -> Vec<Vec<(Row, Col)>> {
+    let (graph, _) = subgraph(system, pairs);
     let mut matching = Matching::empty(&graph);
     for i in 0..pairs.len() as u32 {
         matching.join(Row(i), Col(i));
@@ -84,9 +89,9 @@ fn ordered(system: &System, pairs: &[(Row, Col)]) -> Vec<Vec<(Row, Col)>> {
     blocks.iter().map(|b| b.iter().map(|(row, _)| pairs[row.0 as usize]).collect()).collect()
 }
 
-/// The graph of a part of a system; row and column `i` are those of the pair `i`.
-pub fn part(
-    system: &System,
+/// The graph of a subsystem; row and column `i` are those of the pair `i`.
+pub fn subgraph(
+    system: &EquationSystem,
     pairs: &[(Row, Col)],
 ) -> (Bipartite, Vec<crate::graph::bipartite::Edge>) {
     let rows: Vec<Row> = pairs.iter().map(|(row, _)| *row).collect();

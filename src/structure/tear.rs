@@ -1,6 +1,6 @@
-//! Simultaneous equations, torn.
+//! Tears blocks of simultaneous equations.
 
-use super::incidence::System;
+use super::incidence::EquationSystem;
 use super::{solve, sort};
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::graph::bipartite::{Bipartite, Col, Edge, Row};
@@ -12,8 +12,8 @@ use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 
 /// Tears a block of equations that must be solved together.
-pub fn tear(dae: &mut Dae, system: &System, pairs: &[(Row, Col)]) -> Torn {
-    let (graph, _) = sort::part(system, pairs);
+pub fn tear(dae: &mut Dae, system: &EquationSystem, pairs: &[(Row, Col)]) -> Torn {
+    let (graph, _) = sort::subgraph(system, pairs);
     let unknowns: IndexVec<Col, VarId> = pairs.iter().map(|p| system.unknowns[p.1]).collect();
     let residuals: IndexVec<Row, ExprId> =
         pairs.iter().map(|p| solve::residual(dae, system.sources[p.0])).collect();
@@ -24,19 +24,19 @@ pub fn tear(dae: &mut Dae, system: &System, pairs: &[(Row, Col)]) -> Torn {
     loop {
         let torn = tearing::tear(&graph, &solvable, &IndexVec::new());
         let mut explicit = Vec::with_capacity(torn.explicit.len());
-        let mut refused = None;
+        let mut rejected = None;
         for (row, col) in torn.explicit {
             let variable = unknowns[col];
             match solve::explicit(dae, source(row), variable) {
                 Some(value) => explicit.push(Assignment { variable, value, source: source(row) }),
                 None => {
-                    refused = graph.edge(row, col);
+                    rejected = graph.edge(row, col);
                     break;
                 }
             }
         }
-        // An equation may look solvable by its derivative and not be so in form.
-        if let Some(edge) = refused {
+        // The partial derivative may suggest that an equation is solvable although its form is not.
+        if let Some(edge) = rejected {
             solvable[edge] = false;
             continue;
         }
@@ -53,7 +53,7 @@ pub fn tear(dae: &mut Dae, system: &System, pairs: &[(Row, Col)]) -> Torn {
     }
 }
 
-/// For each incidence, whether the equation is linear in the unknown with a coefficient that can not
+/// For each incidence, whether the equation is linear in the unknown with a coefficient that cannot
 /// vanish. One reverse sweep per equation gives all coefficients.
 fn solvable(
     dae: &mut Dae,
@@ -74,25 +74,25 @@ fn solvable(
             let partial = partials.get(&Leaf::Var(v));
             solvable[edge] = !hidden.contains(&v)
                 && partial.is_some_and(|partial| {
-                    solve::is_never_zero(dae, *partial) && keeps_its_size(dae, *partial)
+                    solve::is_never_zero(dae, *partial) && keeps_its_magnitude(dae, *partial)
                 });
         }
     }
     solvable
 }
 
-/// How many times the branches of a coefficient may differ in size.
-const SAME_SIZE: f64 = 100.0;
+/// Maximum ratio between the branches of a coefficient.
+const MAX_RATIO: f64 = 100.0;
 
-/// False for a coefficient that jumps between sizes, as the slope of a switch does: of a value that is
-/// divided by the small one nothing may be left but the rounding of what it is the difference of.
-fn keeps_its_size(dae: &Dae, coefficient: ExprId) -> bool {
+/// False for a coefficient that jumps between magnitudes, such as the slope of a switch: after division
+/// by the small one, rounding errors could dominate the result.
+fn keeps_its_magnitude(dae: &Dae, coefficient: ExprId) -> bool {
     let g = &dae.graph;
     g.postorder([coefficient]).into_iter().all(|n| match g.node(n) {
         Node::If(_, a, b) => match (g.as_number(a), g.as_number(b)) {
             (Some(a), Some(b)) => {
                 let ratio = (a / b).abs();
-                (1.0 / SAME_SIZE..=SAME_SIZE).contains(&ratio)
+                (1.0 / MAX_RATIO..=MAX_RATIO).contains(&ratio)
             }
             _ => a == b,
         },

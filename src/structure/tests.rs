@@ -43,7 +43,7 @@ fn verify(blocks: &Blocks) {
     let discrete: FastSet<VarId> = dae.discrete.iter().map(|d| d.variable).collect();
     let initial_parameter = |v: &VarId| dae.variables[*v].kind == Kind::InitialParameter;
     let states: FastSet<VarId> = blocks.states.iter().map(|s| s.variable).collect();
-    // The start is computed before any state is selected.
+    // Initialisation precedes the dynamic selection of states.
     let of_sets = blocks.state_sets.iter().flat_map(|set| &set.states);
     let selected: FastSet<VarId> = (of_sets.copied())
         .flat_map(|v| match dae.variables[v].kind {
@@ -122,7 +122,7 @@ fn states(blocks: &Blocks) -> Vec<String> {
     names(&blocks.dae, &states)
 }
 
-/// How often each equation of the model was differentiated.
+/// The number of differentiations of each equation of the model.
 fn differentiations(dae: &Dae) -> Vec<usize> {
     let mut times = vec![0; dae.equations.len()];
     for (id, e) in dae.equations.enumerate() {
@@ -411,7 +411,7 @@ error[MO0401]: one equation can not determine 2 unknowns: `y` and `z`
 }
 
 #[test]
-fn an_equation_too_many_is_reported_with_its_rivals() {
+fn a_surplus_equation_is_reported_with_its_competitors() {
     let (codes, text) = problems(
         "Real x;
 Real y;
@@ -439,7 +439,7 @@ error[MO0402]: 3 equations for 2 unknowns: `x` and `y`
 }
 
 #[test]
-fn a_singular_system_has_too_many_here_and_too_few_there() {
+fn a_singular_system_has_surplus_equations_and_undetermined_unknowns() {
     let (codes, text) = problems(
         "Real a;
 Real b;
@@ -491,7 +491,7 @@ b = c;
 c = a;
 ",
     );
-    // Nothing determines a, and one of the three says nothing new.
+    // Nothing determines a, and one of the three equations is redundant.
     assert_eq!(codes, ["MO0401", "MO0402"]);
     assert!(text.contains("c = a"), "{text}");
 }
@@ -513,7 +513,7 @@ fn contradicting_constraints_are_found_although_the_counts_agree() {
 }
 
 #[test]
-fn a_constraint_with_a_called_function_can_not_be_differentiated() {
+fn a_constraint_with_a_called_function_cannot_be_differentiated() {
     let text = "Real x;
         Real y;
         Real g;
@@ -559,7 +559,7 @@ error[MO0408]: the start of the simulation is determined more than once: `x` and
 }
 
 #[test]
-fn wishes_that_can_not_be_met() {
+fn state_select_that_cannot_be_satisfied() {
     let masses = "Real x(stateSelect = always);
         Real y(stateSelect = always);
         Real f;
@@ -572,7 +572,7 @@ fn wishes_that_can_not_be_met() {
 }
 
 #[test]
-fn the_printed_structure_says_what_an_engineer_wants_to_know() {
+fn the_printed_structure_shows_states_and_blocks() {
     let (flat, sources) = model(
         "Real x(start = 1, fixed = true);
         Real y;
@@ -621,7 +621,7 @@ between events: 2 blocks (1 explicit, 1 linear)
 fn a_long_ladder_is_sorted() {
     let n = 50_000;
     let mut text = String::new();
-    // The text reader looks names up one by one, so the model is repeated as a graph instead.
+    // The parser of the fixture resolves names linearly, so the model is repeated as a graph instead.
     text.push_str("Real x;\nReal y;\nequation\nder(x) = y;\ny = -2 * x;\n");
     let (mut flat, _) = model(&text);
     let (x, y) = (flat.variables[VarId(0)].clone(), flat.variables[VarId(1)].clone());
@@ -651,8 +651,8 @@ fn a_long_ladder_is_sorted() {
 }
 
 #[test]
-fn a_parameter_that_is_zero_in_the_text_is_not_divided_by() {
-    // The storage at the port: with V = 0 it takes up nothing.
+fn a_parameter_that_is_zero_is_not_divided_by() {
+    // The storage at the port: with V = 0 it has no capacity.
     let blocks = sorted(
         "parameter Real V = 0;\nparameter Real W = V / 2;\nReal p(start = 1, fixed = true);\nReal m;
         equation\nm = time - 2 * der(p);\n0 = m - W * der(p);",

@@ -1,11 +1,11 @@
-//! Incidences that are there in the text and not in the numbers: `R * i` where the parameter `R` is 0,
-//! `if P > 0 then G * v else 0` where the parameter `P` is 0.
+//! Structural zeros: incidences that vanish at the values of the parameters, such as `R * i` if the
+//! parameter `R` is 0, or `if P > 0 then G * v else 0` if the parameter `P` is 0.
 //!
-//! A matching that rests on one of them gives a singular matrix at run time. So such incidences are
-//! used last; and where a system can not be matched without them, the equation takes the form that
-//! it has at these values, and the parameters that decide it fix the structure from then on.
+//! A matching that uses one of them leads to a singular matrix at run time. They are therefore matched
+//! last; if a system has no perfect matching without them, the equation is reduced to its form at these
+//! values, and the parameters that cause it become structural.
 
-use super::incidence::System;
+use super::incidence::EquationSystem;
 use crate::base::index::{FastMap, FastSet, Id, IndexVec};
 use crate::graph::bipartite::Edge;
 use crate::graph::matching::Matching;
@@ -15,77 +15,80 @@ use crate::ir::expr::{Const, ExprId, Graph, Node, Type, VarId};
 use crate::symbolic::eval;
 use crate::symbolic::rewrite::Rewriter;
 
-/// So long may a chain of equations be of which each makes the next one come down.
-const ROUNDS: usize = 20;
+/// Maximum length of a chain of equations each of which reduces the next one.
+const MAX_ROUNDS: usize = 20;
 
-/// What equations are at the values of the parameters.
-pub struct Vanishing {
-    forms: FastMap<EqId, Form>,
+/// The equations that reduce to simpler ones at the values of the parameters.
+pub struct StructuralZeros {
+    reduced: FastMap<EqId, ReducedEquation>,
 }
 
 /// An equation from which variables vanish.
-struct Form {
+struct ReducedEquation {
     lhs: ExprId,
     rhs: ExprId,
     residual: ExprId,
-    /// What it does not read then.
-    gone: FastSet<VarId>,
-    /// The parameters that decide it.
-    decisive: Vec<VarId>,
+    /// The variables that no longer occur in it.
+    vanished: FastSet<VarId>,
+    /// The parameters that cause the reduction.
+    deciding: Vec<VarId>,
 }
 
-/// What is literally known: parameters, and variables that are 0 because parameters are.
-struct Known {
-    /// Expressions of parameters alone that are 0.
+/// The known values: parameters, and variables that are 0 because parameters are 0.
+struct KnownZeros {
+    /// Parameter expressions that are 0.
     zeros: FastSet<ExprId>,
     values: FastMap<VarId, ExprId>,
     /// The parameters that make a variable 0.
     because: FastMap<VarId, Vec<VarId>>,
 }
 
-impl Vanishing {
-    /// Looks at all continuous equations. An equation that comes down to `v = 0` makes others come
-    /// down in turn.
-    pub fn find(dae: &mut Dae) -> Vanishing {
+impl StructuralZeros {
+    /// Analyses all continuous equations. An equation that reduces to `v = 0` may reduce others in
+    /// turn.
+    pub fn find(dae: &mut Dae) -> StructuralZeros {
         let values = values(dae);
         let zeros = zeros(&dae.graph, &values);
-        let mut known = Known { zeros, values, because: FastMap::default() };
-        let mut forms = FastMap::default();
-        for _ in 0..ROUNDS {
+        let mut known = KnownZeros { zeros, values, because: FastMap::default() };
+        let mut reduced = FastMap::default();
+        for _ in 0..MAX_ROUNDS {
             let before = known.because.len();
             for id in dae.equations.ids() {
-                if is_suspicious(dae, dae.equations[id].residual, &known) {
-                    look(dae, id, &mut known, &mut forms);
+                if may_reduce(dae, dae.equations[id].residual, &known) {
+                    reduce_equation(dae, id, &mut known, &mut reduced);
                 }
             }
             if known.because.len() == before {
                 break;
             }
         }
-        Vanishing { forms }
+        StructuralZeros { reduced }
     }
 
-    /// True if nothing vanishes.
+    /// True if there are no structural zeros.
     pub fn is_empty(&self) -> bool {
-        self.forms.is_empty()
+        self.reduced.is_empty()
     }
 
-    /// For each edge of a system whether it vanishes.
-    pub fn edges(&self, system: &System) -> IndexVec<Edge, bool> {
+    /// For each edge of a system, whether it is a structural zero.
+    pub fn edges(&self, system: &EquationSystem) -> IndexVec<Edge, bool> {
         let rows = system
             .graph
             .rows()
             .flat_map(|row| system.graph.edges(row).map(move |edge| (system.sources[row], edge)));
-        rows.map(|(source, edge)| self.is_gone(source, system.unknowns[system.graph.col(edge)]))
-            .collect()
+        rows.map(|(source, edge)| {
+            self.is_zero_incidence(source, system.unknowns[system.graph.col(edge)])
+        })
+        .collect()
     }
 
-    /// The equations that a matching gives a variable which vanishes from them; of a differentiated
-    /// equation the one that the model has.
-    pub fn mismatched(&self, dae: &Dae, system: &System, matching: &Matching) -> Vec<EqId> {
+    /// The equations that are matched to a variable that vanishes from them; for a differentiated
+    /// equation, its origin.
+    pub fn mismatched(&self, dae: &Dae, system: &EquationSystem, matching: &Matching) -> Vec<EqId> {
         let pairs = matching.pairs();
-        let wrong =
-            pairs.filter(|(row, col)| self.is_gone(system.sources[*row], system.unknowns[*col]));
+        let wrong = pairs.filter(|(row, col)| {
+            self.is_zero_incidence(system.sources[*row], system.unknowns[*col])
+        });
         let mut found: Vec<EqId> = wrong
             .filter_map(|(row, _)| match system.sources[row] {
                 Source::Continuous(id) => Some(origin(dae, id)),
@@ -97,15 +100,14 @@ impl Vanishing {
         found
     }
 
-    /// Gives equations the form that they have at the values of their parameters; false if there is
-    /// nothing to change.
+    /// Reduces equations to their form at the values of the parameters; false if none changes.
     pub fn apply(&self, dae: &mut Dae, equations: &[EqId]) -> bool {
         let mut changed = false;
         for &id in equations {
-            let Some(form) = self.forms.get(&id) else { continue };
+            let Some(form) = self.reduced.get(&id) else { continue };
             let e = &mut dae.equations[id];
             (e.lhs, e.rhs, e.residual) = (form.lhs, form.rhs, form.residual);
-            for &v in &form.decisive {
+            for &v in &form.deciding {
                 dae.variables[v].structural = true;
             }
             changed = true;
@@ -113,9 +115,11 @@ impl Vanishing {
         changed
     }
 
-    fn is_gone(&self, source: Source, v: VarId) -> bool {
+    fn is_zero_incidence(&self, source: Source, v: VarId) -> bool {
         match source {
-            Source::Continuous(id) => self.forms.get(&id).is_some_and(|f| f.gone.contains(&v)),
+            Source::Continuous(id) => {
+                self.reduced.get(&id).is_some_and(|f| f.vanished.contains(&v))
+            }
             _ => false,
         }
     }
@@ -128,7 +132,7 @@ fn origin(dae: &Dae, mut id: EqId) -> EqId {
     id
 }
 
-/// The values of the parameters, as far as the text gives them.
+/// The values of the parameters that are known at compile time.
 fn values(dae: &mut Dae) -> FastMap<VarId, ExprId> {
     let mut values: FastMap<VarId, ExprId> = FastMap::default();
     let mut rewriter = Rewriter::new();
@@ -147,7 +151,7 @@ fn values(dae: &mut Dae) -> FastMap<VarId, ExprId> {
     values
 }
 
-/// The sums, products and the like of parameters that are 0 at their values.
+/// The operations on parameters whose value is 0.
 fn zeros(graph: &Graph, values: &FastMap<VarId, ExprId>) -> FastSet<ExprId> {
     let mut known: Vec<Option<f64>> = Vec::with_capacity(graph.len());
     let mut zeros = FastSet::default();
@@ -177,13 +181,18 @@ fn zeros(graph: &Graph, values: &FastMap<VarId, ExprId>) -> FastSet<ExprId> {
     zeros
 }
 
-/// The form of an equation with what is known now.
-fn look(dae: &mut Dae, id: EqId, known: &mut Known, forms: &mut FastMap<EqId, Form>) {
+/// Reduces an equation by the known values.
+fn reduce_equation(
+    dae: &mut Dae,
+    id: EqId,
+    known: &mut KnownZeros,
+    reduced: &mut FastMap<EqId, ReducedEquation>,
+) {
     let e = dae.equations[id].clone();
-    let mut decisive = Vec::new();
+    let mut deciding = Vec::new();
     let mut rewriter = Rewriter::new();
     let mut form = |graph: &mut Graph, root| {
-        rewriter.apply(graph, root, &mut |g, n| decided(g, n, known, &mut decisive))
+        rewriter.apply(graph, root, &mut |g, n| substitute_known(g, n, known, &mut deciding))
     };
     let (lhs, rhs) = (form(&mut dae.graph, e.lhs), form(&mut dae.graph, e.rhs));
     let residual = form(&mut dae.graph, e.residual);
@@ -191,35 +200,35 @@ fn look(dae: &mut Dae, id: EqId, known: &mut Known, forms: &mut FastMap<EqId, Fo
     let is_unknown =
         |v: &VarId| !matches!(dae.variables[*v].kind, Kind::Parameter | Kind::Discrete);
     let before = dae.graph.variables(e.residual);
-    let gone: FastSet<VarId> =
+    let vanished: FastSet<VarId> =
         before.into_iter().filter(|v| is_unknown(v) && !left.contains(v)).collect();
-    decisive.sort_unstable();
-    decisive.dedup();
+    deciding.sort_unstable();
+    deciding.dedup();
     for (side, other) in [(e.lhs, rhs), (e.rhs, lhs)] {
         if let Node::Var(v) = dae.graph.node(side)
             && dae.variables[v].kind == Kind::Algebraic
             && dae.graph.as_number(other) == Some(0.0)
             && !known.because.contains_key(&v)
         {
-            known.because.insert(v, decisive.clone());
+            known.because.insert(v, deciding.clone());
             let zero = dae.graph.real(0.0);
             known.values.insert(v, zero);
-            // This equation says so: in itself the variable stays.
+            // This equation defines the value, so the variable remains in it.
             return;
         }
     }
-    if !gone.is_empty() && !known.says_zero(dae, id) {
-        forms.insert(id, Form { lhs, rhs, residual, gone, decisive });
+    if !vanished.is_empty() && !known.defines_zero(dae, id) {
+        reduced.insert(id, ReducedEquation { lhs, rhs, residual, vanished, deciding });
     }
 }
 
-impl Known {
+impl KnownZeros {
     fn is_zero(&self, graph: &Graph, v: VarId) -> bool {
         self.values.get(&v).is_some_and(|value| graph.as_number(*value) == Some(0.0))
     }
 
-    /// True if the equation gives a variable its value 0.
-    fn says_zero(&self, dae: &Dae, id: EqId) -> bool {
+    /// True if the equation defines a variable as 0.
+    fn defines_zero(&self, dae: &Dae, id: EqId) -> bool {
         let e = &dae.equations[id];
         [e.lhs, e.rhs].into_iter().any(|side| match dae.graph.node(side) {
             Node::Var(v) => self.because.contains_key(&v),
@@ -228,8 +237,8 @@ impl Known {
     }
 }
 
-/// True if something that is 0, or a selection, stands in it.
-fn is_suspicious(dae: &Dae, e: ExprId, known: &Known) -> bool {
+/// True if the expression contains a zero or an `if`.
+fn may_reduce(dae: &Dae, e: ExprId, known: &KnownZeros) -> bool {
     dae.graph.postorder([e]).into_iter().any(|n| match dae.graph.node(n) {
         Node::Var(v) => known.is_zero(&dae.graph, v),
         Node::If(..) => true,
@@ -237,8 +246,13 @@ fn is_suspicious(dae: &Dae, e: ExprId, known: &Known) -> bool {
     })
 }
 
-/// What is 0, and conditions on parameters, as literals.
-fn decided(g: &mut Graph, n: ExprId, known: &Known, decisive: &mut Vec<VarId>) -> Option<ExprId> {
+/// Replaces zeros and conditions on parameters by literals.
+fn substitute_known(
+    g: &mut Graph,
+    n: ExprId,
+    known: &KnownZeros,
+    deciding: &mut Vec<VarId>,
+) -> Option<ExprId> {
     let of = |g: &Graph, n| match g.node(n) {
         Node::Var(v) => known.values.get(&v).copied(),
         _ => None,
@@ -246,11 +260,11 @@ fn decided(g: &mut Graph, n: ExprId, known: &Known, decisive: &mut Vec<VarId>) -
     match g.node(n) {
         Node::Const(_) => None,
         Node::Var(v) if known.is_zero(g, v) => {
-            decisive.extend(known.because.get(&v).map_or(&[v][..], Vec::as_slice));
+            deciding.extend(known.because.get(&v).map_or(&[v][..], Vec::as_slice));
             known.values.get(&v).copied()
         }
         _ if known.zeros.contains(&n) => {
-            decisive.extend(g.variables(n));
+            deciding.extend(g.variables(n));
             Some(g.real(0.0))
         }
         _ if g.ty(n) == Type::Boolean => {
@@ -265,7 +279,7 @@ fn decided(g: &mut Graph, n: ExprId, known: &Known, decisive: &mut Vec<VarId>) -
             }
             let value = Rewriter::new().apply(g, n, &mut |g, n| of(g, n));
             g.as_const(value)?;
-            decisive.extend(g.variables(n));
+            deciding.extend(g.variables(n));
             Some(value)
         }
         _ => None,

@@ -1,12 +1,12 @@
-//! Choices of states that one point of the trajectory can not settle for all.
+//! Dynamic state selection: no static choice of states is valid along the whole trajectory.
 //!
 //! S. E. Mattsson, H. Olsson, H. Elmqvist, "Dynamic Selection of States in Dymola", Modelica
-//! Workshop 2000. Where the pivots of a choice of dummy derivatives vary, they may vanish: those of
-//! a pendulum in Cartesian coordinates do at its turning points. The states of such constraints
-//! become variables of their own, `states = selection * candidates` and
-//! `der(states) = selection * der(candidates)`, and the selection is made while the model runs.
+//! Workshop 2000. If the pivots of a choice of dummy derivatives vary, they may vanish: those of a
+//! pendulum in Cartesian coordinates do at its turning points. The states of such constraints become
+//! new variables, `states = selection * candidates` and
+//! `der(states) = selection * der(candidates)`, and the selection is updated during simulation.
 
-use super::reduce::Pivot;
+use super::reduce::ConstraintPivot;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::base::source::Span;
 use crate::ir::blocks::StateSet;
@@ -15,21 +15,21 @@ use crate::ir::expr::{Binary, ExprId, Type, VarId};
 use crate::ir::flat::StateSelect;
 use crate::symbolic::gradient::{Leaf, gradient};
 
-/// What a wish for a state adds to the size of a pivot.
-const PREFERENCE: f64 = 10.0;
+/// Factor by which a `stateSelect` preference weights a pivot.
+const PREFERENCE_WEIGHT: f64 = 10.0;
 
-/// Finds the choices with varying pivots and appends their states, derivatives and equations to the
-/// system. Their candidates are states no more.
+/// Finds the sets of constraints with varying pivots and appends their states, derivatives and
+/// equations to the system. The candidates are no longer states.
 pub fn state_sets(
     dae: &mut Dae,
-    pivots: &[Pivot],
+    pivots: &[ConstraintPivot],
     is_state: &mut IndexVec<VarId, bool>,
 ) -> Vec<StateSet> {
     let mut sets = Vec::new();
     if !pivots.iter().any(|pivot| pivot.varying) {
         return sets;
     }
-    let pivots = open(dae, pivots);
+    let pivots = with_choice(dae, pivots);
     for group in groups(&pivots) {
         let mut candidates: Vec<VarId> =
             group.iter().flat_map(|pivot| pivot.candidates.iter().copied()).collect();
@@ -37,7 +37,7 @@ pub fn state_sets(
         candidates.dedup();
         let determined: FastSet<VarId> = group.iter().map(|pivot| pivot.determined).collect();
         let free = candidates.iter().filter(|v| is_state[**v]).count();
-        // What must be a state whatever happens may leave no choice.
+        // Variables that must remain states may leave no choice.
         if free > 0 && free + group.len() == candidates.len() {
             let set = append(dae, &group, candidates, &determined, sets.len() + 1);
             is_state.resize(dae.variables.len(), false);
@@ -49,51 +49,52 @@ pub fn state_sets(
     sets
 }
 
-/// The constraints and candidates between which there is a choice: without what must stay a state,
-/// and without what a constraint determines by itself, such as a motion given in time.
-fn open(dae: &Dae, pivots: &[Pivot]) -> Vec<Pivot> {
-    let mut settled: FastSet<(usize, VarId)> = FastSet::default();
-    let is_open = |settled: &FastSet<(usize, VarId)>, round: usize, v: VarId| {
-        may_change(dae, v) && !settled.contains(&(round, v))
+/// The constraints and candidates between which there is a choice: without variables that must remain
+/// states, and without those that a constraint determines alone, such as a prescribed motion.
+fn with_choice(dae: &Dae, pivots: &[ConstraintPivot]) -> Vec<ConstraintPivot> {
+    let mut determined_alone: FastSet<(usize, VarId)> = FastSet::default();
+    let is_free = |determined_alone: &FastSet<(usize, VarId)>, round: usize, v: VarId| {
+        may_change(dae, v) && !determined_alone.contains(&(round, v))
     };
     loop {
-        let before = settled.len();
+        let before = determined_alone.len();
         for pivot in pivots.iter().filter(|pivot| !pivot.varying) {
-            let alone = |v: &VarId| *v == pivot.determined || !is_open(&settled, pivot.round, *v);
+            let alone =
+                |v: &VarId| *v == pivot.determined || !is_free(&determined_alone, pivot.round, *v);
             if pivot.candidates.iter().all(alone) {
-                settled.insert((pivot.round, pivot.determined));
+                determined_alone.insert((pivot.round, pivot.determined));
             }
         }
-        if settled.len() == before {
+        if determined_alone.len() == before {
             break;
         }
     }
-    let rest = pivots.iter().filter(|p| !settled.contains(&(p.round, p.determined)));
-    let opened = rest.map(|pivot| Pivot {
+    let rest = pivots.iter().filter(|p| !determined_alone.contains(&(p.round, p.determined)));
+    let opened = rest.map(|pivot| ConstraintPivot {
         candidates: (pivot.candidates.iter().copied())
-            .filter(|v| is_open(&settled, pivot.round, *v))
+            .filter(|v| is_free(&determined_alone, pivot.round, *v))
             .collect(),
         ..*pivot
     });
     opened.collect()
 }
 
-/// The constraints whose pivots vary, with those that determine some of their candidates, parted by
-/// what they share.
-fn groups(pivots: &[Pivot]) -> Vec<Vec<&Pivot>> {
-    let maker: FastMap<(usize, VarId), usize> =
+/// The constraints with varying pivots and those that determine some of their candidates, grouped by
+/// common candidates.
+fn groups(pivots: &[ConstraintPivot]) -> Vec<Vec<&ConstraintPivot>> {
+    let determining: FastMap<(usize, VarId), usize> =
         pivots.iter().enumerate().map(|(i, p)| ((p.round, p.determined), i)).collect();
     let mut pending: Vec<usize> = (0..pivots.len()).filter(|i| pivots[*i].varying).collect();
     let mut included = vec![false; pivots.len()];
     while let Some(i) = pending.pop() {
         if !std::mem::replace(&mut included[i], true) {
             let of = pivots[i].candidates.iter().map(|v| (pivots[i].round, *v));
-            pending.extend(of.filter_map(|key| maker.get(&key)));
+            pending.extend(of.filter_map(|key| determining.get(&key)));
         }
     }
-    let mut groups: Vec<Vec<&Pivot>> = Vec::new();
+    let mut groups: Vec<Vec<&ConstraintPivot>> = Vec::new();
     for pivot in pivots.iter().enumerate().filter(|(i, _)| included[*i]).map(|(_, pivot)| pivot) {
-        let shares = |other: &&Pivot| {
+        let shares = |other: &&ConstraintPivot| {
             other.round == pivot.round
                 && pivot.candidates.iter().any(|v| other.candidates.contains(v))
         };
@@ -105,18 +106,18 @@ fn groups(pivots: &[Pivot]) -> Vec<Vec<&Pivot>> {
     groups
 }
 
-/// False for what must stay a state.
+/// False for a variable that must remain a state.
 fn may_change(dae: &Dae, v: VarId) -> bool {
     let reinitialised = dae.reinits.iter().any(|reinit| reinit.state == v);
     let Variable { state_select, hidden, .. } = dae.variables[v];
-    // Sums of derivatives were made to be states.
+    // Combinations of derivatives were introduced as states.
     let is_sum = hidden && state_select == StateSelect::Prefer;
     !(reinitialised || is_sum || state_select == StateSelect::Always)
 }
 
 fn append(
     dae: &mut Dae,
-    group: &[&Pivot],
+    group: &[&ConstraintPivot],
     candidates: Vec<VarId>,
     determined: &FastSet<VarId>,
     number: usize,
@@ -135,7 +136,7 @@ fn append(
         let derivative = dae.variables.push(derivative);
         dae.variables[state].kind = Kind::Differentiated { derivative };
         dae.variables[state].nominal = nominal;
-        let rates: Vec<VarId> = candidates.iter().map(|v| rate(dae, *v)).collect();
+        let rates: Vec<VarId> = candidates.iter().map(|v| derivative_of(dae, *v)).collect();
         select(dae, first, state, &row, &candidates);
         select(dae, first, derivative, &row, &rates);
         states.push(state);
@@ -144,7 +145,7 @@ fn append(
     let position = |(i, v): (usize, &VarId)| determined.contains(v).then_some(i);
     StateSet {
         dependent: candidates.iter().enumerate().filter_map(position).collect(),
-        wishes: candidates.iter().map(|v| wish(&dae.variables[*v])).collect(),
+        wishes: candidates.iter().map(|v| preference(&dae.variables[*v])).collect(),
         constraints: group.iter().map(|pivot| pivot.constraint).collect(),
         candidates,
         states,
@@ -153,8 +154,12 @@ fn append(
     }
 }
 
-/// The derivatives of the constraints by the candidates.
-fn jacobian(dae: &mut Dae, group: &[&Pivot], candidates: &[VarId]) -> Vec<(usize, usize, ExprId)> {
+/// The partial derivatives of the constraints with respect to the candidates.
+fn jacobian(
+    dae: &mut Dae,
+    group: &[&ConstraintPivot],
+    candidates: &[VarId],
+) -> Vec<(usize, usize, ExprId)> {
     let place: FastMap<VarId, usize> =
         candidates.iter().enumerate().map(|(j, v)| (*v, j)).collect();
     let mut entries = Vec::new();
@@ -193,10 +198,10 @@ fn hidden(dae: &mut Dae, name: String, kind: Kind) -> VarId {
     dae.variables.push(variable)
 }
 
-fn rate(dae: &Dae, v: VarId) -> VarId {
+fn derivative_of(dae: &Dae, v: VarId) -> VarId {
     match dae.variables[v].kind {
         Kind::Differentiated { derivative } => derivative,
-        // Candidates are differentiated.
+        // Unreachable: candidates are differentiated.
         _ => v,
     }
 }
@@ -208,10 +213,10 @@ fn nominal(dae: &mut Dae, candidates: &[VarId]) -> Option<ExprId> {
     given?.into_iter().reduce(smaller)
 }
 
-fn wish(variable: &Variable) -> f64 {
+fn preference(variable: &Variable) -> f64 {
     match variable.state_select {
-        StateSelect::Never | StateSelect::Avoid => 1.0 / PREFERENCE,
+        StateSelect::Never | StateSelect::Avoid => 1.0 / PREFERENCE_WEIGHT,
         StateSelect::Default => 1.0,
-        StateSelect::Prefer | StateSelect::Always => PREFERENCE,
+        StateSelect::Prefer | StateSelect::Always => PREFERENCE_WEIGHT,
     }
 }
