@@ -1,5 +1,5 @@
-//! A chain of masses, springs and dampers connected by flanges: each stage must be linear in their
-//! number.
+//! A chain of masses, springs and dampers connected by flanges: the run time of each stage must be
+//! linear in their number.
 
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::Program;
@@ -13,10 +13,10 @@ fn main() {
     divan::main();
 }
 
-/// Takes rows and forgets them.
-struct Nowhere;
+/// Discards all rows.
+struct NullSink;
 
-impl Sink for Nowhere {
+impl Sink for NullSink {
     fn begin(&mut self, _: Vec<mocc::ir::trajectory::Column>) {}
     fn row(&mut self, _: f64, _: &[f64]) {}
     fn event(&mut self, _: mocc::ir::trajectory::Event) {}
@@ -34,7 +34,7 @@ fn program(n: usize) -> Program {
     Session::default().compile(&request(n)).expect("the chain compiles")
 }
 
-/// Text to flat model.
+/// Source to flat model.
 #[divan::bench(args = SIZES, sample_count = 5)]
 fn a_flatten(bencher: divan::Bencher<'_, '_>, n: usize) {
     bencher.bench_local(|| Session::default().flatten(&request(n)).is_ok());
@@ -68,6 +68,6 @@ fn d_simulate(bencher: divan::Bencher<'_, '_>, n: usize) {
     let settings = Settings::of(&program.blocks.dae.experiment);
     let sources = mocc::base::source::SourceMap::default();
     bencher.bench_local(|| {
-        simulate_to(&program, &settings, &sources, &mut Nowhere).expect("the chain runs").rows
+        simulate_to(&program, &settings, &sources, &mut NullSink).expect("the chain runs").rows
     });
 }

@@ -1,4 +1,4 @@
-//! Run time of the integrators on published problems, and of the decompositions beneath them.
+//! Run time of the integrators on published problems, and of the decompositions that they use.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -11,7 +11,7 @@ use mocc::integrate::system::{EvalError, System};
 use mocc::numeric::linear::{ComplexLu, DenseLu};
 use mocc::numeric::small_lu;
 
-/// Counts allocations, of which a step makes none.
+/// Counts allocations; a step must not make any.
 #[global_allocator]
 static ALLOCATOR: divan::AllocProfiler = divan::AllocProfiler::system();
 
@@ -55,7 +55,7 @@ fn hires_bdf(bencher: Bencher, rtol: f64) {
     bencher.bench_local(|| solve(&mut stepper, &mut Hires, &start, 321.8122));
 }
 
-/// A chain of 13 stores: what one step costs at the order of a valve model.
+/// A chain of 13 stores: the cost of one step at the order of a valve model.
 #[divan::bench]
 fn chain_of_thirteen(bencher: Bencher) {
     let mut stepper = Radau::new(13, Options::new(13)).expect("valid options");
@@ -98,7 +98,7 @@ fn factor_real_plain(bencher: Bencher, n: usize) {
     });
 }
 
-/// What the integrator uses: plain loops or faer, by order.
+/// The decomposition of the integrator: plain loops or faer, by order.
 #[divan::bench(args = ORDERS)]
 fn factor_real(bencher: Bencher, n: usize) {
     let a = scatter(n * n);
@@ -118,7 +118,7 @@ fn factor_complex_plain(bencher: Bencher, n: usize) {
     });
 }
 
-/// What the integrator uses: plain loops or faer, by order.
+/// The decomposition of the integrator: plain loops or faer, by order.
 #[divan::bench(args = ORDERS)]
 fn factor_complex(bencher: Bencher, n: usize) {
     let a = scatter(n * n);
@@ -126,7 +126,7 @@ fn factor_complex(bencher: Bencher, n: usize) {
     bencher.bench_local(|| lu.factor(black_box(&a), black_box(&a)));
 }
 
-/// One right side.
+/// One right-hand side.
 #[divan::bench(args = ORDERS)]
 fn solve_real(bencher: Bencher, n: usize) {
     let mut lu = DenseLu::new(n);
@@ -138,7 +138,7 @@ fn solve_real(bencher: Bencher, n: usize) {
     });
 }
 
-/// One complex right side.
+/// One complex right-hand side.
 #[divan::bench(args = ORDERS)]
 fn solve_complex(bencher: Bencher, n: usize) {
     let mut lu = ComplexLu::new(n);

@@ -1,4 +1,4 @@
-//! Speed of the front door on a synthetic library: bytes of text per second.
+//! Throughput of the parser on a synthetic library, in bytes of source per second.
 
 use std::fmt::Write;
 

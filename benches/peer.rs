@@ -1,10 +1,11 @@
-//! Error and run time of our methods and of a peer, diffsol's BDF, at several tolerances; then how
-//! long ours take, in units of the peer, at equal error.
+//! Error and run time of our methods and of a peer, diffsol's BDF, at several tolerances; then the
+//! run time of ours relative to the peer at equal error.
 //!
-//! `cargo bench --features peer --bench peer`. The same right sides, derivatives, tolerances and
-//! output times for all; the error is the largest over output times and components, in units of
-//! `|y| + nominal`. Times are the shortest of many runs, from the start values to the last output,
-//! with the memory of the solver allocated. References: Radau at a tolerance far below.
+//! `cargo bench --features peer --bench peer`. All solvers use the same right-hand sides,
+//! derivatives, tolerances and output times; the error is the largest over output times and
+//! components, in units of `|y| + nominal`. Times are the shortest of many runs, from the start
+//! values to the last output, with the memory of the solver allocated. Reference: Radau at a much
+//! smaller tolerance.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -17,16 +18,16 @@ use mocc::integrate::stepper::{JacobianMemory, Stepper};
 use mocc::integrate::switching::{Choices, Switching};
 use mocc::integrate::system::{EvalError, System};
 
-/// Tolerances that the solvers are run at.
+/// Tolerances of the solvers.
 const TOLERANCES: [f64; 7] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10];
 /// Errors at which run times are compared.
 const ERRORS: [f64; 4] = [1e-4, 1e-5, 1e-6, 1e-8];
 /// Tolerance of the reference.
 const REFERENCE: f64 = 1e-13;
-/// Runs of which the fastest counts.
+/// Number of runs, of which the fastest counts.
 const RUNS: usize = 30;
 
-/// A problem with `N` components, as both solvers are given it.
+/// A problem with `N` components, as both solvers receive it.
 trait Problem<const N: usize> {
     const NAME: &'static str;
     const START: [f64; N];
@@ -35,7 +36,7 @@ trait Problem<const N: usize> {
     fn rhs(t: f64, y: &[f64], f: &mut [f64]);
     /// Column-major; `j` arrives filled with zeros.
     fn jacobian(t: f64, y: &[f64], j: &mut [f64]);
-    /// The product of the Jacobian with `v`, as quickly as it can be had.
+    /// The product of the Jacobian with `v`, computed as fast as possible.
     fn product(t: f64, y: &[f64], v: &[f64], out: &mut [f64]);
 }
 
@@ -115,7 +116,7 @@ fn linear_part(y: &[f64], f: &mut [f64]) {
     f[7] = 1.81 * y[6];
 }
 
-/// Three volumes and a moving valve, all flows smooth, with a valve control that opens and shuts
+/// Three volumes and a moving valve, all flows smooth, with a control signal that opens and closes
 /// twice a second.
 struct Valve;
 
@@ -234,7 +235,7 @@ impl ValveSlopes {
     }
 }
 
-/// A problem as ours see it.
+/// A problem as our solvers receive it.
 struct Ours<P, const N: usize>(std::marker::PhantomData<P>);
 
 impl<P: Problem<N>, const N: usize> System for Ours<P, N> {
@@ -278,7 +279,7 @@ fn ours<P: Problem<N>, const N: usize>(
     Ok(rows)
 }
 
-/// Error and time in microseconds, for each tolerance at which the solver came to the end.
+/// Error and time in microseconds, for each tolerance at which the solver succeeded.
 struct Curve {
     name: &'static str,
     points: Vec<(f64, f64)>,
@@ -302,9 +303,9 @@ impl Curve {
             };
             let time = (0..RUNS)
                 .map(|_| {
-                    let begun = Instant::now();
+                    let started = Instant::now();
                     let _ = black_box(run(rtol));
-                    begun.elapsed().as_secs_f64() * 1e6
+                    started.elapsed().as_secs_f64() * 1e6
                 })
                 .fold(f64::INFINITY, f64::min);
             println!("  {name:8} rtol {rtol:.0e}  error {error:9.2e}  {time:9.1} us");
@@ -313,8 +314,8 @@ impl Curve {
         Curve { name, points }
     }
 
-    /// The time at this error, on straight lines through the points in double logarithms; `None` if it
-    /// is not between two points.
+    /// The time at this error, by linear interpolation in log-log coordinates; `None` if the error
+    /// is outside the measured range.
     fn time_at(&self, error: f64) -> Option<f64> {
         let mut points: Vec<(f64, f64)> =
             self.points.iter().map(|(e, t)| (-e.ln(), t.ln())).collect();
@@ -351,7 +352,7 @@ fn compare<P: Problem<N>, const N: usize>() {
             let mut stepper = Bdf::new(N, options(rtol)).expect("valid options");
             ours::<P, N>(&mut stepper, &at)
         }),
-        // As a run without events does by itself, `simulate::method`.
+        // Like `simulate::method` for a simulation without events.
         Curve::measure("auto", &P::NOMINALS, &reference, |rtol| {
             let choices = Choices {
                 explicit: options(0.1 * rtol),
@@ -388,7 +389,7 @@ fn peer<P: Problem<N>, const N: usize>(rtol: f64, at: &[f64]) -> Result<Outputs<
         .init(|_p, _t, y| y.copy_from_slice(&P::START), N)
         .build()
         .expect("a problem");
-    // By default it gives up after 50 iterations that failed in a whole run.
+    // By default, diffsol stops after 50 failed iterations per run.
     problem.ode_options.max_nonlinear_solver_failures = 10_000;
     let mut solver = problem.bdf::<NalgebraLU<f64>>().expect("a solver");
     let mut rows = Vec::with_capacity(at.len());

@@ -1,14 +1,14 @@
-//! Calibration and diagnosis of specimens that mocc makes itself: the valve of `examples/valve52.toml`, or
-//! after the word `valve32` that of `examples/valve32.toml`, with other parameters, other noise, and
-//! perhaps one effect of the catalogue.
+//! Calibration and diagnosis of simulated specimens: the valve of `examples/valve52.toml` or, after
+//! the word `valve32`, that of `examples/valve32.toml`, with other parameters, other noise, and
+//! possibly one or two effects of the catalogue.
 //!
 //! ```sh
 //! cargo bench --bench specimens -- starts 20          # calibrations from random starts
-//! cargo bench --bench specimens -- healthy 20 [1]     # diagnoses where nothing is missing, from the first on
+//! cargo bench --bench specimens -- healthy 20 [1]     # diagnoses of intact specimens, from number 1
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
-//! cargo bench --bench specimens -- foreign [NAME]     # the same, but diagnosed by a catalogue without it
-//! cargo bench --bench specimens -- pairs 20 [1]       # two effects at once, from the first specimen on
-//! cargo bench --bench specimens -- valve32 effects    # in the other valve
+//! cargo bench --bench specimens -- foreign [NAME]     # the same, effect missing from the catalogue
+//! cargo bench --bench specimens -- pairs 20 [1]       # two effects at once, from number 1
+//! cargo bench --bench specimens -- valve32 effects    # with the other valve
 //! ```
 
 use std::path::Path;
@@ -33,15 +33,15 @@ use mocc::ir::flat::Experiment;
 use mocc::numeric::least_squares::NormalEquations;
 use mocc::numeric::linear::DenseLu;
 
-/// Excess of the reduced sum of squares that an inserted effect is to make: the residual doubles.
+/// Excess of the reduced sum of squares that an inserted effect causes: the residual doubles.
 const EXCESS: f64 = 3.0;
-/// The same of each of two effects at once.
+/// The same for each of two simultaneous effects.
 const EXCESS_OF_EACH: f64 = 10.0;
-/// Parameters of a specimen differ from the sheet by at most this part.
+/// Maximum relative difference of the parameters of a specimen from the data sheet.
 const SPREAD: f64 = 0.2;
 
-/// Signals so many times those of the stand are of no machine.
-const BEYOND: f64 = 10.0;
+/// Signals this many times larger than those of the test stand are not physical.
+const MAX_SIGNAL_RATIO: f64 = 10.0;
 
 fn main() {
     let mut arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -55,11 +55,11 @@ fn main() {
     match arguments.first().map(String::as_str) {
         Some("starts") => stand.starts(number(1)),
         Some("healthy") => stand.healthy(first, number(1)),
-        Some(way @ ("effects" | "foreign")) => {
+        Some(mode @ ("effects" | "foreign")) => {
             let wanted = arguments.get(1).map_or("", String::as_str);
             for k in 0..stand.effects.len() {
                 if stand.effects[k].class.contains(wanted) {
-                    stand.effect(k, way == "foreign");
+                    stand.effect(k, mode == "foreign");
                 }
             }
         }
@@ -115,7 +115,7 @@ impl Stand {
         }
     }
 
-    /// Recordings of a specimen whose plan has these starts as its parameters.
+    /// Simulated recordings of a specimen whose parameters are the start values of the plan.
     fn recorded(
         &self,
         plan: &Plan,
@@ -137,7 +137,7 @@ impl Stand {
             let exact = problem.predict(recording, &problem.start()).ok()?;
             let largest = |all: &[f64]| all.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
             let mut both = exact.iter().zip(&recording.signals);
-            if both.any(|(e, s)| largest(e) > BEYOND * largest(s)) {
+            if both.any(|(e, s)| largest(e) > MAX_SIGNAL_RATIO * largest(s)) {
                 return None;
             }
             for ((signal, exact), sigma) in
@@ -149,7 +149,7 @@ impl Stand {
         Some(data)
     }
 
-    /// The plan with parameters that differ from the sheet.
+    /// The plan with parameters that differ from the data sheet.
     fn other(&self, spread: f64, random: &mut Random) -> Plan {
         let mut plan = self.plan.clone();
         let case = self.case(&self.data);
@@ -169,7 +169,7 @@ impl Stand {
         let mut fine = 0;
         for k in 1..=count {
             let plan = self.other(0.5, &mut random);
-            let begun = Instant::now();
+            let started = Instant::now();
             let case = self.case(&self.data);
             let (session, program) = compile(&case, &plan, &[], &[]).expect("a program");
             let mut problems = Problems::new();
@@ -182,7 +182,7 @@ impl Stand {
                 None => (f64::NAN, f64::NAN),
             };
             fine += u64::from(train <= 1.02 && validation <= 1.10);
-            let seconds = begun.elapsed().as_secs_f64();
+            let seconds = started.elapsed().as_secs_f64();
             println!("{k:3}  train {train:8.4}  validation {validation:8.4}  {seconds:6.1} s");
         }
         println!("{fine} of {count} at the noise floor");
@@ -202,7 +202,7 @@ impl Stand {
         println!("{alarms} false alarms in {count} healthy specimens");
     }
 
-    /// One effect inserted; if `foreign`, the catalogue with which it is looked for does not have it.
+    /// Inserts one effect; if `foreign`, the catalogue of the diagnosis lacks it.
     fn effect(&self, k: usize, foreign: bool) {
         let mut random = Random(1000 + k as u64);
         let plan = self.other(SPREAD, &mut random);
@@ -229,8 +229,8 @@ impl Stand {
         }
     }
 
-    /// An effect at one place and with one shape of those that there are, not always the first. Where it
-    /// moves nothing it leaves no trace: the next place then.
+    /// An effect at one of its places with one of its shapes, not always the first. A place where
+    /// it has no influence is skipped.
     fn inserted(&self, k: usize, plan: &Plan, excess: f64) -> Option<Inserted> {
         let all = unscored(&self.case(&self.data), &self.bare());
         let own: Vec<&Scored> =
@@ -242,7 +242,7 @@ impl Stand {
         })
     }
 
-    /// Makes recordings with these effects, and says what a diagnosis finds in them.
+    /// Simulates recordings with these effects and reports the diagnosis.
     fn report(
         &self,
         plan: &Plan,
@@ -262,7 +262,7 @@ impl Stand {
             println!("{} at {} {:?}", a.effect.class, one.scored.place.at.join(", "), one.values);
         }
         let Some(data) = self.recorded(plan, &attached, random) else {
-            println!("    can not be run");
+            println!("    cannot be simulated");
             return;
         };
         let (found, seconds) = self.diagnosis(&data, hidden);
@@ -288,13 +288,13 @@ impl Stand {
         }
     }
 
-    /// The catalogue, perhaps without one effect.
+    /// The catalogue, possibly without one effect.
     fn catalogue(&self, hidden: Option<usize>) -> Vec<Effect> {
         let known = |k: &usize| Some(*k) != hidden;
         (0..self.effects.len()).filter(known).map(|k| self.effects[k].clone()).collect()
     }
 
-    /// Shape and amplitude that make this excess, as far as this is linear.
+    /// Shape and amplitude that cause this excess in the linear approximation.
     fn amplitude(&self, plan: &Plan, inserted: &Scored, excess: f64) -> Option<Vec<(String, f64)>> {
         let effect = &self.effects[inserted.effect];
         let attached = [attachment(effect, inserted, inserted.shape.clone(), "inserted")];
@@ -314,15 +314,15 @@ impl Stand {
     }
 
     fn diagnosis(&self, data: &Data, hidden: Option<usize>) -> (Option<Found>, f64) {
-        let begun = Instant::now();
+        let started = Instant::now();
         let effects = self.catalogue(hidden);
         let case = Case { effects: &effects, ..self.case(data) };
         let found = diagnose(&case, &mut |_, _| true).ok();
-        (found, begun.elapsed().as_secs_f64())
+        (found, started.elapsed().as_secs_f64())
     }
 
     fn words(&self, found: Option<&Found>, hidden: Option<usize>) -> String {
-        let Some(found) = found else { return "can not be calibrated".to_owned() };
+        let Some(found) = found else { return "cannot be calibrated".to_owned() };
         let known = self.catalogue(hidden);
         let effects: Vec<String> = found
             .after
@@ -388,7 +388,7 @@ fn left_over(normal: &NormalEquations) -> Option<f64> {
     (left > 1e-6 * entry(p, p) && left > 0.0).then_some(left)
 }
 
-/// Random numbers that are the same in each run: a linear congruential generator.
+/// Reproducible random numbers: a linear congruential generator.
 struct Random(u64);
 
 impl Random {

@@ -1,4 +1,4 @@
-//! What each stage costs for the 5/2-way valve, from its text to the trajectory of one cycle.
+//! The cost of each stage for the 5/2-way valve, from the source to the trajectory of one cycle.
 
 use divan::Bencher;
 use mocc::base::diag::Problems;
@@ -16,7 +16,7 @@ fn main() {
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/valve52.mol");
 
-/// The file of the valve alone; classes of the library are parsed when `flatten` wants them.
+/// The file of the valve alone; classes of the library are parsed when `flatten` needs them.
 #[divan::bench]
 fn parse(bencher: Bencher) {
     let text = std::fs::read_to_string(FILE).expect("the example");
@@ -48,7 +48,7 @@ fn codegen(bencher: Bencher) {
         .bench_local_values(|blocks| Session::default().generate(blocks).expect("a program"));
 }
 
-/// The three compiling benchmarks above in one go.
+/// All compilation stages together.
 #[divan::bench]
 fn compile(bencher: Bencher) {
     bencher.bench_local(|| Session::default().compile(&request()).expect("a program"));

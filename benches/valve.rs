@@ -36,7 +36,7 @@ fn run(bencher: Bencher, program: &Program, execution: Execution) {
     settings.stop = 0.12;
     settings.interval = 1e-4;
     settings.execution = execution;
-    // The memory of the rows serves again, as in a series of runs.
+    // The memory of the rows is reused, as in a series of simulations.
     let mut rows = Trajectory::default();
     bencher.bench_local(|| {
         simulate_to(program, &settings, &VALVE.sources, &mut rows).expect("a run");
@@ -44,28 +44,28 @@ fn run(bencher: Bencher, program: &Program, execution: Execution) {
     });
 }
 
-/// By machine code that was made before.
+/// With precompiled machine code.
 #[divan::bench]
 fn cycle(bencher: Bencher) {
     run(bencher, &VALVE.program, Execution::translated(&VALVE.program));
 }
 
-/// By machine code, recording the stroke alone, as a search for parameters does.
+/// With machine code, recording only the stroke, like a calibration.
 #[divan::bench]
 fn cycle_of_one_variable(bencher: Bencher) {
     let mut program = VALVE.program.clone();
-    record::only(&mut program, |name| name == "spool.s");
+    recording::only(&mut program, |name| name == "spool.s");
     let execution = Execution::translated(&program);
     run(bencher, &program, execution);
 }
 
-/// By the interpreter.
+/// With the interpreter.
 #[divan::bench]
 fn cycle_interpreted(bencher: Bencher) {
     run(bencher, &VALVE.program, Execution::Interpreted);
 }
 
-/// As a single run does by itself: interpreted at first, translated on the way.
+/// Like a single simulation: interpreted at first, then compiled.
 #[divan::bench]
 fn cycle_adaptive(bencher: Bencher) {
     run(bencher, &VALVE.program, Execution::Adaptive);

@@ -23,7 +23,8 @@ pub(super) fn expand(
     let plain: Vec<ast::Statement> =
         list.iter().filter(|s| !matches!(s.kind, StatementKind::When { .. })).cloned().collect();
     let mut outputs = Vec::new();
-    // The statements are evaluated again below, so assertions of their subscripts are discarded here.
+    // The statements are evaluated again below, so assertions of their subscripts are
+    // discarded here.
     let (started, _) =
         cx.collect_assertions(|cx| start_values(cx, &plain, scope, target, &mut outputs));
     if started.is_some() && cx.run_statements(&plain, scope).is_some() && !outputs.is_empty() {
@@ -52,8 +53,8 @@ pub(super) fn expand(
     cx.evaluation.units.unitless_literal = false;
 }
 
-/// Initialises the assigned variables of a section: discrete ones with their `pre` value, others with
-/// their start value (Modelica 3.6, section 11.1.2).
+/// Initialises the assigned variables of a section: discrete ones with their `pre` value, others
+/// with their start value (Modelica 3.6, section 11.1.2).
 fn start_values(
     cx: &mut Context<'_>,
     list: &[ast::Statement],

@@ -1,8 +1,8 @@
-//! Checks that a component is balanced, i.e. has as many equations as unknowns (Modelica 3.6, section
-//! 4.7).
+//! Checks that a component is balanced, i.e. has as many equations as unknowns (Modelica 3.6,
+//! section 4.7).
 //!
-//! The component is flattened on its own. Its inputs are known, and so is one variable of each pair of
-//! potential and flow of its connectors: the flows of unconnected connectors are zero, and this
+//! The component is flattened on its own. Its inputs are known, and so is one variable of each pair
+//! of potential and flow of its connectors: the flows of unconnected connectors are zero, and this
 //! equation represents the one that a connection would add.
 
 use crate::base::diag::{Diagnostic, Problems};
@@ -51,8 +51,8 @@ impl Balance {
     }
 }
 
-/// Counts equations and unknowns; `None` for a component with expandable connectors, whose variables
-/// depend on the surroundings.
+/// Counts equations and unknowns; `None` for a component with expandable connectors, whose
+/// variables depend on the surroundings.
 pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Option<Balance> {
     if let InstanceKind::Object(children) = cx.instances[root].kind.clone() {
         for child in children.iter() {

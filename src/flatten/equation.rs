@@ -1,5 +1,5 @@
-//! Expands the equations of components: loops are unrolled, `if` on parameters is decided, arrays and
-//! records are split into scalars (Modelica 3.6, chapter 8).
+//! Expands the equations of components: loops are unrolled, `if` on parameters is decided, arrays
+//! and records are split into scalars (Modelica 3.6, chapter 8).
 
 use std::sync::Arc;
 

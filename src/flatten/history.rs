@@ -95,8 +95,8 @@ fn generator_state(
 }
 
 /// The value of a random number as an element of the generator's sequence: the samples of the
-/// initialization come first, then those of all when-clauses, which sample in their order if they are
-/// active at the same instant.
+/// initialization come first, then those of all when-clauses, which sample in their order if they
+/// are active at the same instant.
 fn number(
     cx: &mut Context<'_>,
     draws: &RandomDraws,

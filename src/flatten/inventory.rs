@@ -1,7 +1,7 @@
 //! Inventory of a model: its components, their connectors, and the nodes that connections form.
 //!
-//! For tools that attach components to a model: two connectors of the same class at the same node are
-//! equivalent places to attach to.
+//! For tools that attach components to a model: two connectors of the same class at the same node
+//! are equivalent places to attach to.
 
 use crate::instantiate::Context;
 use crate::ir::ast::{Causality, ClassKind};

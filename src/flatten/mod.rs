@@ -26,8 +26,8 @@ use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Origin};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind};
 use crate::ir::modification::ParameterOverride;
 
-/// Flattens the model `class` with parameter overrides from the command line. Problems are collected
-/// in the context; if there are errors, the result cannot be simulated.
+/// Flattens the model `class` with parameter overrides from the command line. Problems are
+/// collected in the context; if there are errors, the result cannot be simulated.
 pub fn flatten(
     cx: &mut Context<'_>,
     class: ClassId,

@@ -308,8 +308,8 @@ fn report_bound_discrete(cx: &mut Context<'_>, id: InstanceId, span: Span) {
     );
 }
 
-/// Converts an expression to the type: Integer literals become Real literals; incompatible types are
-/// reported.
+/// Converts an expression to the type: Integer literals become Real literals; incompatible types
+/// are reported.
 fn converted(cx: &mut Context<'_>, e: ExprId, ty: Type, span: Span, what: &str) -> Option<ExprId> {
     let given = cx.graph.ty(e);
     match (ty, given) {

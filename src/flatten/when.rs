@@ -116,8 +116,8 @@ fn targets(lhs: &Expr) -> Vec<&ast::ComponentRef> {
     }
 }
 
-/// Checks that a when-clause only determines variables of its own class; otherwise a component would
-/// have one more equation than its class shows (Modelica 3.6, section 8.3.5.1).
+/// Checks that a when-clause only determines variables of its own class; otherwise a component
+/// would have one more equation than its class shows (Modelica 3.6, section 8.3.5.1).
 fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) {
     let [first, .., last] = target.parts.as_slice() else { return };
     let Some(mut at) = cx.child(scope.instance, first.name.name) else { return };
@@ -237,8 +237,8 @@ fn call_action(
     }
 }
 
-/// `if` inside a when-clause: assignments are merged variable by variable; in a branch that does not
-/// assign a variable, it keeps its `pre` value.
+/// `if` inside a when-clause: assignments are merged variable by variable; in a branch that does
+/// not assign a variable, it keeps its `pre` value.
 fn if_actions(
     cx: &mut Context<'_>,
     branches: &[(Expr, Vec<ast::Equation>)],

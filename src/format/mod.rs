@@ -1,9 +1,9 @@
 //! The source formatter (`mocc fmt`): indentation by structure, spaces by rule.
 //!
-//! In: the source of a file. Out: the same tokens and comments on the same lines. The author decides
-//! on line breaks and on alignment: two or more spaces are kept. All other whitespace is normalised,
-//! so formatting is idempotent. The output is tokenized again and compared with the input before it
-//! is returned.
+//! In: the source of a file. Out: the same tokens and comments on the same lines. The author
+//! decides on line breaks and on alignment: two or more spaces are kept. All other whitespace is
+//! normalised, so formatting is idempotent. The output is tokenized again and compared with the
+//! input before it is returned.
 mod gap;
 mod indent;
 

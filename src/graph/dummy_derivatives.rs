@@ -5,10 +5,11 @@
 //! an equation; to balance it, one derivative becomes an ordinary unknown, a *dummy derivative*,
 //! and the variable that it differentiates is no longer a state.
 //!
-//! The dummies must be columns of the ConstraintJacobian of the differentiated equations that form a regular
-//! matrix. Independent columns are a matroid, so taking them greedily, the least wanted state
-//! first, gives up the least wanted states (J. Edmonds, "Matroids and the greedy algorithm", Math.
-//! Programming 1, 1971). Constant coefficients count by their value, the others as indeterminates.
+//! The dummies must be columns of the ConstraintJacobian of the differentiated equations that form
+//! a regular matrix. Independent columns are a matroid, so taking them greedily, the least wanted
+//! state first, gives up the least wanted states (J. Edmonds, "Matroids and the greedy algorithm",
+//! Math. Programming 1, 1971). Constant coefficients count by their value, the others as
+//! indeterminates.
 
 use super::augment::AugmentingSearch;
 use super::bipartite::{Bipartite, Col, Edge, Row};
@@ -65,9 +66,9 @@ pub struct Pivot {
 /// - `priority`: the preference for each column as a state, the highest most wanted. Columns beyond
 ///   the end, which the reduction added, inherit the priority of the variable they differentiate.
 /// - `coefficient`: for each edge of the *original* rows (they are the first edges of
-///   `reduction.incidence`); edges beyond the end are varying. The entry of a differentiated row for
-///   a highest derivative is the same partial derivative as the entry of the original row for the
-///   variable itself, so the original edges suffice.
+///   `reduction.incidence`); edges beyond the end are varying. The entry of a differentiated row
+///   for a highest derivative is the same partial derivative as the entry of the original row for
+///   the variable itself, so the original edges suffice.
 ///
 /// Between columns of equal priority, constant coefficients are preferred, then the lower number.
 /// A row takes a column of its own block of the highest derivatives, as in the paper, or any other
@@ -521,8 +522,8 @@ mod tests {
         assert_eq!(states(&[0, 0], Constant(0.0), Varying), [0]);
     }
 
-    /// An energy balance u' = q with u = c T: u' is computed in a block of its own before T', so the
-    /// paper's choice is u as a state; a priority for T is honoured if c does not vary.
+    /// An energy balance u' = q with u = c T: u' is computed in a block of its own before T', so
+    /// the paper's choice is u as a state; a priority for T is honoured if c does not vary.
     #[test]
     fn a_priority_across_blocks_is_honoured_if_the_coefficient_does_not_vary() {
         // u T u' T'; T' occurs because T is preferred as a state: z = T', z in column 4.

@@ -259,7 +259,8 @@ mod tests {
     }
 
     /// The linear example of Mattsson and Söderlind 1993: x1 + x2 + u1 = 0, x1 + x2 + x3 + u2 = 0,
-    /// x1 + x3' + x4 + u3 = 0, 2 x1'' + x2'' + x3'' + x4' + u4 = 0; differentiated 2, 2, 1, 0 times.
+    /// x1 + x3' + x4 + u3 = 0, 2 x1'' + x2'' + x3'' + x4' + u4 = 0; differentiated 2, 2, 1, 0
+    /// times.
     #[test]
     fn linear_system_of_mattsson_and_soderlind() {
         // x1 x1' x1'' x2 x2' x2'' x3 x3' x3'' x4 x4'

@@ -189,8 +189,8 @@ mod tests {
         assert_eq!(blocks.iter().map(<[_]>::len).max(), Some(1));
     }
 
-    /// The blocks are a partition, no block uses an unknown of a later one, and within a block every
-    /// row depends on every other, which makes the blocks the smallest possible.
+    /// The blocks are a partition, no block uses an unknown of a later one, and within a block
+    /// every row depends on every other, which makes the blocks the smallest possible.
     #[test]
     fn block_lower_triangular_form_is_valid_and_finest() {
         let mut random = Xorshift::new(1978);

@@ -1,12 +1,13 @@
 //! Tearing: solve most of a block in sequence, iterate on the rest.
 //!
-//! Given values of the *tearing* columns of a block, its *explicit* rows yield the other columns one
-//! after another, and the remaining *residual* rows measure the error of the given values. Finding
-//! the fewest tearing columns is NP-complete, so heuristics are used: F. E. Cellier and E. Kofman,
-//! "Continuous System Simulation", Springer 2006, chapter 7, in the variant MC3 of P. Täuber,
-//! L. Ochel, W. Braun and B. Bachmann, "Practical realization and adaptation of Cellier's tearing
-//! method", EOOLT 2014: tear the column with the most *points*, one for each row that cannot be
-//! solved for it and one for each row that could be solved for another column once it is known.
+//! Given values of the *tearing* columns of a block, its *explicit* rows yield the other columns
+//! one after another, and the remaining *residual* rows measure the error of the given values.
+//! Finding the fewest tearing columns is NP-complete, so heuristics are used: F. E. Cellier and E.
+//! Kofman, "Continuous System Simulation", Springer 2006, chapter 7, in the variant MC3 of P.
+//! Täuber, L. Ochel, W. Braun and B. Bachmann, "Practical realization and adaptation of Cellier's
+//! tearing method", EOOLT 2014: tear the column with the most *points*, one for each row that
+//! cannot be solved for it and one for each row that could be solved for another column once it is
+//! known.
 
 use super::bipartite::{Bipartite, Col, Edge, Row};
 use crate::base::index::{Id, IndexVec};

@@ -1,4 +1,5 @@
-//! Graphs for the tests of this folder, explicit or random but reproducible, and brute-force answers.
+//! Graphs for the tests of this folder, explicit or random but reproducible, and brute-force
+//! answers.
 
 use super::bipartite::{Bipartite, Col, Row};
 

@@ -1,7 +1,7 @@
 //! Alias elimination: finds variables that equal another one, its negative, or a constant.
 //!
-//! `a = b`, `a = -b`, `a + b = 0` put variables into one class (union-find with signs); `v = der(s)`
-//! makes v the name of a derivative; `v = e` with a parameter expression e gives v a value.
+//! `a = b`, `a = -b`, `a + b = 0` put variables into one class (union-find with signs); `v =
+//! der(s)` makes v the name of a derivative; `v = e` with a parameter expression e gives v a value.
 //! [`super::representative`] chooses the variable that represents a class.
 
 use super::Equal;
@@ -39,8 +39,8 @@ pub struct AliasClasses {
     pub is_derivative_name: FastSet<VarId>,
 }
 
-/// Removes the equations that only state that variables are equal, and returns the rest. A redundant
-/// equation is kept, so that it counts as one equation too many.
+/// Removes the equations that only state that variables are equal, and returns the rest. A
+/// redundant equation is kept, so that it counts as one equation too many.
 pub fn find_aliases(
     graph: &mut Graph,
     variables: &IndexVec<VarId, Variable>,

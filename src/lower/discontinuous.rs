@@ -1,6 +1,7 @@
-//! Event-triggering functions: `floor`, `ceil`, `integer`, `div`, `mod`, `rem` of continuous operands
-//! (Modelica 3.6, section 3.7.2). Between events they are constant or continuous, so the rounded value
-//! becomes a discrete variable, and relations detect when its argument leaves the valid interval.
+//! Event-triggering functions: `floor`, `ceil`, `integer`, `div`, `mod`, `rem` of continuous
+//! operands (Modelica 3.6, section 3.7.2). Between events they are constant or continuous, so the
+//! rounded value becomes a discrete variable, and relations detect when its argument leaves the
+//! valid interval.
 
 use super::rewriting::Rewriting;
 use crate::ir::dae::{DiscreteEquation, Kind, Variable};
@@ -68,8 +69,8 @@ impl Rewriting<'_> {
     }
 
     /// Adds the relations that become true when the rounded value `h` must change. Rounding down is
-    /// valid for `h <= a < h + 1`, up for `h - 1 < a <= h`, and towards zero like down above zero and
-    /// like up below; a bound that does not apply is set to an unreachable value.
+    /// valid for `h <= a < h + 1`, up for `h - 1 < a <= h`, and towards zero like down above zero
+    /// and like up below; a bound that does not apply is set to an unreachable value.
     fn add_bound_relations(
         &mut self,
         a: ExprId,

@@ -7,8 +7,8 @@ use crate::ir::dae::{self, Kind};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{Equation, EquationKind, Origin, Variability};
 
-/// The initial equations of continuous variables and parameters. An equation for the first value of a
-/// discrete variable becomes part of that variable's equation, under the condition `initial()`.
+/// The initial equations of continuous variables and parameters. An equation for the first value of
+/// a discrete variable becomes part of that variable's equation, under the condition `initial()`.
 pub fn equations(
     flat: &[Equation],
     discrete: &mut DiscreteEquations,
@@ -40,8 +40,8 @@ pub fn equations(
     equations
 }
 
-/// Replaces `pre(v)` during initialisation by the value of an initial equation that depends on time or
-/// variables.
+/// Replaces `pre(v)` during initialisation by the value of an initial equation that depends on time
+/// or variables.
 fn set_initial_pre(
     v: VarId,
     value: ExprId,
@@ -59,8 +59,8 @@ fn set_initial_pre(
     }
 }
 
-/// Initial equations between `pre` values, such as `pre(a) = pre(b)`: one side takes the value of the
-/// other.
+/// Initial equations between `pre` values, such as `pre(a) = pre(b)`: one side takes the value of
+/// the other.
 #[derive(Default)]
 struct PreEquations {
     /// Variables whose `pre` value is determined by other initial equations.

@@ -80,8 +80,8 @@ impl KnownValues {
         number == Some(0.0) || self.is_zero_by_form(value, r)
     }
 
-    /// True for the literal 0, a parameter that vanishes, products with one, and for sines and cosines
-    /// whose argument is a zero up to rounding.
+    /// True for the literal 0, a parameter that vanishes, products with one, and for sines and
+    /// cosines whose argument is a zero up to rounding.
     fn is_zero_by_form(&self, value: ExprId, r: &Rewriting<'_>) -> bool {
         match r.graph.node(value) {
             Node::Const(c) => c.number() == Some(0.0),

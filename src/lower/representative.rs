@@ -1,4 +1,5 @@
-//! Chooses the representative of each class of equal variables, and adds the variables of derivatives.
+//! Chooses the representative of each class of equal variables, and adds the variables of
+//! derivatives.
 
 use super::alias::{AliasClasses, Signed};
 use super::error;
@@ -76,7 +77,8 @@ pub fn choose(
     choice.replacement
 }
 
-/// The variable that a class differentiates: `der(variable)` is the root of the class or its negative.
+/// The variable that a class differentiates: `der(variable)` is the root of the class or its
+/// negative.
 #[derive(Clone, Copy)]
 struct Integral {
     variable: VarId,
@@ -102,8 +104,8 @@ impl RepresentativeChoice<'_> {
     }
 
     /// Chooses the representative, replaces the others by it, and returns it with its sign relative
-    /// to the root. A derivative needs a representative with positive sign: if only its negative has
-    /// names, it gets a new variable.
+    /// to the root. A derivative needs a representative with positive sign: if only its negative
+    /// has names, it gets a new variable.
     fn represent(
         &mut self,
         members: impl Iterator<Item = Signed> + Clone,
@@ -200,8 +202,8 @@ impl RepresentativeChoice<'_> {
         v.unit = unit.unwrap_or(v.unit);
     }
 
-    /// A fixed start takes precedence over a guess, and the representative's over another one. Fixed
-    /// starts must agree.
+    /// A fixed start takes precedence over a guess, and the representative's over another one.
+    /// Fixed starts must agree.
     fn merge_start(&mut self, chosen: VarId, all: impl Iterator<Item = Signed> + Clone) {
         let mut fixed: Option<(VarId, ExprId)> = None;
         for m in all.clone() {

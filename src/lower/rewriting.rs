@@ -1,5 +1,5 @@
-//! Rewrites the expressions of the flat model: replaces eliminated variables, turns derivatives into
-//! variables and `sample` into flags, numbers relations, and removes `noEvent` and `smooth`.
+//! Rewrites the expressions of the flat model: replaces eliminated variables, turns derivatives
+//! into variables and `sample` into flags, numbers relations, and removes `noEvent` and `smooth`.
 
 use super::alias::Signed;
 use super::discontinuous::Rounding;
@@ -20,8 +20,8 @@ use crate::symbolic::linear;
 pub enum RelationMode {
     /// They do: in equations and in the conditions of when-clauses.
     Events,
-    /// They remain operators: below `noEvent` and `smooth`, in expressions that are only evaluated at
-    /// events (bodies of when-clauses, initial equations), in assertions, and in attributes.
+    /// They remain operators: below `noEvent` and `smooth`, in expressions that are only evaluated
+    /// at events (bodies of when-clauses, initial equations), in assertions, and in attributes.
     Literal,
 }
 
@@ -45,7 +45,8 @@ pub struct Rewriting<'a> {
     variability: Variabilities,
     done: FastMap<(ExprId, RelationMode), ExprId>,
     relations: Vec<Relation>,
-    /// The number of each relation, by its form `a < b`, and whether the stored one is its negation.
+    /// The number of each relation, by its form `a < b`, and whether the stored one is its
+    /// negation.
     relation_ids: FastMap<(ExprId, ExprId), (u32, bool)>,
     samples: Vec<Sample>,
     sample_ids: FastMap<(ExprId, ExprId), VarId>,

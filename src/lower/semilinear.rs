@@ -1,7 +1,7 @@
 //! Chains of `semiLinear` that share a flow, and zero flows (Modelica 3.6, section 3.7.4.5).
 //!
-//! `y = semiLinear(x, a, s)` and `y = semiLinear(x, s, b)` do not determine `s` if `x` is 0. They are
-//! equivalent to `s = if x >= 0 then a else b` and `y = semiLinear(x, a, b)`, which do.
+//! `y = semiLinear(x, a, s)` and `y = semiLinear(x, s, b)` do not determine `s` if `x` is 0. They
+//! are equivalent to `s = if x >= 0 then a else b` and `y = semiLinear(x, a, b)`, which do.
 
 use super::Equal;
 use super::alias::Signed;
@@ -67,8 +67,8 @@ fn resolve_zero_flow(equations: &mut [Equal], r: &Rewriting<'_>) {
     }
 }
 
-/// Two equations with the same `y` and `x` where the first ends with the value that the second starts
-/// with.
+/// Two equations with the same `y` and `x` where the first ends with the value that the second
+/// starts with.
 fn adjacent(found: &[SemiLinearEquation], r: &Rewriting<'_>) -> Option<(usize, usize)> {
     for (i, e) in found.iter().enumerate() {
         let Some(s) = signed(e.negative, r) else { continue };

@@ -1,15 +1,16 @@
 //! Brent's method for the maximum of a function of one variable in an interval.
 //!
 //! R. P. Brent: *Algorithms for Minimization without Derivatives*, Prentice-Hall 1973, chapter 5:
-//! steps to the vertex of the parabola through the three best points, and golden-section steps where
-//! the parabola is unreliable.
+//! steps to the vertex of the parabola through the three best points, and golden-section steps
+//! where the parabola is unreliable.
 
 /// The golden section, `(3 - sqrt(5))/2`.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// Maximum number of evaluations; parabolas need about eight.
 const MAX_EVALUATIONS: u32 = 60;
 
-/// Location, to `tolerance`, and value of a local maximum in `[a, b]`. NaN counts as minus infinity.
+/// Location, to `tolerance`, and value of a local maximum in `[a, b]`. NaN counts as minus
+/// infinity.
 pub fn maximum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> (f64, f64) {
     let (mut low, mut high) = (a, b);
     let mut negated = |x: f64| {
@@ -96,7 +97,8 @@ pub fn vertex(points: [(f64, f64); 3]) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// Brent's own example, section 5.6: the minima between the poles of `sum ((2 i - 5)/(x - i^2))^2`.
+    /// Brent's own example, section 5.6: the minima between the poles of `sum ((2 i - 5)/(x -
+    /// i^2))^2`.
     #[test]
     fn minima_of_brents_table() {
         let f = |x: f64| -> f64 {

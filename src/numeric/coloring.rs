@@ -52,7 +52,8 @@ impl Coloring {
 mod tests {
     use super::*;
 
-    /// A band of width three needs three groups, whatever the order (Curtis, Powell & Reid, sec. 2).
+    /// A band of width three needs three groups, whatever the order (Curtis, Powell & Reid, sec.
+    /// 2).
     #[test]
     fn tridiagonal_needs_three_groups() {
         let n = 20;

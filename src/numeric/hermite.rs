@@ -1,12 +1,12 @@
 //! Piecewise cubic Hermite interpolation: polynomials, and slopes at the points.
 //!
-//! H. Akima, "A new method of interpolation and smooth curve fitting based on local procedures",
-//! J. ACM 17 (1970) 589-602. F. N. Fritsch and J. Butland, "A method for constructing local monotone
-//! piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5 (1984) 300-304. M. Steffen, "A simple
-//! method for monotonic interpolation in one dimension", Astron. Astrophys. 239 (1990) 443-450.
-//! The modified weights are those of C. Moler, "Makima piecewise cubic interpolation", 2019. The
-//! spline with two continuous derivatives: C. de Boor, *A Practical Guide to Splines*, 2001, ch. IV,
-//! with natural ends.
+//! H. Akima, "A new method of interpolation and smooth curve fitting based on local procedures", J.
+//! ACM 17 (1970) 589-602. F. N. Fritsch and J. Butland, "A method for constructing local monotone
+//! piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5 (1984) 300-304. M. Steffen, "A
+//! simple method for monotonic interpolation in one dimension", Astron. Astrophys. 239 (1990)
+//! 443-450. The modified weights are those of C. Moler, "Makima piecewise cubic interpolation",
+//! 2019. The spline with two continuous derivatives: C. de Boor, *A Practical Guide to Splines*,
+//! 2001, ch. IV, with natural ends.
 
 /// How values between the points are interpolated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -204,7 +204,8 @@ mod tests {
         }
     }
 
-    /// At a corner between a constant and a rising segment, Akima's slope is that of the constant one.
+    /// At a corner between a constant and a rising segment, Akima's slope is that of the constant
+    /// one.
     #[test]
     fn a_constant_segment_stays_constant() {
         let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
@@ -216,8 +217,8 @@ mod tests {
         }
     }
 
-    /// The harmonic mean of secants 1 and 3 on equal steps is 1.5; Steffen's parabola gives 2, which
-    /// the bound of twice the smaller one allows.
+    /// The harmonic mean of secants 1 and 3 on equal steps is 1.5; Steffen's parabola gives 2,
+    /// which the bound of twice the smaller one allows.
     #[test]
     fn monotone_slopes_are_those_of_the_papers() {
         let (x, y) = ([0.0, 1.0, 2.0], [0.0, 1.0, 4.0]);

@@ -108,8 +108,8 @@ const CREEPING: f64 = 1e-2;
 /// Number of successive creeping steps after which the search stops.
 const MAX_CREEPING_STEPS: u32 = 3;
 
-/// Searches for a minimum from `x`, each parameter within its bounds. `None` if the residuals cannot
-/// be computed at the start.
+/// Searches for a minimum from `x`, each parameter within its bounds. `None` if the residuals
+/// cannot be computed at the start.
 pub fn minimise(
     residuals: &mut dyn Residuals,
     x: &[f64],

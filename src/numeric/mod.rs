@@ -1,4 +1,5 @@
-//! Numerical building blocks over floats: linear and nonlinear systems, norms, roots of one function.
+//! Numerical building blocks over floats: linear and nonlinear systems, norms, roots of one
+//! function.
 //!
 //! Nothing here depends on equations, variable names or units. A failure reports a position (a
 //! column, a residual), which the caller translates into the name of a variable.

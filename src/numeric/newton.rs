@@ -170,8 +170,8 @@ impl Newton {
     }
 
     /// Tries the Newton correction with decreasing damping factors until the simplified correction
-    /// at the trial point is smaller than the one that led there. Leaves the residual of the new `z`
-    /// in `correction`.
+    /// at the trial point is smaller than the one that led there. Leaves the residual of the new
+    /// `z` in `correction`.
     fn damped_step(
         &mut self,
         equations: &mut dyn NonlinearSystem,
@@ -205,8 +205,8 @@ impl Newton {
         })
     }
 
-    /// Moves to the trial point if the simplified correction there is small enough, and applies that
-    /// correction too if it ends the iteration.
+    /// Moves to the trial point if the simplified correction there is small enough, and applies
+    /// that correction too if it ends the iteration.
     fn judge_trial(
         &mut self,
         z: &mut [f64],
@@ -343,7 +343,8 @@ mod tests {
         Region { nominal, bounds: None }
     }
 
-    /// `z1^2 + z2^2 = 4, z1 z2 = 1`, solved by `z = ((sqrt 6 + sqrt 2) / 2, (sqrt 6 - sqrt 2) / 2)`.
+    /// `z1^2 + z2^2 = 4, z1 z2 = 1`, solved by `z = ((sqrt 6 + sqrt 2) / 2, (sqrt 6 - sqrt 2) /
+    /// 2)`.
     fn circle_meets_hyperbola() -> impl NonlinearSystem {
         equations(
             |z: &[f64], g: &mut [f64]| {

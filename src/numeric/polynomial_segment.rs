@@ -186,7 +186,8 @@ mod tests {
         assert!((segment.at(-1.0, 0, Extrapolation::Linear) - (f(0.0) - slope)).abs() < 1e-13);
     }
 
-    /// Two points of an event whose abscissas differ only by rounding would give an arbitrary slope.
+    /// Two points of an event whose abscissas differ only by rounding would give an arbitrary
+    /// slope.
     #[test]
     fn coincident_points_are_merged() {
         let mut segment = PolynomialSegment::default();

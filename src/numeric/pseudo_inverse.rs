@@ -1,10 +1,11 @@
-//! Square systems with a singular matrix: the solution nearest to the previous one, if there is any.
+//! Square systems with a singular matrix: the solution nearest to the previous one, if there is
+//! any.
 //!
 //! Complete orthogonal decomposition: Householder reflections from the left with column exchanges
 //! reveal the rank, reflections from the right eliminate the remainder of the dependent columns.
-//! Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 5.4.1 and section 5.4.7. Rows and
-//! columns are scaled first, so that the rank does not depend on units; distances are measured in
-//! these scales.
+//! Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 5.4.1 and section 5.4.7. Rows
+//! and columns are scaled first, so that the rank does not depend on units; distances are measured
+//! in these scales.
 
 /// Relative size, per order of the matrix, below which a pivot counts as zero.
 const ZERO_PIVOT: f64 = 1e-13;
@@ -261,8 +262,8 @@ mod tests {
         assert!((b[0] - 3.0).abs() < 1e-13 && (b[1] - 2.0).abs() < 1e-13);
     }
 
-    /// Two of the four Penrose conditions, which suffice here, for the matrix of rank 2 with the rows
-    /// (1 2 3; 4 5 6; 7 8 9).
+    /// Two of the four Penrose conditions, which suffice here, for the matrix of rank 2 with the
+    /// rows (1 2 3; 4 5 6; 7 8 9).
     #[test]
     fn the_residual_is_orthogonal() {
         let a = [1.0, 4.0, 7.0, 2.0, 5.0, 8.0, 3.0, 6.0, 9.0];

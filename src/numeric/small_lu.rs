@@ -2,8 +2,8 @@
 //!
 //! Golub & Van Loan, *Matrix Computations*, alg. 3.4.1 (outer product form, partial pivoting). At
 //! the order of a typical model (n about 10), a library call costs more than the arithmetic; these
-//! loops have no set-up cost, and the compiler vectorises the updates of contiguous columns. Complex
-//! matrices are stored as two planes, real and imaginary, for the same reason.
+//! loops have no set-up cost, and the compiler vectorises the updates of contiguous columns.
+//! Complex matrices are stored as two planes, real and imaginary, for the same reason.
 //!
 //! All matrices are column-major `n x n`. `pivots[k]` is the row that was exchanged with row `k`.
 
@@ -78,7 +78,8 @@ pub fn solve(n: usize, lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     }
 }
 
-/// [`solve`] for a constant order: the loops are unrolled and the right-hand side stays in registers.
+/// [`solve`] for a constant order: the loops are unrolled and the right-hand side stays in
+/// registers.
 fn solve_fixed<const N: usize>(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     for (k, &pivot) in pivots[..N].iter().enumerate() {
         b.swap(k, pivot);
@@ -188,7 +189,8 @@ pub fn factor_complex(
     Ok(())
 }
 
-/// Solves with the factors of [`factor_complex`], overwriting the right-hand side with the solution.
+/// Solves with the factors of [`factor_complex`], overwriting the right-hand side with the
+/// solution.
 pub fn solve_complex(
     n: usize,
     (lu_re, lu_im): (&[f64], &[f64]),

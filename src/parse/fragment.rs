@@ -15,9 +15,9 @@ use crate::ir::ast::{ClassBody, ElementKind, Expr};
 /// The declaration that precedes the expression while it is parsed.
 const DECLARATION: &str = "model S Real x";
 
-/// Parses `whole` from byte `place` on, which follows an `=`. If `parsed` is given, the parser reads
-/// it instead; it must have the same length. `whole` is added to the sources under the name `label`.
-/// `None` if it is not an expression.
+/// Parses `whole` from byte `place` on, which follows an `=`. If `parsed` is given, the parser
+/// reads it instead; it must have the same length. `whole` is added to the sources under the name
+/// `label`. `None` if it is not an expression.
 pub fn binding(
     label: &str,
     whole: &str,

@@ -16,7 +16,8 @@ use super::version::{self, UsesEntry};
 
 /// A tree of folders with packages: a folder on disk or the library embedded in the binary.
 pub trait Folder {
-    /// Names in a folder, sorted; empty if the folder does not exist. Names of folders end with `/`.
+    /// Names in a folder, sorted; empty if the folder does not exist. Names of folders end with
+    /// `/`.
     fn entries(&self, path: &Path) -> Vec<String>;
     /// The source in a file; `None` if the file does not exist.
     fn read(&self, path: &Path) -> Option<Result<String, String>>;
@@ -83,7 +84,8 @@ impl Library {
             }
             self.record_uses(class);
             if let Some(package) = file.package() {
-                // A class of a package, opened on its own: it is also accessible by its simple name.
+                // A class of a package, opened on its own: it is also accessible by its simple
+                // name.
                 let key = (name(&package.to_string()), class.name.name);
                 self.children.insert(key, Some(class.clone()));
             }
@@ -127,8 +129,8 @@ impl Library {
         found
     }
 
-    /// The possible locations of a library, by folder and version, best first: the required version,
-    /// else the newest version in the first folder that has any.
+    /// The possible locations of a library, by folder and version, best first: the required
+    /// version, else the newest version in the first folder that has any.
     fn candidates(&self, library: Name) -> Vec<(usize, String)> {
         let mut all = Vec::new();
         for (k, folder) in self.folders.iter().enumerate() {
@@ -215,8 +217,8 @@ impl Library {
         }
     }
 
-    /// Resolves `modelica://Package/path` (Modelica 3.6, section 13.5); other file names are returned
-    /// unchanged. `None` if the package does not exist.
+    /// Resolves `modelica://Package/path` (Modelica 3.6, section 13.5); other file names are
+    /// returned unchanged. `None` if the package does not exist.
     pub fn resource(&self, uri: &str) -> Option<PathBuf> {
         let Some(rest) = uri.strip_prefix("modelica://") else {
             let plain = uri.strip_prefix("file://").unwrap_or(uri);

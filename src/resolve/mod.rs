@@ -1,5 +1,6 @@
 //! Finds classes by name: in the user's files first, then in library folders.
 //!
-//! In: syntax trees and folders. Out: the class with a fully qualified name. Modelica 3.6, chapter 13.
+//! In: syntax trees and folders. Out: the class with a fully qualified name. Modelica 3.6, chapter
+//! 13.
 pub mod library;
 pub mod version;

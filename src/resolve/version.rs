@@ -1,5 +1,5 @@
-//! Versions of libraries: the one that a class requires and the ones that a folder contains (Modelica
-//! 3.6, sections 13.4 and 18.8).
+//! Versions of libraries: the one that a class requires and the ones that a folder contains
+//! (Modelica 3.6, sections 13.4 and 18.8).
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -46,8 +46,8 @@ pub fn is_compatible_with(class: &Class, version: &str) -> bool {
     })
 }
 
-/// The version in the name of a folder or file, empty if it has none; `None` if the name is not that
-/// of the library.
+/// The version in the name of a folder or file, empty if it has none; `None` if the name is not
+/// that of the library.
 pub fn of_entry<'e>(entry: &'e str, library: &str) -> Option<&'e str> {
     let stem = entry.strip_suffix('/').or_else(|| entry.strip_suffix(".mo"))?;
     let rest = stem.strip_prefix(library)?;

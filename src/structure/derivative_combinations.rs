@@ -2,9 +2,9 @@
 //! `der(w) = f` with `w = c1 * x1 + c2 * x2`.
 //!
 //! The balance of a node with several storage terms has this form. If its derivatives occur in no
-//! other equation, constraints relate the terms to each other; with `w` as the state, the constraints
-//! are solved as they are instead of being differentiated, which matters if their derivatives are
-//! steep or discontinuous.
+//! other equation, constraints relate the terms to each other; with `w` as the state, the
+//! constraints are solved as they are instead of being differentiated, which matters if their
+//! derivatives are steep or discontinuous.
 
 use super::solve;
 use crate::base::index::FastMap;

@@ -2,9 +2,9 @@
 //!
 //! S. E. Mattsson, H. Olsson, H. Elmqvist, "Dynamic Selection of States in Dymola", Modelica
 //! Workshop 2000. If the pivots of a choice of dummy derivatives vary, they may vanish: those of a
-//! pendulum in Cartesian coordinates do at its turning points. The states of such constraints become
-//! new variables, `states = selection * candidates` and
-//! `der(states) = selection * der(candidates)`, and the selection is updated during simulation.
+//! pendulum in Cartesian coordinates do at its turning points. The states of such constraints
+//! become new variables, `states = selection * candidates` and `der(states) = selection *
+//! der(candidates)`, and the selection is updated during simulation.
 
 use super::reduce::ConstraintPivot;
 use crate::base::index::{FastMap, FastSet, IndexVec};
@@ -49,8 +49,9 @@ pub fn state_sets(
     sets
 }
 
-/// The constraints and candidates between which there is a choice: without variables that must remain
-/// states, and without those that a constraint determines alone, such as a prescribed motion.
+/// The constraints and candidates between which there is a choice: without variables that must
+/// remain states, and without those that a constraint determines alone, such as a prescribed
+/// motion.
 fn with_choice(dae: &Dae, pivots: &[ConstraintPivot]) -> Vec<ConstraintPivot> {
     let mut determined_alone: FastSet<(usize, VarId)> = FastSet::default();
     let is_free = |determined_alone: &FastSet<(usize, VarId)>, round: usize, v: VarId| {
@@ -79,8 +80,8 @@ fn with_choice(dae: &Dae, pivots: &[ConstraintPivot]) -> Vec<ConstraintPivot> {
     opened.collect()
 }
 
-/// The constraints with varying pivots and those that determine some of their candidates, grouped by
-/// common candidates.
+/// The constraints with varying pivots and those that determine some of their candidates, grouped
+/// by common candidates.
 fn groups(pivots: &[ConstraintPivot]) -> Vec<Vec<&ConstraintPivot>> {
     let determining: FastMap<(usize, VarId), usize> =
         pivots.iter().enumerate().map(|(i, p)| ((p.round, p.determined), i)).collect();

@@ -9,7 +9,8 @@ use crate::ir::expr::VarId;
 use crate::ir::flat::Origin;
 use crate::symbolic::print;
 
-/// MO0401: unknowns that the equations do not determine. `counts`: equations and unknowns of the model.
+/// MO0401: unknowns that the equations do not determine. `counts`: equations and unknowns of the
+/// model.
 pub fn too_few_equations(
     dae: &Dae,
     counts: (usize, usize),
@@ -28,7 +29,8 @@ pub fn too_few_equations(
         ),
     };
     let first = variables.first().map_or(Span::NONE, |v| dae.variables[*v].span);
-    // Variables of several instances share the line of their declaration, so each label names its own.
+    // Variables of several instances share the line of their declaration, so each label names its
+    // own.
     let label = |v: &VarId| match variables.len() {
         1 => "not determined".to_string(),
         _ => format!("`{}` is not determined", dae.variables[*v].name),

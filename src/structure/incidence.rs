@@ -54,8 +54,8 @@ impl EquationSystem {
     }
 }
 
-/// The variables whose current values an equation relates. Relations are constant between events and
-/// `pre` values are known, so neither counts.
+/// The variables whose current values an equation relates. Relations are constant between events
+/// and `pre` values are known, so neither counts.
 pub fn reads(dae: &Dae, source: Source) -> Vec<VarId> {
     let (own, e): (Option<VarId>, Option<ExprId>) = match source {
         Source::Continuous(id) => (None, Some(dae.equations[id].residual)),

@@ -78,8 +78,8 @@ fn specified(dae: &Dae) -> EquationSystem {
     EquationSystem::new(dae, sources, dae.variables.ids().filter(is_unknown).collect())
 }
 
-/// The unknowns whose start values may be assumed, best first: states, then differentiated variables,
-/// then the others by priority.
+/// The unknowns whose start values may be assumed, best first: states, then differentiated
+/// variables, then the others by priority.
 fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSystem) -> Vec<Col> {
     let mut candidates: Vec<Col> = system.unknowns.ids().collect();
     candidates.sort_by_key(|col| {
@@ -99,9 +99,9 @@ fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSyst
     candidates
 }
 
-/// Adds rows `candidate = start` as long as columns are free and the row can be matched. Returns the
-/// indices of the accepted candidates. The graph contains the rows of all candidates from the start,
-/// so that failed searches are not repeated and the effort is nearly linear.
+/// Adds rows `candidate = start` as long as columns are free and the row can be matched. Returns
+/// the indices of the accepted candidates. The graph contains the rows of all candidates from the
+/// start, so that failed searches are not repeated and the effort is nearly linear.
 fn complete(graph: &Bipartite, matched: &mut Matching, candidates: &[Col]) -> Vec<usize> {
     let mut extended = graph.clone();
     for col in candidates {

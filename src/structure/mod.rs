@@ -2,8 +2,8 @@
 //!
 //! *In:* a [`Dae`]. *Out:* [`Blocks`]: constraints are differentiated (Pantelides 1988), states are
 //! selected (Mattsson and Söderlind 1993), some of them dynamically during simulation (Mattsson,
-//! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into blocks (Tarjan
-//! 1972) and torn. Singular systems are explained in the user's names.
+//! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into blocks
+//! (Tarjan 1972) and torn. Singular systems are explained in the user's names.
 pub mod apply;
 pub mod derivative_combinations;
 pub mod diagram;

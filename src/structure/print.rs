@@ -9,7 +9,8 @@ use crate::ir::dae::{Dae, EqId};
 use crate::ir::expr::{ExprId, VarId};
 use crate::symbolic::print::Printer;
 
-/// Prints states, differentiated equations, dummy derivatives, and the blocks of each phase in order.
+/// Prints states, differentiated equations, dummy derivatives, and the blocks of each phase in
+/// order.
 pub fn print(blocks: &Blocks, sources: &SourceMap) -> String {
     let mut out = String::new();
     let dae = &blocks.dae;

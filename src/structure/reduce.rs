@@ -41,7 +41,8 @@ pub struct ConstraintPivot {
 /// Appends the differentiated equations to the system and selects the states. The system must be
 /// structurally determined (see [`super::explain::check_determined`]).
 pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
-    // Among equals, the variable declared later becomes a dummy first: columns are in reverse order.
+    // Among equals, the variable declared later becomes a dummy first: columns are in reverse
+    // order.
     let sources = dae.equations.ids().map(Source::Continuous).collect();
     let unknowns = dae.variables.ids().rev().filter(|v| is_continuous(dae, *v)).collect();
     let system = EquationSystem::new(dae, sources, unknowns);

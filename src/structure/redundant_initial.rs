@@ -1,5 +1,5 @@
-//! Redundant initial values. *In:* the initialisation problem. *Out:* the same without initial values
-//! that the other equations imply; these become assertions that are checked at the start.
+//! Redundant initial values. *In:* the initialisation problem. *Out:* the same without initial
+//! values that the other equations imply; these become assertions that are checked at the start.
 
 use super::incidence::EquationSystem;
 use super::structural_zeros::StructuralZeros;

@@ -91,9 +91,9 @@ fn start(dae: &mut Dae, v: VarId) -> ExprId {
     }
 }
 
-/// True for expressions that are nonzero for all values of the variables: literals, parameters, their
-/// products, and choices between these. Parameters are assumed to have values for which the model is
-/// regular; those that are 0 in the source are assumed to be regular at 0.
+/// True for expressions that are nonzero for all values of the variables: literals, parameters,
+/// their products, and choices between these. Parameters are assumed to have values for which the
+/// model is regular; those that are 0 in the source are assumed to be regular at 0.
 pub fn is_never_zero(dae: &Dae, e: ExprId) -> bool {
     facts(dae, e).1
 }

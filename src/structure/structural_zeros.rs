@@ -1,9 +1,9 @@
 //! Structural zeros: incidences that vanish at the values of the parameters, such as `R * i` if the
 //! parameter `R` is 0, or `if P > 0 then G * v else 0` if the parameter `P` is 0.
 //!
-//! A matching that uses one of them leads to a singular matrix at run time. They are therefore matched
-//! last; if a system has no perfect matching without them, the equation is reduced to its form at these
-//! values, and the parameters that cause it become structural.
+//! A matching that uses one of them leads to a singular matrix at run time. They are therefore
+//! matched last; if a system has no perfect matching without them, the equation is reduced to its
+//! form at these values, and the parameters that cause it become structural.
 
 use super::incidence::EquationSystem;
 use crate::base::index::{FastMap, FastSet, Id, IndexVec};

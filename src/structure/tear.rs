@@ -84,8 +84,8 @@ fn solvable(
 /// Maximum ratio between the branches of a coefficient.
 const MAX_RATIO: f64 = 100.0;
 
-/// False for a coefficient that jumps between magnitudes, such as the slope of a switch: after division
-/// by the small one, rounding errors could dominate the result.
+/// False for a coefficient that jumps between magnitudes, such as the slope of a switch: after
+/// division by the small one, rounding errors could dominate the result.
 fn keeps_its_magnitude(dae: &Dae, coefficient: ExprId) -> bool {
     let g = &dae.graph;
     g.postorder([coefficient]).into_iter().all(|n| match g.node(n) {

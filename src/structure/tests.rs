@@ -203,7 +203,8 @@ fn rc_circuit_is_a_chain_of_assignments() {
     assert_eq!(list.last().map(String::as_str), Some("der(C1.v) := (-V.i) / C"), "{list:?}");
 }
 
-/// Pantelides 1988, p. 222: the constraint is differentiated twice, the kinematics once; two states.
+/// Pantelides 1988, p. 222: the constraint is differentiated twice, the kinematics once; two
+/// states.
 #[test]
 fn pendulum_in_cartesian_coordinates() {
     let blocks = sorted(
@@ -621,7 +622,8 @@ between events: 2 blocks (1 explicit, 1 linear)
 fn a_long_ladder_is_sorted() {
     let n = 50_000;
     let mut text = String::new();
-    // The parser of the fixture resolves names linearly, so the model is repeated as a graph instead.
+    // The parser of the fixture resolves names linearly, so the model is repeated as a graph
+    // instead.
     text.push_str("Real x;\nReal y;\nequation\nder(x) = y;\ny = -2 * x;\n");
     let (mut flat, _) = model(&text);
     let (x, y) = (flat.variables[VarId(0)].clone(), flat.variables[VarId(1)].clone());

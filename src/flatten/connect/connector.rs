@@ -66,8 +66,8 @@ pub(crate) fn check(cx: &mut Context<'_>, root: InstanceId) {
     }
 }
 
-/// Checks that all public connectors of a block consist of inputs and outputs (Modelica 3.6, section
-/// 4.6).
+/// Checks that all public connectors of a block consist of inputs and outputs (Modelica 3.6,
+/// section 4.6).
 fn check_block(cx: &mut Context<'_>, block: InstanceId) {
     let InstanceKind::Object(children) = cx.instances[block].kind.clone() else { return };
     for child in children.iter().copied() {

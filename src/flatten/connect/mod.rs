@@ -1,5 +1,5 @@
-//! Connections: sets of connected variables, equal potentials, flows that sum to zero (Modelica 3.6,
-//! chapter 9).
+//! Connections: sets of connected variables, equal potentials, flows that sum to zero (Modelica
+//! 3.6, chapter 9).
 
 pub(crate) mod cardinality;
 pub(crate) mod connector;
@@ -47,8 +47,8 @@ impl Connections {
         Connections { recorded: Some(Vec::new()), ..Connections::default() }
     }
 
-    /// The number of the set that contains a variable of an inside connector; the sets of potentials
-    /// and of flows have different numbers.
+    /// The number of the set that contains a variable of an inside connector; the sets of
+    /// potentials and of flows have different numbers.
     pub(super) fn node(&mut self, v: VarId) -> Option<usize> {
         for (k, sets) in [&mut self.potentials, &mut self.flows].into_iter().enumerate() {
             if let Some(member) = sets.number((v, false)) {

@@ -1,9 +1,9 @@
-//! Introduces variables for common subexpressions if the printed model would otherwise be much larger
-//! than the expression graph: the graph shares subexpressions, and printing repeats them.
+//! Introduces variables for common subexpressions if the printed model would otherwise be much
+//! larger than the expression graph: the graph shares subexpressions, and printing repeats them.
 //!
-//! A subexpression that occurs only in branches of an `if` is computed only there: a root or a quotient
-//! may be undefined if the branch is not taken. If the condition of such a branch needs the
-//! subexpression itself, in a branch of its own, it is printed in full at each occurrence.
+//! A subexpression that occurs only in branches of an `if` is computed only there: a root or a
+//! quotient may be undefined if the branch is not taken. If the condition of such a branch needs
+//! the subexpression itself, in a branch of its own, it is printed in full at each occurrence.
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::graph::scc::nodes_on_cycles;

@@ -19,8 +19,8 @@ use identifier::{push_quoted, quoted};
 /// Models with at least this many variables and equations are printed by two threads.
 const PARALLEL_THRESHOLD: usize = 50_000;
 
-/// Prints the model, with variables for common subexpressions if it is large. Fails if it is too large
-/// even so.
+/// Prints the model, with variables for common subexpressions if it is large. Fails if it is too
+/// large even so.
 pub fn print(flat: &FlatModel) -> Result<String, TooLong> {
     fragments(flat).map(|fragments| fragments.concat())
 }
@@ -95,8 +95,8 @@ fn tables(flat: &FlatModel) -> Vec<Native> {
     found
 }
 
-/// The function that compares Real values: `==` on Reals is only allowed in functions (Modelica 3.6,
-/// section 3.5).
+/// The function that compares Real values: `==` on Reals is only allowed in functions (Modelica
+/// 3.6, section 3.5).
 const EQUAL: &str = "'$equal'";
 
 fn is_equality(graph: &Graph, op: Binary, a: ExprId, b: ExprId) -> bool {

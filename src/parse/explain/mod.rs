@@ -92,7 +92,8 @@ impl Builder<'_> {
                 self.report(SyntaxError::TooDeep { span, bound });
                 return;
             }
-            // LALRPOP returns neither: it has no lexer of its own, and `$` follows the start symbol.
+            // LALRPOP returns neither: it has no lexer of its own, and `$` follows the start
+            // symbol.
             ParseError::InvalidToken { .. } | ParseError::ExtraToken { .. } => return,
         };
         if start < self.quiet_until || self.exhausted() {

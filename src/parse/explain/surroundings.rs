@@ -1,4 +1,5 @@
-//! The tokens around an error: the preceding token, the start of the line, open brackets and blocks.
+//! The tokens around an error: the preceding token, the start of the line, open brackets and
+//! blocks.
 
 use super::HORIZON;
 use crate::parse::build::Builder;

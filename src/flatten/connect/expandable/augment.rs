@@ -73,8 +73,8 @@ pub(crate) fn equalize(
     changed
 }
 
-/// Unifies two variables of the same name in one set: nested buses join the same set, and arrays get
-/// the same elements.
+/// Unifies two variables of the same name in one set: nested buses join the same set, and arrays
+/// get the same elements.
 fn unify(
     cx: &mut Context<'_>,
     a: InstanceId,

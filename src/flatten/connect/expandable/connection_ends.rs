@@ -170,8 +170,8 @@ fn missing(
     Some(())
 }
 
-/// Positions from 0, row-major, that subscripts select. In an array with one dimension, they may lie
-/// beyond its end.
+/// Positions from 0, row-major, that subscripts select. In an array with one dimension, they may
+/// lie beyond its end.
 fn chosen(
     cx: &mut Context<'_>,
     dims: &[usize],

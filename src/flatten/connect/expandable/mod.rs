@@ -1,13 +1,14 @@
 //! Expandable connectors: determines the variables of each of them.
 //!
 //! In: the completed instances. Out: the same instances, with the variables that connections add to
-//! expandable connectors and without those that no connection refers to. Modelica 3.6, section 9.1.3.
+//! expandable connectors and without those that no connection refers to. Modelica 3.6, section
+//! 9.1.3.
 //!
 //! An expandable connector gets a variable if a connection refers to one that it does not have; its
-//! type is that of the other end. Expandable connectors that are connected with each other, directly
-//! or indirectly, form an *augmentation set*: each of them gets the variables of all others. Both
-//! rules are applied until neither adds a variable, because a nested bus may itself be added. After
-//! that, the connectors are ordinary ones, and `connect` generates their equations.
+//! type is that of the other end. Expandable connectors that are connected with each other,
+//! directly or indirectly, form an *augmentation set*: each of them gets the variables of all
+//! others. Both rules are applied until neither adds a variable, because a nested bus may itself be
+//! added. After that, the connectors are ordinary ones, and `connect` generates their equations.
 
 mod augment;
 pub(crate) mod connection_ends;
@@ -105,8 +106,8 @@ pub(crate) fn elaborate(cx: &mut Context<'_>, root: InstanceId) {
             }
         }
     }
-    // Each round adds at least one variable, copied from finitely many declared ones. This terminates
-    // because no set contains both a bus and a part of that bus.
+    // Each round adds at least one variable, copied from finitely many declared ones. This
+    // terminates because no set contains both a bus and a part of that bus.
     loop {
         let mut changed = false;
         for connect in &written {

@@ -152,8 +152,8 @@ pub(super) fn apply(
     }
 }
 
-/// True if the other end of a connection only reads the value: an input of a component, or an output
-/// of the class that contains the connection.
+/// True if the other end of a connection only reads the value: an input of a component, or an
+/// output of the class that contains the connection.
 fn reads(cx: &mut Context<'_>, other: &ConnectionEnd, connect: &WrittenConnect, k: usize) -> bool {
     let (EndTarget::Instance(id) | EndTarget::Element(id)) = other.at else { return false };
     // A protected variable is not part of the interface, so its direction is unknown.
