@@ -21,7 +21,7 @@ use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::ParameterOverride;
-use crate::ir::program::{Continuation, SystemForm, Program};
+use crate::ir::program::{Continuation, Program, SystemForm};
 use crate::measure::model as extended;
 use crate::measure::observe::Plan;
 use crate::measure::text::Measures;
