@@ -14,38 +14,6 @@ use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
-/// Names of the functions of one number.
-pub(super) const UNARY: [(&str, Unary); 20] = [
-    ("sin", Unary::Sin),
-    ("cos", Unary::Cos),
-    ("tan", Unary::Tan),
-    ("asin", Unary::Asin),
-    ("acos", Unary::Acos),
-    ("atan", Unary::Atan),
-    ("sinh", Unary::Sinh),
-    ("cosh", Unary::Cosh),
-    ("tanh", Unary::Tanh),
-    ("exp", Unary::Exp),
-    ("log", Unary::Log),
-    ("log10", Unary::Log10),
-    ("sqrt", Unary::Sqrt),
-    ("abs", Unary::Abs),
-    ("sign", Unary::Sign),
-    ("floor", Unary::Floor),
-    ("ceil", Unary::Ceil),
-    ("integer", Unary::ToInteger),
-    ("Integer", Unary::Ordinal),
-    ("Real", Unary::Ordinal),
-];
-
-/// Names of the functions of two numbers.
-const BINARY: [(&str, Binary); 4] = [
-    ("atan2", Binary::Atan2),
-    ("div", Binary::Quotient),
-    ("mod", Binary::Mod),
-    ("rem", Binary::Rem),
-];
-
 /// Everything else that is called by a simple name, for "did you mean".
 const OTHERS: [&str; 42] = [
     "getInstanceName",
@@ -277,7 +245,9 @@ impl Context<'_> {
         if let Some((what, _)) = LATER.iter().find(|(_, names)| names.contains(&&*name)) {
             return self.unsupported(path.span, what);
         }
-        let known = UNARY.iter().map(|u| u.0).chain(BINARY.iter().map(|b| b.0)).chain(OTHERS);
+        let of_table = Unary::TABLE.iter().flat_map(|op| op.called_names());
+        let of_table = of_table.chain(Binary::TABLE.iter().flat_map(|op| op.called_names()));
+        let known = of_table.copied().chain(OTHERS);
         let mut d =
             Diagnostic::error("MO0202", path.span, format!("there is no function `{path}`"))
                 .label("not found");
@@ -297,11 +267,11 @@ impl Context<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<Option<Value>> {
-        if let Some((_, op)) = UNARY.iter().find(|(n, _)| name == *n) {
-            return Some(self.unary_call(*op, args, span, scope));
+        if let Some(op) = Unary::called(&name) {
+            return Some(self.unary_call(op, args, span, scope));
         }
-        if let Some((_, op)) = BINARY.iter().find(|(n, _)| name == *n) {
-            return Some(self.binary_call(*op, args, span, scope));
+        if let Some(op) = Binary::called(&name) {
+            return Some(self.binary_call(op, args, span, scope));
         }
         let result = match name.as_str() {
             "der" => self.der(args, span, scope),

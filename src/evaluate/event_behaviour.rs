@@ -9,7 +9,7 @@ use super::Context;
 use super::value::Value;
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::ast::Variability;
-use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type};
 use crate::symbolic::rewrite::Rewriter;
 
 /// Relations of arguments below one relation of the function that are told apart by cases.
@@ -181,10 +181,8 @@ impl Context<'_> {
 /// The operators whose value jumps where their operands do not.
 fn makes_events(graph: &Graph, e: ExprId) -> bool {
     match graph.node(e) {
-        Node::Binary(op, ..) => {
-            op.is_relation() || matches!(op, Binary::Quotient | Binary::Mod | Binary::Rem)
-        }
-        Node::Unary(op, _) => matches!(op, Unary::Floor | Unary::Ceil | Unary::ToInteger),
+        Node::Binary(op, ..) => op.is_relation() || op.shape().makes_events(),
+        Node::Unary(op, _) => op.shape().makes_events(),
         _ => false,
     }
 }

@@ -172,12 +172,11 @@ impl Context<'_> {
         match *scalars.as_slice() {
             [a] => {
                 let called = if called == "fabs" { "abs" } else { called };
-                let (_, op) = super::builtin::UNARY.iter().find(|(n, _)| *n == called)?;
-                Some(self.graph.unary(*op, a))
+                Some(self.graph.unary(Unary::called(called)?, a))
             }
-            [a, b] => match called {
-                "pow" => Some(self.graph.pow(a, b)),
-                "atan2" => Some(self.graph.binary(Binary::Atan2, a, b)),
+            [a, b] if called == "pow" => Some(self.graph.pow(a, b)),
+            [a, b] => match Binary::called(called)? {
+                op @ Binary::Atan2 => Some(self.graph.binary(op, a, b)),
                 _ => None,
             },
             _ => None,

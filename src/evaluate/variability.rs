@@ -5,7 +5,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::ir::ast::Variability;
-use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::InstanceKind;
 impl Context<'_> {
     /// The slowest class of change of what an expression reads.
@@ -36,10 +36,14 @@ impl Context<'_> {
                 _ if self.evaluation.events.moving_results.contains(&n) => true,
                 Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
                 Node::Time | Node::Der(_) | Node::Recorded(..) => true,
-                Node::Unary(Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Sign, _) => {
+                Node::Unary(op, _)
+                    if op != Unary::Ordinal && op.shape().is_piecewise_constant() =>
+                {
                     false
                 }
-                Node::Binary(op, ..) if op.is_relation() || op == Binary::Quotient => false,
+                Node::Binary(op, ..) if op.is_relation() || op.shape().is_piecewise_constant() => {
+                    false
+                }
                 _ => moves,
             };
             moving.insert(n, moves);

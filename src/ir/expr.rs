@@ -14,6 +14,7 @@ use crate::base::name::{self, Name};
 use crate::base::visited::VisitedSet;
 use crate::define_id;
 pub use crate::external::printf::Form;
+use crate::ir::builtin::{BinaryFacts, Shape, Syntax, UnaryFacts, binary_builtins, unary_builtins};
 use crate::ir::native::Native;
 
 define_id! {
@@ -67,40 +68,54 @@ pub enum Const {
     Enumeration(EnumId, u32),
 }
 
-/// Unary operators and functions.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-#[allow(missing_docs)]
-pub enum Unary {
-    Neg,
-    Not,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Sinh,
-    Cosh,
-    Tanh,
-    Exp,
-    Log,
-    Log10,
-    Sqrt,
-    Abs,
-    Sign,
-    Floor,
-    Ceil,
-    /// `integer(x)`: floor with an `Integer` result.
-    ToInteger,
-    /// The number of an enumeration literal; also `Integer(b)` of an event flag.
-    Ordinal,
-    /// A function that is made of data.
-    Native(Native),
-    /// What stands on a line at the place that is the operand.
-    Carried(Carried),
-    /// `String(x)` in this form.
-    Text(Form),
+macro_rules! define_unary {
+    (($($_:ident),*) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
+        /// Unary operators and functions: the rows of the [table](super::builtin), and those that carry data.
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+        #[allow(missing_docs)]
+        pub enum Unary {
+            $($(#[$doc])* $op,)*
+            /// A function that is made of data.
+            Native(Native),
+            /// The value on a transport line at the position that the operand gives.
+            Carried(Carried),
+            /// `String(x)` in this form.
+            Text(Form),
+        }
+
+        impl Unary {
+            /// The operators of the table, in its order.
+            pub const TABLE: &'static [Unary] = &[$(Unary::$op),*];
+
+            /// The row of the table; `None` for operators that carry data.
+            pub const fn facts(self) -> Option<&'static UnaryFacts> {
+                use super::builtin::{Code::*, Domain::*, Rounding, Shape::*, Syntax::*, UnaryUnit::*};
+                use super::builtin::ValueType::{Boolean, Integer, Operand, Real};
+                macro_rules! row {
+                    (($names:expr, $syntax:expr, $result:expr, $unit:expr, $domain:expr, $shape:expr,
+                      $code:expr)) => {
+                        Some(&const {
+                            UnaryFacts {
+                                names: &$names,
+                                syntax: $syntax,
+                                result: $result,
+                                unit: $unit,
+                                domain: $domain,
+                                shape: $shape,
+                                code: $code,
+                            }
+                        })
+                    };
+                }
+                match self {
+                    $(Unary::$op => row!($facts),)*
+                    Unary::Native(_) | Unary::Carried(_) | Unary::Text(_) => None,
+                }
+            }
+        }
+    };
 }
+unary_builtins!(define_unary);
 
 /// A reader of what is carried along a line.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -113,33 +128,49 @@ pub struct Carried {
     pub order: u8,
 }
 
-/// Binary operators and functions. Relations give `Boolean`.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-#[allow(missing_docs)]
-pub enum Binary {
-    Add,
-    Sub,
-    Mul,
-    Div,
-    Pow,
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    Equal,
-    NotEqual,
-    And,
-    Or,
-    Atan2,
-    Min,
-    Max,
-    /// `div(x, y)`: quotient truncated towards zero.
-    Quotient,
-    Mod,
-    Rem,
-    /// A function that is made of data.
-    Native(Native),
+macro_rules! define_binary {
+    (($($_:ident),*) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {
+        /// Binary operators and functions: the rows of the [table](super::builtin), and those that carry data.
+        /// Relations give `Boolean`.
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+        #[allow(missing_docs)]
+        pub enum Binary {
+            $($(#[$doc])* $op,)*
+            /// A function that is made of data.
+            Native(Native),
+        }
+
+        impl Binary {
+            /// The operators of the table, in its order.
+            pub const TABLE: &'static [Binary] = &[$(Binary::$op),*];
+
+            /// The row of the table; `None` for operators that carry data.
+            pub const fn facts(self) -> Option<&'static BinaryFacts> {
+                use super::builtin::{BinaryUnit, Code::*, Rounding, Shape::*};
+                use super::builtin::ValueType::{Boolean, Operand, Real};
+                macro_rules! row {
+                    (($names:expr, $syntax:ident, $result:expr, $unit:ident, $shape:expr, $code:expr)) => {
+                        Some(&const {
+                            BinaryFacts {
+                                names: &$names,
+                                syntax: Syntax::$syntax,
+                                result: $result,
+                                unit: BinaryUnit::$unit,
+                                shape: $shape,
+                                code: $code,
+                            }
+                        })
+                    };
+                }
+                match self {
+                    $(Binary::$op => row!($facts),)*
+                    Binary::Native(_) => None,
+                }
+            }
+        }
+    };
 }
+binary_builtins!(define_binary);
 
 /// One node.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -443,74 +474,58 @@ impl Const {
 }
 
 impl Unary {
-    /// The function's name in Modelica; `-` and `not` for the operators.
+    /// The operator or the function's name in Modelica.
     pub fn name(self) -> &'static str {
         match self {
-            Unary::Neg => "-",
-            Unary::Not => "not",
-            Unary::Sin => "sin",
-            Unary::Cos => "cos",
-            Unary::Tan => "tan",
-            Unary::Asin => "asin",
-            Unary::Acos => "acos",
-            Unary::Atan => "atan",
-            Unary::Sinh => "sinh",
-            Unary::Cosh => "cosh",
-            Unary::Tanh => "tanh",
-            Unary::Exp => "exp",
-            Unary::Log => "log",
-            Unary::Log10 => "log10",
-            Unary::Sqrt => "sqrt",
-            Unary::Abs => "abs",
-            Unary::Sign => "sign",
-            Unary::Floor => "floor",
-            Unary::Ceil => "ceil",
-            Unary::ToInteger => "integer",
-            Unary::Ordinal => "Integer",
             Unary::Native(f) => f.name(),
             Unary::Carried(_) => "carried",
             Unary::Text(_) => "String",
+            _ => self.facts().map_or("", |row| row.names[0]),
         }
+    }
+
+    /// How its value moves with the operand.
+    pub fn shape(self) -> Shape {
+        self.facts().map_or(Shape::Smooth, |row| row.shape)
+    }
+
+    /// The names by which Modelica calls it; none if it is not a function.
+    pub fn called_names(self) -> &'static [&'static str] {
+        self.facts().filter(|row| row.syntax == Syntax::Function).map_or(&[], |row| row.names)
+    }
+
+    /// The function that Modelica calls by this name.
+    pub fn called(name: &str) -> Option<Unary> {
+        Unary::TABLE.iter().copied().find(|op| op.called_names().contains(&name))
     }
 }
 
 impl Binary {
-    /// True for `<`, `<=`, `>`, `>=`, `==`, `<>`.
-    pub fn is_relation(self) -> bool {
-        matches!(
-            self,
-            Binary::Less
-                | Binary::LessEqual
-                | Binary::Greater
-                | Binary::GreaterEqual
-                | Binary::Equal
-                | Binary::NotEqual
-        )
-    }
-
     /// The operator or the function's name in Modelica.
     pub fn name(self) -> &'static str {
         match self {
-            Binary::Add => "+",
-            Binary::Sub => "-",
-            Binary::Mul => "*",
-            Binary::Div => "/",
-            Binary::Pow => "^",
-            Binary::Less => "<",
-            Binary::LessEqual => "<=",
-            Binary::Greater => ">",
-            Binary::GreaterEqual => ">=",
-            Binary::Equal => "==",
-            Binary::NotEqual => "<>",
-            Binary::And => "and",
-            Binary::Or => "or",
-            Binary::Atan2 => "atan2",
-            Binary::Min => "min",
-            Binary::Max => "max",
-            Binary::Quotient => "div",
-            Binary::Mod => "mod",
-            Binary::Rem => "rem",
             Binary::Native(f) => f.name(),
+            _ => self.facts().map_or("", |row| row.names[0]),
         }
+    }
+
+    /// How its value moves with the operands.
+    pub fn shape(self) -> Shape {
+        self.facts().map_or(Shape::Smooth, |row| row.shape)
+    }
+
+    /// The names by which Modelica calls it; none if it is not a function.
+    pub fn called_names(self) -> &'static [&'static str] {
+        self.facts().filter(|row| row.syntax == Syntax::Function).map_or(&[], |row| row.names)
+    }
+
+    /// The function that Modelica calls by this name.
+    pub fn called(name: &str) -> Option<Binary> {
+        Binary::TABLE.iter().copied().find(|op| op.called_names().contains(&name))
+    }
+
+    /// True for `<`, `<=`, `>`, `>=`, `==`, `<>`.
+    pub fn is_relation(self) -> bool {
+        self.facts().is_some_and(|row| row.syntax == Syntax::Relation)
     }
 }

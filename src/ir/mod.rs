@@ -3,6 +3,7 @@ pub mod ast;
 pub mod modification;
 pub mod instance;
 pub mod native;
+pub mod builtin;
 pub mod expr;
 pub mod flat;
 pub mod dae;

@@ -4,43 +4,39 @@
 //! valid interval.
 
 use super::rewriting::Rewriting;
+use crate::ir::builtin::Rounding;
 use crate::ir::dae::{DiscreteEquation, Kind, Variable};
 use crate::ir::expr::{Binary, ExprId, Type, Unary, VarId};
 use crate::ir::flat::Origin;
 
-/// How a Real is rounded to an integer.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Rounding {
-    /// Towards minus infinity.
-    Down,
-    /// Towards plus infinity.
-    Up,
-    /// Towards zero.
-    ToZero,
-}
-
 impl Rewriting<'_> {
-    /// `floor`, `ceil`, `integer` with events.
-    pub(super) fn rounded(&mut self, op: Unary, a: ExprId, origin: &Origin) -> ExprId {
-        let rounding = if op == Unary::Ceil { Rounding::Up } else { Rounding::Down };
-        let ty = if op == Unary::ToInteger { Type::Integer } else { Type::Real };
-        self.rounded_variable(a, rounding, ty, origin)
+    /// A rounded quotient with events.
+    pub(super) fn quotient(
+        &mut self,
+        a: ExprId,
+        b: ExprId,
+        rounding: Rounding,
+        origin: &Origin,
+    ) -> ExprId {
+        let quotient = self.graph.div(a, b);
+        self.rounded_variable(quotient, rounding, Type::Real, origin)
     }
 
-    /// `div`, `mod`, `rem` with events.
-    pub(super) fn divided(&mut self, op: Binary, a: ExprId, b: ExprId, origin: &Origin) -> ExprId {
-        let quotient = self.graph.div(a, b);
-        let rounding = if op == Binary::Mod { Rounding::Down } else { Rounding::ToZero };
-        let whole = self.rounded_variable(quotient, rounding, Type::Real, origin);
-        if op == Binary::Quotient {
-            return whole;
-        }
+    /// The remainder of a rounded quotient, with events.
+    pub(super) fn remainder(
+        &mut self,
+        a: ExprId,
+        b: ExprId,
+        rounding: Rounding,
+        origin: &Origin,
+    ) -> ExprId {
+        let whole = self.quotient(a, b, rounding, origin);
         let part = self.graph.mul(whole, b);
         self.graph.sub(a, part)
     }
 
     /// A discrete variable that holds the rounded value of `a`.
-    fn rounded_variable(
+    pub(super) fn rounded_variable(
         &mut self,
         a: ExprId,
         rounding: Rounding,

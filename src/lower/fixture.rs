@@ -309,10 +309,6 @@ impl FixtureParser {
         }
         let g = &mut self.flat.graph;
         match (function, &args[..]) {
-            ("sin", &[a]) => g.unary(Unary::Sin, a),
-            ("cos", &[a]) => g.unary(Unary::Cos, a),
-            ("exp", &[a]) => g.unary(Unary::Exp, a),
-            ("floor", &[a]) => g.unary(Unary::Floor, a),
             ("noEvent", &[a]) => g.no_event(a),
             ("sample", &[a, b]) => g.intern(Node::Sample(a, b), Type::Boolean),
             ("f", args) => {
@@ -320,9 +316,9 @@ impl FixtureParser {
                 let function = FunctionId(0);
                 g.intern(Node::Call { function, output: 0, args }, Type::Real)
             }
-            ("sqrt", &[a]) => g.unary(Unary::Sqrt, a),
             ("initial", []) => g.intern(Node::Initial, Type::Boolean),
             ("terminal", []) => g.intern(Node::Terminal, Type::Boolean),
+            (name, &[a]) => g.unary(Unary::called(name).expect(name), a),
             other => panic!("{other:?}"),
         }
     }

@@ -2,15 +2,15 @@
 //! into variables and `sample` into flags, numbers relations, and removes `noEvent` and `smooth`.
 
 use super::alias::Signed;
-use super::discontinuous::Rounding;
 use super::error;
 use super::representative::Replacement;
 use super::variability::Variabilities;
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, IndexVec};
 use crate::base::source::Span;
+use crate::ir::builtin::{Rounding, Shape};
 use crate::ir::dae::{DiscreteEquation, Kind, Relation, Sample, Trigger, Variable};
-use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, VarId};
 use crate::ir::flat::{Origin, Variability};
 use crate::symbolic::gradient::Leaf;
 use crate::symbolic::linear;
@@ -270,12 +270,15 @@ impl<'a> Rewriting<'a> {
         }
         match self.graph.node(new) {
             Node::Binary(op, a, b) if op.is_relation() => self.relation(op, a, b, new, origin),
-            Node::Binary(op @ (Binary::Quotient | Binary::Mod | Binary::Rem), a, b) => {
-                self.divided(op, a, b, origin)
-            }
-            Node::Unary(op @ (Unary::Floor | Unary::Ceil | Unary::ToInteger), a) => {
-                self.rounded(op, a, origin)
-            }
+            Node::Binary(op, a, b) => match op.shape() {
+                Shape::Rounds(rounding) => self.quotient(a, b, rounding, origin),
+                Shape::Remainder(rounding) => self.remainder(a, b, rounding, origin),
+                _ => new,
+            },
+            Node::Unary(op, a) => match op.shape() {
+                Shape::Rounds(rounding) => self.rounded_variable(a, rounding, self.graph.ty(new), origin),
+                _ => new,
+            },
             _ => new,
         }
     }

@@ -1,87 +1,41 @@
-//! What each operator computes: the one definition that constant folding, the reference interpreter
-//! and the tests share.
+//! The values of operators: the one definition that constant folding, the interpreter, the functions that
+//! machine code calls, and the tests share. The formulas are in the [table](crate::ir::builtin).
 
+use crate::ir::builtin::{Domain, binary_builtins, unary_builtins};
 use crate::ir::expr::{Binary, Unary};
 
-/// The value of a unary operator; truth values are 0 and 1.
+/// The value of a unary operator; Boolean values are 0 and 1.
 #[inline]
-pub fn unary(op: Unary, a: f64) -> f64 {
-    match op {
-        Unary::Neg => -a,
-        Unary::Not => truth(a == 0.0),
-        Unary::Sin => a.sin(),
-        Unary::Cos => a.cos(),
-        Unary::Tan => a.tan(),
-        Unary::Asin => a.asin(),
-        Unary::Acos => a.acos(),
-        Unary::Atan => a.atan(),
-        Unary::Sinh => a.sinh(),
-        Unary::Cosh => a.cosh(),
-        Unary::Tanh => a.tanh(),
-        Unary::Exp => a.exp(),
-        Unary::Log => a.ln(),
-        Unary::Log10 => a.log10(),
-        Unary::Sqrt => a.sqrt(),
-        Unary::Abs => a.abs(),
-        Unary::Sign => {
-            if a > 0.0 {
-                1.0
-            } else if a < 0.0 {
-                -1.0
-            } else {
-                0.0
+pub fn unary(op: Unary, x: f64) -> f64 {
+    macro_rules! value {
+        (($a:ident, $_y:ident, $_g:ident) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
+            match op {
+                $(Unary::$op => { let $a = x; $value })*
+                Unary::Native(f) => f.unary(x),
+                // Known at run time only.
+                Unary::Carried(_) | Unary::Text(_) => f64::NAN,
             }
-        }
-        Unary::Floor | Unary::ToInteger => a.floor(),
-        Unary::Ceil => a.ceil(),
-        Unary::Ordinal => a,
-        Unary::Native(f) => f.unary(a),
-        // Only a run knows.
-        Unary::Carried(_) | Unary::Text(_) => f64::NAN,
+        };
     }
+    unary_builtins!(value)
 }
 
-/// The value of a binary operator; truth values are 0 and 1.
+/// The value of a binary operator; Boolean values are 0 and 1.
 #[inline]
-pub fn binary(op: Binary, a: f64, b: f64) -> f64 {
-    match op {
-        Binary::Add => a + b,
-        Binary::Sub => a - b,
-        Binary::Mul => a * b,
-        Binary::Div => a / b,
-        Binary::Pow => power(a, b),
-        Binary::Less => truth(a < b),
-        Binary::LessEqual => truth(a <= b),
-        Binary::Greater => truth(a > b),
-        Binary::GreaterEqual => truth(a >= b),
-        Binary::Equal => truth(a == b),
-        Binary::NotEqual => truth(a != b),
-        Binary::And => truth(a != 0.0 && b != 0.0),
-        Binary::Or => truth(a != 0.0 || b != 0.0),
-        Binary::Atan2 => a.atan2(b),
-        // Which of two zeros is taken, and that NaN is the other one, is said here and not left open.
-        Binary::Min => {
-            if b < a || a.is_nan() {
-                b
-            } else {
-                a
+pub fn binary(op: Binary, x: f64, y: f64) -> f64 {
+    macro_rules! value {
+        (($a:ident, $b:ident, $_y:ident, $_g:ident, $_seed:ident)
+         $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {
+            match op {
+                $(Binary::$op => { let ($a, $b) = (x, y); $value })*
+                Binary::Native(f) => f.binary(x, y),
             }
-        }
-        Binary::Max => {
-            if b > a || a.is_nan() {
-                b
-            } else {
-                a
-            }
-        }
-        Binary::Quotient => (a / b).trunc(),
-        Binary::Mod => a - (a / b).floor() * b,
-        Binary::Rem => a - (a / b).trunc() * b,
-        Binary::Native(f) => f.binary(a, b),
+        };
     }
+    binary_builtins!(value)
 }
 
-/// `a ^ b`; small whole exponents by multiplication, which is exact where `powf` may not be.
+/// `a ^ b`; small integral exponents by multiplication, which is exact where `powf` may not be.
 #[inline]
 pub fn power(a: f64, b: f64) -> f64 {
     if b == 2.0 {
@@ -94,16 +48,10 @@ pub fn power(a: f64, b: f64) -> f64 {
 }
 
 /// The value of a unary operator, with an argument outside of its domain moved to the border: how a
-/// branch goes on, for a moment, beyond the point at which it will be left.
+/// branch continues, for a moment, beyond the point at which it will be left.
 pub fn unary_inside(op: Unary, a: f64) -> f64 {
-    let inside = match op {
-        Unary::Sqrt => a.max(0.0),
-        Unary::Log | Unary::Log10 => a.max(f64::MIN_POSITIVE),
-        Unary::Asin | Unary::Acos => a.clamp(-1.0, 1.0),
-        _ => a,
-    };
-    // What is not a number stays so.
-    unary(op, if a.is_nan() { a } else { inside })
+    let domain = op.facts().map_or(Domain::Everywhere, |row| row.domain);
+    unary(op, domain.clamp(a))
 }
 
 /// The value of a binary operator, with arguments outside of its domain moved to the border.
@@ -117,4 +65,63 @@ pub fn binary_inside(op: Binary, a: f64, b: f64) -> f64 {
 #[inline]
 fn truth(b: bool) -> f64 {
     f64::from(u8::from(b))
+}
+
+#[inline]
+fn sign(a: f64) -> f64 {
+    if a > 0.0 {
+        1.0
+    } else if a < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values from Abramowitz and Stegun, Handbook of Mathematical Functions, 1964.
+    #[test]
+    fn functions_have_their_tabulated_values() {
+        let unary = [
+            (Unary::Sin, 1.0, 0.841_470_984_807_896_5),
+            (Unary::Cos, 1.0, 0.540_302_305_868_139_7),
+            (Unary::Tan, 1.0, 1.557_407_724_654_902_2),
+            (Unary::Asin, 0.5, std::f64::consts::FRAC_PI_6),
+            (Unary::Acos, 0.5, std::f64::consts::FRAC_PI_3),
+            (Unary::Atan, 1.0, std::f64::consts::FRAC_PI_4),
+            (Unary::Sinh, 1.0, 1.175_201_193_643_801_4),
+            (Unary::Cosh, 1.0, 1.543_080_634_815_243_7),
+            (Unary::Tanh, 1.0, 0.761_594_155_955_764_9),
+            (Unary::Exp, 1.0, std::f64::consts::E),
+            (Unary::Log, 2.0, std::f64::consts::LN_2),
+            (Unary::Log10, 2.0, std::f64::consts::LOG10_2),
+            (Unary::Sqrt, 2.0, std::f64::consts::SQRT_2),
+            (Unary::Abs, -1.5, 1.5),
+            (Unary::Sign, -1.5, -1.0),
+            (Unary::Floor, -1.5, -2.0),
+            (Unary::Ceil, -1.5, -1.0),
+            (Unary::ToInteger, -1.5, -2.0),
+            (Unary::Ordinal, 2.0, 2.0),
+        ];
+        for (op, a, expected) in unary {
+            let value = super::unary(op, a);
+            assert!((value - expected).abs() < 1e-15 * expected.abs().max(1.0), "{op:?}: {value}");
+        }
+        let binary = [
+            (Binary::Atan2, -1.0, -1.0, -3.0 * std::f64::consts::FRAC_PI_4),
+            (Binary::Min, 2.0, -3.0, -3.0),
+            (Binary::Max, 2.0, -3.0, 2.0),
+            (Binary::Quotient, -7.0, 2.0, -3.0),
+            (Binary::Mod, -7.0, 2.0, 1.0),
+            (Binary::Rem, -7.0, 2.0, -1.0),
+        ];
+        for (op, a, b, expected) in binary {
+            assert_eq!(super::binary(op, a, b), expected, "{op:?}");
+        }
+        let rows = Unary::TABLE.iter().filter(|op| !op.called_names().is_empty()).count();
+        assert_eq!(rows, unary.len(), "a function has no test of its value");
+    }
 }

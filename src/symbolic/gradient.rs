@@ -1,7 +1,9 @@
 //! Exact derivatives by reverse accumulation on the expression graph (Griewank & Walther,
 //! *Evaluating Derivatives*, 2nd ed., ch. 3): one sweep gives the partials by every variable.
 
+use super::arithmetic::Arithmetic;
 use crate::base::index::FastMap;
+use crate::ir::builtin::{binary_builtins, unary_builtins};
 use crate::ir::expr::{Binary, Carried, ExprId, Graph, Node, Type, Unary, VarId};
 
 /// A leaf that an expression can be differentiated by.
@@ -95,151 +97,119 @@ fn partials(g: &mut Graph, e: ExprId, seed: ExprId) -> Vec<(ExprId, ExprId)> {
     }
 }
 
-fn unary_partial(g: &mut Graph, op: Unary, a: ExprId, e: ExprId) -> Option<ExprId> {
-    let one = g.real(1.0);
-    Some(match op {
-        Unary::Neg => g.real(-1.0),
-        Unary::Sin => g.unary(Unary::Cos, a),
-        Unary::Cos => {
-            let s = g.unary(Unary::Sin, a);
-            g.neg(s)
-        }
-        Unary::Tan => {
-            let square = g.mul(e, e);
-            g.add(one, square)
-        }
-        Unary::Asin | Unary::Acos => {
-            let square = g.mul(a, a);
-            let rest = g.sub(one, square);
-            let root = g.unary(Unary::Sqrt, rest);
-            let d = g.div(one, root);
-            if op == Unary::Asin { d } else { g.neg(d) }
-        }
-        Unary::Atan => {
-            let square = g.mul(a, a);
-            let sum = g.add(one, square);
-            g.div(one, sum)
-        }
-        Unary::Sinh => g.unary(Unary::Cosh, a),
-        Unary::Cosh => g.unary(Unary::Sinh, a),
-        Unary::Tanh => {
-            let square = g.mul(e, e);
-            g.sub(one, square)
-        }
-        Unary::Exp => e,
-        Unary::Log => g.div(one, a),
-        Unary::Log10 => {
-            let factor = g.real(std::f64::consts::LOG10_E);
-            g.div(factor, a)
-        }
-        Unary::Sqrt => {
-            let half = g.real(0.5);
-            g.div(half, e)
-        }
-        Unary::Abs => g.unary(Unary::Sign, a),
-        Unary::Not
-        | Unary::Sign
-        | Unary::Floor
-        | Unary::Ceil
-        | Unary::ToInteger
-        | Unary::Ordinal
-        | Unary::Text(_) => return None,
-        Unary::Native(f) => {
-            let derivative = f.derivative(0)?;
-            g.unary(Unary::Native(derivative), a)
-        }
-        Unary::Carried(what) => {
-            let order = what.order.saturating_add(1);
-            g.unary(Unary::Carried(Carried { order, ..what }), a)
-        }
-    })
+fn unary_partial(graph: &mut Graph, op: Unary, x: ExprId, value: ExprId) -> Option<ExprId> {
+    macro_rules! derivative {
+        (($a:ident, $y:ident, $g:ident) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
+            match op {
+                $(Unary::$op => {
+                    #[allow(unused_variables)]
+                    let ($a, $y, $g) = (x, value, graph);
+                    $slope
+                })*
+                Unary::Text(_) => None,
+                Unary::Native(f) => {
+                    let derivative = f.derivative(0)?;
+                    Some(graph.unary(Unary::Native(derivative), x))
+                }
+                Unary::Carried(what) => {
+                    let order = what.order.saturating_add(1);
+                    Some(graph.unary(Unary::Carried(Carried { order, ..what }), x))
+                }
+            }
+        };
+    }
+    unary_builtins!(derivative)
 }
 
 fn binary_partials(
-    g: &mut Graph,
+    graph: &mut Graph,
     op: Binary,
-    a: ExprId,
-    b: ExprId,
-    e: ExprId,
-    seed: ExprId,
+    x: ExprId,
+    y: ExprId,
+    value: ExprId,
+    around: ExprId,
 ) -> Vec<(ExprId, ExprId)> {
-    match op {
-        Binary::Add => vec![(a, seed), (b, seed)],
-        Binary::Sub => {
-            let minus = g.neg(seed);
-            vec![(a, seed), (b, minus)]
-        }
-        Binary::Mul => {
-            let by_a = g.mul(seed, b);
-            let by_b = g.mul(seed, a);
-            vec![(a, by_a), (b, by_b)]
-        }
-        Binary::Div => {
-            let by_a = g.div(seed, b);
-            let product = g.mul(by_a, e);
-            let by_b = g.neg(product);
-            vec![(a, by_a), (b, by_b)]
-        }
-        Binary::Pow => power_partials(g, a, b, e, seed),
-        Binary::Atan2 => {
-            let aa = g.mul(a, a);
-            let bb = g.mul(b, b);
-            let sum = g.add(aa, bb);
-            let scaled = g.div(seed, sum);
-            let by_a = g.mul(scaled, b);
-            let product = g.mul(scaled, a);
-            let by_b = g.neg(product);
-            vec![(a, by_a), (b, by_b)]
-        }
-        Binary::Min | Binary::Max => {
-            let c = chosen(g, op, a, b);
-            let zero = g.real(0.0);
-            let by_a = g.if_then_else(c, seed, zero);
-            let by_b = g.if_then_else(c, zero, seed);
-            vec![(a, by_a), (b, by_b)]
-        }
-        // a - floor(a/b)*b and a - trunc(a/b)*b: the quotient is piecewise constant.
-        Binary::Mod | Binary::Rem => {
-            let diff = g.sub(a, e);
-            let quotient = g.div(diff, b);
-            let product = g.mul(seed, quotient);
-            let by_b = g.neg(product);
-            vec![(a, seed), (b, by_b)]
-        }
-        Binary::Native(f) => {
-            let mut by = Vec::new();
-            for (k, operand) in [a, b].into_iter().enumerate() {
-                if let Some(derivative) = f.derivative(k) {
-                    let d = g.binary(Binary::Native(derivative), a, b);
-                    by.push((operand, g.mul(seed, d)));
-                }
+    macro_rules! derivatives {
+        (($a:ident, $b:ident, $y:ident, $g:ident, $seed:ident)
+         $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {
+            match op {
+                $(Binary::$op => {
+                    #[allow(unused_variables)]
+                    let ($a, $b, $y, $g, $seed) = (x, y, value, graph, around);
+                    $chain
+                })*
+                Binary::Native(f) => [0, 1].map(|k| {
+                    let derivative = f.derivative(k)?;
+                    let d = graph.binary(Binary::Native(derivative), x, y);
+                    Some(graph.mul(around, d))
+                }),
             }
-            by
-        }
-        _ => vec![],
+        };
     }
+    let by: [Option<ExprId>; 2] = binary_builtins!(derivatives);
+    [x, y].into_iter().zip(by).filter_map(|(operand, d)| Some((operand, d?))).collect()
 }
 
-/// `d(a^b)`: by the exponent only where it is not a literal, so that `x^2` needs no logarithm.
-fn power_partials(
+/// The chain rule for `y = a / b`.
+fn divided(g: &mut Graph, b: ExprId, y: ExprId, seed: ExprId) -> [Option<ExprId>; 2] {
+    let by_a = g.div(seed, b);
+    let product = g.mul(by_a, y);
+    [Some(by_a), Some(g.neg(product))]
+}
+
+/// The chain rule for `y = a ^ b`: by the exponent only where it is not a literal, so that `x ^ 2` needs no
+/// logarithm.
+fn power_chain(
     g: &mut Graph,
     a: ExprId,
     b: ExprId,
-    e: ExprId,
+    y: ExprId,
     seed: ExprId,
-) -> Vec<(ExprId, ExprId)> {
+) -> [Option<ExprId>; 2] {
     let one = g.real(1.0);
     let less = g.sub(b, one);
     let lower = g.pow(a, less);
     let scaled = g.mul(b, lower);
     let by_a = g.mul(seed, scaled);
     if g.as_number(b).is_some() {
-        return vec![(a, by_a)];
+        return [Some(by_a), None];
     }
     let log = g.unary(Unary::Log, a);
-    let product = g.mul(e, log);
-    let by_b = g.mul(seed, product);
-    vec![(a, by_a), (b, by_b)]
+    let product = g.mul(y, log);
+    [Some(by_a), Some(g.mul(seed, product))]
+}
+
+/// The chain rule for `atan2(a, b)`.
+fn angle(g: &mut Graph, a: ExprId, b: ExprId, seed: ExprId) -> [Option<ExprId>; 2] {
+    let aa = g.mul(a, a);
+    let bb = g.mul(b, b);
+    let sum = g.add(aa, bb);
+    let scaled = g.div(seed, sum);
+    let by_a = g.mul(scaled, b);
+    let product = g.mul(scaled, a);
+    [Some(by_a), Some(g.neg(product))]
+}
+
+/// The chain rule for `min` and `max`, which are `a` where `relation` holds.
+fn chosen(
+    g: &mut Graph,
+    relation: Binary,
+    a: ExprId,
+    b: ExprId,
+    seed: ExprId,
+) -> [Option<ExprId>; 2] {
+    let c = first_chosen(g, relation, a, b);
+    let zero = g.real(0.0);
+    let by_a = g.if_then_else(c, seed, zero);
+    [Some(by_a), Some(g.if_then_else(c, zero, seed))]
+}
+
+/// The chain rule for `y = a - q * b`, where `q` is constant between jumps.
+fn remainder(g: &mut Graph, a: ExprId, b: ExprId, y: ExprId, seed: ExprId) -> [Option<ExprId>; 2] {
+    let difference = g.sub(a, y);
+    let quotient = g.div(difference, b);
+    let product = g.mul(seed, quotient);
+    [Some(seed), Some(g.neg(product))]
 }
 
 /// The total derivative by time. `rate` gives the derivative of a variable, `None` for what is constant
@@ -275,7 +245,9 @@ pub fn forward_derivative(
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => rates[&a],
             Node::If(c, a, b) => alternative(graph, c, rates[&a], rates[&b]),
             Node::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
-                let c = chosen(graph, op, a, b);
+                let least = op == Binary::Min;
+                let relation = if least { Binary::LessEqual } else { Binary::GreaterEqual };
+                let c = first_chosen(graph, relation, a, b);
                 alternative(graph, c, rates[&a], rates[&b])
             }
             _ => {
@@ -301,9 +273,8 @@ fn alternative(g: &mut Graph, c: ExprId, a: Option<ExprId>, b: Option<ExprId>) -
     Some(g.if_then_else(c, a.unwrap_or(zero), b.unwrap_or(zero)))
 }
 
-/// Whether `min` or `max` is its first operand.
-fn chosen(g: &mut Graph, op: Binary, a: ExprId, b: ExprId) -> ExprId {
-    let relation = if op == Binary::Min { Binary::LessEqual } else { Binary::GreaterEqual };
+/// Whether `min` or `max` is its first operand, which is so where `relation` holds.
+fn first_chosen(g: &mut Graph, relation: Binary, a: ExprId, b: ExprId) -> ExprId {
     let c = g.binary(relation, a, b);
     g.no_event(c)
 }
@@ -311,7 +282,7 @@ fn chosen(g: &mut Graph, op: Binary, a: ExprId, b: ExprId) -> ExprId {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::symbolic::eval;
+    use crate::symbolic::{eval, partial};
 
     /// Evaluates an expression of `x = Var(0)` alone.
     fn value(g: &Graph, root: ExprId, x: f64) -> f64 {
@@ -337,52 +308,67 @@ mod tests {
         v[&root]
     }
 
+    /// The derivative by `x` of an expression, as a formula and by central differences of fourth order.
+    fn compare(g: &mut Graph, e: ExprId, x: f64) {
+        let d = gradient(g, e, |_| true);
+        let formula = d.first().map_or(0.0, |(_, d)| value(g, *d, x));
+        let [h, k] = [1e-3, 2e-3].map(|h| (value(g, e, x + h) - value(g, e, x - h)) / (2.0 * h));
+        let difference = (4.0 * h - k) / 3.0;
+        let near = (formula - difference).abs() < 1e-8 * (1.0 + formula.abs());
+        assert!(near, "{:?} at {x}: {formula}, by differences {difference}", g.node(e));
+    }
+
     #[test]
-    fn every_function_agrees_with_central_differences() {
+    fn every_unary_operator_agrees_with_differences() {
+        let mut g = Graph::new();
+        let x = g.var(VarId(0), Type::Real);
+        for op in Unary::TABLE {
+            let e = g.unary(*op, x);
+            let domain = op.facts().expect("a row").domain;
+            for at in [-2.3, -0.8, -0.4, 0.2, 0.43, 0.8, 1.2, 4.7] {
+                if domain.contains(at) {
+                    compare(&mut g, e, at);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_binary_operator_agrees_with_differences() {
         let mut g = Graph::new();
         let x = g.var(VarId(0), Type::Real);
         let c = g.real(0.7);
-        let mut cases = Vec::new();
-        for op in [
-            Unary::Neg,
-            Unary::Sin,
-            Unary::Cos,
-            Unary::Tan,
-            Unary::Asin,
-            Unary::Acos,
-            Unary::Atan,
-            Unary::Sinh,
-            Unary::Cosh,
-            Unary::Tanh,
-            Unary::Exp,
-            Unary::Log,
-            Unary::Log10,
-            Unary::Sqrt,
-            Unary::Abs,
-        ] {
-            cases.push(g.unary(op, x));
+        for op in Binary::TABLE {
+            for e in [g.binary(*op, x, c), g.binary(*op, c, x)] {
+                for at in [0.2, 0.43, 1.2, 4.7] {
+                    compare(&mut g, e, at);
+                }
+            }
         }
-        for op in [
-            Binary::Add,
-            Binary::Sub,
-            Binary::Mul,
-            Binary::Div,
-            Binary::Pow,
-            Binary::Atan2,
-            Binary::Min,
-            Binary::Max,
-            Binary::Mod,
-            Binary::Rem,
-        ] {
-            cases.push(g.binary(op, x, c));
-            cases.push(g.binary(op, c, x));
-        }
-        let (x0, h) = (0.43, 1e-6);
-        for e in cases {
+    }
+
+    #[test]
+    fn formulas_and_numbers_are_the_same_derivative() {
+        let mut g = Graph::new();
+        let x = g.var(VarId(0), Type::Real);
+        for op in Unary::TABLE {
+            let e = g.unary(*op, x);
             let d = gradient(&mut g, e, |_| true);
-            let exact = d.first().map_or(0.0, |(_, d)| value(&g, *d, x0));
-            let difference = (value(&g, e, x0 + h) - value(&g, e, x0 - h)) / (2.0 * h);
-            assert!((exact - difference).abs() < 1e-8 * (1.0 + exact.abs()), "{:?}", g.node(e));
+            let at = 0.43;
+            let formula = d.first().map_or(0.0, |(_, d)| value(&g, *d, at));
+            assert_eq!(formula, partial::unary(*op, at, eval::unary(*op, at)), "{op:?}");
+        }
+        for op in Binary::TABLE {
+            let (a, b) = (0.43, 0.7);
+            let literals = [a, b].map(|value| g.real(value));
+            let numbers = partial::binary(*op, a, b, eval::binary(*op, a, b));
+            let by_a = g.binary(*op, x, literals[1]);
+            let by_b = g.binary(*op, literals[0], x);
+            for (e, at, number) in [(by_a, a, numbers.0), (by_b, b, numbers.1)] {
+                let d = gradient(&mut g, e, |_| true);
+                let formula = d.first().map_or(0.0, |(_, d)| value(&g, *d, at));
+                assert!((formula - number).abs() < 1e-14, "{op:?}: {formula} {number}");
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::gradient::Leaf;
 use crate::base::index::{FastMap, FastSet};
+use crate::ir::builtin::Shape;
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Unary, VarId};
 
 /// `(a, b)` with `e = a * leaf + b`, neither depending on the leaf; `None` if `e` is not linear in it
@@ -99,21 +100,17 @@ pub fn is_linear(
 }
 
 /// The variables on which `root` depends in a way that [`super::gradient`] does not see: conditions
-/// written as operators, functions with whole results, arguments of called functions.
+/// written as operators, functions that jump, arguments of called functions.
 pub fn hidden_variables(graph: &Graph, root: ExprId) -> FastSet<VarId> {
     let mut tops = Vec::new();
     for node in graph.postorder([root]) {
         match graph.node(node) {
             Node::If(c, ..) => tops.push(c),
-            Node::Call { .. }
-            | Node::Homotopy(..)
-            | Node::Unary(
-                Unary::Sign | Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Ordinal,
-                _,
-            )
-            | Node::Binary(Binary::Quotient | Binary::Mod | Binary::Rem, ..) => tops.push(node),
+            Node::Call { .. } | Node::Homotopy(..) => tops.push(node),
             Node::Unary(Unary::Native(f), _) if !f.has_slope() => tops.push(node),
             Node::Binary(Binary::Native(f), ..) if !f.has_slope() => tops.push(node),
+            Node::Unary(op, _) if jumps(op.shape()) => tops.push(node),
+            Node::Binary(op, ..) if jumps(op.shape()) => tops.push(node),
             _ => {}
         }
     }
@@ -124,6 +121,10 @@ pub fn hidden_variables(graph: &Graph, root: ExprId) -> FastSet<VarId> {
         }
     }
     hidden
+}
+
+fn jumps(shape: Shape) -> bool {
+    shape.is_piecewise_constant() || shape.makes_events()
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
 //! Algebra on [`crate::ir::expr`]: the only place that knows what the operators mean.
+pub mod arithmetic;
 pub mod dominance;
 pub mod eval;
 pub mod gradient;

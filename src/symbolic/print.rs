@@ -1,5 +1,6 @@
 //! Expressions as Modelica text, with no more parentheses than needed.
 
+use crate::ir::builtin::Syntax;
 use crate::ir::expr::{Binary, Const, ExprId, Form, Graph, Node, Type, Unary, VarId};
 
 /// Prints `e`; `names` gives each variable its name.
@@ -254,16 +255,14 @@ fn call(out: &mut String, name: &str, args: impl FnOnce(&mut String)) {
 
 /// Strength of the operator and what its left and right operands must have at least.
 fn operator_strengths(op: Binary) -> Option<(u8, u8, u8)> {
-    Some(match op {
-        Binary::Or => (OR, OR, AND),
-        Binary::And => (AND, AND, NOT),
-        Binary::Add => (SUM, SUM, PRODUCT),
-        Binary::Sub => (SUM, SUM, PRODUCT),
-        Binary::Mul => (PRODUCT, PRODUCT, PRODUCT + 1),
-        Binary::Div => (PRODUCT, PRODUCT, PRODUCT + 1),
-        Binary::Pow => (POWER, PRIMARY, PRIMARY),
-        _ if op.is_relation() => (RELATION, SUM, SUM),
-        _ => return None,
+    Some(match op.facts()?.syntax {
+        Syntax::Disjunction => (OR, OR, AND),
+        Syntax::Conjunction => (AND, AND, NOT),
+        Syntax::Relation => (RELATION, SUM, SUM),
+        Syntax::Sum => (SUM, SUM, PRODUCT),
+        Syntax::Product => (PRODUCT, PRODUCT, PRODUCT + 1),
+        Syntax::Power => (POWER, PRIMARY, PRIMARY),
+        Syntax::Function | Syntax::Overloaded | Syntax::Prefix => return None,
     })
 }
 

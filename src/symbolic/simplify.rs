@@ -4,6 +4,7 @@
 
 use super::{eval, string};
 use crate::base::name::Name;
+use crate::ir::builtin::ValueType;
 use crate::ir::expr::{Binary, Const, ExprId, Graph, ListId, Node, Type, Unary, VarId};
 
 impl Graph {
@@ -71,12 +72,14 @@ impl Graph {
             _ => {}
         }
         let ty = match op {
-            Unary::Neg | Unary::Abs => self.ty(a),
-            Unary::Not => Type::Boolean,
-            Unary::ToInteger | Unary::Ordinal | Unary::Sign => Type::Integer,
             Unary::Text(_) => Type::String,
             Unary::Native(f) if f.is_whole() => Type::Integer,
-            _ => Type::Real,
+            _ => match op.facts().map(|row| row.result) {
+                Some(ValueType::Operand) => self.ty(a),
+                Some(ValueType::Integer) => Type::Integer,
+                Some(ValueType::Boolean) => Type::Boolean,
+                Some(ValueType::Real) | None => Type::Real,
+            },
         };
         self.intern(Node::Unary(op, a), ty)
     }
@@ -93,11 +96,13 @@ impl Graph {
             return e;
         }
         let ty = match op {
-            _ if op.is_relation() => Type::Boolean,
-            Binary::And | Binary::Or => Type::Boolean,
             Binary::Native(f) if f.is_whole() => Type::Integer,
-            Binary::Div | Binary::Pow | Binary::Atan2 | Binary::Native(_) => Type::Real,
-            _ => self.common_type(a, b),
+            _ => match op.facts().map(|row| row.result) {
+                Some(ValueType::Operand) => self.common_type(a, b),
+                Some(ValueType::Integer) => Type::Integer,
+                Some(ValueType::Boolean) => Type::Boolean,
+                Some(ValueType::Real) | None => Type::Real,
+            },
         };
         self.intern(Node::Binary(op, a, b), ty)
     }

@@ -15,6 +15,7 @@ use crate::base::diag::{Diagnostic, Problems};
 use crate::base::index::{FastMap, IndexVec};
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::ir::builtin::{BinaryUnit, UnaryUnit};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::{Action, EquationKind, FlatModel};
 use dimension::Dimension;
@@ -161,22 +162,22 @@ impl Inference<'_> {
             Node::Time => Some(Dimension::TIME),
             Node::Var(v) | Node::Pre(v) => self.of_variable(v),
             Node::Der(v) => self.of_variable(v).map(|d| d.over(Dimension::TIME)),
-            Node::Unary(op, a) => match op {
-                Unary::Neg | Unary::Abs => known(a),
-                Unary::Sqrt => known(a)?.power(0.5),
-                Unary::Floor | Unary::Ceil | Unary::ToInteger | Unary::Ordinal | Unary::Not => None,
-                _ => Some(Dimension::ONE),
+            Node::Unary(op, a) => match of_unary(op) {
+                UnaryUnit::Same => known(a),
+                UnaryUnit::Root => known(a)?.power(0.5),
+                UnaryUnit::Number | UnaryUnit::FromAny => Some(Dimension::ONE),
+                UnaryUnit::Unknown => None,
             },
-            Node::Binary(op, a, b) => match op {
-                Binary::Add | Binary::Sub | Binary::Min | Binary::Max => known(a).or(known(b)),
-                Binary::Mul => Some(self.factor(a)?.times(self.factor(b)?)),
-                Binary::Div => Some(self.factor(a)?.over(self.factor(b)?)),
-                Binary::Pow => match known(a)? {
+            Node::Binary(op, a, b) => match of_binary(op) {
+                BinaryUnit::Sum => known(a).or(known(b)),
+                BinaryUnit::Product => Some(self.factor(a)?.times(self.factor(b)?)),
+                BinaryUnit::Quotient => Some(self.factor(a)?.over(self.factor(b)?)),
+                BinaryUnit::Power => match known(a)? {
                     Dimension::ONE => Some(Dimension::ONE),
                     base => base.power(self.graph().as_number(b)?),
                 },
-                Binary::Atan2 => Some(Dimension::ONE),
-                _ => None,
+                BinaryUnit::Angle => Some(Dimension::ONE),
+                BinaryUnit::Alike | BinaryUnit::Unknown => None,
             },
             Node::If(_, a, b) | Node::Homotopy(a, b) => {
                 // A number beside something with a unit may have any.
@@ -233,21 +234,19 @@ impl Inference<'_> {
             match self.graph().node(e) {
                 Node::Var(v) | Node::Pre(v) => self.set(v, d),
                 Node::Der(v) => self.set(v, d.times(Dimension::TIME)),
-                Node::Unary(Unary::Neg | Unary::Abs, a) | Node::NoEvent(a) | Node::Smooth(_, a) => {
-                    open.push((a, d))
-                }
-                Node::Unary(Unary::Sqrt, a) => open.extend(d.power(2.0).map(|d| (a, d))),
-                Node::Binary(Binary::Add | Binary::Sub | Binary::Min | Binary::Max, a, b)
-                | Node::If(_, a, b)
-                | Node::Homotopy(a, b) => open.extend([(a, d), (b, d)]),
-                Node::Binary(Binary::Mul, a, b) => match (self.factor(a), self.factor(b)) {
-                    (Some(x), None) => open.push((b, d.over(x))),
-                    (None, Some(x)) => open.push((a, d.over(x))),
-                    _ => {}
+                Node::NoEvent(a) | Node::Smooth(_, a) => open.push((a, d)),
+                Node::Unary(op, a) => match of_unary(op) {
+                    UnaryUnit::Same => open.push((a, d)),
+                    UnaryUnit::Root => open.extend(d.power(2.0).map(|d| (a, d))),
+                    UnaryUnit::Number | UnaryUnit::FromAny | UnaryUnit::Unknown => {}
                 },
-                Node::Binary(Binary::Div, a, b) => match (self.factor(a), self.factor(b)) {
-                    (Some(x), None) => open.push((b, x.over(d))),
-                    (None, Some(x)) => open.push((a, d.times(x))),
+                Node::If(_, a, b) | Node::Homotopy(a, b) => open.extend([(a, d), (b, d)]),
+                Node::Binary(op, a, b) => match (of_binary(op), self.factor(a), self.factor(b)) {
+                    (BinaryUnit::Sum, ..) => open.extend([(a, d), (b, d)]),
+                    (BinaryUnit::Product, Some(x), None) => open.push((b, d.over(x))),
+                    (BinaryUnit::Product, None, Some(x)) => open.push((a, d.over(x))),
+                    (BinaryUnit::Quotient, Some(x), None) => open.push((b, x.over(d))),
+                    (BinaryUnit::Quotient, None, Some(x)) => open.push((a, d.times(x))),
                     _ => {}
                 },
                 _ => {}
@@ -270,24 +269,14 @@ impl Inference<'_> {
         for e in g.postorder([pair.left, pair.right]) {
             match g.node(e) {
                 Node::Binary(op, a, b) => {
-                    let alike = matches!(
-                        op,
-                        Binary::Add
-                            | Binary::Sub
-                            | Binary::Min
-                            | Binary::Max
-                            | Binary::Atan2
-                            | Binary::Less
-                            | Binary::LessEqual
-                            | Binary::Greater
-                            | Binary::GreaterEqual
-                            | Binary::Mod
-                            | Binary::Rem
-                    );
+                    let rule = of_binary(op);
+                    let alike =
+                        matches!(rule, BinaryUnit::Sum | BinaryUnit::Angle | BinaryUnit::Alike);
                     if alike && self.differ(a, b) {
                         return Some(self.said(a, b, pair.span));
                     }
-                    if op == Binary::Pow && self.expressions[b].is_some_and(|d| d != Dimension::ONE)
+                    if rule == BinaryUnit::Power
+                        && self.expressions[b].is_some_and(|d| d != Dimension::ONE)
                     {
                         return Some(self.no_number(b, "an exponent", pair.span));
                     }
@@ -296,7 +285,7 @@ impl Inference<'_> {
                     return Some(self.said(a, b, pair.span));
                 }
                 Node::Unary(op, a)
-                    if is_of_numbers(op)
+                    if of_unary(op) == UnaryUnit::Number
                         && self.expressions[a].is_some_and(|d| d != Dimension::ONE) =>
                 {
                     let what = format!("the argument of `{}`", op.name());
@@ -388,22 +377,14 @@ impl Inference<'_> {
     }
 }
 
-/// Functions whose argument has no dimension.
-fn is_of_numbers(op: Unary) -> bool {
-    use Unary as U;
-    matches!(
-        op,
-        U::Sin
-            | U::Cos
-            | U::Tan
-            | U::Asin
-            | U::Acos
-            | U::Atan
-            | U::Sinh
-            | U::Cosh
-            | U::Tanh
-            | U::Exp
-    )
+/// The rule of a unary operator; functions that are made of data give numbers.
+fn of_unary(op: Unary) -> UnaryUnit {
+    op.facts().map_or(UnaryUnit::FromAny, |row| row.unit)
+}
+
+/// The rule of a binary operator.
+fn of_binary(op: Binary) -> BinaryUnit {
+    op.facts().map_or(BinaryUnit::Unknown, |row| row.unit)
 }
 
 /// Numbers that are factors rather than constants of nature: small whole ones, halves, quarters, tenths,

@@ -199,7 +199,7 @@ fn dependencies() -> Vec<String> {
 // ---- The program ----
 
 /// The files that make up the library and the binary, without those for tests only.
-fn program() -> Vec<String> {
+pub fn program() -> Vec<String> {
     let tests = test_modules();
     let mut files = files("src", "rs");
     files.retain(|file| !tests.iter().any(|test| within(&module_of(file), test)));
@@ -252,9 +252,9 @@ fn absolute(path: &[String], module: &str) -> Option<String> {
 // ---- Rust as words ----
 
 /// A word or a sign, with its line.
-type Token = (usize, String);
+pub type Token = (usize, String);
 
-fn tokens(file: &str) -> Vec<Token> {
+pub fn tokens(file: &str) -> Vec<Token> {
     let text = read(&root().join(file));
     flat(text.parse().unwrap_or_else(|why| panic!("{file}: {why}")))
 }
@@ -280,7 +280,10 @@ fn flat(stream: TokenStream) -> Vec<Token> {
                 Some((_, last)) if last == ":" => last.push(':'),
                 _ => out.push((line, ":".to_owned())),
             },
-            TokenTree::Literal(_) => out.push((line, "\"\"".to_owned())),
+            TokenTree::Literal(literal) => {
+                let text = Some(literal.to_string()).filter(|text| text.starts_with('"'));
+                out.push((line, text.unwrap_or_else(|| "\"\"".to_owned())));
+            }
             tree => out.push((line, tree.to_string())),
         }
     }
@@ -298,7 +301,7 @@ fn test_attributes(tokens: &[Token]) -> Vec<usize> {
 }
 
 /// Without the items that exist in tests only.
-fn without_tests(tokens: Vec<Token>) -> Vec<Token> {
+pub fn without_tests(tokens: Vec<Token>) -> Vec<Token> {
     let mut skipped = 0;
     let mut out = Vec::new();
     for end in test_attributes(&tokens) {
@@ -323,7 +326,7 @@ fn without_tests(tokens: Vec<Token>) -> Vec<Token> {
 }
 
 /// Every path of two or more names, groups of a `use` written out.
-fn paths(tokens: &[Token]) -> Vec<(usize, Vec<String>)> {
+pub fn paths(tokens: &[Token]) -> Vec<(usize, Vec<String>)> {
     let mut found = Vec::new();
     let mut i = 0;
     while i < tokens.len() {

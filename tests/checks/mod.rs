@@ -4,6 +4,7 @@ mod door;
 mod program;
 
 mod architecture;
+mod builtins;
 mod calibrate;
 mod check;
 mod cli;

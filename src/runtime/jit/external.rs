@@ -1,31 +1,29 @@
 //! The functions that machine code calls: those of [`eval`], which the interpreter calls too.
 
+use crate::ir::builtin::{binary_builtins, unary_builtins};
 use crate::ir::expr::{Binary, Unary};
 use crate::ir::native::Native;
 use crate::symbolic::eval;
 
 /// Address of a function `extern "C" fn(f64) -> f64` that computes a unary operator.
 pub fn unary(op: Unary) -> usize {
-    macro_rules! addresses {
-        ($($name:ident)*) => {
+    macro_rules! address {
+        (($($_:ident),*) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
             match op {
                 // Has a different signature.
                 Unary::Native(_) => native_unary(),
                 // Interpreted between fragments, or used in messages only.
                 Unary::Carried(_) | Unary::Text(_) => native_unary(),
-                $(Unary::$name => {
+                $(Unary::$op => {
                     extern "C" fn compute(a: f64) -> f64 {
-                        eval::unary(Unary::$name, a)
+                        eval::unary(Unary::$op, a)
                     }
                     compute as *const () as usize
                 })*
             }
         };
     }
-    addresses! {
-        Neg Not Sin Cos Tan Asin Acos Atan Sinh Cosh Tanh Exp Log Log10 Sqrt Abs Sign Floor Ceil
-        ToInteger Ordinal
-    }
+    unary_builtins!(address)
 }
 
 /// Address of a function `extern "C" fn(f64, f64) -> f64` that calls a function made of data, by
@@ -48,22 +46,19 @@ pub fn native_binary() -> usize {
 
 /// Address of a function `extern "C" fn(f64, f64) -> f64` that computes a binary operator.
 pub fn binary(op: Binary) -> usize {
-    macro_rules! addresses {
-        ($($name:ident)*) => {
+    macro_rules! address {
+        (($($_:ident),*) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {
             match op {
                 // Has a different signature.
                 Binary::Native(_) => native_binary(),
-                $(Binary::$name => {
+                $(Binary::$op => {
                     extern "C" fn compute(a: f64, b: f64) -> f64 {
-                        eval::binary(Binary::$name, a, b)
+                        eval::binary(Binary::$op, a, b)
                     }
                     compute as *const () as usize
                 })*
             }
         };
     }
-    addresses! {
-        Add Sub Mul Div Pow Less LessEqual Greater GreaterEqual Equal NotEqual And Or Atan2 Min Max
-        Quotient Mod Rem
-    }
+    binary_builtins!(address)
 }

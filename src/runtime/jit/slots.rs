@@ -14,6 +14,7 @@ use cranelift::prelude::*;
 
 use crate::base::index::FastMap;
 
+use crate::ir::builtin::Code;
 use crate::ir::expr::{Binary, Unary};
 use crate::ir::program::{Instr, Op, Slot};
 use crate::symbolic::eval;
@@ -227,13 +228,14 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
                 let (number, a) = (self.number(f64::from(f.number())), self.get(i.a));
                 self.external(external::native_unary(), &[number, a])
             }
-            Unary::Sign | Unary::Floor | Unary::Ceil | Unary::ToInteger => {
-                let a = self.get(i.a);
-                self.external(external::unary(op), &[a])
-            }
             _ => {
                 let a = self.get(i.a);
-                self.memoized(external::unary(op), &[a], eval::unary(op, 0.0))
+                match op.facts().map(|row| row.code) {
+                    Some(Code::Memo) => {
+                        self.memoized(external::unary(op), &[a], eval::unary(op, 0.0))
+                    }
+                    _ => self.external(external::unary(op), &[a]),
+                }
             }
         };
         self.set(i.dst, value);
@@ -274,16 +276,21 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
             Binary::Div => self.build.ins().fdiv(a, b),
             Binary::Min => self.extreme(FloatCC::LessThan, a, b),
             Binary::Max => self.extreme(FloatCC::GreaterThan, a, b),
-            Binary::Pow => match self.registers.literals[i.b as usize] {
-                Some(n) if n.fract() == 0.0 && n.abs() <= MAX_UNROLLED_POWER => self.product(a, n),
-                _ => self.memoized(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0)),
+            Binary::Pow if let Some(n) = self.short_exponent(i.b) => self.product(a, n),
+            _ => match op.facts().map(|row| row.code) {
+                Some(Code::Memo) => {
+                    self.memoized(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0))
+                }
+                _ => self.external(external::binary(op), &[a, b]),
             },
-            Binary::Atan2 => {
-                self.memoized(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0))
-            }
-            _ => self.external(external::binary(op), &[a, b]),
         };
         self.set(i.dst, value);
+    }
+
+    /// The exponent, if it is a literal that is multiplied out.
+    fn short_exponent(&self, slot: Slot) -> Option<f64> {
+        self.registers.literals[slot as usize]
+            .filter(|n| n.fract() == 0.0 && n.abs() <= MAX_UNROLLED_POWER)
     }
 
     /// `b` if it is beyond `a` or `a` is NaN, else `a`.

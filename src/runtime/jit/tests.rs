@@ -65,52 +65,6 @@ impl Random {
     }
 }
 
-const UNARY: [Unary; 21] = [
-    Unary::Neg,
-    Unary::Not,
-    Unary::Sin,
-    Unary::Cos,
-    Unary::Tan,
-    Unary::Asin,
-    Unary::Acos,
-    Unary::Atan,
-    Unary::Sinh,
-    Unary::Cosh,
-    Unary::Tanh,
-    Unary::Exp,
-    Unary::Log,
-    Unary::Log10,
-    Unary::Sqrt,
-    Unary::Abs,
-    Unary::Sign,
-    Unary::Floor,
-    Unary::Ceil,
-    Unary::ToInteger,
-    Unary::Ordinal,
-];
-
-const BINARY: [Binary; 19] = [
-    Binary::Add,
-    Binary::Sub,
-    Binary::Mul,
-    Binary::Div,
-    Binary::Pow,
-    Binary::Less,
-    Binary::LessEqual,
-    Binary::Greater,
-    Binary::GreaterEqual,
-    Binary::Equal,
-    Binary::NotEqual,
-    Binary::And,
-    Binary::Or,
-    Binary::Atan2,
-    Binary::Min,
-    Binary::Max,
-    Binary::Quotient,
-    Binary::Mod,
-    Binary::Rem,
-];
-
 const LITERALS: usize = 12;
 const CELLS: usize = 60;
 
@@ -135,9 +89,9 @@ fn instruction(random: &mut Random, first: Slot) -> Instr {
         1 => Op::CopyIf,
         2 => random.of(&[Op::Input, Op::Neg]),
         3 => random.of(&[Op::Add, Op::Sub, Op::Mul, Op::Div]),
-        4 | 5 => Op::Unary(random.of(&UNARY)),
+        4 | 5 => Op::Unary(random.of(Unary::TABLE)),
         6 => Op::Binary(Binary::Pow),
-        _ => Op::Binary(random.of(&BINARY)),
+        _ => Op::Binary(random.of(Binary::TABLE)),
     };
     let any = |random: &mut Random| first + random.below(CELLS) as Slot;
     let dst = first + (LITERALS + random.below(CELLS - LITERALS)) as Slot;
@@ -205,8 +159,8 @@ fn every_operator_on_every_pair_of_special_values() {
     let cells = values.len() as Slot;
     let mut tape = Vec::new();
     for a in 0..cells {
-        let unary = UNARY.map(Op::Unary).into_iter().map(|op| (op, a));
-        let binary = BINARY.map(Op::Binary).into_iter().chain([Op::Input]);
+        let unary = Unary::TABLE.iter().map(|op| (Op::Unary(*op), a));
+        let binary = Binary::TABLE.iter().map(|op| Op::Binary(*op)).chain([Op::Input]);
         let binary = binary.flat_map(|op| (0..cells).map(move |b| (op, b)));
         for (op, b) in unary.chain(binary) {
             let dst = program.image.len() as Slot;

@@ -5,6 +5,7 @@ use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::string_of_id;
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Source};
+use crate::ir::builtin::Domain;
 use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Unary, VarId};
 use crate::ir::program::{BlockPosition, Program, Sequence, Slot, source_span};
 use crate::symbolic::eval;
@@ -182,18 +183,20 @@ impl<'a> Explainer<'a> {
                 format!("division by zero: `{}` is 0 in `{text}`", self.text(b)),
                 "keep the divisor away from zero, or test it with `if`",
             ),
-            Node::Unary(Unary::Sqrt, a) if value(a) < 0.0 => (
-                format!("root of a negative number: `{}` is {}", self.text(a), value(a)),
-                "guard the argument, for instance by `max(0, ...)`, or check the sign of what it is made of",
-            ),
-            Node::Unary(Unary::Log | Unary::Log10, a) if value(a) <= 0.0 => (
-                format!("logarithm of `{}`, which is {}", self.text(a), value(a)),
-                "the argument of a logarithm must be positive",
-            ),
-            Node::Unary(Unary::Asin | Unary::Acos, a) if value(a).abs() > 1.0 => (
-                format!("`{text}` with `{}` = {}", self.text(a), value(a)),
-                "the argument must lie between -1 and 1",
-            ),
+            Node::Unary(op, a) if let Some(domain) = left_domain(op, value(a)) => match domain {
+                Domain::NotNegative => (
+                    format!("root of a negative number: `{}` is {}", self.text(a), value(a)),
+                    "guard the argument, for instance by `max(0, ...)`, or check the sign of its terms",
+                ),
+                Domain::Positive => (
+                    format!("logarithm of `{}`, which is {}", self.text(a), value(a)),
+                    "the argument of a logarithm must be positive",
+                ),
+                Domain::UnitInterval | Domain::Everywhere => (
+                    format!("`{text}` with `{}` = {}", self.text(a), value(a)),
+                    "the argument must lie between -1 and 1",
+                ),
+            },
             Node::Binary(Binary::Pow, a, b) => (
                 format!(
                     "`{text}` has no finite value for base {} and exponent {}",
@@ -288,6 +291,12 @@ impl<'a> Explainer<'a> {
         let variables = &self.program.blocks.dae.variables;
         variables.get(v).map_or_else(|| "a derivative".to_owned(), |x| x.name.clone())
     }
+}
+
+/// The domain of a function, if the argument lies outside.
+fn left_domain(op: Unary, a: f64) -> Option<Domain> {
+    let domain = op.facts()?.domain;
+    (!a.is_nan() && !domain.contains(a)).then_some(domain)
 }
 
 /// Prints a relation in the user's names.
