@@ -22,7 +22,9 @@ pub fn html(found: &Calibration) -> String {
     page.add(&format!("<h1>{} calibrated</h1>\n", escaped(&found.model)));
     page.add(&format!("<p class=\"sub\">{}</p>\n", escaped(&found.plan)));
     if !found.search.complete {
-        page.add("<p class=\"note\">The search was interrupted: this is the best so far.</p>\n");
+        page.add(
+            "<p class=\"note\">The search was interrupted; these are the best values so far.</p>\n",
+        );
     } else if !found.search.converged {
         page.add("<p class=\"note\">The search ended before it had converged.</p>\n");
     }
@@ -65,7 +67,7 @@ fn told(found: &Calibration) -> Vec<(String, String)> {
     let count = train.count + validation.count;
     out.push(("measured values".to_owned(), count.to_string()));
     out.push(("steps".to_owned(), found.search.iterations.to_string()));
-    out.push(("on the clock".to_owned(), format!("{:.1} s", found.search.seconds)));
+    out.push(("wall-clock time".to_owned(), format!("{:.1} s", found.search.seconds)));
     out
 }
 

@@ -133,7 +133,7 @@ pub(super) fn failing(problem: &Problem<'_>) -> Option<Failure> {
     let recordings = problem.recordings(Split::Train);
     recordings.iter().find_map(|r| {
         let mut failure = problem.predict(r, &start).err()?;
-        let note = format!("so recording `{}` can not be simulated at the start", r.name);
+        let note = format!("so recording `{}` cannot be simulated at the start values", r.name);
         *failure.diagnostic = failure.diagnostic.note(note);
         Some(failure)
     })

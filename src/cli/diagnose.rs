@@ -108,7 +108,9 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         Ok(found) => found,
         Err(Nothing::Model(wrong)) => return wrong.into(),
         Err(Nothing::Run) => {
-            eprintln!("error: the model can not be run under the conditions of the recordings");
+            eprintln!(
+                "error: the model cannot be simulated under the conditions of the recordings"
+            );
             return Status::Numerics;
         }
     };
@@ -117,7 +119,7 @@ fn examine(options: &Diagnose, session: &mut Session, begun: Instant) -> Status 
         let unknowns = unknowns(session, &case.request, &packages);
         balances = balance::balances(&case, &unknowns, &found.before);
         law = balance::law(&case, &found.after);
-        (case.say)(&format!("{} balances looked at", balances.len()));
+        (case.say)(&format!("{} balances examined", balances.len()));
     }
     let original = match crate::driver::files::read(&plan.model) {
         Ok(text) => text,

@@ -31,7 +31,7 @@ impl Shown {
     fn read(text: &str) -> Result<Shown, String> {
         let (name, formulas) = text
             .split_once(':')
-            .ok_or_else(|| format!("`{text}` does not say what it is: write TEXT: FORMULA"))?;
+            .ok_or_else(|| format!("`{text}` has no label: write LABEL: FORMULA"))?;
         let formulas = formulas.split('|').map(Formula::read).collect::<Result<_, _>>()?;
         Ok(Shown { text: name.trim().to_owned(), formulas })
     }

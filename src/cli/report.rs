@@ -108,13 +108,17 @@ fn make(options: &Report) -> Result<Status, Status> {
         let run = go(options, ask, program, &own.sources, &mut Vec::new())?;
         if run.part.trajectory.columns != went[0].part.trajectory.columns {
             let label = &ask.label;
-            return Err(wrong(format!("run `{label}` has other variables than the first run")));
+            return Err(wrong(format!(
+                "run `{label}` does not have the same variables as the first run"
+            )));
         }
         went.push(run);
     }
     let interrupted = went.iter().any(|w| w.interrupted);
     if interrupted {
-        remarks.push("A run was interrupted: this is what was computed until then.".to_owned());
+        remarks.push(
+            "A run was interrupted; the page shows everything computed until then.".to_owned(),
+        );
     }
     let columns = &went[0].part.trajectory.columns;
     let show = match &options.show {
@@ -173,11 +177,13 @@ fn asked(options: &Report) -> Result<Vec<Asked>, String> {
         };
         let own = running::names_in(list);
         if let Some(odd) = own.iter().find(|s| !s.contains('=')) {
-            return Err(format!("`{odd}` in the run `{text}` sets nothing; write NAME=VALUE, ..."));
+            return Err(format!(
+                "`{odd}` in the run `{text}` is not an override; write NAME=VALUE, ..."
+            ));
         }
         let label = if label.is_empty() { text.trim() } else { label };
         if out.iter().any(|a| a.label == label) {
-            return Err(format!("two runs are called `{label}`"));
+            return Err(format!("two runs have the label `{label}`"));
         }
         // What a run sets takes the place of what all runs set.
         let name = |s: &str| s.split('=').next().unwrap_or_default().replace(' ', "");
@@ -238,7 +244,7 @@ fn go(
             own.into_iter().chain(of_parts).take(MOST_VARIABLES).map(str::to_owned).collect();
         recording::only(&mut program, |name| kept.contains(name));
         remarks.push(format!(
-            "{MOST_VARIABLES} of {all} variables are in this page; `--variables REGEX` chooses them."
+            "This page holds {MOST_VARIABLES} of {all} variables; select them with `--variables REGEX`."
         ));
     }
     program.constants = constants;
@@ -298,12 +304,12 @@ fn facts(program: &Program, statistics: &Statistics, events: usize) -> Vec<(Stri
         ("rejected by the error test", i.rejected),
         ("failures to converge", i.convergence_failures),
         ("failures to evaluate", i.evaluation_failures),
-        ("right sides", i.rhs),
+        ("right-hand sides", i.rhs),
         ("Jacobians", i.jacobians),
         ("decompositions", i.decompositions),
         ("Newton iterations", i.newton_iterations),
         ("events", events as u64),
-        ("states selected anew", statistics.selections),
+        ("state selections", statistics.selections),
         ("rows", statistics.rows),
     ];
     out.extend(counts.map(|(name, n)| (name.to_owned(), n.to_string())));
@@ -385,8 +391,7 @@ fn measured(
             Some(s) => (table.column(&s.column), s.unit),
             None => (Some(0), second),
         };
-        let at =
-            at.ok_or_else(|| format!("{}: there is no column for the time", path.display()))?;
+        let at = at.ok_or_else(|| format!("{} has no column for time", path.display()))?;
         let mut wanted: Vec<(usize, String, Unit)> = Vec::new();
         for s in signals.iter().filter(|s| s.variable != "time") {
             let k = table.column(&s.column).ok_or_else(|| {
@@ -407,7 +412,7 @@ fn measured(
         if wanted.is_empty() {
             let path = path.display();
             return Err(format!(
-                "{path}: no column is called like a variable; `--signal COLUMN=VARIABLE:UNIT` says which is which"
+                "{path}: no column is named like a variable; map columns with `--signal COLUMN=VARIABLE:UNIT`"
             ));
         }
         for (k, variable, unit) in wanted {

@@ -43,7 +43,7 @@ pub(super) fn restrict(
         }
     };
     match shown {
-        0 => Err(format!("no variable has a name that `{wanted}` matches")),
+        0 => Err(format!("no variable matches `{wanted}`")),
         _ => Ok(()),
     }
 }

@@ -256,7 +256,7 @@ fn summary(
         ms(writing)
     ));
     if s.selections > 0 {
-        out.push_str(&format!("  states selected anew {} times\n", s.selections));
+        out.push_str(&format!("  states selected again {} times\n", s.selections));
     }
     if s.interrupted {
         out.push_str(&format!("  interrupted at {} s\n", s.end));

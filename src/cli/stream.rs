@@ -142,7 +142,7 @@ impl Sink for Stream {
             return;
         }
         if let Err(why) = append(Path::new(file), line) {
-            eprintln!("warning: `{file}` can not be written: {why}");
+            eprintln!("warning: cannot write `{file}`: {why}");
         }
     }
 

@@ -46,7 +46,7 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
         Err(wrong) => return Ok(wrong.into()),
     };
     if files.traces.is_some() && base.plan.shown == 0 {
-        eprintln!("error: no variable is called so, whose course is to be kept");
+        eprintln!("error: no variable matches `--show` or `--variables`");
         return Ok(Status::Usage);
     }
     let settings = settings(options, &base.program.blocks.dae.experiment, files.traces.is_some());
@@ -89,7 +89,7 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     let seconds = begun.elapsed().as_secs_f64();
     if !complete {
         let said = format!(
-            "{name}: interrupted after {} of {} runs; the same command goes on from there\n",
+            "{name}: interrupted after {} of {} runs; repeat the command to continue\n",
             journal.lines, design.count
         );
         return Ok(match print(&said) {
@@ -233,7 +233,7 @@ fn summary(
     let runs = |n: u64| if n == 1 { "1 run".to_owned() } else { format!("{n} runs") };
     let mut out = format!("{name}: {}, {} failed\n", runs(tally.runs), tally.failed);
     if let Some((number, why)) = &tally.first {
-        out.push_str(&format!("  the first that failed is {number}: {why}\n"));
+        out.push_str(&format!("  first failure, run {number}: {why}\n"));
     }
     let threads = if jobs == 1 { "1 thread".to_owned() } else { format!("{jobs} threads") };
     let rate = done as f64 / seconds.max(1e-9);

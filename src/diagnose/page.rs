@@ -75,34 +75,34 @@ pub fn html(
         write(&mut out);
         out
     };
-    page.section("errors", "Error before and after", &part(&|out| errors(case, found, out)));
+    page.section("errors", "Misfit before and after", &part(&|out| errors(case, found, out)));
     if found.after.values.len() > case.plan.free.len() {
         let text = part(&|out| parameters(case, &found.after, out));
-        page.section("parameters", "Parameters of what was found", &text);
+        page.section("parameters", "Parameters of the effects found", &text);
     }
     if !balances.is_empty() {
-        page.section("balances", "Where the balances do not close", &unbalanced(balances, law));
+        page.section("balances", "Balances that do not close", &unbalanced(balances, law));
     }
     for (depth, ranking) in found.rankings.iter().enumerate() {
         let cost = if depth == 0 { found.before.train.total() } else { found.after.train.total() };
-        let mut text = "<p>How much of the sum of squares each effect promises to explain, before any is fitted.</p>\n".to_owned();
+        let mut text = "<p>Fraction of the sum of squares that each effect could explain, by the score test, before any is fitted.</p>\n".to_owned();
         let each: Vec<Vec<Scored>> = ranking.iter().take(SHOWN).map(|s| vec![s.clone()]).collect();
         rank(case, &each, cost, &mut text);
         let number = depth + 1;
         page.section(&format!("ranking-{number}"), &format!("Ranking {number}"), &text);
     }
     if !found.pairs.is_empty() {
-        let mut text = "<p>One effect leaves something. How much of the sum of squares two promise to explain together.</p>\n".to_owned();
+        let mut text = "<p>One effect leaves structure in the residuals. Fraction of the sum of squares that two effects could explain together.</p>\n".to_owned();
         rank(case, &found.pairs, found.before.train.total(), &mut text);
-        page.section("pairs", "Two at once", &text);
+        page.section("pairs", "Pairs of effects", &text);
     }
     if !found.rejected.is_empty() {
         let text = part(&|out| rejected(case, found, out));
-        page.section("rejected", "Fitted and not kept", &text);
+        page.section("rejected", "Fitted and rejected", &text);
     }
-    page.section("residuals", "What is left of each recording", &multiples(case, found));
+    page.section("residuals", "Residuals of each recording", &multiples(case, found));
     if let Some((_, text)) = amended {
-        page.section("amended", "What was added to the model", &unified(original, text));
+        page.section("amended", "Changes to the model", &unified(original, text));
     }
     page.finish()
 }
@@ -114,7 +114,7 @@ const DRAWN: usize = 2;
 /// The inflows that the calibrated model would need, over time and over what they could depend on.
 fn unbalanced(balances: &[Balance], law: &[Course]) -> String {
     let mut out = String::from(
-        "<p>An unknown inflow, free over time, at each balance of the calibrated model, before any effect was added: how much of what the model leaves it would explain, to first order. Dots are the inflow of each recording, and what the effect that was found contributes.</p>\n<table><tr><th>balance</th><th>explains</th><th>ordered best by</th></tr>",
+        "<p>For each balance of the calibrated model, before any effect is added: the fraction of the sum of squares that an unknown inflow, free over time, would explain, to first order. Dots show the inflow of each recording and the contribution of the effect found.</p>\n<table><tr><th>balance</th><th>explains</th><th>ordered best by</th></tr>",
     );
     let ordered = |b: &Balance| {
         let name = b.ordered_by.and_then(|k| b.courses.first()?.over.get(k));
@@ -167,14 +167,14 @@ fn found_over(name: &str, law: &[Course], colour: usize) -> Option<Curve> {
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
-    let curve = Curve { name: "what was found".to_owned(), x, y, stroke: Stroke::Points, colour };
+    let curve = Curve { name: "found".to_owned(), x, y, stroke: Stroke::Points, colour };
     (!curve.x.is_empty()).then_some(curve)
 }
 
 /// Residuals in units of the noise: a small figure for each recording, a panel for each signal.
 fn multiples(case: &Case<'_>, found: &Found) -> String {
     let mut out = String::from(
-        "<p>Model less measurement, in units of the sensor's noise, before and after.</p>\n<div class=\"multiples\">\n",
+        "<p>Model minus measurement, in units of the sensor noise, before and after.</p>\n<div class=\"multiples\">\n",
     );
     let kept = !found.after.chosen.is_empty();
     for (i, r) in residuals(case, found).iter().enumerate() {
@@ -261,7 +261,7 @@ fn parameters(case: &Case<'_>, level: &Level, out: &mut String) {
 }
 
 fn rank(case: &Case<'_>, ranking: &[Vec<Scored>], cost: f64, out: &mut String) {
-    out.push_str("<table><tr><th>effect</th><th>at</th><th>promises</th><th></th></tr>");
+    out.push_str("<table><tr><th>effect</th><th>at</th><th>score</th><th></th></tr>");
     for proposal in ranking {
         let share = 100.0 * proposal.first().map_or(0.0, |s| s.gain) / cost;
         let (effects, places) =

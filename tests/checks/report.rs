@@ -393,8 +393,8 @@ fn what_is_wrong_is_said() {
     folder.file("m.mo", "model M parameter Real k = 1; Real x = k*time; end M;");
     folder.file("seen.csv", "t,y\n0,1\n1,2\n");
     let cases: [(&[&str], &str); 7] = [
-        (&["--run", "a: k"], "`k` in the run `a: k` sets nothing"),
-        (&["--run", "a: k=1", "--run", "a: k=2"], "two runs are called `a`"),
+        (&["--run", "a: k"], "`k` in the run `a: k` is not an override"),
+        (&["--run", "a: k=1", "--run", "a: k=2"], "two runs have the label `a`"),
         (&["--run", "a: q=1"], "no parameter `q`"),
         (&["--data", "seen.csv"], "no column is called like a variable"),
         (&["--data", "seen.csv", "--signal", "y=z:1"], "the model has no variable `z`"),

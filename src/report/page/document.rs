@@ -195,11 +195,11 @@ fn diagrams(doc: &Document<'_>) -> String {
     if drawn == 0 || picture(assembly, 0).is_none() {
         let count = assembly.children(0).len();
         out.push_str(&match count {
-            0 => "<p>The model has no components: it is equations only.</p>\n".to_owned(),
+            0 => "<p>The model has no components: it consists of equations only.</p>\n".to_owned(),
             n => format!("<p>The model has {n} components; up to {MOST_PARTS} are drawn.</p>\n"),
         });
     } else {
-        out.insert_str(0, "<p class=\"hint\">Point at a box or a line for what it is. A box with a double frame opens.</p>\n<p id=\"crumbs\" class=\"crumbs\" hidden></p>\n");
+        out.insert_str(0, "<p class=\"hint\">Point at a box or a line for details. Click a box with a double frame to open it.</p>\n<p id=\"crumbs\" class=\"crumbs\" hidden></p>\n");
     }
     out
 }
@@ -215,7 +215,7 @@ fn events(doc: &Document<'_>, link: &dyn Fn(&str) -> String) -> String {
             list.len()
         ));
         if !list.is_empty() {
-            out.push_str("<table class=\"events\"><thead><tr><th>time, s</th><th class=\"l\">what happened</th><th class=\"l\">written at</th></tr></thead>\n<tbody>");
+            out.push_str("<table class=\"events\"><thead><tr><th>time, s</th><th class=\"l\">event</th><th class=\"l\">source</th></tr></thead>\n<tbody>");
             for e in list {
                 out.push_str(&format!(
                     "<tr data-time=\"{:?}\" tabindex=\"0\"><td>{:.9}</td><td class=\"l\"><code>{}</code></td><td class=\"l place\">{}</td></tr>\n",
