@@ -6,6 +6,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::door::Scratch;
+use super::program::mocc;
+
 #[test]
 fn library_pages_are_up_to_date() {
     let folder = root().join("docs/library");
@@ -36,6 +39,27 @@ fn every_effect_has_a_formula() {
             "lib/Effects/{}.mo: no indented formula in the comment at its head",
             class.name
         );
+    }
+}
+
+/// The models of the pictures compile, and every picture belongs to a class.
+#[test]
+fn pictures_belong_to_classes() {
+    let pictures = "docs/library/pictures";
+    let folder = Scratch::new();
+    let models = root().join(pictures).join("pictures.mol").display().to_string();
+    let ended = mocc(folder.path(), &["check", &models]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let packages = packages();
+    for entry in fs::read_dir(root().join(pictures)).expect("pictures").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let Some((package, class)) = name.strip_suffix(".svg").and_then(|n| n.split_once('.'))
+        else {
+            continue;
+        };
+        let package = packages.iter().find(|p| p.class.name == package);
+        let exists = package.is_some_and(|p| p.classes.iter().any(|c| c.name == class));
+        assert!(exists, "{pictures}/{name} belongs to no class of lib/");
     }
 }
 
