@@ -1,5 +1,5 @@
 //! One cycle of the 5/2-way valve, on and off, within one process: the model is compiled once, then
-//! initialised and run at the default tolerance, with 1200 rows of all variables.
+//! initialized and run at the default tolerance, with 1200 rows of all variables.
 
 use std::sync::LazyLock;
 

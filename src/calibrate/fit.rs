@@ -9,7 +9,7 @@
 //! A search that creeps along such a jump is led past it in the same way: those that jump are left out.
 
 use crate::numeric::halton::Halton;
-use crate::numeric::least_squares::{Minimum, NormalEquations, Residuals, Stopping, minimise};
+use crate::numeric::least_squares::{Minimum, NormalEquations, Residuals, Stopping, minimize};
 
 use super::data::Split;
 use super::problem::Problem;
@@ -249,7 +249,7 @@ pub fn search(
     let bounds = problem.bounds();
     let mut heeded = Heeded { problem, heed };
     let Minimum { x, normal, iterations, converged, beyond } =
-        minimise(&mut heeded, start, &bounds, stopping)?;
+        minimize(&mut heeded, start, &bounds, stopping)?;
     Some(Fit { x, normal, iterations, converged, beyond })
 }
 

@@ -2,7 +2,7 @@
 
 use crate::base::index::{FastSet, Id};
 use crate::ir::blocks::{Assignment, Block, Source, Torn};
-use crate::ir::dae::Kind;
+use crate::ir::dae::VariableKind;
 use crate::ir::expr::{ExprId, Type, VarId};
 use crate::ir::program::{
     BlockPosition, DiscreteUnknown, Entry, MixedBlock, Op, Slot, TornBlock, source_span,
@@ -129,7 +129,7 @@ pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], plac
     let mut discrete_unknowns = Vec::new();
     for &v in &own {
         e.levels[v.idx()] = Some(target);
-        if e.dae.variables[v].kind == Kind::Discrete {
+        if e.dae.variables[v].kind == VariableKind::Discrete {
             discrete_unknowns.push(DiscreteUnknown::Variable(v, e.slot(v)));
         }
     }

@@ -10,7 +10,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
 use crate::base::visited::VisitedSet;
-use crate::ir::dae::{Dae, Kind};
+use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
 use crate::ir::program::{Bounds, CallSite, Events, Instr, Layout, Op, Routines, Slot, Tape};
 
@@ -516,6 +516,6 @@ impl Emitter {
 
     /// True if the value of the variable is known before initialization.
     pub fn is_parameter(&self, v: VarId) -> bool {
-        self.dae.variables.get(v).is_some_and(|x| x.kind == Kind::Parameter)
+        self.dae.variables.get(v).is_some_and(|x| x.kind == VariableKind::Parameter)
     }
 }

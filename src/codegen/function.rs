@@ -8,7 +8,7 @@ use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node, Unary, VarId};
-use crate::ir::flat::{Function, Level, LocalId, Statement};
+use crate::ir::flat::{AssertionLevel, Function, LocalId, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 
 use super::emit::Emitter;
@@ -55,7 +55,9 @@ fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
 fn value_of(statement: &Statement) -> Option<ExprId> {
     match statement {
         Statement::Assign(_, value) => Some(*value),
-        Statement::Assert(assert, _) if assert.level == Level::Error => Some(assert.condition),
+        Statement::Assert(assert, _) if assert.level == AssertionLevel::Error => {
+            Some(assert.condition)
+        }
         _ => None,
     }
 }

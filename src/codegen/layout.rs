@@ -2,7 +2,7 @@
 
 use crate::base::index::{FastSet, Id};
 use crate::ir::blocks::{Assignment, Block, Source};
-use crate::ir::dae::Kind;
+use crate::ir::dae::VariableKind;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::program::Slot;
 
@@ -50,8 +50,8 @@ fn allocate_pre(e: &mut Emitter, blocks: &SortedBlocks) {
     }
     for v in e.dae.variables.ids() {
         let kind = e.dae.variables[v].kind;
-        let moves = !matches!(kind, Kind::Parameter | Kind::Eliminated);
-        if kind == Kind::Discrete || (moves && read.contains(&v)) {
+        let moves = !matches!(kind, VariableKind::Parameter | VariableKind::Eliminated);
+        if kind == VariableKind::Discrete || (moves && read.contains(&v)) {
             let cell = e.new_slot(0.0);
             e.layout.pre.push((v, e.slot(v), cell));
             e.pre_slots.insert(v, cell);
@@ -74,7 +74,7 @@ fn allocate_inputs(e: &mut Emitter, blocks: &SortedBlocks) {
     });
     for v in e.dae.variables.ids() {
         let variable = &e.dae.variables[v];
-        if matches!(variable.kind, Kind::Parameter | Kind::Eliminated) {
+        if matches!(variable.kind, VariableKind::Parameter | VariableKind::Eliminated) {
             continue;
         }
         if variable.start.is_some() || started.contains(&v) {

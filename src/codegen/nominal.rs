@@ -6,7 +6,7 @@
 //! certain, a small fraction of an inferred size is used.
 
 use crate::base::index::FastMap;
-use crate::ir::dae::{EqId, Kind};
+use crate::ir::dae::{EqId, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Unary, VarId};
 use crate::ir::program::Slot;
 use crate::symbolic::gradient::{Leaf, gradient};
@@ -78,7 +78,7 @@ fn from_equation(e: &mut Emitter, v: VarId, residual: ExprId) -> Option<ExprId> 
     }
     let moves = |e: &Emitter, v: VarId| {
         let kind = e.dae.variables.get(v).map(|x| x.kind);
-        !matches!(kind, None | Some(Kind::Parameter | Kind::InitialParameter))
+        !matches!(kind, None | Some(VariableKind::Parameter | VariableKind::InitialParameter))
     };
     let partials = gradient(&mut e.dae.graph, rest, |_| true);
     let mut informative = is_informative(e, coefficient);

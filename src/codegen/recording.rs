@@ -1,6 +1,6 @@
 //! Selects the variables that a run records, and removes code that serves only the others.
 
-use crate::ir::dae::{Dae, Kind, Variable};
+use crate::ir::dae::{Dae, Variable, VariableKind};
 use crate::ir::expr::{Type, VarId};
 use crate::ir::program::{Entry, Instr, Op, Program, RelationTrigger, Slot};
 
@@ -17,14 +17,14 @@ pub fn constants(dae: &Dae) -> Vec<VarId> {
 }
 
 fn varying(dae: &Dae) -> Vec<VarId> {
-    selected(dae, |kind| kind != Kind::Parameter)
+    selected(dae, |kind| kind != VariableKind::Parameter)
 }
 
 fn fixed(dae: &Dae) -> Vec<VarId> {
-    selected(dae, |kind| kind == Kind::Parameter)
+    selected(dae, |kind| kind == VariableKind::Parameter)
 }
 
-fn selected(dae: &Dae, wanted: impl Fn(Kind) -> bool) -> Vec<VarId> {
+fn selected(dae: &Dae, wanted: impl Fn(VariableKind) -> bool) -> Vec<VarId> {
     let is_selected = |v: &Variable| wanted(v.kind) && !v.hidden && v.ty != Type::String;
     dae.variables.enumerate().filter(|(_, v)| is_selected(v)).map(|(v, _)| v).collect()
 }

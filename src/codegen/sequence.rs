@@ -2,7 +2,7 @@
 
 use crate::base::index::{FastMap, Id};
 use crate::ir::blocks::Block;
-use crate::ir::dae::{Dae, Kind, Trigger};
+use crate::ir::dae::{Dae, Trigger, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::{
     AssertSlots, BlockPosition, Clock, Entry, Op, ReinitSlots, Sequence, Slot, Tape,
@@ -57,7 +57,7 @@ pub fn parameters(e: &mut Emitter, blocks: &SortedBlocks) {
         }
     }
     for (v, variable) in e.dae.variables.enumerate() {
-        if variable.kind == Kind::Parameter && e.levels[v.idx()].is_none() {
+        if variable.kind == VariableKind::Parameter && e.levels[v.idx()].is_none() {
             e.problems.push(error::undetermined(&variable.name, variable.span));
         }
     }
@@ -252,9 +252,9 @@ pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks) -> Continuous {
 pub fn reset_levels(e: &mut Emitter, initialised: bool) {
     for (v, variable) in e.dae.variables.enumerate() {
         e.levels[v.idx()] = match variable.kind {
-            Kind::Parameter => Some(PARAMETER),
-            Kind::InitialParameter if initialised => Some(DISCRETE),
-            Kind::Discrete | Kind::Input => Some(DISCRETE),
+            VariableKind::Parameter => Some(PARAMETER),
+            VariableKind::InitialParameter if initialised => Some(DISCRETE),
+            VariableKind::Discrete | VariableKind::Input => Some(DISCRETE),
             _ => None,
         };
     }
@@ -265,7 +265,7 @@ fn clock_value(e: &mut Emitter, value: ExprId) -> Slot {
     let initial = |v: VarId| {
         matches!(
             e.dae.variables[v].kind,
-            Kind::Parameter | Kind::InitialParameter | Kind::Eliminated
+            VariableKind::Parameter | VariableKind::InitialParameter | VariableKind::Eliminated
         )
     };
     let known = e.dae.graph.variables(value).into_iter().all(initial);

@@ -16,7 +16,7 @@ use crate::ir::ast::{
     self, Argument, ArgumentKind, ClassBody, ClassKind, ElementKind, Modification,
 };
 use crate::ir::blocks::Blocks;
-use crate::ir::dae::Kind;
+use crate::ir::dae::VariableKind;
 use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::instance::{ClassId, Scope};
@@ -338,7 +338,8 @@ fn continuation(flat: FlatModel, program: &Program) -> Option<Continuation> {
     let lambda = *by_name.get(crate::lower::homotopy::LAMBDA)?;
     let variables = program.blocks.dae.variables.enumerate();
     let continuous = variables.filter(|(_, x)| {
-        x.ty == Type::Real && matches!(x.kind, Kind::Algebraic | Kind::Differentiated { .. })
+        x.ty == Type::Real
+            && matches!(x.kind, VariableKind::Algebraic | VariableKind::Differentiated { .. })
     });
     let slots = continuous
         .filter_map(|(v, x)| Some((between.slot(*by_name.get(x.name.as_str())?), program.slot(v))))

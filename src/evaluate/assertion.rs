@@ -7,7 +7,7 @@ use super::random_draw::Place;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, Ident};
 use crate::ir::expr::{Const, ExprId};
-use crate::ir::flat::{Assert, Level};
+use crate::ir::flat::{Assert, AssertionLevel};
 use crate::ir::instance::Scope;
 
 /// An assertion in a function, for a run to decide.
@@ -15,7 +15,7 @@ use crate::ir::instance::Scope;
 pub(crate) struct Asserted {
     pub(crate) condition: ExprId,
     pub(crate) message: ExprId,
-    pub(crate) level: Level,
+    pub(crate) level: AssertionLevel,
     pub(crate) span: Span,
 }
 
@@ -23,7 +23,7 @@ impl Asserted {
     /// As a statement of a function that the run calls; what does not let it fail has no place there.
     pub(super) fn in_function(&self) -> Option<(Assert, Span)> {
         let Asserted { condition, message, level, span } = *self;
-        (level == Level::Error).then_some((Assert { condition, message, level }, span))
+        (level == AssertionLevel::Error).then_some((Assert { condition, message, level }, span))
     }
 }
 
@@ -37,10 +37,10 @@ pub struct Assertions {
 }
 
 /// The level that an `AssertionLevel` means.
-pub(crate) fn level_of(level: Option<Const>) -> Level {
+pub(crate) fn level_of(level: Option<Const>) -> AssertionLevel {
     match level {
-        Some(Const::Enumeration(_, 1)) => Level::Warning,
-        _ => Level::Error,
+        Some(Const::Enumeration(_, 1)) => AssertionLevel::Warning,
+        _ => AssertionLevel::Error,
     }
 }
 
@@ -100,7 +100,7 @@ impl Context<'_> {
         &mut self,
         condition: ExprId,
         message: ExprId,
-        level: Level,
+        level: AssertionLevel,
         span: Span,
     ) -> Option<()> {
         let left = self.evaluation.exits;
@@ -108,7 +108,7 @@ impl Context<'_> {
         let sure =
             always && self.evaluation.assertions.conditions.is_empty() && left == Exits::default();
         if sure
-            && level == Level::Error
+            && level == AssertionLevel::Error
             && self.graph.as_const(condition) == Some(Const::Boolean(false))
         {
             let text = match self.graph.as_const(message) {

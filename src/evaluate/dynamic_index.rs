@@ -9,7 +9,7 @@ use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::ComponentRef;
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary, VarId};
-use crate::ir::flat::Level;
+use crate::ir::flat::AssertionLevel;
 use crate::ir::instance::{InstanceKind, Scope};
 use crate::ir::native::{Function, Native};
 
@@ -68,7 +68,7 @@ impl Context<'_> {
         let above = self.graph.binary(Binary::GreaterEqual, e, first);
         let below = self.graph.binary(Binary::LessEqual, e, last);
         let inside = self.graph.and(above, below);
-        self.assert_now_or_later(inside, message, Level::Error, span)
+        self.assert_now_or_later(inside, message, AssertionLevel::Error, span)
     }
 
     /// `if e == 1 then parts[0] elseif ... else the last`.

@@ -20,7 +20,7 @@ use crate::external::{Data, Fault, Function};
 use crate::io::matrix_file::Matrix;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External};
 use crate::ir::expr::{Binary, Const, EnumId, ExprId, Type, Unary};
-use crate::ir::flat::Level;
+use crate::ir::flat::AssertionLevel;
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::native::{Function as NativeFunction, Native};
 use crate::numeric::hermite::Smoothness;
@@ -196,7 +196,7 @@ impl Context<'_> {
                 let file = self.text_of(file)?;
                 let line = line.scalar().ok_or(Refusal::Unknown)?;
                 let never = self.graph.boolean(false);
-                let level = Level::Print(name(&file));
+                let level = AssertionLevel::Print(name(&file));
                 self.assert_now_or_later(never, line, level, span).ok_or(Refusal::Reported)?;
                 return Ok(Vec::new());
             }
@@ -404,7 +404,8 @@ impl Context<'_> {
             range.0, range.1
         );
         let message = self.graph.string(&text);
-        self.assert_now_or_later(condition, message, Level::Error, span).ok_or(Refusal::Reported)
+        self.assert_now_or_later(condition, message, AssertionLevel::Error, span)
+            .ok_or(Refusal::Reported)
     }
 
     /// `fileName, tableName, table, rows, columns, columns to use, their number, smoothness,

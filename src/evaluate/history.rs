@@ -9,23 +9,23 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, Ident, Variability};
 use crate::ir::expr::{Binary, Carried, Const, ExprId, Node, Type, Unary, VarId};
-use crate::ir::flat::Level;
+use crate::ir::flat::AssertionLevel;
 use crate::ir::instance::Scope;
 
 /// What is read of the past, as far as it was met.
 #[derive(Clone, Default)]
 pub(crate) struct History {
     /// The variables after all others, in their order.
-    pub made: Vec<Made>,
+    pub made: Vec<Synthetic>,
     /// Lines along which something is carried.
-    pub lines: Vec<Carrying>,
+    pub lines: Vec<TransportCall>,
 }
 
 /// A variable that is made for what equations read.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Made {
+pub(crate) enum Synthetic {
     /// A delayed expression.
-    Delay(Delaying),
+    Delay(DelayCall),
     /// How often a when-clause has drawn random numbers.
     Counter(Span),
     /// A random number.
@@ -34,7 +34,7 @@ pub(crate) enum Made {
 
 /// An expression that is delayed by a time that stays.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Delaying {
+pub(crate) struct DelayCall {
     /// What is delayed.
     pub value: ExprId,
     /// By how much, s.
@@ -45,7 +45,7 @@ pub(crate) struct Delaying {
 
 /// A line along which something is carried, see [`crate::ir::flat::Transport`].
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Carrying {
+pub(crate) struct TransportCall {
     /// Places of the low and of the high end.
     pub ends: [ExprId; 2],
     /// What enters there, if anything does.
@@ -109,18 +109,18 @@ impl Context<'_> {
             if let Some(bound) = bound.filter(|_| varies) {
                 return Some(Value::Scalar(self.varying_delay(value, time, bound, span)));
             }
-            let same = |m: &Made| matches!(m, Made::Delay(d) if (d.value, d.time) == (value, time));
+            let same = |m: &Synthetic| matches!(m, Synthetic::Delay(d) if (d.value, d.time) == (value, time));
             let known = self.evaluation.history.made.iter().position(same);
             let v = match known {
                 Some(k) => self.made_variable(k),
-                None => self.make(Made::Delay(Delaying { value, time, span })),
+                None => self.make(Synthetic::Delay(DelayCall { value, time, span })),
             };
             Some(Value::Scalar(self.graph.intern(Node::Recorded(v, 0), Type::Real)))
         })
     }
 
     /// A variable after all others.
-    pub(crate) fn make(&mut self, made: Made) -> VarId {
+    pub(crate) fn make(&mut self, made: Synthetic) -> VarId {
         self.evaluation.history.made.push(made);
         self.made_variable(self.evaluation.history.made.len() - 1)
     }
@@ -129,9 +129,9 @@ impl Context<'_> {
     pub(crate) fn made_variability(&self, v: VarId) -> Variability {
         let after = (v.0 as usize).checked_sub(self.evaluation.instance_of.len());
         match after.and_then(|k| self.evaluation.history.made.get(k)) {
-            Some(Made::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
-            Some(Made::Number(_) | Made::Counter(_)) => Variability::Discrete,
-            Some(Made::Delay(_)) | None => Variability::Continuous,
+            Some(Synthetic::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
+            Some(Synthetic::Number(_) | Synthetic::Counter(_)) => Variability::Discrete,
+            Some(Synthetic::Delay(_)) | None => Variability::Continuous,
         }
     }
 
@@ -165,10 +165,10 @@ impl Context<'_> {
         let zero = self.graph.real(0.0);
         let positive = self.graph.binary(Binary::GreaterEqual, time, zero);
         let message = self.graph.string("the time of `delay` is negative");
-        self.assert_now_or_later(positive, message, Level::Error, span)?;
+        self.assert_now_or_later(positive, message, AssertionLevel::Error, span)?;
         let bounded = self.graph.binary(Binary::LessEqual, time, bound);
         let message = self.graph.string("the time of `delay` is longer than its bound");
-        self.assert_now_or_later(bounded, message, Level::Error, span)
+        self.assert_now_or_later(bounded, message, AssertionLevel::Error, span)
     }
 
     /// Time itself is the line: the present enters at its high end.
@@ -178,7 +178,7 @@ impl Context<'_> {
         let place = self.graph.sub(now, by);
         let entering = [None, Some(value)];
         let (initial, longest, readers) = (Vec::new(), Some(bound), vec![place]);
-        self.carried(Carrying { ends, entering, initial, longest, readers, span })
+        self.carried(TransportCall { ends, entering, initial, longest, readers, span })
     }
 
     /// `(out0, out1) = spatialDistribution(in0, in1, x, positiveVelocity, initialPoints, initialValues)`:
@@ -225,7 +225,7 @@ impl Context<'_> {
         }
         let one = self.graph.real(1.0);
         let (low, high) = (self.graph.neg(x), self.graph.sub(one, x));
-        let line = |readers| Carrying {
+        let line = |readers| TransportCall {
             ends: [low, high],
             entering: [Some(in0), Some(in1)],
             initial: points.iter().copied().zip(values.iter().copied()).collect(),
@@ -280,10 +280,10 @@ impl Context<'_> {
     }
 
     /// What a reader of a line reads. Lines that are the same but for their readers are one.
-    fn carried(&mut self, mut wanted: Carrying) -> ExprId {
+    fn carried(&mut self, mut wanted: TransportCall) -> ExprId {
         let places = std::mem::take(&mut wanted.readers);
         let lines = &mut self.evaluation.history.lines;
-        let same = |l: &Carrying| {
+        let same = |l: &TransportCall| {
             (&l.ends, &l.entering, &l.initial) == (&wanted.ends, &wanted.entering, &wanted.initial)
         };
         let line = lines.iter().position(same).unwrap_or_else(|| {

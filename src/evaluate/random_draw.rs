@@ -7,7 +7,7 @@
 
 use super::Context;
 use super::external::Refusal;
-use super::history::Made;
+use super::history::Synthetic;
 use super::value::Value;
 use crate::base::source::Span;
 use crate::external::xorshift1024::Stream;
@@ -84,7 +84,7 @@ impl Context<'_> {
                 let counter = match self.evaluation.random_draws.counter {
                     Some(counter) => counter,
                     None => {
-                        let counter = self.make(Made::Counter(span));
+                        let counter = self.make(Synthetic::Counter(span));
                         self.evaluation.random_draws.counters.push(counter);
                         self.evaluation.random_draws.counter = Some(counter);
                         counter
@@ -94,7 +94,7 @@ impl Context<'_> {
                 (Some(counter), self.evaluation.random_draws.in_branch)
             }
         };
-        let v = self.make(Made::Number(RandomDraw { counter, number, span }));
+        let v = self.make(Synthetic::Number(RandomDraw { counter, number, span }));
         Ok(self.graph.var(v, Type::Real))
     }
 

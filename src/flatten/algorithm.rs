@@ -53,7 +53,7 @@ pub(super) fn expand(
     cx.evaluation.units.unitless_literal = false;
 }
 
-/// Initialises the assigned variables of a section: discrete ones with their `pre` value, others
+/// Initializes the assigned variables of a section: discrete ones with their `pre` value, others
 /// with their start value (Modelica 3.6, section 11.1.2).
 fn start_values(
     cx: &mut Context<'_>,

@@ -4,7 +4,7 @@
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::instantiate::Context;
-use crate::ir::assembly::{Assembly, Domain, End, Link, Part, Port};
+use crate::ir::assembly::{Assembly, AssemblyPart, Domain, Link, LinkEnd, Port};
 use crate::ir::ast::{
     ArgumentKind, Causality, ClassKind, ConnectionPrefix, Modification, Variability,
 };
@@ -63,7 +63,7 @@ impl AssemblyBuilder {
         let class = cx.instances[id].class;
         let meaning = class.and_then(|c| cx.text(c)).and_then(|t| t.description.clone());
         let parent = self.holder(cx, id);
-        let part = Part {
+        let part = AssemblyPart {
             name: cx.path(id),
             class: class_of(cx, id),
             description: description.as_deref().unwrap_or_default().to_owned(),
@@ -90,7 +90,7 @@ impl AssemblyBuilder {
     }
 
     /// The end of a link at the connector or variable `id`, seen from the class of `holder`.
-    fn end(&self, cx: &Context<'_>, id: InstanceId, holder: usize) -> Option<End> {
+    fn end(&self, cx: &Context<'_>, id: InstanceId, holder: usize) -> Option<LinkEnd> {
         let mut part = self.holder(cx, id)?;
         if !self.assembly.within(part, holder) {
             return None;
@@ -101,7 +101,7 @@ impl AssemblyBuilder {
         let full = cx.path(id);
         let owner = &self.assembly.parts[part].name;
         let port = full.strip_prefix(owner.as_str()).unwrap_or(&full).trim_start_matches('.');
-        Some(End { part, port: port.to_owned() })
+        Some(LinkEnd { part, port: port.to_owned() })
     }
 
     fn connect(
@@ -113,7 +113,7 @@ impl AssemblyBuilder {
     ) -> Option<()> {
         let holder = *self.position.get(&holder)?;
         let ends = [self.end(cx, ends[0], holder)?, self.end(cx, ends[1], holder)?];
-        let port = |e: &End| {
+        let port = |e: &LinkEnd| {
             self.assembly.parts[e.part].ports.iter().find(|p| p.name == e.port).map(|p| p.domain)
         };
         let domain = port(&ends[0]).or_else(|| port(&ends[1])).unwrap_or(Domain::Signal);

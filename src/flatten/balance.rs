@@ -15,17 +15,17 @@ use crate::ir::instance::{InstanceId, InstanceKind};
 
 /// Numbers of scalar unknowns and equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Balance {
+pub struct EquationBalance {
     /// Unknowns.
     pub unknowns: usize,
     /// Equations.
     pub equations: usize,
 }
 
-impl Balance {
+impl EquationBalance {
     /// Reports an error if the numbers differ.
     pub fn report(&self, flat: &FlatModel, problems: &mut Problems) {
-        let Balance { unknowns, equations } = *self;
+        let EquationBalance { unknowns, equations } = *self;
         if unknowns == equations {
             return;
         }
@@ -53,7 +53,11 @@ impl Balance {
 
 /// Counts equations and unknowns; `None` for a component with expandable connectors, whose
 /// variables depend on the surroundings.
-pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Option<Balance> {
+pub(super) fn of(
+    cx: &mut Context<'_>,
+    root: InstanceId,
+    flat: &FlatModel,
+) -> Option<EquationBalance> {
     if let InstanceKind::Object(children) = cx.instances[root].kind.clone() {
         for child in children.iter() {
             if let Some(class) = cx.instances[*child].class
@@ -106,7 +110,7 @@ pub(super) fn of(cx: &mut Context<'_>, root: InstanceId, flat: &FlatModel) -> Op
         }
     }
     equations += assigned.len();
-    Some(Balance { unknowns, equations })
+    Some(EquationBalance { unknowns, equations })
 }
 
 /// True for an input of the component, declared in it or in one of its connectors.

@@ -14,7 +14,7 @@ use crate::evaluate::value::Value;
 use crate::instantiate::Context;
 use crate::ir::ast::{self, Expr, ExprKind};
 use crate::ir::expr::{Const, ExprId, Type};
-use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Level, Origin};
+use crate::ir::flat::{Assert, AssertionLevel, Equation, EquationKind, FlatModel, Origin};
 use crate::ir::instance::{InstanceId, Scope, SectionKind};
 
 /// The destination of expanded equations, and their origin.
@@ -275,7 +275,7 @@ fn call_equation(
                 return Some(());
             }
             if let Some(Const::Boolean(false)) = cx.structural_value(assert.condition)
-                && assert.level == Level::Error
+                && assert.level == AssertionLevel::Error
             {
                 let text = match cx.graph.as_const(assert.message) {
                     Some(Const::String(s)) => s.to_string(),
@@ -324,7 +324,7 @@ pub(super) fn assertion(
     if cx.graph.as_const(c) == Some(Const::Boolean(true)) {
         // The message of an assertion that always holds is not evaluated.
         let empty = cx.graph.string("");
-        return Some(Assert { condition: c, message: empty, level: Level::Error });
+        return Some(Assert { condition: c, message: empty, level: AssertionLevel::Error });
     }
     let violated = cx.graph.not(c);
     let text = cx.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
@@ -337,7 +337,7 @@ pub(super) fn assertion(
             let value = cx.fold(level, scope)?.scalar()?;
             level_of(cx.graph.as_const(value))
         }
-        None => Level::Error,
+        None => AssertionLevel::Error,
     };
     Some(Assert { condition: c, message: text, level })
 }

@@ -4,12 +4,14 @@ use super::variable::add_synthetic;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
-use crate::evaluate::history::{Carrying, Made};
+use crate::evaluate::history::{Synthetic, TransportCall};
 use crate::evaluate::random_draw::{RandomDraw, RandomDraws};
 use crate::instantiate::Context;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
-use crate::ir::flat::{Delay, Equation, EquationKind, FlatModel, Origin, Reader, Transport};
+use crate::ir::flat::{
+    Delay, Equation, EquationKind, FlatModel, Origin, Transport, TransportReader,
+};
 use crate::symbolic::rewrite::Rewriter;
 
 /// Adds a variable for each delayed expression, transport line and random number. They follow all
@@ -17,23 +19,23 @@ use crate::symbolic::rewrite::Rewriter;
 /// has already numbered them in this order.
 pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
     let draws = std::mem::take(&mut cx.evaluation.random_draws);
-    let draws_any = cx.evaluation.history.made.iter().any(|m| matches!(m, Made::Number(_)));
+    let draws_any = cx.evaluation.history.made.iter().any(|m| matches!(m, Synthetic::Number(_)));
     let generator = draws.generator.as_ref().filter(|_| draws_any);
     let generator = generator.and_then(|state| generator_state(cx, flat, state));
     for (k, made) in std::mem::take(&mut cx.evaluation.history.made).into_iter().enumerate() {
         match made {
-            Made::Delay(delay) => {
+            Synthetic::Delay(delay) => {
                 let name = format!("$delay{}", flat.delays.len() + 1);
                 let variable = defined(cx, flat, name, delay.value, delay.span);
                 flat.delays.push(Delay { variable, time: delay.time, span: delay.span });
             }
-            Made::Counter(span) => {
+            Synthetic::Counter(span) => {
                 let zero = cx.graph.integer(0);
                 let counter = add_synthetic(flat, format!("$drawn{}", k + 1), Type::Integer, span);
                 flat.variables[counter].start = Some(zero);
                 flat.variables[counter].fixed = Some(true);
             }
-            Made::Number(drawing) => {
+            Synthetic::Number(drawing) => {
                 let value = number(cx, &draws, generator.as_deref(), drawing);
                 let name = format!("$random{}", k + 1);
                 let variable = add_synthetic(flat, name, Type::Real, drawing.span);
@@ -166,7 +168,7 @@ fn transport(
     cx: &mut Context<'_>,
     flat: &mut FlatModel,
     number: usize,
-    line: Carrying,
+    line: TransportCall,
 ) -> Transport {
     let span = line.span;
     let mut define = |what: &str, value: ExprId| {
@@ -196,7 +198,7 @@ fn transport(
         let (above, below) = (compare(Binary::GreaterEqual, to), compare(Binary::Less, from));
         let arrives = cx.graph.or(above, below);
         let arrives = defined(cx, flat, name("arrives"), arrives, span);
-        readers.push(Reader { place, from, to, arrives });
+        readers.push(TransportReader { place, from, to, arrives });
     }
     Transport { ends, entering, initial: line.initial, longest: line.longest, readers, span }
 }

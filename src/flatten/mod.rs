@@ -69,7 +69,7 @@ pub fn flatten_with_inventory(
 pub fn flatten_with_balance(
     cx: &mut Context<'_>,
     class: ClassId,
-    balance: &mut Option<balance::Balance>,
+    balance: &mut Option<balance::EquationBalance>,
 ) -> FlatModel {
     let mut root = None;
     let none = connect::Connections::default();

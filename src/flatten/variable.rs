@@ -66,7 +66,7 @@ pub fn add_synthetic(flat: &mut FlatModel, name: String, ty: Type, span: Span) -
     let slowest = if ty == Type::Real { Variability::Continuous } else { Variability::Discrete };
     let variable = Variable::bare(name, ty, slowest, span);
     let id = flat.variables.push(Variable { protected: true, ..variable });
-    flat.made.push(id);
+    flat.synthetic.push(id);
     id
 }
 

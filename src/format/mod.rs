@@ -2,7 +2,7 @@
 //!
 //! In: the source of a file. Out: the same tokens and comments on the same lines. The author
 //! decides on line breaks and on alignment: two or more spaces are kept. All other whitespace is
-//! normalised, so formatting is idempotent. The output is tokenized again and compared with the
+//! normalized, so formatting is idempotent. The output is tokenized again and compared with the
 //! input before it is returned.
 mod gap;
 mod indent;

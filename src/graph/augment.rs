@@ -17,14 +17,14 @@ pub struct AugmentingSearch<R: Id = Row, C: Id = Col> {
     epoch: Epoch,
     rows: Vec<R>,
     cols: Vec<C>,
-    path: Vec<Step<R>>,
+    path: Vec<PathStep<R>>,
 }
 
 /// Counts calls of [`AugmentingSearch::discard_marks`]; marks of older epochs do not count.
 type Epoch = std::num::NonZeroU32;
 
 /// A row on the path and the position of the edge to try next; the one before it leads on.
-struct Step<R> {
+struct PathStep<R> {
     row: R,
     next: usize,
 }
@@ -75,11 +75,11 @@ impl<R: Id, C: Id> AugmentingSearch<R, C> {
                     matching.col_to_row[col].is_none() && admissible(*edge, col)
                 };
                 if let Some(edge) = graph.edges(row).find(free) {
-                    self.path.push(Step { row, next: edge.idx() + 1 });
+                    self.path.push(PathStep { row, next: edge.idx() + 1 });
                     self.flip(graph, matching);
                     return true;
                 }
-                self.path.push(Step { row, next: graph.range(row).start });
+                self.path.push(PathStep { row, next: graph.range(row).start });
             }
             if self.path.is_empty() {
                 return false;

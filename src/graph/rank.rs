@@ -34,7 +34,7 @@ impl Residue {
 
     /// An arbitrary number that is not zero: always the same for the same `key`.
     pub fn arbitrary(key: u64) -> Residue {
-        // The finaliser of Steele, Lea and Flood's SplitMix64.
+        // The finalizer of Steele, Lea and Flood's SplitMix64.
         let mut z = key.wrapping_add(0x9E37_79B9_7F4A_7C15);
         z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);

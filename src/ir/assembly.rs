@@ -12,14 +12,14 @@ use crate::base::source::Span;
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Assembly {
     /// The model, then its components, each after the one that holds it.
-    pub parts: Vec<Part>,
+    pub parts: Vec<AssemblyPart>,
     /// In the order in which they stand in the text, level by level.
     pub links: Vec<Link>,
 }
 
 /// A component.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Part {
+pub struct AssemblyPart {
     /// Full dotted name, as in results; empty for the model itself.
     pub name: String,
     /// Full name of its class.
@@ -115,7 +115,7 @@ pub struct Link {
     /// The component in whose class it is written.
     pub holder: usize,
     /// The connectors; of an input, what it reads comes first.
-    pub ends: [End; 2],
+    pub ends: [LinkEnd; 2],
     /// What goes through it.
     pub domain: Domain,
     /// Written as `connect`; otherwise an input with a value.
@@ -126,7 +126,7 @@ pub struct Link {
 
 /// One end of a link.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct End {
+pub struct LinkEnd {
     /// The component: the holder itself, or one that it holds directly.
     pub part: usize,
     /// Name of the connector or variable in that component.

@@ -63,7 +63,7 @@ pub struct Dae {
 
 /// What a variable is to the solver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum VariableKind {
     /// A constant, or a parameter with a value.
     Parameter,
     /// A parameter with `fixed = false`, determined by initialisation.
@@ -91,7 +91,7 @@ pub struct Variable {
     /// Scalar type.
     pub ty: Type,
     /// What it is to the solver.
-    pub kind: Kind,
+    pub kind: VariableKind,
     /// For a derivative, what it is the derivative of.
     pub derivative_of: Option<VarId>,
     /// Start value; merged over aliases.
@@ -126,7 +126,7 @@ pub struct Variable {
 
 impl Variable {
     /// A variable about which nothing more is known.
-    pub fn new(name: impl Into<String>, ty: Type, kind: Kind, span: Span) -> Variable {
+    pub fn new(name: impl Into<String>, ty: Type, kind: VariableKind, span: Span) -> Variable {
         Variable {
             name: name.into(),
             ty,
@@ -150,7 +150,7 @@ impl Variable {
     }
 
     /// The variable `der(integral)`, where `of` is the id of `integral`.
-    pub fn derivative(of: VarId, integral: &Variable, kind: Kind) -> Variable {
+    pub fn derivative(of: VarId, integral: &Variable, kind: VariableKind) -> Variable {
         let name = format!("der({})", integral.name);
         Variable {
             derivative_of: Some(of),

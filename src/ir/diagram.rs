@@ -13,14 +13,14 @@ pub struct Diagram {
     /// Which phase, such as `between events`.
     pub phase: &'static str,
     /// The unknowns with their equations.
-    pub lines: Vec<Line>,
+    pub lines: Vec<DiagramLine>,
     /// Which lines are solved together.
-    pub parts: Vec<Part>,
+    pub parts: Vec<DiagramBlock>,
 }
 
 /// An unknown with the equation that it is solved from.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Line {
+pub struct DiagramLine {
     /// Name of the unknown.
     pub unknown: String,
     /// The equation as text.
@@ -33,9 +33,9 @@ pub struct Line {
 
 /// A block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Part {
+pub struct DiagramBlock {
     /// How it is solved.
-    pub method: Method,
+    pub method: SolutionMethod,
     /// Its first line.
     pub first: usize,
     /// Number of its lines.
@@ -44,7 +44,7 @@ pub struct Part {
 
 /// How a block is solved.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Method {
+pub enum SolutionMethod {
     /// One assignment.
     Explicit,
     /// A linear system.
@@ -55,18 +55,22 @@ pub enum Method {
     Mixed,
 }
 
-impl Method {
+impl SolutionMethod {
     /// All of them, from simple to hard.
-    pub const ALL: [Method; 4] =
-        [Method::Explicit, Method::Linear, Method::Nonlinear, Method::Mixed];
+    pub const ALL: [SolutionMethod; 4] = [
+        SolutionMethod::Explicit,
+        SolutionMethod::Linear,
+        SolutionMethod::Nonlinear,
+        SolutionMethod::Mixed,
+    ];
 
     /// In a word.
     pub fn name(self) -> &'static str {
         match self {
-            Method::Explicit => "explicit",
-            Method::Linear => "linear",
-            Method::Nonlinear => "nonlinear",
-            Method::Mixed => "mixed",
+            SolutionMethod::Explicit => "explicit",
+            SolutionMethod::Linear => "linear",
+            SolutionMethod::Nonlinear => "nonlinear",
+            SolutionMethod::Mixed => "mixed",
         }
     }
 }
@@ -74,7 +78,7 @@ impl Method {
 impl Diagram {
     /// The blocks that a block reads, by their positions, ascending.
     pub fn dependencies(&self, part: usize) -> Vec<usize> {
-        let Part { first, size, .. } = self.parts[part];
+        let DiagramBlock { first, size, .. } = self.parts[part];
         let lines = self.lines[first..first + size].iter();
         let read = lines.flat_map(|line| &line.reads).filter(|&&line| line < first);
         let mut found: Vec<usize> =

@@ -42,7 +42,7 @@ pub struct FlatModel {
     /// Inputs without a value that recordings give one, moving with time.
     pub recorded: Vec<VarId>,
     /// Variables that `flatten` made for its own purposes.
-    pub made: Vec<VarId>,
+    pub synthetic: Vec<VarId>,
     /// Delayed expressions.
     pub delays: Vec<Delay>,
     /// Lines along which something is carried.
@@ -215,12 +215,12 @@ pub struct Assert {
     /// A `String` expression.
     pub message: ExprId,
     /// What happens where it is not.
-    pub level: Level,
+    pub level: AssertionLevel,
 }
 
 /// What happens where an assertion is violated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Level {
+pub enum AssertionLevel {
     /// The run fails.
     Error,
     /// The run goes on with a warning.
@@ -254,14 +254,14 @@ pub struct Transport {
     /// Where time is the line, how far what is read lies back at most.
     pub longest: Option<ExprId>,
     /// Those who read: of a `spatialDistribution` the low end and the high end.
-    pub readers: Vec<Reader>,
+    pub readers: Vec<TransportReader>,
     /// Place of the call.
     pub span: Span,
 }
 
 /// A reader of what is carried along a line.
 #[derive(Clone, Copy, Debug)]
-pub struct Reader {
+pub struct TransportReader {
     /// The place that it reads.
     pub place: VarId,
     /// Where the smooth piece begins in which that is. Only the run knows: the 0th derivative of what is
@@ -395,7 +395,7 @@ impl FlatModel {
             experiment: Experiment::default(),
             unitless_literals: FastSet::default(),
             recorded: Vec::new(),
-            made: Vec::new(),
+            synthetic: Vec::new(),
             delays: Vec::new(),
             transports: Vec::new(),
         }

@@ -7,7 +7,7 @@
 use super::Equal;
 use super::variability::Variabilities;
 use crate::base::index::{FastMap, FastSet, IndexVec};
-use crate::ir::dae::{Kind, Variable};
+use crate::ir::dae::{Variable, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::Variability;
 
@@ -52,11 +52,11 @@ pub fn find_aliases(
         variables,
         variability: Variabilities::default(),
         chains: SignedUnion::new(variables.len()),
-        with_input: variables.iter().map(|v| v.kind == Kind::Input).collect(),
+        with_input: variables.iter().map(|v| v.kind == VariableKind::Input).collect(),
         in_semilinear: IndexVec::filled(false, variables.len()),
         fixed_start: variables
             .enumerate()
-            .filter(|(_, v)| v.kind == Kind::Discrete && v.fixed == Some(true))
+            .filter(|(_, v)| v.kind == VariableKind::Discrete && v.fixed == Some(true))
             .filter_map(|(id, v)| Some((id, v.start?)))
             .collect(),
         classes: AliasClasses {
@@ -148,8 +148,11 @@ impl AliasSearch<'_> {
         let Some([a, b]) = terms(graph, e, MAX_TERMS, &mut is_zero) else { return false };
         let negative = a.negative == b.negative;
         let of_one_kind = |x: &Variable, y: &Variable| match (x.kind, y.kind) {
-            (Kind::Algebraic | Kind::Input, Kind::Algebraic | Kind::Input) => x.ty == Type::Real,
-            (Kind::Discrete, Kind::Discrete) => x.ty == y.ty && !negative,
+            (
+                VariableKind::Algebraic | VariableKind::Input,
+                VariableKind::Algebraic | VariableKind::Input,
+            ) => x.ty == Type::Real,
+            (VariableKind::Discrete, VariableKind::Discrete) => x.ty == y.ty && !negative,
             _ => false,
         };
         let (x, y) = (&self.variables[a.variable], &self.variables[b.variable]);
@@ -207,18 +210,22 @@ impl AliasSearch<'_> {
                 self.variability.of(self.graph, self.variables, other) <= Variability::Parameter;
             // A String that never changes is a constant: the simulator does not store strings.
             let string = self.variables[v].ty == Type::String
-                && self.variables[v].kind == Kind::Discrete
+                && self.variables[v].kind == VariableKind::Discrete
                 && self.graph.as_const(other).is_some();
-            if is_constant && (string || self.variables[v].kind == Kind::Algebraic) {
+            if is_constant && (string || self.variables[v].kind == VariableKind::Algebraic) {
                 return Some((v, if negative { self.graph.neg(other) } else { other }));
             }
         }
         // `v + p = 0` and the like.
         let [a, b] = two_terms(self.graph, e)?;
         let kind = |t: &Term| self.variables[t.variable].kind;
-        let is_parameter = |t: &Term| matches!(kind(t), Kind::Parameter | Kind::InitialParameter);
+        let is_parameter =
+            |t: &Term| matches!(kind(t), VariableKind::Parameter | VariableKind::InitialParameter);
         let (v, p) = if is_parameter(&b) { (a, b) } else { (b, a) };
-        if v.differentiated || p.differentiated || kind(&v) != Kind::Algebraic || !is_parameter(&p)
+        if v.differentiated
+            || p.differentiated
+            || kind(&v) != VariableKind::Algebraic
+            || !is_parameter(&p)
         {
             return None;
         }
@@ -235,7 +242,7 @@ impl AliasSearch<'_> {
             (true, false) => (b, a),
             _ => return false,
         };
-        let is_algebraic = |t: &Term| self.variables[t.variable].kind == Kind::Algebraic;
+        let is_algebraic = |t: &Term| self.variables[t.variable].kind == VariableKind::Algebraic;
         if !is_algebraic(&v) || !is_algebraic(&s) {
             return false;
         }

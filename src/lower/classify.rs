@@ -5,7 +5,7 @@ use super::error;
 use super::rewriting::Rewriting;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
-use crate::ir::dae::{self, DiscreteEquation, Kind};
+use crate::ir::dae::{self, DiscreteEquation, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{
     Action, Assert, Causality, EquationKind, FlatModel, Origin, Variability, Variable, WhenBranch,
@@ -30,7 +30,7 @@ pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, d
     let mut all: IndexVec<VarId, dae::Variable> =
         flat.variables.enumerate().map(|(id, v)| classify(id, v, &by_when, problems)).collect();
     for &id in &flat.recorded {
-        all[id].kind = Kind::Algebraic;
+        all[id].kind = VariableKind::Algebraic;
     }
     all
 }
@@ -73,7 +73,7 @@ pub fn check_discrete_equations(discrete: &[DiscreteEquation], r: &mut Rewriting
     let mut determined: FastSet<VarId> = discrete.iter().map(|d| d.variable).collect();
     determined.extend(r.sample_flags());
     for (id, v) in r.variables.enumerate() {
-        if v.kind == Kind::Discrete && !determined.contains(&id) {
+        if v.kind == VariableKind::Discrete && !determined.contains(&id) {
             r.problems.push(error::no_discrete_equation(v));
         }
     }
@@ -146,16 +146,16 @@ fn classify(
     problems: &mut Problems,
 ) -> dae::Variable {
     let kind = match v.variability {
-        Variability::Constant => Kind::Parameter,
-        Variability::Parameter if is_determined_by_initialization(v) => Kind::Discrete,
-        Variability::Parameter if v.fixed == Some(false) => Kind::InitialParameter,
-        Variability::Parameter => Kind::Parameter,
-        _ if v.causality == Some(Causality::Input) && v.binding.is_none() => Kind::Input,
-        Variability::Discrete => Kind::Discrete,
-        Variability::Continuous if by_when.contains(&id) => Kind::Discrete,
-        Variability::Continuous => Kind::Algebraic,
+        Variability::Constant => VariableKind::Parameter,
+        Variability::Parameter if is_determined_by_initialization(v) => VariableKind::Discrete,
+        Variability::Parameter if v.fixed == Some(false) => VariableKind::InitialParameter,
+        Variability::Parameter => VariableKind::Parameter,
+        _ if v.causality == Some(Causality::Input) && v.binding.is_none() => VariableKind::Input,
+        Variability::Discrete => VariableKind::Discrete,
+        Variability::Continuous if by_when.contains(&id) => VariableKind::Discrete,
+        Variability::Continuous => VariableKind::Algebraic,
     };
-    if by_when.contains(&id) && kind != Kind::Discrete {
+    if by_when.contains(&id) && kind != VariableKind::Discrete {
         problems.push(error::assigned_parameter(v));
     }
     dae::Variable {
@@ -163,7 +163,7 @@ fn classify(
         ty: v.ty,
         kind,
         derivative_of: None,
-        start: v.start.or(v.binding.filter(|_| kind == Kind::InitialParameter)),
+        start: v.start.or(v.binding.filter(|_| kind == VariableKind::InitialParameter)),
         fixed: v.fixed,
         min: v.min,
         max: v.max,

@@ -5,7 +5,7 @@
 
 use super::rewriting::Rewriting;
 use crate::ir::builtin::Rounding;
-use crate::ir::dae::{DiscreteEquation, Kind, Variable};
+use crate::ir::dae::{DiscreteEquation, Variable, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Type, Unary, VarId};
 use crate::ir::flat::Origin;
 
@@ -47,7 +47,7 @@ impl Rewriting<'_> {
             return self.graph.var(*known, ty);
         }
         let name = format!("$whole{}", self.jumps.len() + 1);
-        let new = Variable::new(name, ty, Kind::Discrete, origin.span);
+        let new = Variable::new(name, ty, VariableKind::Discrete, origin.span);
         let variable = self.variables.push(Variable { hidden: true, ..new });
         self.jump_ids.insert((a, rounding, ty), variable);
         let value = match rounding {

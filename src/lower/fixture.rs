@@ -215,7 +215,7 @@ impl FixtureParser {
         let condition = self.expression(0);
         self.expect(",");
         let message = self.expression(0);
-        Assert { condition, message, level: Level::Error }
+        Assert { condition, message, level: AssertionLevel::Error }
     }
 
     fn variable(&mut self) -> VarId {

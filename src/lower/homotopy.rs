@@ -1,6 +1,6 @@
 //! The homotopy between the simplified and the actual system (Modelica 3.6, section 3.7.4.4).
 //!
-//! `homotopy(actual, simplified)` means `actual`. If initialisation cannot solve the actual system
+//! `homotopy(actual, simplified)` means `actual`. If initialization cannot solve the actual system
 //! directly, it starts from the simplified one and follows the solution of
 //! `(1 - lambda) simplified + lambda actual`, with `lambda` as an additional parameter of a second
 //! model.

@@ -3,7 +3,7 @@
 use super::rewriting::{RelationMode, Rewriting};
 use super::{DiscreteEquations, error};
 use crate::base::index::FastSet;
-use crate::ir::dae::{self, Kind};
+use crate::ir::dae::{self, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{Equation, EquationKind, Origin, Variability};
 
@@ -40,7 +40,7 @@ pub fn equations(
     equations
 }
 
-/// Replaces `pre(v)` during initialisation by the value of an initial equation that depends on time
+/// Replaces `pre(v)` during initialization by the value of an initial equation that depends on time
 /// or variables.
 fn set_initial_pre(
     v: VarId,
@@ -132,7 +132,7 @@ fn pre_variables(e: ExprId, r: &Rewriting<'_>) -> Vec<VarId> {
 /// True if the expression contains only `pre` values and parameters.
 fn is_pre_expression(e: ExprId, r: &Rewriting<'_>) -> bool {
     r.graph.postorder([e]).into_iter().all(|n| match r.graph.node(n) {
-        Node::Var(v) => r.variables[v].kind == Kind::Parameter,
+        Node::Var(v) => r.variables[v].kind == VariableKind::Parameter,
         Node::Pre(_) | Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,
         _ => false,
     })
@@ -152,13 +152,13 @@ fn equal(
     let rhs = r.apply(b, RelationMode::Literal, origin);
     for (side, value) in [(lhs, rhs), (rhs, lhs)] {
         let is_initial_parameter = |e| match r.graph.node(e) {
-            Node::Var(w) => r.variables[w].kind == Kind::InitialParameter,
+            Node::Var(w) => r.variables[w].kind == VariableKind::InitialParameter,
             _ => false,
         };
         match r.graph.node(side) {
             // A variable with a fixed start value determines a parameter with `fixed = false`.
             Node::Var(v) if r.variables[v].fixed == Some(true) && is_initial_parameter(value) => {}
-            Node::Var(v) if r.variables[v].kind == Kind::Discrete => {
+            Node::Var(v) if r.variables[v].kind == VariableKind::Discrete => {
                 return first_value(v, value, origin, discrete, r);
             }
             Node::Pre(v) if r.variability(value) <= Variability::Parameter => {
@@ -170,7 +170,7 @@ fn equal(
                 pre.open.push((v, value));
                 return;
             }
-            Node::Pre(v) if r.variables[v].kind == Kind::Discrete => {
+            Node::Pre(v) if r.variables[v].kind == VariableKind::Discrete => {
                 pre.varying.push((v, value));
                 return;
             }

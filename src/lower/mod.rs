@@ -25,7 +25,7 @@ mod tests;
 
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
-use crate::ir::dae::{self, Dae, DiscreteEquation, Kind};
+use crate::ir::dae::{self, Dae, DiscreteEquation, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{Delay, EquationKind, FlatModel, Origin, Transport, Variability, Variable};
 use rewriting::{RelationMode, Rewriting};
@@ -60,7 +60,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     rewriting.attributes();
     let eliminated = rewriting.eliminated();
     let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);
-    for &v in &flat.made {
+    for &v in &flat.synthetic {
         rewriting.variables[v].hidden = true;
     }
     let delays = delays(&flat.delays, &mut rewriting);
@@ -90,7 +90,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     })
 }
 
-/// Adds equations that hold discrete parameters at the value determined by initialisation.
+/// Adds equations that hold discrete parameters at the value determined by initialization.
 fn hold_initial_values(
     flat: &IndexVec<VarId, Variable>,
     discrete: &mut DiscreteEquations,
@@ -99,7 +99,7 @@ fn hold_initial_values(
     for (id, v) in flat.enumerate() {
         let Some(own) = r.representative(id).map(|s| s.variable) else { continue };
         if classify::is_determined_by_initialization(v)
-            && r.variables[own].kind == Kind::Discrete
+            && r.variables[own].kind == VariableKind::Discrete
             && !discrete.of.contains_key(&own)
         {
             let before = r.graph.pre(own, r.variables[own].ty);
@@ -225,5 +225,5 @@ fn alone(side: ExprId, r: &Rewriting<'_>) -> Option<(VarId, Option<Unary>)> {
         },
         _ => return None,
     };
-    (r.variables[variable].kind == Kind::Discrete).then_some((variable, negation))
+    (r.variables[variable].kind == VariableKind::Discrete).then_some((variable, negation))
 }

@@ -5,7 +5,7 @@ use super::error;
 use super::rewriting::{RelationMode, Rewriting};
 use crate::base::index::{FastMap, IndexVec};
 use crate::graph::scc;
-use crate::ir::dae::{self, Kind};
+use crate::ir::dae::{self, VariableKind};
 use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::{Variability, Variable};
 use crate::symbolic::rewrite::Rewriter;
@@ -16,7 +16,7 @@ crate::define_id! {
 }
 
 /// The parameters with their values in order of evaluation. A parameter that depends on one with
-/// `fixed = false` is determined by initialisation, too: its value becomes an initial equation.
+/// `fixed = false` is determined by initialization, too: its value becomes an initial equation.
 pub fn ordered(
     flat: &IndexVec<VarId, Variable>,
     initial: &mut Vec<dae::Equation>,
@@ -43,9 +43,9 @@ pub fn ordered(
     let mut known = KnownValues::default();
     for position in order {
         let (v, value) = values[position.0 as usize];
-        let is_initial = |v: &VarId| r.variables[*v].kind == Kind::InitialParameter;
+        let is_initial = |v: &VarId| r.variables[*v].kind == VariableKind::InitialParameter;
         if reads[position.0 as usize].iter().any(is_initial) {
-            r.variables[v].kind = Kind::InitialParameter;
+            r.variables[v].kind = VariableKind::InitialParameter;
             r.variables[v].start = None;
             let lhs = r.graph.var(v, flat[v].ty);
             let residual = r.graph.sub(lhs, value);
@@ -108,7 +108,7 @@ impl KnownValues {
 fn values(flat: &IndexVec<VarId, Variable>, r: &mut Rewriting<'_>) -> Vec<(VarId, ExprId)> {
     let mut values = Vec::new();
     for (id, v) in flat.enumerate() {
-        if r.variables[id].kind != Kind::Parameter {
+        if r.variables[id].kind != VariableKind::Parameter {
             continue;
         }
         let value = match (v.binding, v.start) {
@@ -125,7 +125,10 @@ fn values(flat: &IndexVec<VarId, Variable>, r: &mut Rewriting<'_>) -> Vec<(VarId
         let value = r.apply(value, RelationMode::Literal, &declaration_origin(v));
         if r.variability(value) > Variability::Parameter {
             let culprit = r.graph.variables(value).into_iter().find(|w| {
-                !matches!(r.variables[*w].kind, Kind::Parameter | Kind::InitialParameter)
+                !matches!(
+                    r.variables[*w].kind,
+                    VariableKind::Parameter | VariableKind::InitialParameter
+                )
             });
             let culprit = culprit.map(|w| r.variables[w].name.clone());
             r.problems.push(error::varying_parameter(v, culprit.as_deref().unwrap_or("time")));

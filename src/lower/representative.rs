@@ -5,7 +5,7 @@ use super::alias::{AliasClasses, Signed};
 use super::error;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
-use crate::ir::dae::{Kind, Variable};
+use crate::ir::dae::{Variable, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, VarId};
 use crate::ir::flat::StateSelect;
 
@@ -39,7 +39,10 @@ pub fn choose(
     }
     let mut members: Vec<(VarId, Signed)> = Vec::with_capacity(variables.len());
     for (v, variable) in variables.enumerate() {
-        if matches!(variable.kind, Kind::Algebraic | Kind::Input | Kind::Discrete) {
+        if matches!(
+            variable.kind,
+            VariableKind::Algebraic | VariableKind::Input | VariableKind::Discrete
+        ) {
             let Signed { variable: root, negative } = classes.union.find(v);
             members.push((root, Signed { variable: v, negative }));
         }
@@ -67,9 +70,9 @@ pub fn choose(
                     (name.variable, Some(Integral { variable: chosen.variable, negative }))
                 });
                 // Inputs are constant and discrete variables change only at events.
-                let varies = choice.variables[chosen.variable].kind == Kind::Algebraic;
+                let varies = choice.variables[chosen.variable].kind == VariableKind::Algebraic;
                 if next.is_none() && varies && differentiated.contains(&root) {
-                    choice.add_derivative(chosen.variable, Kind::Algebraic);
+                    choice.add_derivative(chosen.variable, VariableKind::Algebraic);
                 }
             }
         }
@@ -99,7 +102,7 @@ impl RepresentativeChoice<'_> {
         for member in members {
             let value = if member.negative { self.graph.neg(value) } else { value };
             self.replacement[member.variable] = Replacement::Value(value);
-            self.variables[member.variable].kind = Kind::Eliminated;
+            self.variables[member.variable].kind = VariableKind::Eliminated;
         }
     }
 
@@ -117,16 +120,16 @@ impl RepresentativeChoice<'_> {
             (Some(best), None) => best,
             (Some(best), Some(of)) => {
                 self.variables[best.variable].derivative_of = Some(of.variable);
-                let read = self.add_derivative(of.variable, Kind::Eliminated);
+                let read = self.add_derivative(of.variable, VariableKind::Eliminated);
                 let alias = Signed { variable: best.variable, negative: false };
                 self.replacement[read] = Replacement::Alias(alias);
                 self.variables[read].derivative_of = None;
                 self.variables[of.variable].kind =
-                    Kind::Differentiated { derivative: best.variable };
+                    VariableKind::Differentiated { derivative: best.variable };
                 best
             }
             (None, Some(of)) => {
-                let variable = self.add_derivative(of.variable, Kind::Algebraic);
+                let variable = self.add_derivative(of.variable, VariableKind::Algebraic);
                 Signed { variable, negative: of.negative }
             }
             // Unreachable: every class has members.
@@ -142,7 +145,7 @@ impl RepresentativeChoice<'_> {
         for m in relative {
             let alias = Signed { variable: chosen.variable, negative: m.negative };
             self.replacement[m.variable] = Replacement::Alias(alias);
-            self.variables[m.variable].kind = Kind::Eliminated;
+            self.variables[m.variable].kind = VariableKind::Eliminated;
         }
         chosen
     }
@@ -153,7 +156,7 @@ impl RepresentativeChoice<'_> {
         use std::cmp::Reverse;
         let variable = &self.variables[v];
         (
-            variable.kind == Kind::Input,
+            variable.kind == VariableKind::Input,
             variable.state_select,
             self.written_under_der[v],
             variable.fixed == Some(true),
@@ -164,12 +167,12 @@ impl RepresentativeChoice<'_> {
         )
     }
 
-    fn add_derivative(&mut self, of: VarId, kind: Kind) -> VarId {
+    fn add_derivative(&mut self, of: VarId, kind: VariableKind) -> VarId {
         let integral = &self.variables[of];
         let derivative = Variable::derivative(of, integral, kind);
         let id = self.variables.push(derivative);
         self.replacement.push(Replacement::Kept);
-        self.variables[of].kind = Kind::Differentiated { derivative: id };
+        self.variables[of].kind = VariableKind::Differentiated { derivative: id };
         id
     }
 

@@ -9,7 +9,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastMap, IndexVec};
 use crate::base::source::Span;
 use crate::ir::builtin::{Rounding, Shape};
-use crate::ir::dae::{DiscreteEquation, Kind, Relation, Sample, Trigger, Variable};
+use crate::ir::dae::{DiscreteEquation, Relation, Sample, Trigger, Variable, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, VarId};
 use crate::ir::flat::{Origin, Variability};
 use crate::symbolic::gradient::Leaf;
@@ -26,7 +26,7 @@ pub enum RelationMode {
 }
 
 /// The relations and clocks that the rewriting has collected.
-pub struct Events {
+pub struct EventSources {
     /// Numbered relations.
     pub relations: Vec<Relation>,
     /// Clocks.
@@ -80,8 +80,8 @@ impl<'a> Rewriting<'a> {
     }
 
     /// The relations and clocks.
-    pub fn finish(self) -> Events {
-        Events { relations: self.relations, samples: self.samples }
+    pub fn finish(self) -> EventSources {
+        EventSources { relations: self.relations, samples: self.samples }
     }
 
     /// The Boolean variables of the clocks found so far.
@@ -118,7 +118,7 @@ impl<'a> Rewriting<'a> {
 
     /// Adds a discrete Boolean that is hidden from the user.
     pub fn add_flag(&mut self, name: String, span: Span) -> VarId {
-        let flag = Variable::new(name, Type::Boolean, Kind::Discrete, span);
+        let flag = Variable::new(name, Type::Boolean, VariableKind::Discrete, span);
         self.variables.push(Variable { hidden: true, ..flag })
     }
 
@@ -232,10 +232,10 @@ impl<'a> Rewriting<'a> {
     fn rate(&mut self, v: VarId, origin: &Origin) -> ExprId {
         if let Some(s) = self.representative(v) {
             match self.variables[s.variable].kind {
-                Kind::Differentiated { derivative } => {
+                VariableKind::Differentiated { derivative } => {
                     return self.read(Signed { variable: derivative, negative: s.negative });
                 }
-                Kind::Discrete => {
+                VariableKind::Discrete => {
                     let declared = &self.variables[v];
                     self.problems.push(error::rate_of_discrete(declared, origin));
                 }
@@ -259,7 +259,7 @@ impl<'a> Rewriting<'a> {
     ) -> ExprId {
         match (self.graph.node(e), operands) {
             (Node::NoEvent(_) | Node::Smooth(..), &[a]) => return a,
-            // Initialisation first tries the actual system directly.
+            // Initialization first tries the actual system directly.
             (Node::Homotopy(..), &[actual, _]) => return actual,
             (Node::Sample(..), &[start, interval]) => return self.sample(start, interval, origin),
             _ => {}
@@ -276,7 +276,9 @@ impl<'a> Rewriting<'a> {
                 _ => new,
             },
             Node::Unary(op, a) => match op.shape() {
-                Shape::Rounds(rounding) => self.rounded_variable(a, rounding, self.graph.ty(new), origin),
+                Shape::Rounds(rounding) => {
+                    self.rounded_variable(a, rounding, self.graph.ty(new), origin)
+                }
                 _ => new,
             },
             _ => new,

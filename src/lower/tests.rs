@@ -4,7 +4,7 @@ use super::fixture::model;
 use super::lower;
 use crate::base::diag::Problems;
 use crate::base::render::{Style, render_all};
-use crate::ir::dae::{Dae, Kind, Trigger};
+use crate::ir::dae::{Dae, Trigger, VariableKind};
 use crate::ir::expr::{ExprId, Node, VarId};
 use crate::symbolic::print;
 
@@ -100,7 +100,7 @@ fn a_named_derivative_is_the_derivative() {
     // s = -a puts a into the class of s, so `a = der(v)` remains an equation.
     let s = find(&dae, "s");
     let v = find(&dae, "v");
-    assert_eq!(dae.variables[s].kind, Kind::Differentiated { derivative: v });
+    assert_eq!(dae.variables[s].kind, VariableKind::Differentiated { derivative: v });
     assert_eq!(dae.variables[v].derivative_of, Some(s));
     assert_eq!(equations(&dae), ["-s = der(v)"]);
     assert_eq!(eliminated(&dae), ["a = -s", "der(s) = v"]);
@@ -159,7 +159,7 @@ fn parameters_come_in_order_and_cycles_are_named() {
     let order: Vec<&str> =
         dae.parameters.iter().map(|(v, _)| dae.variables[*v].name.as_str()).collect();
     assert_eq!(order, ["c", "b", "a"]);
-    assert_eq!(dae.variables[find(&dae, "h")].kind, Kind::InitialParameter);
+    assert_eq!(dae.variables[find(&dae, "h")].kind, VariableKind::InitialParameter);
     assert_eq!(dae.initial.len(), 1);
 }
 

@@ -1,7 +1,7 @@
 //! Variability of expressions (Modelica 3.6, section 3.8).
 
 use crate::base::index::{Id, IndexVec};
-use crate::ir::dae::{Kind, Variable};
+use crate::ir::dae::{Variable, VariableKind};
 use crate::ir::expr::{ExprId, Graph, Node, VarId};
 use crate::ir::flat::Variability;
 
@@ -47,8 +47,10 @@ impl Variabilities {
 /// The variability of a variable by its kind. An input keeps its start value.
 pub fn of_variable(variable: &Variable) -> Variability {
     match variable.kind {
-        Kind::Parameter | Kind::InitialParameter => Variability::Parameter,
-        Kind::Discrete | Kind::Input => Variability::Discrete,
-        Kind::Differentiated { .. } | Kind::Algebraic | Kind::Eliminated => Variability::Continuous,
+        VariableKind::Parameter | VariableKind::InitialParameter => Variability::Parameter,
+        VariableKind::Discrete | VariableKind::Input => Variability::Discrete,
+        VariableKind::Differentiated { .. }
+        | VariableKind::Algebraic
+        | VariableKind::Eliminated => Variability::Continuous,
     }
 }

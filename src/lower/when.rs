@@ -1,13 +1,13 @@
 //! When-clauses as discrete equations (Modelica 3.6, section 8.3.5).
 //!
 //! Each condition gets a flag, `$whenK := condition`. A branch is active in the event iteration in
-//! which one of its flags has just become true, unless an earlier branch is; during initialisation
+//! which one of its flags has just become true, unless an earlier branch is; during initialization
 //! it is active exactly if `initial()` is one of its conditions.
 
 use super::rewriting::{RelationMode, Rewriting};
 use super::{DiscreteEquations, error};
 use crate::base::index::{FastMap, FastSet};
-use crate::ir::dae::{GuardedAssert, Kind, Reinit, Terminate};
+use crate::ir::dae::{GuardedAssert, Reinit, Terminate, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{Action, Assert, Origin, WhenBranch};
 
@@ -170,7 +170,8 @@ fn lower_action(
         Action::Assign(..) => {}
         Action::Reinit { state, value, guard } => {
             let value = r.apply(*value, RelationMode::Literal, origin);
-            let is_state = |v: VarId| matches!(r.variables[v].kind, Kind::Differentiated { .. });
+            let is_state =
+                |v: VarId| matches!(r.variables[v].kind, VariableKind::Differentiated { .. });
             let Some(signed) = r.representative(*state).filter(|s| is_state(s.variable)) else {
                 r.problems.push(error::reinit_of_no_state(&r.variables[*state], origin));
                 return;

@@ -4,7 +4,7 @@ use super::error;
 use super::model::{KNOWN, expression, happened, integral, is_internal};
 use super::text::{Function, Measures};
 use crate::base::diag::Problems;
-use crate::ir::dae::Kind;
+use crate::ir::dae::VariableKind;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Constant, Event};
@@ -39,7 +39,7 @@ impl Plan {
         let mut results = Vec::new();
         for measure in &measures.list {
             let v = find(&measure.name)?;
-            if variables[v].kind != Kind::Parameter {
+            if variables[v].kind != VariableKind::Parameter {
                 problems.push(error::moves(measure.value.span, &measure.name));
                 return None;
             }

@@ -57,7 +57,7 @@ impl NormalEquations {
     }
 }
 
-/// The residuals whose sum of squares is minimised.
+/// The residuals whose sum of squares is minimized.
 pub trait Residuals {
     /// The sums at `x`; `None` if they cannot be computed there.
     fn normal(&mut self, x: &[f64]) -> Option<NormalEquations>;
@@ -110,7 +110,7 @@ const MAX_CREEPING_STEPS: u32 = 3;
 
 /// Searches for a minimum from `x`, each parameter within its bounds. `None` if the residuals
 /// cannot be computed at the start.
-pub fn minimise(
+pub fn minimize(
     residuals: &mut dyn Residuals,
     x: &[f64],
     bounds: &[(f64, f64)],
@@ -247,7 +247,7 @@ fn step(
     Some(step)
 }
 
-/// Decrease of the cost predicted by the linearised residuals.
+/// Decrease of the cost predicted by the linearized residuals.
 fn predicted(normal: &NormalEquations, moved: &[f64]) -> f64 {
     let n = normal.n;
     let mut sum = 0.0;
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn finds_the_minimum_of_rosenbrock() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
-        let found = minimise(&mut Rosenbrock, &[-1.2, 1.0], &free, &STOPPING).unwrap();
+        let found = minimize(&mut Rosenbrock, &[-1.2, 1.0], &free, &STOPPING).unwrap();
         assert!(found.converged);
         assert!((found.x[0] - 1.0).abs() < 1e-8 && (found.x[1] - 1.0).abs() < 1e-8, "{found:?}");
     }
@@ -291,7 +291,7 @@ mod tests {
     #[test]
     fn stops_at_a_bound_and_continues_along_it() {
         let bounds = [(-2.0, 0.5), (-2.0, 2.0)];
-        let found = minimise(&mut Rosenbrock, &[-1.2, 1.0], &bounds, &STOPPING).unwrap();
+        let found = minimize(&mut Rosenbrock, &[-1.2, 1.0], &bounds, &STOPPING).unwrap();
         assert_eq!(found.x[0], 0.5);
         assert!((found.x[1] - 0.25).abs() < 1e-8, "{found:?}");
     }
@@ -314,10 +314,10 @@ mod tests {
     #[test]
     fn a_search_that_ends_at_a_jump_returns_a_point_beyond() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY)];
-        let found = minimise(&mut Terraces, &[0.0], &free, &STOPPING).unwrap();
+        let found = minimize(&mut Terraces, &[0.0], &free, &STOPPING).unwrap();
         assert!(found.x[0] <= 1.0 && found.x[0] > 0.5, "{found:?}");
         assert!(found.beyond.unwrap()[0] > 1.0);
-        assert!(minimise(&mut Terraces, &[2.0], &free, &STOPPING).unwrap().beyond.is_none());
+        assert!(minimize(&mut Terraces, &[2.0], &free, &STOPPING).unwrap().beyond.is_none());
     }
 
     /// A cost that decreases towards a point where its slope is NaN.
@@ -337,8 +337,8 @@ mod tests {
     #[test]
     fn slopes_that_are_nan_end_the_search() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
-        assert!(minimise(&mut Cliff, &[0.0, 0.0], &free, &STOPPING).is_none());
-        let found = minimise(&mut Cliff, &[1.0, 0.0], &free, &STOPPING).unwrap();
+        assert!(minimize(&mut Cliff, &[0.0, 0.0], &free, &STOPPING).is_none());
+        let found = minimize(&mut Cliff, &[1.0, 0.0], &free, &STOPPING).unwrap();
         assert!(!found.converged && found.normal.is_finite(), "{found:?}");
     }
 
@@ -364,7 +364,7 @@ mod tests {
     #[test]
     fn finds_a_rate_next_to_a_parameter_without_effect() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 3];
-        let found = minimise(&mut Decay, &[0.3, 3.5, 7.0], &free, &STOPPING).unwrap();
+        let found = minimize(&mut Decay, &[0.3, 3.5, 7.0], &free, &STOPPING).unwrap();
         assert!((found.x[0] - 2.0).abs() < 1e-7 && (found.x[1] - 1.5).abs() < 1e-7, "{found:?}");
         assert_eq!(found.x[2], 7.0);
     }

@@ -142,7 +142,7 @@ impl PseudoInverse {
         self.rank
     }
 
-    /// The shortest vector that minimises the residual of the scaled equations.
+    /// The shortest vector that minimizes the residual of the scaled equations.
     fn shortest(&self, right: &[f64]) -> Vec<f64> {
         let (n, r, a) = (self.n, self.rank, &self.factors);
         let mut w = right.to_vec();

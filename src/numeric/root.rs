@@ -121,8 +121,8 @@ mod tests {
 
     #[test]
     fn brackets_known_roots() {
-        type Case = (fn(f64) -> f64, f64, f64, f64);
-        let cases: [Case; 5] = [
+        type RootCase = (fn(f64) -> f64, f64, f64, f64);
+        let cases: [RootCase; 5] = [
             (|x| x * x - 2.0, 0.0, 2.0, 2.0_f64.sqrt()),
             (|x| 2.0 - x * x, 0.0, 2.0, 2.0_f64.sqrt()),
             (f64::cos, 1.0, 2.0, std::f64::consts::FRAC_PI_2),

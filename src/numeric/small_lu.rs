@@ -2,7 +2,7 @@
 //!
 //! Golub & Van Loan, *Matrix Computations*, alg. 3.4.1 (outer product form, partial pivoting). At
 //! the order of a typical model (n about 10), a library call costs more than the arithmetic; these
-//! loops have no set-up cost, and the compiler vectorises the updates of contiguous columns.
+//! loops have no set-up cost, and the compiler vectorizes the updates of contiguous columns.
 //! Complex matrices are stored as two planes, real and imaginary, for the same reason.
 //!
 //! All matrices are column-major `n x n`. `pivots[k]` is the row that was exchanged with row `k`.

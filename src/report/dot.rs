@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::plot::layout::shortened;
-use crate::ir::diagram::{Diagram, Method, Part};
+use crate::ir::diagram::{Diagram, DiagramBlock, SolutionMethod};
 
 /// So many equations of a block are written into its node.
 const MOST_LINES: usize = 12;
@@ -41,11 +41,11 @@ pub fn dot(diagram: &Diagram) -> String {
 }
 
 /// Number, method, and the equations, left-aligned.
-fn label(diagram: &Diagram, k: usize, part: &Part) -> String {
+fn label(diagram: &Diagram, k: usize, part: &DiagramBlock) -> String {
     let lines = &diagram.lines[part.first..part.first + part.size];
     let torn = lines.iter().filter(|l| l.torn).count();
     let mut text = match part.method {
-        Method::Explicit => format!("{}. ", k + 1),
+        SolutionMethod::Explicit => format!("{}. ", k + 1),
         method => format!("{}. {}, {} unknowns, torn to {torn}\n", k + 1, method.name(), part.size),
     };
     for line in lines.iter().take(MOST_LINES) {
@@ -62,12 +62,12 @@ fn label(diagram: &Diagram, k: usize, part: &Part) -> String {
     quoted(&text)
 }
 
-fn fill(method: Method) -> &'static str {
+fn fill(method: SolutionMethod) -> &'static str {
     match method {
-        Method::Explicit => "#f2f2f2",
-        Method::Linear => "#cfe3f2",
-        Method::Nonlinear => "#f8dcc6",
-        Method::Mixed => "#cdebe1",
+        SolutionMethod::Explicit => "#f2f2f2",
+        SolutionMethod::Linear => "#cfe3f2",
+        SolutionMethod::Nonlinear => "#f8dcc6",
+        SolutionMethod::Mixed => "#cdebe1",
     }
 }
 
@@ -90,11 +90,11 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ir::diagram::Line;
+    use crate::ir::diagram::DiagramLine;
 
     #[test]
     fn blocks_are_nodes_and_readings_are_edges() {
-        let line = |unknown: &str, equation: &str, torn, reads: &[usize]| Line {
+        let line = |unknown: &str, equation: &str, torn, reads: &[usize]| DiagramLine {
             unknown: unknown.into(),
             equation: equation.into(),
             torn,
@@ -110,9 +110,9 @@ mod tests {
                 line("d", "d := b", false, &[1]),
             ],
             parts: vec![
-                Part { method: Method::Explicit, first: 0, size: 1 },
-                Part { method: Method::Linear, first: 1, size: 2 },
-                Part { method: Method::Explicit, first: 3, size: 1 },
+                DiagramBlock { method: SolutionMethod::Explicit, first: 0, size: 1 },
+                DiagramBlock { method: SolutionMethod::Linear, first: 1, size: 2 },
+                DiagramBlock { method: SolutionMethod::Explicit, first: 3, size: 1 },
             ],
         };
         insta::assert_snapshot!(dot(&diagram), @r##"

@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 use super::plot::layout::{shortened, text_width};
 use super::raster::FAMILY;
-use crate::ir::diagram::{Diagram, Method, Part};
+use crate::ir::diagram::{Diagram, DiagramBlock, SolutionMethod};
 
 /// Side of a cell in a small system, and side of the matrix where cells get smaller, px.
 const CELL: f64 = 18.0;
@@ -37,12 +37,12 @@ const READ: &str = "#8a8f96";
 const TORN: &str = "#b3003c";
 
 /// Colours of a method: of the area of a block, and of its diagonal.
-fn colours(method: Method) -> (&'static str, &'static str) {
+fn colours(method: SolutionMethod) -> (&'static str, &'static str) {
     match method {
-        Method::Explicit => ("#f2f2f2", "#5b6470"),
-        Method::Linear => ("#cfe3f2", "#0072b2"),
-        Method::Nonlinear => ("#f8dcc6", "#d55e00"),
-        Method::Mixed => ("#cdebe1", "#009e73"),
+        SolutionMethod::Explicit => ("#f2f2f2", "#5b6470"),
+        SolutionMethod::Linear => ("#cfe3f2", "#0072b2"),
+        SolutionMethod::Nonlinear => ("#f8dcc6", "#d55e00"),
+        SolutionMethod::Mixed => ("#cdebe1", "#009e73"),
     }
 }
 
@@ -149,7 +149,7 @@ impl<'a> Picture<'a> {
             );
             x += 16.0 + text_width(text, TEXT) + 18.0;
         };
-        for method in Method::ALL {
+        for method in SolutionMethod::ALL {
             let of_method = || parts.iter().filter(|p| p.method == method);
             let number = of_method().count();
             if number == 0 {
@@ -157,7 +157,7 @@ impl<'a> Picture<'a> {
             }
             let (area, diagonal) = colours(method);
             let text = match (method, of_method().map(|p| p.size).max()) {
-                (Method::Explicit, _) | (_, None) => format!("{number} {}", method.name()),
+                (SolutionMethod::Explicit, _) | (_, None) => format!("{number} {}", method.name()),
                 (_, Some(size)) if number == 1 || size == 1 => {
                     format!("{number} {} of {size}", method.name())
                 }
@@ -223,7 +223,7 @@ impl<'a> Picture<'a> {
             );
         }
         // Rows and columns of tearing variables, within their block.
-        for part in self.diagram.parts.iter().filter(|p| p.method != Method::Explicit) {
+        for part in self.diagram.parts.iter().filter(|p| p.method != SolutionMethod::Explicit) {
             let (from, side) = (self.at(part.first), self.at(part.size));
             for k in part.first..part.first + part.size {
                 if self.diagram.lines[k].torn {
@@ -243,10 +243,10 @@ impl<'a> Picture<'a> {
     }
 
     /// What the tip of a block says.
-    fn about(&self, k: usize, part: &Part) -> String {
+    fn about(&self, k: usize, part: &DiagramBlock) -> String {
         let lines = &self.diagram.lines[part.first..part.first + part.size];
         match (part.method, lines) {
-            (Method::Explicit, [line]) => format!("{}. {}", k + 1, line.equation),
+            (SolutionMethod::Explicit, [line]) => format!("{}. {}", k + 1, line.equation),
             (method, _) => {
                 let torn: Vec<&str> =
                     lines.iter().filter(|l| l.torn).map(|l| l.unknown.as_str()).take(20).collect();
@@ -276,7 +276,7 @@ impl<'a> Picture<'a> {
             path
         };
         let _ = writeln!(out, "<path d=\"{}\" fill=\"{READ}\"/>", cells(&read));
-        for method in Method::ALL {
+        for method in SolutionMethod::ALL {
             let parts = self.diagram.parts.iter().filter(|p| p.method == method);
             let lines = parts.flat_map(|p| p.first..p.first + p.size);
             let untorn = lines.filter(|&k| !self.diagram.lines[k].torn || self.cell < 6.0);
@@ -377,19 +377,20 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ir::diagram::Line;
+    use crate::ir::diagram::DiagramLine;
 
     /// A chain of explicit lines with a system of three at the end.
     fn chain(n: usize) -> Diagram {
-        let line = |k: usize| Line {
+        let line = |k: usize| DiagramLine {
             unknown: format!("part[{k}].x<&>"),
             equation: format!("part[{k}].x := 1"),
             torn: k + 1 == n,
             reads: if k == 0 { vec![] } else { vec![k - 1] },
         };
-        let mut parts: Vec<Part> =
-            (0..n - 3).map(|first| Part { method: Method::Explicit, first, size: 1 }).collect();
-        parts.push(Part { method: Method::Nonlinear, first: n - 3, size: 3 });
+        let mut parts: Vec<DiagramBlock> = (0..n - 3)
+            .map(|first| DiagramBlock { method: SolutionMethod::Explicit, first, size: 1 })
+            .collect();
+        parts.push(DiagramBlock { method: SolutionMethod::Nonlinear, first: n - 3, size: 3 });
         Diagram {
             model: "Chain".into(),
             phase: "between events",

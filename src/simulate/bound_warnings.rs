@@ -6,7 +6,7 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::Id;
-use crate::ir::dae::{Dae, Kind};
+use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Const, ExprId, Node, Unary, VarId};
 use crate::ir::program::{Bounds, Program};
 
@@ -32,7 +32,7 @@ impl BoundWarnings {
         }
         let monitored = program.bounds.iter().filter(|b| recorded[b.variable.idx()]);
         let margin = |b: &Bounds| match program.blocks.dae.variables[b.variable].kind {
-            Kind::Parameter => 0.0,
+            VariableKind::Parameter => 0.0,
             _ => tolerance,
         };
         BoundWarnings { monitored: monitored.map(|b| (*b, margin(b))).collect(), reported: 0 }
@@ -70,7 +70,7 @@ impl BoundWarnings {
     /// Stops monitoring parameters.
     pub fn drop_parameters(&mut self, program: &Program) {
         let variables = &program.blocks.dae.variables;
-        self.monitored.retain(|(b, _)| variables[b.variable].kind != Kind::Parameter);
+        self.monitored.retain(|(b, _)| variables[b.variable].kind != VariableKind::Parameter);
     }
 }
 
@@ -100,7 +100,7 @@ fn beyond(program: &Program, memory: &[f64], bounds: &Bounds, t: f64) -> Diagnos
     let v = &dae.variables[reported];
     let what = format!("{value}, {side} its `{attribute}` of {bound}");
     let (message, help) = match v.kind {
-        Kind::Parameter => {
+        VariableKind::Parameter => {
             (format!("parameter `{}` is {what}", v.name), "give it another value, or another bound")
         }
         _ => (

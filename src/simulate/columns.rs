@@ -1,7 +1,7 @@
 //! Columns of a result: names, units, and which of them are aliases or constant.
 
 use crate::base::index::FastMap;
-use crate::ir::dae::{Dae, Kind, Variable};
+use crate::ir::dae::{Dae, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::Program;
 use crate::ir::trajectory::{self, Column, ColumnStorage, Constant};
@@ -19,7 +19,7 @@ pub fn column_storage(program: &Program) -> Vec<ColumnStorage> {
     let values: FastMap<VarId, ExprId> = dae.eliminated.iter().copied().collect();
     let mut first: FastMap<VarId, (usize, bool)> = FastMap::default();
     let course = |(at, v): (usize, &VarId)| {
-        if dae.variables[*v].kind == Kind::InitialParameter {
+        if dae.variables[*v].kind == VariableKind::InitialParameter {
             return ColumnStorage::Constant;
         }
         let (root, negated) = match values.get(v) {
@@ -57,7 +57,7 @@ fn column(v: &Variable) -> Column {
     let kind = match v.ty {
         Type::Boolean => trajectory::Kind::Boolean,
         Type::Integer | Type::Enumeration(_) => trajectory::Kind::Integer,
-        _ if v.kind == Kind::Discrete => trajectory::Kind::Discrete,
+        _ if v.kind == VariableKind::Discrete => trajectory::Kind::Discrete,
         _ => trajectory::Kind::Continuous,
     };
     Column {
@@ -82,7 +82,7 @@ fn alias(dae: &Dae, value: ExprId) -> Option<(VarId, bool)> {
 }
 
 fn is_parameter(dae: &Dae, v: VarId) -> bool {
-    matches!(dae.variables[v].kind, Kind::Parameter | Kind::InitialParameter)
+    matches!(dae.variables[v].kind, VariableKind::Parameter | VariableKind::InitialParameter)
 }
 
 /// True if an expression reads only literals and parameters.

@@ -1,6 +1,6 @@
 //! Initialization: parameters, the initial equations, and the first event iteration.
 
-use crate::ir::dae::Kind;
+use crate::ir::dae::VariableKind;
 use crate::ir::expr::VarId;
 use crate::ir::program::Slot;
 use crate::runtime::machine::Machine;
@@ -119,7 +119,7 @@ pub fn initialise_from(
         return Err(StartError::Assertion(k));
     }
     for (v, variable) in program.blocks.dae.variables.enumerate() {
-        if variable.kind == Kind::Parameter && !machine.value(v).is_finite() {
+        if variable.kind == VariableKind::Parameter && !machine.value(v).is_finite() {
             machine.fault_memory.copy_from_slice(&machine.memory);
             return Err(StartError::Parameter(v));
         }

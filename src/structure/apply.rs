@@ -3,7 +3,7 @@
 use crate::base::index::{Id, IndexVec};
 use crate::graph::bipartite::{Col, Row};
 use crate::graph::pantelides::Reduction;
-use crate::ir::dae::{Dae, EqId, Equation, Kind, Variable};
+use crate::ir::dae::{Dae, EqId, Equation, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Graph, VarId};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
@@ -25,10 +25,10 @@ pub fn differentiate(
         // A new column is the derivative of a column with a lower number.
         let Some(of) = integral[Col::from_usize(index)] else { continue };
         let of = variable[of];
-        let mut derivative = Variable::derivative(of, &dae.variables[of], Kind::Algebraic);
+        let mut derivative = Variable::derivative(of, &dae.variables[of], VariableKind::Algebraic);
         derivative.hidden = true;
         let derivative = dae.variables.push(derivative);
-        dae.variables[of].kind = Kind::Differentiated { derivative };
+        dae.variables[of].kind = VariableKind::Differentiated { derivative };
         variable.push(derivative);
     }
     let mut origin: IndexVec<Row, Option<Row>> =
@@ -58,7 +58,7 @@ fn derivative(dae: &mut Dae, of: EqId) -> Equation {
 fn rate(graph: &mut Graph, variables: &IndexVec<VarId, Variable>, leaf: Leaf) -> Option<ExprId> {
     let Leaf::Var(v) = leaf else { return None };
     match variables[v].kind {
-        Kind::Differentiated { derivative } => {
+        VariableKind::Differentiated { derivative } => {
             Some(graph.var(derivative, variables[derivative].ty))
         }
         _ => None,

@@ -8,7 +8,7 @@
 
 use super::solve;
 use crate::base::index::FastMap;
-use crate::ir::dae::{Dae, EqId, Equation, Kind, Variable};
+use crate::ir::dae::{Dae, EqId, Equation, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Type, VarId};
 use crate::ir::flat::StateSelect;
 use crate::symbolic::gradient::Leaf;
@@ -40,7 +40,7 @@ pub fn find(dae: &Dae) -> Vec<DerivativeCombination> {
             combinations.push(DerivativeCombination { equation, rates });
         }
     }
-    let is_algebraic = |v: VarId| dae.variables[v].kind == Kind::Algebraic;
+    let is_algebraic = |v: VarId| dae.variables[v].kind == VariableKind::Algebraic;
     combinations.retain(|sum| sum.rates.iter().all(|v| occurrences[v] == 1 && is_algebraic(*v)));
     combinations
 }
@@ -73,13 +73,14 @@ fn split(dae: &mut Dae, id: EqId, rates: &[VarId]) -> Option<(Vec<ExprId>, ExprI
 
 fn replace(dae: &mut Dae, id: EqId, rates: &[VarId], coefficients: &[ExprId], rest: ExprId) {
     let name = format!("$sum{}", id.0 + 1);
-    let mut sum = Variable::new(name, Type::Real, Kind::Algebraic, dae.equations[id].origin.span);
+    let mut sum =
+        Variable::new(name, Type::Real, VariableKind::Algebraic, dae.equations[id].origin.span);
     sum.hidden = true;
     sum.state_select = StateSelect::Prefer;
     let sum = dae.variables.push(sum);
-    let rate = Variable::derivative(sum, &dae.variables[sum], Kind::Algebraic);
+    let rate = Variable::derivative(sum, &dae.variables[sum], VariableKind::Algebraic);
     let rate = dae.variables.push(rate);
-    dae.variables[sum].kind = Kind::Differentiated { derivative: rate };
+    dae.variables[sum].kind = VariableKind::Differentiated { derivative: rate };
 
     let mut terms = Vec::with_capacity(rates.len());
     for (v, coefficient) in rates.iter().zip(coefficients) {

@@ -4,7 +4,7 @@ use super::print::printed;
 use crate::base::index::FastMap;
 use crate::ir::blocks::{Assignment, Block, Blocks};
 use crate::ir::dae::Dae;
-use crate::ir::diagram::{Diagram, Line, Method, Part};
+use crate::ir::diagram::{Diagram, DiagramBlock, DiagramLine, SolutionMethod};
 use crate::ir::expr::{ExprId, VarId};
 
 /// The diagram of the phase between events; that of the phase at events if the former is empty.
@@ -19,7 +19,7 @@ pub fn diagram(blocks: &Blocks) -> Diagram {
     for block in sequence {
         let first = solved.len();
         collect(block, dae, &mut solved);
-        parts.push(Part { method: method(block), first, size: solved.len() - first });
+        parts.push(DiagramBlock { method: method(block), first, size: solved.len() - first });
     }
     let at: FastMap<VarId, usize> =
         solved.iter().enumerate().map(|(line, s)| (s.unknown, line)).collect();
@@ -30,7 +30,7 @@ pub fn diagram(blocks: &Blocks) -> Diagram {
         reads.sort_unstable();
         reads.dedup();
         let unknown = dae.variables[s.unknown].name.clone();
-        Line { unknown, equation: s.equation.clone(), torn: s.torn, reads }
+        DiagramLine { unknown, equation: s.equation.clone(), torn: s.torn, reads }
     };
     let lines = solved.iter().enumerate().map(line).collect();
     Diagram { model: dae.name.clone(), phase, lines, parts }
@@ -63,11 +63,11 @@ fn collect(block: &Block, dae: &Dae, out: &mut Vec<Solved>) {
     }
 }
 
-fn method(block: &Block) -> Method {
+fn method(block: &Block) -> SolutionMethod {
     match block {
-        Block::Assign(_) => Method::Explicit,
-        Block::Torn(t) if t.linear => Method::Linear,
-        Block::Torn(_) => Method::Nonlinear,
-        Block::Mixed(_) => Method::Mixed,
+        Block::Assign(_) => SolutionMethod::Explicit,
+        Block::Torn(t) if t.linear => SolutionMethod::Linear,
+        Block::Torn(_) => SolutionMethod::Nonlinear,
+        Block::Mixed(_) => SolutionMethod::Mixed,
     }
 }

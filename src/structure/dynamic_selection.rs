@@ -10,7 +10,7 @@ use super::reduce::ConstraintPivot;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::base::source::Span;
 use crate::ir::blocks::StateSet;
-use crate::ir::dae::{Dae, EqId, Equation, Kind, Variable};
+use crate::ir::dae::{Dae, EqId, Equation, Variable, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Type, VarId};
 use crate::ir::flat::StateSelect;
 use crate::symbolic::gradient::{Leaf, gradient};
@@ -130,12 +130,13 @@ fn append(
     let (mut states, mut selection) = (Vec::new(), Vec::new());
     for i in 1..=count {
         let row: Vec<VarId> = (1..=candidates.len())
-            .map(|j| hidden(dae, format!("$selection{number}[{i},{j}]"), Kind::Input))
+            .map(|j| hidden(dae, format!("$selection{number}[{i},{j}]"), VariableKind::Input))
             .collect();
-        let state = hidden(dae, format!("$state{number}[{i}]"), Kind::Algebraic);
-        let derivative = Variable::derivative(state, &dae.variables[state], Kind::Algebraic);
+        let state = hidden(dae, format!("$state{number}[{i}]"), VariableKind::Algebraic);
+        let derivative =
+            Variable::derivative(state, &dae.variables[state], VariableKind::Algebraic);
         let derivative = dae.variables.push(derivative);
-        dae.variables[state].kind = Kind::Differentiated { derivative };
+        dae.variables[state].kind = VariableKind::Differentiated { derivative };
         dae.variables[state].nominal = nominal;
         let rates: Vec<VarId> = candidates.iter().map(|v| derivative_of(dae, *v)).collect();
         select(dae, first, state, &row, &candidates);
@@ -194,14 +195,14 @@ fn select(dae: &mut Dae, of: EqId, v: VarId, coefficients: &[VarId], terms: &[Va
     dae.equations.push(Equation { lhs, rhs, residual, origin, derivative_of: None });
 }
 
-fn hidden(dae: &mut Dae, name: String, kind: Kind) -> VarId {
+fn hidden(dae: &mut Dae, name: String, kind: VariableKind) -> VarId {
     let variable = Variable { hidden: true, ..Variable::new(name, Type::Real, kind, Span::NONE) };
     dae.variables.push(variable)
 }
 
 fn derivative_of(dae: &Dae, v: VarId) -> VarId {
     match dae.variables[v].kind {
-        Kind::Differentiated { derivative } => derivative,
+        VariableKind::Differentiated { derivative } => derivative,
         // Unreachable: candidates are differentiated.
         _ => v,
     }

@@ -1,4 +1,4 @@
-//! The initialisation problem (Modelica 3.6, section 8.6).
+//! The initialization problem (Modelica 3.6, section 8.6).
 //!
 //! States are unknowns here. All equations hold, and in addition the initial equations and
 //! `variable = start` for `fixed = true`. If the model leaves unknowns undetermined, further start
@@ -13,10 +13,10 @@ use crate::graph::augment::AugmentingSearch;
 use crate::graph::bipartite::{Bipartite, Col, Row};
 use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Source};
-use crate::ir::dae::{Dae, Kind};
+use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::VarId;
 
-/// The blocks of initialisation, and the variables whose start values had to be assumed.
+/// The blocks of initialization, and the variables whose start values had to be assumed.
 pub fn sequence(
     dae: &mut Dae,
     is_state: &IndexVec<VarId, bool>,
@@ -67,10 +67,11 @@ fn preferred_matching(
     matching::maximum_preferring(&system.graph, &cost, Matching::empty(&system.graph))
 }
 
-/// The initialisation problem as specified by the model.
+/// The initialization problem as specified by the model.
 fn specified(dae: &Dae) -> EquationSystem {
-    let is_unknown =
-        |v: &VarId| is_continuous(dae, *v) || dae.variables[*v].kind == Kind::InitialParameter;
+    let is_unknown = |v: &VarId| {
+        is_continuous(dae, *v) || dae.variables[*v].kind == VariableKind::InitialParameter
+    };
     let is_fixed = |v: &VarId| is_continuous(dae, *v) && dae.variables[*v].fixed == Some(true);
     let mut sources: Vec<Source> = dae.equations.ids().map(Source::Continuous).collect();
     sources.extend((0..dae.initial.len()).map(Source::Initial));
@@ -85,7 +86,7 @@ fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSyst
     candidates.sort_by_key(|col| {
         let v = system.unknowns[*col];
         let variable = &dae.variables[v];
-        let is_differentiated = matches!(variable.kind, Kind::Differentiated { .. });
+        let is_differentiated = matches!(variable.kind, VariableKind::Differentiated { .. });
         let priority = reduce::priority(variable);
         // Variables introduced by the compiler have no start value of their own.
         let is_state = is_state[v] && !variable.hidden;

@@ -27,7 +27,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
 use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Blocks, Source, State};
-use crate::ir::dae::{Dae, Kind};
+use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::VarId;
 use incidence::EquationSystem;
 use structural_zeros::StructuralZeros;
@@ -56,7 +56,7 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
         }
     }
     let zeros = reduced_zeros;
-    // Initialisation precedes the dynamic selection of states.
+    // Initialization precedes the dynamic selection of states.
     let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, &zeros, problems)?;
     let state_sets = dynamic_selection::state_sets(&mut dae, &pivots, &mut is_state);
     if !state_sets.is_empty() {
@@ -123,7 +123,7 @@ fn split(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> (Vec<State>, Vec<VarId>
     let mut states = Vec::new();
     let mut dummies = Vec::new();
     for (variable, v) in dae.variables.enumerate() {
-        if let Kind::Differentiated { derivative } = v.kind {
+        if let VariableKind::Differentiated { derivative } = v.kind {
             if is_state[variable] {
                 states.push(State { variable, derivative });
             } else {
@@ -136,7 +136,7 @@ fn split(dae: &Dae, is_state: &IndexVec<VarId, bool>) -> (Vec<State>, Vec<VarId>
 
 /// True for an unknown of the continuous equations or a state.
 fn is_continuous(dae: &Dae, v: VarId) -> bool {
-    matches!(dae.variables[v].kind, Kind::Algebraic | Kind::Differentiated { .. })
+    matches!(dae.variables[v].kind, VariableKind::Algebraic | VariableKind::Differentiated { .. })
 }
 
 /// The variables that a sequence of blocks determines, in order.

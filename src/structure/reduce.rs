@@ -8,7 +8,7 @@ use crate::graph::bipartite::{Col, Edge, Row};
 use crate::graph::dummy_derivatives::{self, Coefficient};
 use crate::graph::pantelides::{self, Reduction, StructurallySingular};
 use crate::ir::blocks::Source;
-use crate::ir::dae::{Dae, EqId, Kind, Variable};
+use crate::ir::dae::{Dae, EqId, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Node, VarId};
 use crate::ir::flat::StateSelect;
 use crate::symbolic::gradient::{Leaf, gradient};
@@ -104,7 +104,7 @@ pub fn full_system(dae: &Dae) -> EquationSystem {
 /// The derivative of each column: the list A of Pantelides.
 pub fn derivatives(dae: &Dae, system: &EquationSystem) -> IndexVec<Col, Option<Col>> {
     let of = |v: &VarId| match dae.variables[*v].kind {
-        Kind::Differentiated { derivative } => system.column[derivative],
+        VariableKind::Differentiated { derivative } => system.column[derivative],
         _ => None,
     };
     system.unknowns.iter().map(of).collect()
@@ -178,7 +178,8 @@ fn has_substitute(dae: &Dae, id: VarId) -> bool {
         let reads = |wanted: &dyn Fn(VarId) -> bool| {
             reads.iter().any(|n| matches!(dae.graph.node(*n), Node::Var(v) if wanted(v)))
         };
-        reads(&|v| v == id) && reads(&|v| v != id && dae.variables[v].kind == Kind::Algebraic)
+        reads(&|v| v == id)
+            && reads(&|v| v != id && dae.variables[v].kind == VariableKind::Algebraic)
     })
 }
 
@@ -186,11 +187,14 @@ fn has_substitute(dae: &Dae, id: VarId) -> bool {
 /// that are not states.
 fn check_selected_states(dae: &Dae, is_state: &IndexVec<VarId, bool>, problems: &mut Problems) {
     for (id, v) in dae.variables.enumerate() {
-        let is_differentiated = matches!(v.kind, Kind::Differentiated { .. });
+        let is_differentiated = matches!(v.kind, VariableKind::Differentiated { .. });
         if is_differentiated && v.state_select == StateSelect::Always && !is_state[id] {
             problems.push(error::not_a_state(v));
         }
-        if v.kind == Kind::Algebraic && v.state_select == StateSelect::Always && jumps(dae, id) {
+        if v.kind == VariableKind::Algebraic
+            && v.state_select == StateSelect::Always
+            && jumps(dae, id)
+        {
             problems.push(error::jumping_state(v));
         }
         if v.state_select == StateSelect::Never && is_state[id] {

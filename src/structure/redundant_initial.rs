@@ -1,4 +1,4 @@
-//! Redundant initial values. *In:* the initialisation problem. *Out:* the same without initial
+//! Redundant initial values. *In:* the initialization problem. *Out:* the same without initial
 //! values that the other equations imply; these become assertions that are checked at the start.
 
 use super::incidence::EquationSystem;
@@ -9,7 +9,7 @@ use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, GuardedAssert};
 use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
-use crate::ir::flat::{Assert, Level, Origin};
+use crate::ir::flat::{Assert, AssertionLevel, Origin};
 
 /// An initial condition `variable = value`.
 struct InitialValue {
@@ -127,6 +127,6 @@ fn comparison(dae: &mut Dae, source: Source, stated: &InitialValue) -> GuardedAs
         ),
     };
     let message = g.string(&text);
-    let assert = Assert { condition, message, level: Level::Error };
+    let assert = Assert { condition, message, level: AssertionLevel::Error };
     GuardedAssert { active: None, assert, origin }
 }

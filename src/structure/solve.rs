@@ -2,7 +2,7 @@
 
 use crate::base::index::FastMap;
 use crate::ir::blocks::Source;
-use crate::ir::dae::{Dae, Kind};
+use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::symbolic::gradient::Leaf;
 use crate::symbolic::linear;
@@ -115,7 +115,8 @@ fn facts(dae: &Dae, e: ExprId) -> (bool, bool) {
             Node::Const(c) => (true, c.number().is_some_and(|x| x != 0.0)),
             Node::Var(v) => {
                 let kind = dae.variables[v].kind;
-                let is_parameter = matches!(kind, Kind::Parameter | Kind::InitialParameter);
+                let is_parameter =
+                    matches!(kind, VariableKind::Parameter | VariableKind::InitialParameter);
                 (is_parameter, is_parameter && !dae.variables[v].vanishes)
             }
             Node::Unary(Unary::Neg | Unary::Abs, a) => (fixed, nonzero(a)),

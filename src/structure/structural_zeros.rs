@@ -10,7 +10,7 @@ use crate::base::index::{FastMap, FastSet, Id, IndexVec};
 use crate::graph::bipartite::Edge;
 use crate::graph::matching::Matching;
 use crate::ir::blocks::Source;
-use crate::ir::dae::{Dae, EqId, Kind};
+use crate::ir::dae::{Dae, EqId, VariableKind};
 use crate::ir::expr::{Const, ExprId, Graph, Node, Type, VarId};
 use crate::symbolic::eval;
 use crate::symbolic::rewrite::Rewriter;
@@ -197,8 +197,9 @@ fn reduce_equation(
     let (lhs, rhs) = (form(&mut dae.graph, e.lhs), form(&mut dae.graph, e.rhs));
     let residual = form(&mut dae.graph, e.residual);
     let left: FastSet<VarId> = dae.graph.variables(residual).into_iter().collect();
-    let is_unknown =
-        |v: &VarId| !matches!(dae.variables[*v].kind, Kind::Parameter | Kind::Discrete);
+    let is_unknown = |v: &VarId| {
+        !matches!(dae.variables[*v].kind, VariableKind::Parameter | VariableKind::Discrete)
+    };
     let before = dae.graph.variables(e.residual);
     let vanished: FastSet<VarId> =
         before.into_iter().filter(|v| is_unknown(v) && !left.contains(v)).collect();
@@ -206,7 +207,7 @@ fn reduce_equation(
     deciding.dedup();
     for (side, other) in [(e.lhs, rhs), (e.rhs, lhs)] {
         if let Node::Var(v) = dae.graph.node(side)
-            && dae.variables[v].kind == Kind::Algebraic
+            && dae.variables[v].kind == VariableKind::Algebraic
             && dae.graph.as_number(other) == Some(0.0)
             && !known.because.contains_key(&v)
         {

@@ -5,7 +5,7 @@ use crate::base::diag::Problems;
 use crate::base::index::FastSet;
 use crate::base::render::{Style, render_all};
 use crate::ir::blocks::{Assignment, Block, Blocks};
-use crate::ir::dae::{Dae, Kind};
+use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Binary, ExprId, Node, VarId};
 use crate::lower::fixture::model;
 use crate::lower::lower;
@@ -36,18 +36,23 @@ fn verify(blocks: &Blocks) {
     let dae = &blocks.dae;
     let always = |v: &VarId| {
         let kind = dae.variables[*v].kind;
-        matches!(kind, Kind::Parameter | Kind::Input) || dae.samples.iter().any(|s| s.flag == *v)
+        matches!(kind, VariableKind::Parameter | VariableKind::Input)
+            || dae.samples.iter().any(|s| s.flag == *v)
     };
-    let continuous =
-        |v: &VarId| matches!(dae.variables[*v].kind, Kind::Algebraic | Kind::Differentiated { .. });
+    let continuous = |v: &VarId| {
+        matches!(
+            dae.variables[*v].kind,
+            VariableKind::Algebraic | VariableKind::Differentiated { .. }
+        )
+    };
     let discrete: FastSet<VarId> = dae.discrete.iter().map(|d| d.variable).collect();
-    let initial_parameter = |v: &VarId| dae.variables[*v].kind == Kind::InitialParameter;
+    let initial_parameter = |v: &VarId| dae.variables[*v].kind == VariableKind::InitialParameter;
     let states: FastSet<VarId> = blocks.states.iter().map(|s| s.variable).collect();
-    // Initialisation precedes the dynamic selection of states.
+    // Initialization precedes the dynamic selection of states.
     let of_sets = blocks.state_sets.iter().flat_map(|set| &set.states);
     let selected: FastSet<VarId> = (of_sets.copied())
         .flat_map(|v| match dae.variables[v].kind {
-            Kind::Differentiated { derivative } => [v, derivative],
+            VariableKind::Differentiated { derivative } => [v, derivative],
             _ => [v, v],
         })
         .collect();
@@ -91,12 +96,14 @@ fn follow(dae: &Dae, block: &Block, known: &mut FastSet<VarId>) {
         Block::Mixed(parts) => {
             // The continuous part sees the discrete variables of the iteration before.
             let all = determined(parts);
-            let discrete = |v: &&VarId| dae.variables[**v].kind == Kind::Discrete;
+            let discrete = |v: &&VarId| dae.variables[**v].kind == VariableKind::Discrete;
             let mut inside = known.clone();
             inside.extend(all.iter().filter(discrete));
             for part in parts {
                 match part {
-                    Block::Assign(a) if dae.variables[a.variable].kind == Kind::Discrete => {
+                    Block::Assign(a)
+                        if dae.variables[a.variable].kind == VariableKind::Discrete =>
+                    {
                         read(dae, a.value, &inside);
                     }
                     other => follow(dae, other, &mut inside),

@@ -17,7 +17,7 @@ use crate::evaluate::reference::Selection;
 use crate::instantiate::Context;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, VarId};
-use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Level, Origin};
+use crate::ir::flat::{Assert, AssertionLevel, Equation, EquationKind, FlatModel, Origin};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 
 /// The connections of a model.
@@ -331,7 +331,7 @@ impl Connections {
             }
             _ => {
                 let message = cx.graph.string(&format!("connected parameters differ: {names}"));
-                let assert = Assert { condition: same, message, level: Level::Error };
+                let assert = Assert { condition: same, message, level: AssertionLevel::Error };
                 self.equalities.push((assert, pair.origin.clone()));
             }
         }

@@ -2,7 +2,7 @@
 
 use super::ModelPrinter;
 use crate::ir::expr::{ExprId, Node, VarId};
-use crate::ir::flat::{Action, Assert, Equation, EquationKind, Level, WhenBranch};
+use crate::ir::flat::{Action, Assert, AssertionLevel, Equation, EquationKind, WhenBranch};
 
 impl ModelPrinter<'_> {
     pub(super) fn list(&mut self, list: &[Equation]) {
@@ -93,7 +93,8 @@ impl ModelPrinter<'_> {
         self.expression(a.condition);
         self.out.push_str(", ");
         self.expression(a.message);
-        let level = if a.level == Level::Error { ")" } else { ", AssertionLevel.warning)" };
+        let level =
+            if a.level == AssertionLevel::Error { ")" } else { ", AssertionLevel.warning)" };
         self.out.push_str(level);
     }
 }

@@ -97,7 +97,7 @@ impl FunctionPrinter<'_> {
     fn write(&mut self, function_name: &str, output: u32) {
         let function = self.function;
         self.line(1, &format!("function {function_name}"));
-        // Inputs cannot be assigned, so locals are initialised with their values.
+        // Inputs cannot be assigned, so locals are initialized with their values.
         for local in &function.inputs {
             let declared = self.declared(*local, "in_");
             self.line(2, &format!("input {declared};"));

@@ -5,7 +5,7 @@
 //! event ([`EventEffects`]).
 
 use crate::ir::expr::VarId;
-use crate::ir::flat::Level;
+use crate::ir::flat::AssertionLevel;
 use crate::ir::program::{Program, Slot, Tape};
 use crate::runtime::machine::{Fault, Machine};
 
@@ -233,7 +233,8 @@ fn iterate_with(
         repeat |= apply_reinits(machine);
         changing.clear();
         for &(v, slot, pre) in &program.layout.pre {
-            let discrete = program.blocks.dae.variables[v].kind == crate::ir::dae::Kind::Discrete;
+            let discrete =
+                program.blocks.dae.variables[v].kind == crate::ir::dae::VariableKind::Discrete;
             if discrete && machine.get(slot).to_bits() != machine.get(pre).to_bits() {
                 changing.push(v);
             }
@@ -270,7 +271,7 @@ pub fn collect_actions(machine: &mut Machine<'_>, effects: &mut EventEffects) {
             continue;
         }
         let assert = &program.blocks.dae.asserts[k].assert;
-        if assert.level != Level::Error {
+        if assert.level != AssertionLevel::Error {
             let text = message_text(program, &machine.memory, assert.message);
             machine.assertion_messages.push((k, text));
         } else if effects.failed.is_none() {

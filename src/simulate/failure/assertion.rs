@@ -3,7 +3,7 @@
 use crate::base::diag::{Diagnostic, Severity};
 use crate::integrate::stepper::Stepper;
 use crate::ir::expr::{Const, ExprId};
-use crate::ir::flat::Level;
+use crate::ir::flat::AssertionLevel;
 use crate::ir::program::Program;
 
 use super::non_finite::Explainer;
@@ -31,7 +31,7 @@ impl Simulation<'_, '_> {
                 continue;
             }
             let assert = &self.program.blocks.dae.asserts[k].assert;
-            if assert.level == Level::Error {
+            if assert.level == AssertionLevel::Error {
                 return Err(self.assertion(k, t));
             }
             if !self.reported_asserts[k] {
@@ -46,7 +46,7 @@ impl Simulation<'_, '_> {
     fn report(&mut self, k: usize, t: f64, text: &str) {
         let is_repeated = std::mem::replace(&mut self.reported_asserts[k], true);
         match self.program.blocks.dae.asserts[k].assert.level {
-            Level::Print(file) => self.sink.print(text, file.as_str()),
+            AssertionLevel::Print(file) => self.sink.print(text, file.as_str()),
             _ if is_repeated => {}
             _ => {
                 let failure = self.assertion(k, t);

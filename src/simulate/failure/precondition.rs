@@ -5,9 +5,9 @@
 //! initialization that uses them.
 
 use crate::base::index::FastMap;
-use crate::ir::dae::Kind;
+use crate::ir::dae::VariableKind;
 use crate::ir::expr::{ExprId, Node};
-use crate::ir::flat::Level;
+use crate::ir::flat::AssertionLevel;
 use crate::runtime::machine::Machine;
 use crate::symbolic::eval;
 
@@ -17,7 +17,7 @@ pub fn violated(machine: &Machine<'_>) -> Option<usize> {
     let mut values = Values { machine, known: FastMap::default() };
     let asserts = &machine.program.blocks.dae.asserts;
     asserts.iter().position(|a| {
-        let always = a.active.is_none() && a.assert.level == Level::Error;
+        let always = a.active.is_none() && a.assert.level == AssertionLevel::Error;
         always && values.of(a.assert.condition) == Some(0.0)
     })
 }
@@ -43,7 +43,7 @@ impl Values<'_, '_> {
         match dae.graph.node(e) {
             Node::Const(c) => Some(c.register()),
             Node::Var(v) => {
-                (dae.variables[v].kind == Kind::Parameter).then(|| self.machine.value(v))
+                (dae.variables[v].kind == VariableKind::Parameter).then(|| self.machine.value(v))
             }
             Node::Unary(op, a) => Some(eval::unary(op, self.of(a)?)),
             Node::Binary(op, a, b) => Some(eval::binary(op, self.of(a)?, self.of(b)?)),

@@ -6,7 +6,7 @@ use crate::base::source::{SourceMap, Span};
 use crate::codegen::compile;
 use crate::ir::blocks::{Assignment, Block, Blocks, Residual, Source, State, Torn};
 use crate::ir::dae::{
-    Dae, DiscreteEquation, EqId, Equation, Kind, Reinit, Relation, Trigger, Variable,
+    Dae, DiscreteEquation, EqId, Equation, Reinit, Relation, Trigger, Variable, VariableKind,
 };
 use crate::ir::expr::{Binary, ExprId, Graph, Type, VarId};
 use crate::ir::flat::{Experiment, Origin, StateSelect};
@@ -63,7 +63,13 @@ impl Builder {
         self.g().real(x)
     }
 
-    pub fn variable(&mut self, text: &str, ty: Type, kind: Kind, start: Option<f64>) -> VarId {
+    pub fn variable(
+        &mut self,
+        text: &str,
+        ty: Type,
+        kind: VariableKind,
+        start: Option<f64>,
+    ) -> VarId {
         let start = start.map(|s| match ty {
             Type::Boolean => self.g().boolean(s != 0.0),
             Type::Integer => self.g().integer(s as i64),
@@ -98,7 +104,7 @@ impl Builder {
 
     /// A parameter with a literal value; the expression that reads it.
     pub fn parameter(&mut self, text: &str, value: f64) -> (VarId, ExprId) {
-        let v = self.variable(text, Type::Real, Kind::Parameter, None);
+        let v = self.variable(text, Type::Real, VariableKind::Parameter, None);
         let value = self.real(value);
         self.blocks.dae.parameters.push((v, value));
         (v, self.read(v))
@@ -106,9 +112,9 @@ impl Builder {
 
     /// A state with fixed start: state, the expression that reads it, and its derivative.
     pub fn state(&mut self, text: &str, start: f64) -> (VarId, ExprId, VarId) {
-        let x = self.variable(text, Type::Real, Kind::Algebraic, Some(start));
-        let d = self.variable(&format!("der({text})"), Type::Real, Kind::Algebraic, None);
-        self.blocks.dae.variables[x].kind = Kind::Differentiated { derivative: d };
+        let x = self.variable(text, Type::Real, VariableKind::Algebraic, Some(start));
+        let d = self.variable(&format!("der({text})"), Type::Real, VariableKind::Algebraic, None);
+        self.blocks.dae.variables[x].kind = VariableKind::Differentiated { derivative: d };
         self.blocks.dae.variables[d].derivative_of = Some(x);
         self.blocks.states.push(State { variable: x, derivative: d });
         let value = self.blocks.dae.variables[x].start.unwrap();
@@ -118,12 +124,12 @@ impl Builder {
     }
 
     pub fn algebraic(&mut self, text: &str) -> (VarId, ExprId) {
-        let v = self.variable(text, Type::Real, Kind::Algebraic, None);
+        let v = self.variable(text, Type::Real, VariableKind::Algebraic, None);
         (v, self.read(v))
     }
 
     pub fn discrete(&mut self, text: &str, ty: Type, start: f64) -> (VarId, ExprId) {
-        let v = self.variable(text, ty, Kind::Discrete, Some(start));
+        let v = self.variable(text, ty, VariableKind::Discrete, Some(start));
         (v, self.read(v))
     }
 

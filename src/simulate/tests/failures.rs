@@ -3,7 +3,7 @@
 use super::builder::Builder;
 use crate::ir::dae::{GuardedAssert, Trigger};
 use crate::ir::expr::{Binary, Unary};
-use crate::ir::flat::{Assert, Level};
+use crate::ir::flat::{Assert, AssertionLevel};
 use crate::simulate::failure::FailureKind;
 
 #[test]
@@ -95,7 +95,7 @@ fn assertions_fail_and_warnings_are_said_once() {
         let condition = b.relation(x, Binary::Less, half, Trigger::State);
         let message = b.g().string("x is too large");
         let origin = b.origin("assert(x < 0.5, \"x is too large\");");
-        let level = if warning { Level::Warning } else { Level::Error };
+        let level = if warning { AssertionLevel::Warning } else { AssertionLevel::Error };
         let assert = Assert { condition, message, level };
         b.blocks.dae.asserts.push(GuardedAssert { active: None, assert, origin });
         match b.run(1.0, 1e-6) {
