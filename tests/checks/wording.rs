@@ -118,6 +118,7 @@ fn words_are_found_whole() {
     };
     assert!(word("can not", &[]).occurs("It Can not, ever"));
     assert!(!word("texts", &[]).occurs("contexts"));
+    assert!(!word("beside", &[]).occurs("--beside FILE") && word("beside", &[]).occurs("(beside)"));
     let is_no = word("is no", &["there is no"]);
     assert!(is_no.occurs("`x` is no parameter") && !is_no.occurs("There is no `x`"));
     assert!(!is_no.occurs("is not") && is_no.occurs("there is no y, and x is no z"));
@@ -139,7 +140,7 @@ impl Word {
         for fine in &self.except {
             text = text.replace(fine.as_str(), "");
         }
-        let inside = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        let inside = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "_-".contains(c));
         text.match_indices(&self.word).any(|(at, word)| {
             !inside(text[..at].chars().next_back())
                 && !inside(text[at + word.len()..].chars().next())
