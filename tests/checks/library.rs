@@ -120,12 +120,16 @@ fn page(package: &Package) -> String {
     for class in package.classes.iter().filter(|c| !is_internal(c)) {
         section(&mut out, package, class);
     }
-    let mut bases = package.classes.iter().filter(is_internal).peekable();
-    if bases.peek().is_some() {
+    let bases: Vec<&Class> = package.classes.iter().filter(is_internal).collect();
+    if !bases.is_empty() {
         out += "\n## Base classes\n\n| class | description |\n|---|---|\n";
-        for class in bases {
-            _ = writeln!(out, "| `{}` | {} |", class.name, class.description);
-        }
+    }
+    for class in &bases {
+        _ = writeln!(out, "| `{}` | {} |", class.name, class.description);
+    }
+    for class in bases.iter().filter(|class| !class.comment.is_empty()) {
+        _ = writeln!(out, "\n### {}", class.name);
+        comment(&mut out, &class.comment);
     }
     out
 }
