@@ -7,6 +7,7 @@ use regex_lite::Regex;
 
 use crate::base::diag::Severity;
 use crate::driver::compile::Request;
+use crate::io::format::extensions;
 use crate::ir::program::SystemForm;
 use crate::simulate::settings;
 
@@ -124,8 +125,8 @@ pub struct Simulate {
     /// Simulation options.
     #[command(flatten)]
     pub running: Running,
-    /// Result file, .csv, .parquet or .mat [default: FILE with .csv; none if only --plot is given].
-    #[arg(long, value_name = "PATH")]
+    /// Result file, in one of the formats of `io::format`.
+    #[arg(long, value_name = "PATH", help = output_help())]
     pub output: Option<PathBuf>,
     /// Picture, .svg or .png [default: FILE with .svg; none if only --output is given].
     #[arg(long, value_name = "PATH")]
@@ -393,4 +394,10 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
 /// Reads the arguments of the process; on a usage error, prints it and exits with status 2.
 pub fn read() -> Command {
     Arguments::parse().command
+}
+
+/// Help of `simulate --output`, with all result formats.
+fn output_help() -> String {
+    let formats = extensions();
+    format!("Result file, {formats} [default: FILE with .csv; none if only --plot is given]")
 }

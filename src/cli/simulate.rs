@@ -9,7 +9,7 @@ use super::stream::{Stream, drawable};
 use super::{Status, interrupt, print, running, say, style};
 use crate::base::render::render;
 use crate::driver::compile::Session;
-use crate::io::results::Format;
+use crate::io::format::Format;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Trajectory, position};
 use crate::measure::observe::{Observer, Plan};

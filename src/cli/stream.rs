@@ -9,7 +9,8 @@ use super::progress::Progress;
 use super::writer::Writer;
 use crate::io::atomic_file::append;
 use crate::io::csv::TableError;
-use crate::io::results::{Format, Results};
+use crate::io::format::Format;
+use crate::io::results::{Header, Results};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Kind, Trajectory};
 use crate::simulate::record::Sink;
 
@@ -41,12 +42,13 @@ impl Stream {
     pub fn new(
         columns: &[Column],
         column_storage: &[ColumnStorage],
-        output: Option<(PathBuf, Format)>,
+        output: Option<(PathBuf, &'static Format)>,
         kept: Vec<usize>,
     ) -> Result<Self, TableError> {
         let output = match output {
             Some((path, format)) => {
-                let results = Results::create(&path, format, columns, column_storage)?;
+                let header = Header { columns, column_storage };
+                let results = Results::create(&path, format, &header)?;
                 Some((Output::Waiting(results), path))
             }
             None => None,

@@ -10,6 +10,7 @@ use super::running::{self, names_in};
 use super::{Status, interrupt, print, say};
 use crate::driver::compile::{Request, Session, Wrong};
 use crate::io::atomic_file::create_folder;
+use crate::io::format::Format;
 use crate::io::journal::{Fingerprint, Found, Journal, exists, remove};
 use crate::simulate::settings::Settings;
 use crate::sweep::design::{Design, sample};
@@ -183,7 +184,7 @@ impl Files {
         let wanted =
             options.traces || options.show.is_some() || options.running.variables.is_some();
         let extension = output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        let is_file = matches!(extension.as_deref(), Some("csv" | "parquet"));
+        let is_file = Format::of(output).is_ok_and(|format| format.records.is_some());
         if is_file {
             if wanted {
                 return Err(SweepError::NoFolder);

@@ -57,14 +57,14 @@ pub fn error_weights(options: &Options, y: &[f64], weights: &mut [f64]) {
     }
 }
 
-/// The shortest step that moves the clock at `t`: a few spacings of doubles.
+/// The minimum step that advances `t`: a few spacings of doubles.
 pub fn resolution(t: f64) -> f64 {
     16.0 * f64::EPSILON * t.abs()
 }
 
-/// Where a step of the wanted length ends if it must not pass `t_stop`.
+/// A step of at most the wanted length that does not pass `t_stop`.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Span {
+pub struct StepInterval {
     /// Length of the step.
     pub h: f64,
     /// Its end; has the bits of `t_stop` if the step reaches it.
@@ -73,28 +73,28 @@ pub struct Span {
     pub last: bool,
 }
 
-/// Fits a step into the rest of the way: a little longer if it would just miss the stop, half the
-/// rest if it would leave a crumb.
-pub fn fit_to_stop(t: f64, wanted: f64, t_stop: f64) -> Span {
+/// Fits a step into the remaining interval: slightly longer if it would just miss the stop, half of the
+/// interval if it would leave a tiny remainder.
+pub fn fit_to_stop(t: f64, wanted: f64, t_stop: f64) -> StepInterval {
     let rest = t_stop - t;
     if wanted * STRETCH >= rest {
-        Span { h: rest, end: t_stop, last: true }
+        StepInterval { h: rest, end: t_stop, last: true }
     } else if wanted * 2.0 > rest {
         let h = 0.5 * rest;
-        Span { h, end: t + h, last: false }
+        StepInterval { h, end: t + h, last: false }
     } else {
-        Span { h: wanted, end: t + wanted, last: false }
+        StepInterval { h: wanted, end: t + wanted, last: false }
     }
 }
 
-/// A step this much longer than wanted is taken to reach the stop; RADAU5 has the same number.
+/// Maximum stretching of a step to reach the stop; RADAU5 has the same value.
 const STRETCH: f64 = 1.0001;
 
 /// The starting step size of Hairer, Nørsett & Wanner I, sec. II.4, p. 169, for a method whose error
 /// estimate has order `order`; needs one evaluation of the right side.
 ///
-/// Algebraic rows have no slope and are left out. Where the trial point of the recipe can not be
-/// evaluated the first guess of the recipe, reduced, is returned.
+/// Algebraic rows have no slope and are ignored. If the trial point cannot be evaluated, returns the
+/// reduced first guess of the algorithm.
 pub fn initial_step(
     system: &mut dyn System,
     point: &Point,
@@ -141,11 +141,11 @@ mod tests {
     #[test]
     fn the_stop_is_hit_with_its_own_bits() {
         let (t, stop) = (0.1, 0.7);
-        let span = fit_to_stop(t, 1.0, stop);
-        assert_eq!((span.end, span.last), (stop, true));
+        let interval = fit_to_stop(t, 1.0, stop);
+        assert_eq!((interval.end, interval.last), (stop, true));
         // Just missing the stop: stretched.
         assert!(fit_to_stop(t, 0.59999, stop).last);
-        // A crumb would remain: two equal steps.
+        // A tiny remainder would be left: two equal steps.
         let half = fit_to_stop(t, 0.5, stop);
         assert!((half.h - 0.3).abs() < 1e-15 && !half.last);
         assert_eq!(fit_to_stop(t, 0.2, stop).h, 0.2);

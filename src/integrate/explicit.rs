@@ -6,7 +6,7 @@
 //! the first of the next.
 
 use crate::integrate::control::{
-    Point, Span, error_weights, fit_to_stop, initial_step, resolution,
+    Point, StepInterval, error_weights, fit_to_stop, initial_step, resolution,
 };
 use crate::integrate::options::{OptionError, Options};
 use crate::integrate::outcome::{Failure, Step};
@@ -51,22 +51,22 @@ const DENSE: [f64; 7] = [
 const SAFETY: f64 = 0.9;
 /// Exponent of the last error, which damps oscillations of the step size.
 const BETA: f64 = 0.04;
-/// Growth of the step at most.
+/// Maximum growth of the step.
 const GROWTH: f64 = 10.0;
-/// Reduction of the step at most.
+/// Maximum reduction of the step.
 const SHRINK: f64 = 0.2;
-/// Reduction where the system could not be evaluated.
+/// Reduction if the system could not be evaluated.
 const OUT_OF_DOMAIN: f64 = 0.25;
 
-/// Where the stability region of the method ends on the negative real axis, nearly.
+/// Approximate end of the stability region on the negative real axis.
 const STABILITY: f64 = 3.25;
-/// A component that follows the others slowly, though its eigenvalue is large, limits steps for the
-/// sake of its accuracy too, to products with that eigenvalue from here on.
-const FOLLOWING: f64 = 1.0;
-/// So many steps on that border make a system stiff.
+/// Minimum of [`border`]: a component that follows slow ones with a large eigenvalue also limits steps by
+/// accuracy, to products with that eigenvalue of this size.
+const MIN_BORDER: f64 = 1.0;
+/// Number of stability-limited steps after which a system counts as stiff.
 const STIFF_STEPS: u32 = 15;
-/// So many steps off it in a row, and the count begins anew.
-const FREE_STEPS: u32 = 6;
+/// Number of consecutive other steps after which that count is reset.
+const RESET_STEPS: u32 = 6;
 
 /// The stepper. Only for systems whose components are all differential.
 pub struct DormandPrince {
@@ -80,12 +80,12 @@ pub struct DormandPrince {
     slopes: [Vec<f64>; 6],
     /// Coefficients of the dense output.
     dense: [Vec<f64>; 4],
-    /// Where the dense output ends.
+    /// End of the dense output.
     dense_end: f64,
-    /// The slope where the last step began is still in the last stage.
+    /// The slope at the start of the last step is still in the last stage.
     whole: bool,
     trial: Vec<f64>,
-    /// Argument of stage 6, which like stage 7 stands at the end of the step.
+    /// Argument of stage 6, which like stage 7 is at the end of the step.
     sixth: Vec<f64>,
     stiffness: Stiffness,
     /// Product of step and eigenvalue from which on the system is stiff, see [`border`].
@@ -104,23 +104,23 @@ struct Stiffness {
 }
 
 impl Stiffness {
-    /// Heeds the product of an accepted step with the dominant eigenvalue: Hairer & Wanner II,
-    /// sec. IV.2, "automatic stiffness detection", with the counts of DOPRI5.
-    fn heed(&mut self, product: f64, border: f64) {
+    /// Updates the counts with the product of an accepted step and the dominant eigenvalue: Hairer &
+    /// Wanner II, sec. IV.2, "automatic stiffness detection", with the counts of DOPRI5.
+    fn observe(&mut self, product: f64, border: f64) {
         if product > border {
             self.free = 0;
             self.limited += 1;
             self.found |= self.limited >= STIFF_STEPS;
         } else {
             self.free += 1;
-            if self.free >= FREE_STEPS {
+            if self.free >= RESET_STEPS {
                 self.limited = 0;
             }
         }
     }
 }
 
-enum Trouble {
+enum Rejection {
     Error { component: usize, size: f64 },
     NonFinite { component: usize },
     Eval(EvalError),
@@ -152,14 +152,14 @@ impl DormandPrince {
         })
     }
 
-    /// True if the last steps since the restart were limited by stability: the system is stiff, and an
-    /// implicit method would take longer ones.
+    /// True if stability limits the steps since the restart: the system is stiff, and an implicit method
+    /// would take longer steps.
     pub fn is_stiff(&self) -> bool {
         self.stiffness.found
     }
 
-    /// The product of the step and the dominant eigenvalue, from the two stages at its end; zero where
-    /// they coincide.
+    /// The product of the step and the dominant eigenvalue, from the two stages at its end; zero if they
+    /// coincide.
     fn spectral_step(&self, h: f64) -> f64 {
         let (mut slopes, mut arguments) = (0.0, 0.0);
         for (i, w) in self.weights.iter().enumerate() {
@@ -169,30 +169,36 @@ impl DormandPrince {
         if arguments > 0.0 { h * (slopes / arguments).sqrt() } else { 0.0 }
     }
 
-    /// All stages of a step; the last is evaluated at the result, which is left in `next_y`.
-    fn attempt(&mut self, system: &mut dyn System, span: Span) -> Result<f64, Trouble> {
+    /// Computes all stages of a step; the last one is evaluated at the result, in `next_y`.
+    fn attempt(
+        &mut self,
+        system: &mut dyn System,
+        interval: StepInterval,
+    ) -> Result<f64, Rejection> {
         self.whole = false;
         for (stage, row) in A.iter().enumerate() {
             let (done, open) = self.slopes.split_at_mut(stage);
             let y = &mut self.next_y;
             for (i, y) in y.iter_mut().enumerate() {
                 let sum: f64 = done.iter().zip(&row[1..]).map(|(k, a)| a * k[i]).sum();
-                *y = self.now.y[i] + span.h * (row[0] * self.now.f[i] + sum);
+                *y = self.now.y[i] + interval.h * (row[0] * self.now.f[i] + sum);
             }
             if stage == C.len() - 1 {
                 self.sixth.copy_from_slice(y);
             }
-            let t = C.get(stage).map_or(span.end, |c| (self.now.t + c * span.h).min(span.end));
+            let t = C
+                .get(stage)
+                .map_or(interval.end, |c| (self.now.t + c * interval.h).min(interval.end));
             self.stats.rhs += 1;
-            system.rhs(t, y, &mut open[0]).map_err(Trouble::Eval)?;
+            system.rhs(t, y, &mut open[0]).map_err(Rejection::Eval)?;
         }
         if let Some(component) = first_non_finite(&self.slopes[5]) {
-            return Err(Trouble::NonFinite { component });
+            return Err(Rejection::NonFinite { component });
         }
-        self.estimate(span.h)
+        self.estimate(interval.h)
     }
 
-    fn estimate(&mut self, h: f64) -> Result<f64, Trouble> {
+    fn estimate(&mut self, h: f64) -> Result<f64, Rejection> {
         for (i, trial) in self.trial.iter_mut().enumerate() {
             let sum: f64 = self.slopes.iter().zip(&ERROR[1..]).map(|(k, e)| e * k[i]).sum();
             *trial = h * (ERROR[0] * self.now.f[i] + sum);
@@ -202,22 +208,22 @@ impl DormandPrince {
         let size = weighted_rms(&self.trial, &self.weights);
         let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
         if !size.is_finite() {
-            return Err(Trouble::NonFinite { component });
+            return Err(Rejection::NonFinite { component });
         }
-        if size <= 1.0 { Ok(size) } else { Err(Trouble::Error { component, size }) }
+        if size <= 1.0 { Ok(size) } else { Err(Rejection::Error { component, size }) }
     }
 
-    fn complete(&mut self, span: Span, error: f64, repeated: bool) {
+    fn complete(&mut self, interval: StepInterval, error: f64, repeated: bool) {
         self.stats.steps += 1;
-        self.stiffness.heed(self.spectral_step(span.h), self.border);
-        self.set_dense(span.h);
-        self.advance_to(span.end);
+        self.stiffness.observe(self.spectral_step(interval.h), self.border);
+        self.set_dense(interval.h);
+        self.advance_to(interval.end);
         let exponent = 0.2 - 0.75 * BETA;
         let shrink = error.powf(exponent) / self.error_last.powf(BETA) / SAFETY;
         let divisor = shrink.clamp(1.0 / GROWTH, 1.0 / SHRINK);
-        let mut wanted = span.h / divisor;
+        let mut wanted = interval.h / divisor;
         if repeated {
-            wanted = wanted.min(span.h);
+            wanted = wanted.min(interval.h);
         } else if divisor <= 1.0 / GROWTH {
             wanted = wanted.max(self.h);
         }
@@ -250,42 +256,49 @@ impl DormandPrince {
         }
     }
 
-    fn recover(&mut self, span: Span, trouble: Trouble, cuts: u32) -> Result<(), Failure> {
-        let factor = match trouble {
-            Trouble::Error { size, .. } => {
+    fn recover(
+        &mut self,
+        interval: StepInterval,
+        rejection: Rejection,
+        cuts: u32,
+    ) -> Result<(), Failure> {
+        let factor = match rejection {
+            Rejection::Error { size, .. } => {
                 self.stats.rejected += 1;
                 (SAFETY / size.powf(0.2)).clamp(SHRINK, 1.0)
             }
-            Trouble::NonFinite { .. } | Trouble::Eval(EvalError::Recoverable(_)) => {
+            Rejection::NonFinite { .. } | Rejection::Eval(EvalError::Recoverable(_)) => {
                 self.stats.evaluation_failures += 1;
                 OUT_OF_DOMAIN
             }
-            Trouble::Eval(EvalError::Fatal(_)) => return Err(self.failure(span.h, &trouble)),
+            Rejection::Eval(EvalError::Fatal(_)) => {
+                return Err(self.failure(interval.h, &rejection));
+            }
         };
-        let h = span.h * factor;
+        let h = interval.h * factor;
         let shortest = self.options.min_step.max(resolution(self.now.t));
         if cuts >= self.options.max_cuts || !(h > shortest) {
-            return Err(self.failure(h, &trouble));
+            return Err(self.failure(h, &rejection));
         }
         self.h = h;
         Ok(())
     }
 
-    fn failure(&self, h: f64, trouble: &Trouble) -> Failure {
+    fn failure(&self, h: f64, rejection: &Rejection) -> Failure {
         let t = self.now.t;
-        match *trouble {
-            Trouble::Error { component, .. } => Failure::StepTooSmall { t, h, component },
-            Trouble::NonFinite { component } => Failure::NonFinite { t, component },
-            Trouble::Eval(error) => Failure::Eval { t, error },
+        match *rejection {
+            Rejection::Error { component, .. } => Failure::StepTooSmall { t, h, component },
+            Rejection::NonFinite { component } => Failure::NonFinite { t, component },
+            Rejection::Eval(error) => Failure::Eval { t, error },
         }
     }
 }
 
-/// The product of step and dominant eigenvalue above which accuracy can not be what limits the step of
-/// the solution itself: three times that of `y' = lambda y` with a local error of `rtol`, whose constant is
-/// about 1e-4; never beyond the border of stability.
+/// The product of step and dominant eigenvalue above which accuracy cannot be what limits the step: three
+/// times that of `y' = lambda y` with a local error of `rtol`, whose error constant is about 1e-4; at most
+/// the stability limit.
 fn border(rtol: f64) -> f64 {
-    (3.0 * (1e4 * rtol).powf(0.2)).clamp(FOLLOWING, STABILITY)
+    (3.0 * (1e4 * rtol).powf(0.2)).clamp(MIN_BORDER, STABILITY)
 }
 
 impl Stepper for DormandPrince {
@@ -299,28 +312,31 @@ impl Stepper for DormandPrince {
             if self.stats.steps + self.stats.rejected >= limit {
                 return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
             }
-            let span = fit_to_stop(self.now.t, self.h, t_stop);
-            if !(span.end > self.now.t) {
+            let interval = fit_to_stop(self.now.t, self.h, t_stop);
+            if !(interval.end > self.now.t) {
                 let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
-                return Err(Failure::StepTooSmall { t: self.now.t, h: span.h, component });
+                return Err(Failure::StepTooSmall { t: self.now.t, h: interval.h, component });
             }
-            match self.attempt(system, span) {
+            match self.attempt(system, interval) {
                 Ok(error) => {
-                    self.complete(span, error, cuts > 0);
+                    self.complete(interval, error, cuts > 0);
                     let t = self.now.t;
-                    return Ok(if span.last { Step::Reached { t } } else { Step::Advanced { t } });
+                    return Ok(if interval.last {
+                        Step::Reached { t }
+                    } else {
+                        Step::Advanced { t }
+                    });
                 }
-                Err(trouble) => {
+                Err(rejection) => {
                     cuts += 1;
-                    self.recover(span, trouble, cuts)?;
+                    self.recover(interval, rejection, cuts)?;
                 }
             }
         }
     }
 
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
-        // The slope at the point before waits in the last stage since the step was completed, unless
-        // a later attempt to step failed.
+        // The last stage still holds the slope at the previous point, unless a later attempt failed.
         if !(self.t_previous < t && t < self.now.t && self.whole) {
             return Ok(());
         }
@@ -328,18 +344,18 @@ impl Stepper for DormandPrince {
         std::mem::swap(&mut self.now.y, &mut self.y_previous);
         let end = self.now.t;
         self.now.t = self.t_previous;
-        let span = Span { h: t - self.t_previous, end: t, last: true };
-        match self.attempt(system, span) {
-            Ok(_) | Err(Trouble::Error { .. }) => {
-                self.set_dense(span.h);
+        let interval = StepInterval { h: t - self.t_previous, end: t, last: true };
+        match self.attempt(system, interval) {
+            Ok(_) | Err(Rejection::Error { .. }) => {
+                self.set_dense(interval.h);
                 self.advance_to(t);
                 Ok(())
             }
-            Err(trouble) => {
+            Err(rejection) => {
                 // The dense output of the whole step starts at its first point.
                 self.y_previous.copy_from_slice(&self.now.y);
                 self.dense_end = end;
-                Err(self.failure(span.h, &trouble))
+                Err(self.failure(interval.h, &rejection))
             }
         }
     }

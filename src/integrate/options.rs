@@ -1,31 +1,32 @@
-//! What the user may choose, with its only defaults.
+//! Options of the integrator and their defaults.
 
 /// Default relative tolerance.
 pub const DEFAULT_RTOL: f64 = 1e-6;
-/// Default limit of accepted and rejected steps in the life of a stepper.
+/// Default limit of accepted and rejected steps of a stepper.
 pub const DEFAULT_MAX_STEPS: u64 = 10_000_000;
 /// Default limit of consecutive reductions of one step: 60 halvings span the digits of a double.
 pub const DEFAULT_MAX_CUTS: u32 = 60;
 
-/// Choices for one integration. All times are in the unit of `t`.
+/// Options of one integration. All times are in the unit of `t`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
-    /// Tolerated error of a step relative to `|y_i|`, without unit, in `(1e-14, 1)`. Smaller is
-    /// slower: the step shrinks with its fourth root (Radau) or fifth root (Dormand-Prince).
+    /// Tolerated error of a step relative to `|y_i|`, dimensionless, in `(1e-14, 1)`. The step size is
+    /// proportional to its fourth root (Radau) or fifth root (Dormand-Prince).
     pub rtol: f64,
-    /// Tolerated error of a step per component in its own unit, positive. Where `|y_i|` is less than
-    /// `atol_i / rtol` this one rules.
+    /// Tolerated absolute error of a step per component, in its unit, positive. It dominates where
+    /// `|y_i|` is less than `atol_i / rtol`.
     pub atol: Vec<f64>,
-    /// Longest step, positive; infinite by default. A bound makes short pulses in `f` visible.
+    /// Maximum step, positive; infinite by default. A bound keeps short pulses in `f` from being
+    /// stepped over.
     pub max_step: f64,
-    /// A step that would have to be shorter than this ends the integration; 0 by default, which
-    /// leaves the spacing of doubles at `t` as the limit.
+    /// Minimum step: if a shorter one is needed, the integration fails. 0 by default, so that the
+    /// spacing of doubles at `t` is the limit.
     pub min_step: f64,
     /// First step after every restart; chosen from the slope of `f` if `None`.
     pub initial_step: Option<f64>,
-    /// Accepted and rejected steps in the life of the stepper, at least 1.
+    /// Maximum number of accepted and rejected steps of the stepper, at least 1.
     pub max_steps: u64,
-    /// Consecutive reductions within one step, at least 1.
+    /// Maximum number of consecutive reductions of one step, at least 1.
     pub max_cuts: u32,
 }
 
@@ -48,7 +49,7 @@ impl Options {
         }
     }
 
-    /// Rejects what can not be meant; nothing is silently replaced.
+    /// Rejects options out of range; nothing is replaced silently.
     pub fn validate(&self, n: usize) -> Result<(), OptionError> {
         if !(self.rtol > 1e-14 && self.rtol < 1.0) {
             return Err(OptionError::RelativeTolerance { rtol: self.rtol });

@@ -1,4 +1,4 @@
-//! Every way out of a step.
+//! Outcomes of a step.
 
 use crate::integrate::options::OptionError;
 use crate::integrate::system::EvalError;
@@ -8,40 +8,40 @@ use crate::integrate::system::EvalError;
 pub enum Step {
     /// The solution advanced to `t`, before the stop.
     Advanced {
-        /// Time now.
+        /// Current time.
         t: f64,
     },
-    /// The solution is at the stop: `t` has the bits of the `t_stop` given, or was beyond it already.
+    /// The solution is at the stop: `t` has the bits of `t_stop`, or was already beyond it.
     Reached {
-        /// Time now.
+        /// Current time.
         t: f64,
     },
 }
 
-/// An integration that can not go on from the point where the stepper stands. `component` is the
-/// index in `y` that troubles most, so that the caller can name the variable.
+/// An integration that cannot continue from the current point. `component` is the index in `y` that is
+/// most likely the cause, so that the caller can name the variable.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Failure {
     /// An option is out of its range.
     #[error(transparent)]
     Options(#[from] OptionError),
-    /// The start vector has another length than the system, or a value that is not finite.
+    /// The start vector has a wrong length, or a value that is not finite.
     #[error("the start value of component {component} is missing or not finite")]
     Start {
         /// First component without a usable value.
         component: usize,
     },
-    /// The error test fails down to the shortest step: most often a jump or a pole of the solution.
+    /// The error test fails down to the minimum step: usually a jump or a pole of the solution.
     #[error("at t = {t} the step {h:e} is too small; component {component} has the largest error")]
     StepTooSmall {
         /// Time before the failed step.
         t: f64,
-        /// The step that would have been next.
+        /// The next step that would have been tried.
         h: f64,
         /// Component with the largest weighted error.
         component: usize,
     },
-    /// The stage equations have no solution near the start down to the shortest step.
+    /// The stage equations have no solution near the start down to the minimum step.
     #[error(
         "at t = {t} the stage equations do not converge with step {h:e}; \
          component {component} changes most"
@@ -49,7 +49,7 @@ pub enum Failure {
     NewtonFailed {
         /// Time before the failed step.
         t: f64,
-        /// The step that would have been next.
+        /// The next step that would have been tried.
         h: f64,
         /// Component with the largest weighted correction.
         component: usize,
@@ -63,7 +63,7 @@ pub enum Failure {
         /// Component of the column without pivot.
         component: usize,
     },
-    /// The right side or the Jacobian gives infinity or not-a-number for every step tried.
+    /// The right side or the Jacobian is infinite or NaN for every step tried.
     #[error("at t = {t} component {component} is not finite")]
     NonFinite {
         /// Time before the failed step.
@@ -76,13 +76,13 @@ pub enum Failure {
     Eval {
         /// Time before the failed step.
         t: f64,
-        /// What the system said.
+        /// The error of the system.
         error: EvalError,
     },
     /// The limit of `Options::max_steps`.
     #[error("at t = {t} the limit of {steps} steps is exhausted")]
     TooManySteps {
-        /// Time now.
+        /// Current time.
         t: f64,
         /// The limit.
         steps: u64,

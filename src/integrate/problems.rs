@@ -8,22 +8,22 @@ use crate::integrate::system::{EvalError, System};
 use crate::numeric::pattern::Pattern;
 
 /// A system made of closures, so that a test can state its equations where it uses them.
-pub struct Model<F, J> {
+pub struct TestSystem<F, J> {
     pub differential: Vec<bool>,
     pub rhs: F,
     pub jacobian: J,
 }
 
-/// A model of `n` differential equations whose functions can not fail.
-pub fn ode<F, J>(n: usize, rhs: F, jacobian: J) -> Model<F, J>
+/// A system of `n` differential equations whose Jacobian cannot fail.
+pub fn ode<F, J>(n: usize, rhs: F, jacobian: J) -> TestSystem<F, J>
 where
     F: FnMut(f64, &[f64], &mut [f64]) -> Result<(), EvalError>,
     J: FnMut(f64, &[f64], &mut [f64]),
 {
-    Model { differential: vec![true; n], rhs, jacobian }
+    TestSystem { differential: vec![true; n], rhs, jacobian }
 }
 
-impl<F, J> System for Model<F, J>
+impl<F, J> System for TestSystem<F, J>
 where
     F: FnMut(f64, &[f64], &mut [f64]) -> Result<(), EvalError>,
     J: FnMut(f64, &[f64], &mut [f64]),
@@ -83,7 +83,7 @@ pub fn oscillator() -> impl System {
     )
 }
 
-/// Shortens every third step of [`oscillator`] and goes on from there, within `tolerance`.
+/// Shortens every third step of [`oscillator`] and continues from there, within `tolerance`.
 pub fn check_shortening(stepper: &mut dyn Stepper, tolerance: f64) {
     let mut system = oscillator();
     stepper.restart(&mut system, 0.0, &[0.0, 1.0], JacobianMemory::Forget).unwrap();
@@ -105,7 +105,7 @@ pub fn check_shortening(stepper: &mut dyn Stepper, tolerance: f64) {
         let error = relative_error(stepper.y(), &[sin, cos], 1.0);
         assert!(error < tolerance, "{error} at {}", stepper.t());
     }
-    // Outside the last step there is nothing to shorten.
+    // Shortening has no effect outside of the last step.
     let y = stepper.y().to_vec();
     stepper.shorten(&mut system, 6.0).unwrap();
     stepper.shorten(&mut system, 0.0).unwrap();

@@ -1,6 +1,6 @@
-//! Counters of the work done: the oracle of regressions in efficiency.
+//! Counters of the work of a stepper, for detecting regressions in efficiency.
 
-/// Work done in the life of a stepper.
+/// Work of a stepper since its construction.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Stats {
     /// Accepted steps.

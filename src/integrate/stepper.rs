@@ -1,19 +1,19 @@
-//! What every integration method offers to the simulation loop.
+//! The interface of all integration methods.
 
 use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::stats::Stats;
 use crate::integrate::system::System;
 
-/// A one-step or multistep method that stands at an accepted point and can advance it.
+/// A one-step or multistep method, positioned at an accepted point.
 ///
-/// Usage: `restart`, then `step` until it reports `Reached`; within the last step `interpolate`.
-/// After a failure the stepper still stands at the last accepted point. Nothing allocates after
-/// construction, and equal inputs give equal bits.
+/// Usage: `restart`, then `step` until it returns `Reached`; `interpolate` within the last step. After
+/// a failure the stepper remains at the last accepted point. Nothing allocates after construction, and
+/// equal inputs give equal bits.
 pub trait Stepper {
-    /// Stands at `(t, y)` and forgets the history: at the start and after every discontinuity.
+    /// Moves to `(t, y)` and discards the history: at the start and after every discontinuity.
     ///
     /// Algebraic components must satisfy their equations. With [`JacobianMemory::Keep`] the last
-    /// Jacobian serves on until it converges badly.
+    /// Jacobian is used until the iteration converges slowly.
     fn restart(
         &mut self,
         system: &mut dyn System,
@@ -26,11 +26,11 @@ pub trait Stepper {
     /// `t_stop`. Without effect if `t_stop` is not after `t()`.
     fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure>;
 
-    /// Redoes the last step so that it ends at `t` in `(t_previous(), t())`, to the accuracy of the
-    /// step's end rather than that of the interpolation: for the state at an event inside the step.
+    /// Repeats the last step so that it ends at `t` in `(t_previous(), t())`, with the accuracy of a
+    /// step end rather than that of the interpolation: for the state at an event within the step.
     ///
-    /// Without effect for other `t`, or if `step` failed since. After a failure the stepper stands at
-    /// `t_previous()`, and `interpolate` still serves the whole last step.
+    /// Without effect for other `t`, or if `step` has failed since. After a failure the stepper is at
+    /// `t_previous()`, and `interpolate` still covers the whole last step.
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure>;
 
     /// Time of the accepted point.
@@ -39,25 +39,25 @@ pub trait Stepper {
     /// The accepted point.
     fn y(&self) -> &[f64];
 
-    /// Where the last step began; equals `t()` after a restart.
+    /// Start of the last step; equals `t()` after a restart.
     fn t_previous(&self) -> f64;
 
     /// Writes the solution at `t` in `[t_previous(), t()]` to `out`. Between the ends the error is of
-    /// the size of the tolerances, for stiff components up to some ten times that.
+    /// the size of the tolerances, for stiff components up to about ten times that.
     fn interpolate(&self, t: f64, out: &mut [f64]);
 
-    /// The step the method would try next, if no stop interferes.
+    /// The next step size if no stop interferes.
     fn next_step(&self) -> f64;
 
     /// Work done so far.
     fn stats(&self) -> &Stats;
 }
 
-/// What a restart does with the Jacobian of the last steps.
+/// Treatment of the Jacobian in a restart.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum JacobianMemory {
-    /// The equations changed: evaluate it anew.
+    /// The equations have changed: evaluate it again.
     Forget,
-    /// The same equations hold and the point moved little.
+    /// The equations are the same and the point has changed little.
     Keep,
 }

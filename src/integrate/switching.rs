@@ -1,16 +1,15 @@
-//! Dormand-Prince for as long as a system does not turn out to be stiff, then Radau, and backward
-//! differentiation if Radau's steps are often refused.
+//! Switches from Dormand-Prince to Radau when the system turns out to be stiff, and to BDF if Radau's
+//! steps are often rejected.
 //!
-//! What was stiff once is expected to be so again, so there is no way back. The step size of an
-//! explicit method falls to what its stability allows before it does harm, and the solution up to
-//! there is as accurate as any.
+//! A system that was stiff once is expected to become stiff again, so it never switches back. The step
+//! size of the explicit method falls to its stability limit before the error grows, so the solution up
+//! to the switch is as accurate as any.
 //!
-//! Radau takes the longer steps on a smooth solution. Where fronts, stops and saturations follow each
-//! other its steps are refused again and again, by the error test or because the iteration does not
-//! converge across a kink; and a refused step costs it a dozen right sides and two decompositions,
-//! where a multistep method loses one or two right sides. `benches/peer.rs` has both: Robertson's
-//! and HIRES's reactions, of whose steps one in a hundred is refused or none, and a valve with one in
-//! five.
+//! Radau takes longer steps on a smooth solution. Where fronts, stops and saturations follow each other
+//! its steps are rejected repeatedly, by the error test or because the iteration does not converge
+//! across a kink. A rejected step costs a dozen right sides and two decompositions, whereas a multistep
+//! method loses one or two right sides. `benches/peer.rs` has examples of both: the reactions of
+//! Robertson and HIRES, where at most one step in a hundred is rejected, and a valve with one in five.
 
 use crate::integrate::bdf::Bdf;
 use crate::integrate::explicit::DormandPrince;
@@ -21,23 +20,23 @@ use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::System;
 
-/// Steps of Radau before it is judged.
-const TRIAL: u64 = 100;
-/// One refused step of Radau among so many attempts is often.
-const OFTEN: u64 = 12;
+/// Number of Radau steps before its rejections are considered.
+const STEPS_BEFORE_SWITCH: u64 = 100;
+/// Rejections are frequent if they exceed one in this number of attempts.
+const MAX_REJECTION_RATIO: u64 = 12;
 
 /// The stepper. Only for systems whose components are all differential.
 pub struct Switching {
     explicit: DormandPrince,
     radau: Radau,
     bdf: Bdf,
-    /// Makes the next step.
+    /// Method of the next step.
     next: Phase,
-    /// Made the last step, within which to interpolate.
+    /// Method of the last step, which interpolates.
     last: Phase,
-    /// Where the explicit method gave up.
+    /// Time at which the system was found to be stiff.
     stiff_since: Option<f64>,
-    /// Where Radau did.
+    /// Time at which the solution was found to be rough.
     rough_since: Option<f64>,
     stats: Stats,
 }
@@ -53,21 +52,21 @@ pub enum Phase {
     Bdf,
 }
 
-/// What each method is asked for: the same tolerance means another error with each.
+/// Options of each method: equal tolerances give different errors.
 #[derive(Clone, Debug)]
-pub struct Choices {
-    /// Of Dormand-Prince.
+pub struct MethodOptions {
+    /// Options of Dormand-Prince.
     pub explicit: Options,
-    /// Of Radau.
+    /// Options of Radau.
     pub radau: Options,
-    /// Of backward differentiation.
+    /// Options of BDF.
     pub bdf: Options,
 }
 
 impl Switching {
     /// A stepper for this system, with the matrices of
     /// [`IterationMatrix::for_system`](crate::integrate::matrix::IterationMatrix::for_system).
-    pub fn for_system(system: &dyn System, choices: Choices) -> Result<Self, OptionError> {
+    pub fn for_system(system: &dyn System, choices: MethodOptions) -> Result<Self, OptionError> {
         Ok(Switching {
             explicit: DormandPrince::new(system.dim(), choices.explicit)?,
             radau: Radau::for_system(system, choices.radau)?,
@@ -80,17 +79,17 @@ impl Switching {
         })
     }
 
-    /// The method that makes the next step.
+    /// The method of the next step.
     pub fn phase(&self) -> Phase {
         self.next
     }
 
-    /// When the system turned out to be stiff.
+    /// Time at which the system was found to be stiff.
     pub fn stiff_since(&self) -> Option<f64> {
         self.stiff_since
     }
 
-    /// When Radau's steps turned out to be refused often.
+    /// Time at which Radau's steps were found to be rejected often.
     pub fn rough_since(&self) -> Option<f64> {
         self.rough_since
     }
@@ -115,14 +114,14 @@ impl Switching {
         self.stats = *self.explicit.stats() + *self.radau.stats() + *self.bdf.stats();
     }
 
-    /// Radau has made enough steps to be judged, and too many were refused.
+    /// True if too many of Radau's steps were rejected.
     fn is_rough(&self) -> bool {
         let Stats { steps, rejected, convergence_failures, .. } = *self.radau.stats();
         let refused = rejected + convergence_failures;
-        steps >= TRIAL && refused * OFTEN > steps + refused
+        steps >= STEPS_BEFORE_SWITCH && refused * MAX_REJECTION_RATIO > steps + refused
     }
 
-    /// Goes on with another method from where this one stands.
+    /// Continues with another method from the current point.
     fn switch(&mut self, system: &mut dyn System, to: Phase) -> Result<(), Failure> {
         let (from, t) = (self.of(self.next), self.of(self.next).t());
         let y = from.y().to_vec();
@@ -203,9 +202,9 @@ mod tests {
     use super::*;
     use crate::integrate::problems::*;
 
-    fn choices(rtol: f64, n: usize) -> Choices {
+    fn choices(rtol: f64, n: usize) -> MethodOptions {
         let options = Options::with_nominals(rtol, &vec![1.0; n]);
-        Choices { explicit: options.clone(), radau: options.clone(), bdf: options }
+        MethodOptions { explicit: options.clone(), radau: options.clone(), bdf: options }
     }
 
     fn end(system: &mut dyn System, start: &[f64], t_stop: f64) -> (Vec<f64>, Switching) {
@@ -220,7 +219,7 @@ mod tests {
         let (y, stepper) = end(&mut van_der_pol(1e-6), &[2.0, 0.0], 2.0);
         assert!(relative_error(&y, &VAN_DER_POL_END, 0.0) < 1e-6);
         let since = stepper.stiff_since().unwrap();
-        // So early that the explicit method cost next to nothing.
+        // Early enough that the explicit method cost next to nothing.
         assert!(since < 1e-3 && stepper.explicit.stats().steps < 200, "{since}");
         let theirs = stepper.radau.stats().steps + stepper.bdf.stats().steps;
         assert_eq!(stepper.stats().steps, stepper.explicit.stats().steps + theirs);
@@ -235,7 +234,7 @@ mod tests {
         assert_eq!(stepper.phase(), Phase::Explicit);
     }
 
-    /// At the change of methods the last step of the first one still serves.
+    /// At the switch, interpolation still uses the last step of the first method.
     #[test]
     fn the_solution_is_continuous_across_the_switch() {
         let mut system = van_der_pol(1e-3);

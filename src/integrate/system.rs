@@ -1,11 +1,11 @@
-//! The system to integrate, as the integrator sees it: floats in, floats out.
+//! The system to integrate.
 
 use crate::numeric::pattern::Pattern;
 
 /// A semi-explicit system `M y' = f(t, y)` whose `M` is diagonal with entries one and zero.
 ///
 /// A row with entry zero is an algebraic equation `0 = f_i(t, y)`. With such rows the system must
-/// have index 1: the Jacobian of the algebraic rows by the algebraic components is regular.
+/// have index 1: the Jacobian of the algebraic rows with respect to the algebraic components is regular.
 /// Both functions may use internal memory; for equal arguments they must give equal bits.
 pub trait System {
     /// Number of components of `y`.
@@ -25,16 +25,16 @@ pub trait System {
         None
     }
 
-    /// Writes `df_i/dy_j (t, y)` for each entry `(i, j)` of `pattern`, in its order: all of them.
-    /// Only asked of a system that provides a pattern.
+    /// Writes `df_i/dy_j (t, y)` for all entries `(i, j)` of `pattern`, in its order. Called only for
+    /// systems that provide a pattern.
     fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
         let _ = (t, y, values);
         Err(EvalError::Fatal(u32::MAX))
     }
 }
 
-/// A right side or a Jacobian that could not be evaluated. The code is the system's own; it comes
-/// back unchanged in the failure if no smaller step helps.
+/// A right side or Jacobian that could not be evaluated. The code is defined by the system and returned
+/// unchanged in the failure if no smaller step helps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EvalError {
     /// Outside the domain here (the root of a negative number, an inner iteration that does not

@@ -1,13 +1,13 @@
-//! How a solution varies with something that it depends on.
+//! The variational equations: derivatives of a solution with respect to inputs.
 
 use crate::integrate::system::EvalError;
 
-/// The equations `M s' = J(t) s + b(t)` that hold along a solution `y` of `M y' = f(t, y, p)` for its
-/// derivatives `s = dy/dp`, one `b = df/dp` for each direction `p`, with `J = df/dy`.
+/// The equations `M s' = J(t) s + b(t)` for the derivatives `s = dy/dp` along a solution `y` of
+/// `M y' = f(t, y, p)`, with `J = df/dy` and one `b = df/dp` for each direction `p`.
 ///
-/// A step of a method looks at them at several points at once: its stages.
+/// A step evaluates them at several points: its stages.
 pub trait Variational {
-    /// Evaluates `J` and all `b` at the point `(t, y)` of the solution, and keeps them for `stage`.
+    /// Evaluates `J` and all `b` at the point `(t, y)` of the solution, and stores them for `stage`.
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError>;
 
     /// Writes `J s + b` of one direction at a stage to `out`. Slices have the length of `y`.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::atomic_file::{AtomicFile, WriteError};
+use super::results::ResultWriter;
 use crate::ir::trajectory::{Column, Kind, Trajectory};
 
 /// Why a table was not written.
@@ -161,6 +162,16 @@ impl<W: Write> TableWriter<W> {
             i += 1;
         }
         Ok(())
+    }
+}
+
+impl ResultWriter for TableWriter<AtomicFile> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
+        TableWriter::row(self, time, values)
+    }
+
+    fn finish(self: Box<Self>, _end: f64) -> Result<AtomicFile, TableError> {
+        TableWriter::finish(*self)
     }
 }
 

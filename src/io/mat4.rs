@@ -13,7 +13,7 @@ use std::io::Write;
 
 use super::atomic_file::AtomicFile;
 use super::csv::TableError;
-use super::results::check;
+use super::results::{ResultWriter, check};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant};
 
 /// Doubles, little endian, as the first word of a matrix says it: digits M, O, P, T.
@@ -59,37 +59,6 @@ impl MatWriter {
             data_at: 0,
             bytes: Vec::new(),
         }
-    }
-
-    /// Takes the constants of the run.
-    pub fn constants(&mut self, constants: Vec<Constant>) {
-        self.constants = constants;
-    }
-
-    /// Appends an instant. The first gives the constant columns their values.
-    pub fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
-        check(&self.columns, time, values)?;
-        if self.rows == 0 {
-            self.begin(time, values)?;
-        }
-        self.bytes.clear();
-        self.bytes.extend_from_slice(&time.to_le_bytes());
-        for &k in &self.moving {
-            self.bytes.extend_from_slice(&values[k].to_le_bytes());
-        }
-        self.out.write_all(&self.bytes)?;
-        self.rows += 1;
-        Ok(())
-    }
-
-    /// Writes into the headers what is known at the end only; `end` in s.
-    pub fn finish(mut self, end: f64) -> Result<AtomicFile, TableError> {
-        if self.rows > 0 {
-            let rows = count("the number of rows", self.rows)?;
-            self.out.patch(self.end_at, &end.to_le_bytes())?;
-            self.out.patch(self.data_at + COLUMNS_AT, &rows.to_le_bytes())?;
-        }
-        Ok(self.out)
     }
 
     /// All matrices before the instants, and the header of those.
@@ -176,6 +145,38 @@ impl MatWriter {
     }
 }
 
+impl ResultWriter for MatWriter {
+    fn constants(&mut self, constants: Vec<Constant>) {
+        self.constants = constants;
+    }
+
+    /// The first row determines the constant columns.
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
+        check(&self.columns, time, values)?;
+        if self.rows == 0 {
+            self.begin(time, values)?;
+        }
+        self.bytes.clear();
+        self.bytes.extend_from_slice(&time.to_le_bytes());
+        for &k in &self.moving {
+            self.bytes.extend_from_slice(&values[k].to_le_bytes());
+        }
+        self.out.write_all(&self.bytes)?;
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// Completes the headers.
+    fn finish(mut self: Box<Self>, end: f64) -> Result<AtomicFile, TableError> {
+        if self.rows > 0 {
+            let rows = count("the number of rows", self.rows)?;
+            self.out.patch(self.end_at, &end.to_le_bytes())?;
+            self.out.patch(self.data_at + COLUMNS_AT, &rows.to_le_bytes())?;
+        }
+        Ok(self.out)
+    }
+}
+
 /// The comment of a variable with its units, as Dymola writes it: `Pressure [Pa|bar]`.
 fn description(column: &Column) -> String {
     let Column { unit, display_unit, description, .. } = column;
@@ -259,7 +260,7 @@ mod tests {
         writer.row(0.5, &[2e5, 0.5, -0.5, 7.0, 2e5]).unwrap();
         writer.row(0.5, &[3e5, 0.5, -0.5, 7.0, 3e5]).unwrap();
         assert!(writer.row(0.75, &[f64::NAN, 0.5, -0.5, 7.0, 3e5]).is_err());
-        writer.finish(0.75).unwrap().finish().unwrap();
+        Box::new(writer).finish(0.75).unwrap().finish().unwrap();
 
         let found = matrices(&std::fs::read(dir.path("run.mat")).unwrap());
         let names: Vec<&str> = found.iter().map(|m| m.0.as_str()).collect();

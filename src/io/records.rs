@@ -1,4 +1,4 @@
-//! Tables without a time: rows of numbers and texts, some of which may be missing, as CSV or Parquet.
+//! Record tables: rows of numbers and strings without a time, with missing values, as CSV or Parquet.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,16 +7,16 @@ use thiserror::Error;
 
 use super::atomic_file::{AtomicFile, WriteError};
 use super::csv::{TableError, push_number, push_quoted};
-use super::parquet::records::RecordsWriter;
+use super::format::Format;
 
-/// What a column holds.
+/// Type of a column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Type {
     /// Numbers.
     Real,
-    /// Whole numbers.
-    Whole,
-    /// Texts.
+    /// Integers.
+    Integer,
+    /// Strings.
     Text,
 }
 
@@ -25,43 +25,43 @@ pub enum Type {
 pub struct Field {
     /// Its name.
     pub name: String,
-    /// What it holds.
+    /// Its type.
     pub ty: Type,
     /// SI unit; may be empty.
     pub unit: String,
-    /// What it means; may be empty.
+    /// Its meaning; may be empty.
     pub description: String,
 }
 
-/// A value; columns of numbers hold no texts and the other way round.
+/// A value of the type of its column.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Cell {
-    /// There is none.
+    /// No value.
     Missing,
     /// A finite number.
     Real(f64),
-    /// A whole number.
-    Whole(i64),
-    /// A text.
+    /// An integer.
+    Integer(i64),
+    /// A string.
     Text(String),
 }
 
 /// Why a table was not written.
 #[derive(Error, Debug)]
 pub enum RecordError {
-    /// What was read back is no row of this table.
+    /// A line that was read back is not a row of this table.
     #[error("a line of the journal is broken: `{0}`; begin anew with `--restart`")]
     Broken(String),
-    /// The output took no more.
+    /// Writing failed.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// The file could not be made.
+    /// The file could not be created.
     #[error(transparent)]
     File(#[from] WriteError),
 }
 
-/// A row as a line of CSV (RFC 4180) without its end. Texts have no line breaks in it. Numbers read back as
-/// they were.
+/// A row as a line of CSV (RFC 4180) without line end. Line breaks in strings become blanks. Numbers
+/// read back exactly.
 pub fn line(cells: &[Cell]) -> String {
     let mut text = Vec::new();
     for (i, cell) in cells.iter().enumerate() {
@@ -71,7 +71,7 @@ pub fn line(cells: &[Cell]) -> String {
         match cell {
             Cell::Missing => {}
             Cell::Real(x) => push_number(&mut text, *x, false),
-            Cell::Whole(n) => text.extend_from_slice(n.to_string().as_bytes()),
+            Cell::Integer(n) => text.extend_from_slice(n.to_string().as_bytes()),
             Cell::Text(t) => {
                 let mut quoted = String::new();
                 push_quoted(&mut quoted, &t.replace(['\n', '\r'], " "));
@@ -82,7 +82,7 @@ pub fn line(cells: &[Cell]) -> String {
     String::from_utf8(text).unwrap_or_default()
 }
 
-/// The row that a line holds.
+/// Parses a line to a row.
 pub fn row(line: &str, fields: &[Field]) -> Result<Vec<Cell>, RecordError> {
     let broken = || RecordError::Broken(line.to_owned());
     let texts = parts(line);
@@ -92,7 +92,7 @@ pub fn row(line: &str, fields: &[Field]) -> Result<Vec<Cell>, RecordError> {
     let cell = |(text, field): (String, &Field)| match field.ty {
         _ if text.is_empty() => Ok(Cell::Missing),
         Type::Real => text.parse().map(Cell::Real).map_err(|_| broken()),
-        Type::Whole => text.parse().map(Cell::Whole).map_err(|_| broken()),
+        Type::Integer => text.parse().map(Cell::Integer).map_err(|_| broken()),
         Type::Text => Ok(Cell::Text(text)),
     };
     texts.into_iter().zip(fields).map(cell).collect()
@@ -118,48 +118,66 @@ pub fn parts(line: &str) -> Vec<String> {
     out
 }
 
-/// A table under construction. Dropped without [`Records::finish`] it leaves nothing.
-pub enum Records {
-    /// As text.
-    Csv(Box<AtomicFile>),
-    /// As columns.
-    Parquet(Box<RecordsWriter>),
+/// Writes a record table in one format; created by a row of [`FORMATS`](super::format::FORMATS).
+pub trait RecordWriter {
+    /// Writes a row, given as a line of CSV and as cells.
+    fn row(&mut self, line: &str, cells: &[Cell]) -> Result<(), RecordError>;
+
+    /// Writes the remaining rows and returns the file.
+    fn finish(self: Box<Self>) -> Result<AtomicFile, RecordError>;
 }
+
+/// A record table under construction. Dropped without [`Records::finish`] it leaves no file.
+pub struct Records(Box<dyn RecordWriter>);
 
 impl Records {
-    /// Begins a file, as Parquet if its name ends so.
+    /// Starts a file in the format given by its extension, by default as CSV.
     pub fn create(path: &Path, fields: &[Field]) -> Result<Self, RecordError> {
-        let mut file = AtomicFile::create(path)?;
-        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if extension.as_deref() == Some("parquet") {
-            return Ok(Records::Parquet(Box::new(RecordsWriter::new(file, fields)?)));
-        }
-        let header: Vec<Cell> = fields.iter().map(|f| Cell::Text(f.name.clone())).collect();
-        put(&mut file, &line(&header))?;
-        Ok(Records::Csv(Box::new(file)))
+        let file = AtomicFile::create(path)?;
+        let create = Format::of(path).ok().and_then(|format| format.records);
+        Ok(Records(match create {
+            Some(create) => create(file, fields)?,
+            None => Box::new(CsvRecords::new(file, fields)?),
+        }))
     }
 
-    /// Writes a row, given as a line of CSV and as cells.
-    pub fn row(&mut self, text: &str, cells: &[Cell]) -> Result<(), RecordError> {
-        match self {
-            Records::Csv(file) => put(file, text),
-            Records::Parquet(writer) => Ok(writer.row(cells)?),
-        }
+    /// See [`RecordWriter::row`].
+    pub fn row(&mut self, line: &str, cells: &[Cell]) -> Result<(), RecordError> {
+        self.0.row(line, cells)
     }
 
-    /// Gives the file its name.
+    /// Completes the file and gives it its name.
     pub fn finish(self) -> Result<(), RecordError> {
-        let file = match self {
-            Records::Csv(file) => *file,
-            Records::Parquet(writer) => writer.finish()?,
-        };
-        Ok(file.finish()?)
+        Ok(self.0.finish()?.finish()?)
     }
 }
 
-fn put(file: &mut AtomicFile, line: &str) -> Result<(), RecordError> {
-    let written = file.write_all(line.as_bytes()).and_then(|()| file.write_all(b"\n"));
-    written.map_err(|source| file.failed(source).into())
+/// Writes records as CSV.
+pub struct CsvRecords(AtomicFile);
+
+impl CsvRecords {
+    /// A file with these columns.
+    pub fn new(file: AtomicFile, fields: &[Field]) -> Result<Self, RecordError> {
+        let header: Vec<Cell> = fields.iter().map(|f| Cell::Text(f.name.clone())).collect();
+        let mut writer = CsvRecords(file);
+        writer.write_line(&line(&header))?;
+        Ok(writer)
+    }
+
+    fn write_line(&mut self, line: &str) -> Result<(), RecordError> {
+        let written = self.0.write_all(line.as_bytes()).and_then(|()| self.0.write_all(b"\n"));
+        written.map_err(|source| self.0.failed(source).into())
+    }
+}
+
+impl RecordWriter for CsvRecords {
+    fn row(&mut self, line: &str, _cells: &[Cell]) -> Result<(), RecordError> {
+        self.write_line(line)
+    }
+
+    fn finish(self: Box<Self>) -> Result<AtomicFile, RecordError> {
+        Ok(self.0)
+    }
 }
 
 #[cfg(test)]
@@ -175,13 +193,13 @@ mod tests {
             description: String::new(),
         };
         let fields = [
-            field("n", Type::Whole),
+            field("n", Type::Integer),
             field("x", Type::Real),
             field("why", Type::Text),
             field("y", Type::Real),
         ];
         let cells = [
-            Cell::Whole(-3),
+            Cell::Integer(-3),
             Cell::Real(0.1 + 0.2),
             Cell::Text("a \"b\", c".into()),
             Cell::Missing,

@@ -1,103 +1,64 @@
-//! A file of results, in the format that its name asks for.
+//! Files with the results of a run.
 //!
-//! Rows go to the file as they come. The file takes its name only at the end.
+//! Rows are written as they come; the file gets its name only when it is complete. [`format`] lists
+//! the formats, each with its [`ResultWriter`].
+//!
+//! [`format`]: super::format
 
 use std::path::Path;
 
-use thiserror::Error;
-
 use super::atomic_file::AtomicFile;
-use super::csv::{TableError, TableWriter};
-use super::mat4::MatWriter;
-use super::parquet::ParquetWriter;
+use super::csv::TableError;
+use super::format::Format;
 use crate::ir::trajectory::{Column, ColumnStorage, Constant};
 
-/// The formats of results.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Format {
-    /// A table as text, RFC 4180.
-    Csv,
-    /// Apache Parquet: columns in groups of rows, with types, units and descriptions.
-    Parquet,
-    /// MATLAB level 4 with the matrices that Dymola and OpenModelica write.
-    Mat,
+/// The columns of a result.
+pub struct Header<'a> {
+    /// The recorded variables, without the time.
+    pub columns: &'a [Column],
+    /// How each column is determined.
+    pub column_storage: &'a [ColumnStorage],
 }
 
-/// The name of a file says no format.
-#[derive(Clone, PartialEq, Eq, Error, Debug)]
-#[error("results can be written as .csv, .parquet or .mat, not as `{0}`")]
-pub struct UnknownFormat(pub String);
-
-impl Format {
-    /// The format that the extension of `path` names, in capitals or not.
-    pub fn of(path: &Path) -> Result<Format, UnknownFormat> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        match extension.as_deref() {
-            Some("csv") => Ok(Format::Csv),
-            Some("parquet") => Ok(Format::Parquet),
-            Some("mat") => Ok(Format::Mat),
-            _ => Err(UnknownFormat(path.display().to_string())),
-        }
-    }
-}
-
-/// A file of results under construction. Dropped without [`Results::finish`] it leaves nothing.
-pub enum Results {
-    /// A table as text.
-    Csv(Box<TableWriter<AtomicFile>>),
-    /// Columns.
-    Parquet(Box<ParquetWriter>),
-    /// Matrices.
-    Mat(Box<MatWriter>),
-}
-
-impl Results {
-    /// Begins a file at `path`; one course for each column.
-    pub fn create(
-        path: &Path,
-        format: Format,
-        columns: &[Column],
-        column_storage: &[ColumnStorage],
-    ) -> Result<Self, TableError> {
-        let file = AtomicFile::create(path)?;
-        Ok(match format {
-            Format::Csv => Results::Csv(Box::new(TableWriter::new(file, columns)?)),
-            Format::Parquet => Results::Parquet(Box::new(ParquetWriter::new(file, columns)?)),
-            Format::Mat => Results::Mat(Box::new(MatWriter::new(file, columns, column_storage))),
-        })
-    }
-
-    /// Takes parameters and constants, before the first row. Only a table as text has no place for
-    /// them.
-    pub fn constants(&mut self, constants: Vec<Constant>) {
-        match self {
-            Results::Csv(_) => {}
-            Results::Parquet(writer) => writer.constants(constants),
-            Results::Mat(writer) => writer.constants(constants),
-        }
-    }
+/// Writes results in one format. Created with a [`Header`] by a row of
+/// [`FORMATS`](super::format::FORMATS).
+pub trait ResultWriter: Send {
+    /// Records parameters and constants, before the first row. Formats without metadata ignore them.
+    fn constants(&mut self, _constants: Vec<Constant>) {}
 
     /// Writes one row; `values` in the order of the columns, all finite.
-    pub fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
-        match self {
-            Results::Csv(writer) => writer.row(time, values),
-            Results::Parquet(writer) => writer.row(time, values),
-            Results::Mat(writer) => writer.row(time, values),
-        }
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError>;
+
+    /// Writes the remaining rows and returns the file; `end` is the end of the run, s.
+    fn finish(self: Box<Self>, end: f64) -> Result<AtomicFile, TableError>;
+}
+
+/// A result file under construction. Dropped without [`Results::finish`] it leaves no file.
+pub struct Results(Box<dyn ResultWriter>);
+
+impl Results {
+    /// Starts a file at `path`.
+    pub fn create(path: &Path, format: &Format, header: &Header<'_>) -> Result<Self, TableError> {
+        Ok(Results((format.results)(AtomicFile::create(path)?, header)?))
     }
 
-    /// Writes what is left and gives the file its name; `end` is the time that the run reached, s.
+    /// See [`ResultWriter::constants`].
+    pub fn constants(&mut self, constants: Vec<Constant>) {
+        self.0.constants(constants);
+    }
+
+    /// See [`ResultWriter::row`].
+    pub fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
+        self.0.row(time, values)
+    }
+
+    /// Completes the file and gives it its name; `end` is the end of the run, s.
     pub fn finish(self, end: f64) -> Result<(), TableError> {
-        let file = match self {
-            Results::Csv(writer) => writer.finish()?,
-            Results::Parquet(writer) => writer.finish()?,
-            Results::Mat(writer) => writer.finish(end)?,
-        };
-        Ok(file.finish()?)
+        Ok(self.0.finish(end)?.finish()?)
     }
 }
 
-/// Refuses a row that is not as long as the columns, or holds NaN or an infinity.
+/// Rejects a row of the wrong length, or with values that are not finite.
 pub(crate) fn check(columns: &[Column], time: f64, values: &[f64]) -> Result<(), TableError> {
     let (found, expected) = (values.len(), columns.len());
     if found != expected {
@@ -116,20 +77,6 @@ pub(crate) fn check(columns: &[Column], time: f64, values: &[f64]) -> Result<(),
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_extension_is_the_format() {
-        let of = |name: &str| Format::of(Path::new(name));
-        assert_eq!(of("a/run.csv"), Ok(Format::Csv));
-        assert_eq!(of("run.Parquet"), Ok(Format::Parquet));
-        assert_eq!(of("x.y.MAT"), Ok(Format::Mat));
-        let text = |name: &str| of(name).unwrap_err().to_string();
-        assert_eq!(
-            text("run.xlsx"),
-            "results can be written as .csv, .parquet or .mat, not as `run.xlsx`"
-        );
-        assert_eq!(text("run"), "results can be written as .csv, .parquet or .mat, not as `run`");
-    }
 
     #[test]
     fn rows_are_checked() {

@@ -152,7 +152,6 @@ impl Simulation<'_, '_> {
     }
 
     fn stepper_begin(&self) -> f64 {
-        use crate::integrate::stepper::Stepper;
         self.stepper.t_previous()
     }
 }

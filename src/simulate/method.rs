@@ -17,14 +17,14 @@
 //! The same tolerance should give about the same error with every method: Radau meets it with digits to
 //! spare; the others do not and get a tighter one.
 
+use std::ops::{Deref, DerefMut};
+
 use crate::integrate::bdf::Bdf;
 use crate::integrate::explicit::DormandPrince;
 use crate::integrate::options::{OptionError, Options};
-use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::radau::Radau;
-use crate::integrate::stats::Stats;
-use crate::integrate::stepper::{JacobianMemory, Stepper};
-use crate::integrate::switching::{Choices, Phase, Switching};
+use crate::integrate::stepper::Stepper;
+use crate::integrate::switching::{MethodOptions, Phase, Switching};
 use crate::integrate::system::System;
 use crate::ir::program::Program;
 
@@ -33,11 +33,11 @@ use super::settings::Method;
 /// Number of states from which on BDF is chosen for a system without events.
 const MANY_STATES: usize = 150;
 /// Factor on the tolerance of Dormand-Prince.
-const SHARPER_DOPRI: f64 = 0.1;
+const DOPRI_FACTOR: f64 = 0.1;
 /// Factor on the tolerance of BDF: the errors of its many steps add up.
-const SHARPER_BDF: f64 = 0.01;
+const BDF_FACTOR: f64 = 0.01;
 /// Minimum relative tolerance after tightening.
-const SHARPEST: f64 = 1e-13;
+const MIN_RTOL: f64 = 1e-13;
 
 /// The stepper of a run.
 pub enum Integrator {
@@ -104,13 +104,13 @@ impl Integrator {
                 return Err(NoMethod::Explicit { unknowns: program.algebraics.len() });
             }
             Method::Dopri => {
-                let options = sharpened(&options, SHARPER_DOPRI);
+                let options = tightened(&options, DOPRI_FACTOR);
                 Integrator::DormandPrince(Box::new(DormandPrince::new(system.dim(), options)?))
             }
             Method::Auto => {
-                let explicit = sharpened(&options, SHARPER_DOPRI);
+                let explicit = tightened(&options, DOPRI_FACTOR);
                 let bdf = for_bdf(&options);
-                let choices = Choices { explicit, radau: options, bdf };
+                let choices = MethodOptions { explicit, radau: options, bdf };
                 Integrator::Switching(Box::new(Switching::for_system(system, choices)?))
             }
         };
@@ -154,24 +154,6 @@ impl Integrator {
             _ => None,
         }
     }
-
-    fn inner(&self) -> &dyn Stepper {
-        match self {
-            Integrator::Radau(s) => &**s,
-            Integrator::Bdf(s) => &**s,
-            Integrator::DormandPrince(s) => &**s,
-            Integrator::Switching(s) => &**s,
-        }
-    }
-
-    fn inner_mut(&mut self) -> &mut dyn Stepper {
-        match self {
-            Integrator::Radau(s) => &mut **s,
-            Integrator::Bdf(s) => &mut **s,
-            Integrator::DormandPrince(s) => &mut **s,
-            Integrator::Switching(s) => &mut **s,
-        }
-    }
 }
 
 /// The options of BDF. A component that decays far below its initial size would keep an error of the
@@ -179,15 +161,15 @@ impl Integrator {
 /// twice, Robertson's reaction, whose first concentration falls by eight decades, is correct to five
 /// digits.
 fn for_bdf(options: &Options) -> Options {
-    let mut sharper = sharpened(options, SHARPER_BDF);
-    sharper.atol.iter_mut().for_each(|a| *a *= SHARPER_BDF);
-    sharper
+    let mut tightened_options = tightened(options, BDF_FACTOR);
+    tightened_options.atol.iter_mut().for_each(|a| *a *= BDF_FACTOR);
+    tightened_options
 }
 
 /// The same options with tolerances multiplied by `part`.
-fn sharpened(options: &Options, part: f64) -> Options {
+fn tightened(options: &Options, part: f64) -> Options {
     let mut options = options.clone();
-    let part = part.max(SHARPEST / options.rtol).min(1.0);
+    let part = part.max(MIN_RTOL / options.rtol).min(1.0);
     options.rtol *= part;
     options.atol.iter_mut().for_each(|a| *a *= part);
     options
@@ -224,46 +206,25 @@ impl std::fmt::Display for Choice {
 }
 
 /// One additional virtual call per step, compared to many for the right side.
-impl Stepper for Integrator {
-    fn restart(
-        &mut self,
-        system: &mut dyn System,
-        t: f64,
-        y: &[f64],
-        jacobian: JacobianMemory,
-    ) -> Result<(), Failure> {
-        self.inner_mut().restart(system, t, y, jacobian)
+impl Deref for Integrator {
+    type Target = dyn Stepper;
+    fn deref(&self) -> &(dyn Stepper + 'static) {
+        match self {
+            Integrator::Radau(s) => &**s,
+            Integrator::Bdf(s) => &**s,
+            Integrator::DormandPrince(s) => &**s,
+            Integrator::Switching(s) => &**s,
+        }
     }
+}
 
-    fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure> {
-        self.inner_mut().step(system, t_stop)
-    }
-
-    fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
-        self.inner_mut().shorten(system, t)
-    }
-
-    fn t(&self) -> f64 {
-        self.inner().t()
-    }
-
-    fn y(&self) -> &[f64] {
-        self.inner().y()
-    }
-
-    fn t_previous(&self) -> f64 {
-        self.inner().t_previous()
-    }
-
-    fn interpolate(&self, t: f64, out: &mut [f64]) {
-        self.inner().interpolate(t, out);
-    }
-
-    fn next_step(&self) -> f64 {
-        self.inner().next_step()
-    }
-
-    fn stats(&self) -> &Stats {
-        self.inner().stats()
+impl DerefMut for Integrator {
+    fn deref_mut(&mut self) -> &mut (dyn Stepper + 'static) {
+        match self {
+            Integrator::Radau(s) => &mut **s,
+            Integrator::Bdf(s) => &mut **s,
+            Integrator::DormandPrince(s) => &mut **s,
+            Integrator::Switching(s) => &mut **s,
+        }
     }
 }

@@ -10,11 +10,11 @@ use super::state_selection::LIMIT;
 use super::system::HybridSystem;
 
 /// Maximum step, in sampling intervals of the recordings that drive the model.
-const UNSEEN: f64 = 4.0;
+const MAX_STEP_INTERVALS: f64 = 4.0;
 /// Tolerances are not sharpened beyond this.
-const SHARPEST: f64 = 1e-12;
+const MIN_RTOL: f64 = 1e-12;
 /// Minimum number of steps of a run with an oscillating source and state-dependent relations.
-const LEAST_STEPS: f64 = 50.0;
+const MIN_OSCILLATION_STEPS: f64 = 50.0;
 
 /// Options of the integrator for a model at its start.
 pub fn options(system: &HybridSystem<'_>, settings: &Settings) -> Options {
@@ -27,17 +27,18 @@ pub fn options(system: &HybridSystem<'_>, settings: &Settings) -> Options {
     nominals.resize(program.order().max(1), 1.0);
     // Dependent candidates must meet the tolerance too, although they react more strongly.
     let reaction = if program.state_sets.is_empty() { 1.0 } else { LIMIT * LIMIT };
-    let tolerance = (settings.tolerance / reaction).max(SHARPEST.min(settings.tolerance));
+    let tolerance = (settings.tolerance / reaction).max(MIN_RTOL.min(settings.tolerance));
     let mut options = Options::with_nominals(tolerance, &nominals);
     options.max_steps = settings.most_steps;
     // Shorter features of the signals could be stepped over.
     let machine = &system.machine;
-    options.max_step = UNSEEN * machine.input_signals.spacing();
+    options.max_step = MAX_STEP_INTERVALS * machine.input_signals.spacing();
     options.max_step = options.max_step.min(machine.delays.shortest_delay(&machine.memory));
     if program.events.relation_triggers.contains(&RelationTrigger::State) && oscillates(program) {
         // While states are constant nothing else limits the step, and a pulse of the source could be
         // stepped over.
-        options.max_step = options.max_step.min((settings.stop - settings.start) / LEAST_STEPS);
+        options.max_step =
+            options.max_step.min((settings.stop - settings.start) / MIN_OSCILLATION_STEPS);
     }
     if program.order() == 0 && settings.stop > settings.start {
         // A constant state does not limit the step, but events must not be stepped over.

@@ -6,7 +6,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::{SourceMap, Span};
 use crate::integrate::outcome::Step;
 use crate::integrate::stats::Stats;
-use crate::integrate::stepper::{JacobianMemory, Stepper};
+use crate::integrate::stepper::JacobianMemory;
 use crate::ir::program::{Program, Sequence};
 use crate::ir::trajectory::Trajectory;
 
@@ -392,7 +392,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     fn first_switch(&mut self) -> Result<Option<f64>, Failure> {
-        let switched = self.locator.first_switch(&mut self.system, &self.stepper);
+        let switched = self.locator.first_switch(&mut self.system, &*self.stepper);
         switched.map_err(|f| of_fault(&self.system.machine, f, self.stepper.t()))
     }
 

@@ -8,9 +8,10 @@ use super::pool;
 use super::variant::{Compiled, Variants, in_one_line};
 use super::vary::Value;
 use crate::io::csv::TableError;
+use crate::io::format::Format;
 use crate::io::journal::Journal;
 use crate::io::records::{Cell, Field, Records, Type, line, row};
-use crate::io::results::{Format, Results};
+use crate::io::results::{Header, Results};
 use crate::ir::trajectory::{Column, Constant, Event};
 use crate::measure::observe::Observer;
 use crate::simulate::columns::{column_storage, columns};
@@ -66,7 +67,7 @@ impl Sweep<'_> {
             unit: unit.to_owned(),
             description: description.to_owned(),
         };
-        let mut all = vec![field("run", Type::Whole, "", "Number of the run, from 1")];
+        let mut all = vec![field("run", Type::Integer, "", "Number of the run, from 1")];
         for (k, axis) in self.design.axes.iter().enumerate() {
             let ty = if axis.is_numeric() { Type::Real } else { Type::Text };
             all.push(field(&axis.name, ty, &self.variants.unit(k), "varied"));
@@ -76,8 +77,8 @@ impl Sweep<'_> {
         }
         all.push(field("status", Type::Text, "", "ok or failed"));
         all.push(field("error", Type::Text, "", "Why it failed"));
-        all.push(field("steps", Type::Whole, "", "Steps of the integrator"));
-        all.push(field("events", Type::Whole, "", "Events"));
+        all.push(field("steps", Type::Integer, "", "Steps of the integrator"));
+        all.push(field("events", Type::Integer, "", "Events"));
         all
     }
 
@@ -179,12 +180,13 @@ impl Sweep<'_> {
         let path = trace_path(folder, k);
         let columns = &columns(&compiled.program)[..shown];
         let column_storage = column_storage(&compiled.program);
-        Results::create(&path, Format::Csv, columns, &column_storage[..shown]).map(Some)
+        let header = Header { columns, column_storage: &column_storage[..shown] };
+        Results::create(&path, Format::default(), &header).map(Some)
     }
 
     /// The row of a run.
     fn cells(&self, k: u64, outcome: &Outcome) -> Vec<Cell> {
-        let mut cells = vec![Cell::Whole(k as i64 + 1)];
+        let mut cells = vec![Cell::Integer(k as i64 + 1)];
         for (value, axis) in self.design.values(k).into_iter().zip(&self.design.axes) {
             cells.push(match value {
                 Value::Number(x) if axis.is_numeric() => Cell::Real(x),
@@ -201,7 +203,7 @@ impl Sweep<'_> {
                 cells.extend([Cell::Text("failed".into()), Cell::Text(why.clone())]);
             }
         }
-        cells.extend([Cell::Whole(outcome.steps as i64), Cell::Whole(outcome.events as i64)]);
+        cells.extend([Cell::Integer(outcome.steps as i64), Cell::Integer(outcome.events as i64)]);
         cells
     }
 
@@ -215,7 +217,7 @@ impl Sweep<'_> {
         journal.for_each(|text| {
             let written = row(text, &fields).and_then(|cells| {
                 tally.runs += 1;
-                if let (Cell::Whole(number), Cell::Text(why)) = (&cells[0], &cells[status + 1]) {
+                if let (Cell::Integer(number), Cell::Text(why)) = (&cells[0], &cells[status + 1]) {
                     tally.failed += 1;
                     tally.first.get_or_insert_with(|| (*number, why.clone()));
                 }

@@ -1,5 +1,5 @@
-//! What a formula of given order does with the steps that lie behind: the corrector polynomial and
-//! the constants of the error tests.
+//! Coefficients of the formula of a given order on a variable grid: the corrector polynomial and the
+//! constants of the error tests.
 //!
 //! K. R. Jackson, R. Sacks-Davis, *An alternative implementation of variable step-size multistep
 //! formulas for stiff ODEs*, ACM Trans. Math. Softw. 6 (1980), 295-318 (fixed leading coefficient);
@@ -10,14 +10,14 @@
 /// Highest order: the formula of order 6 is hardly stable.
 pub const MAX_ORDER: usize = 5;
 
-/// The lengths of the last steps, the youngest first.
+/// The lengths of the last steps, latest first.
 pub type Steps = [f64; MAX_ORDER + 1];
 
 /// The formula of one step.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Coefficients {
-    /// The corrector polynomial in `(t - t_n) / h`, one at zero: by how much each entry of the array
-    /// of scaled derivatives moves with the correction.
+    /// The corrector polynomial in `(t - t_n) / h`, one at zero: the change of each scaled derivative per
+    /// correction.
     pub l: [f64; MAX_ORDER + 1],
     /// Local error per correction.
     pub error: f64,
@@ -25,11 +25,11 @@ pub struct Coefficients {
     pub error_lower: f64,
     /// Local error of the next higher order per difference of two corrections.
     pub error_higher: f64,
-    /// Puts corrections of different steps on one scale.
+    /// Scale factor that makes corrections of different steps comparable.
     pub comparison: f64,
 }
 
-/// The formula of the last step, which serves again while order and step stay the same.
+/// Cache of the last formula, valid while order and step are unchanged.
 #[derive(Clone, Copy, Default)]
 pub struct Formula {
     last: Option<((usize, f64, Steps), Coefficients)>,

@@ -1,6 +1,6 @@
 //! The equations of one step and their modified Newton iteration.
 //!
-//! With the predicted array and a correction `e` the step asks for `M (z_1 + l_1 e) / h = f(t, y + e)`.
+//! With the predicted array and a correction `e` the equations are `M (z_1 + l_1 e) / h = f(t, y + e)`.
 //! Each iteration solves with `l_1/h M - J`, where `J` and the shift may be those of an earlier step;
 //! then corrections are scaled by `2 / (1 + shift_old / shift)` (Hindmarsh et al. 2005, sec. 2.1).
 
@@ -12,16 +12,16 @@ use crate::numeric::norm::{first_non_finite, weighted_rms, worst_component};
 
 /// Iterations within which a step must converge.
 const MAX_ITERATIONS: u32 = 4;
-/// The iteration error, as a part of the tolerated local error.
+/// Tolerated iteration error, as a fraction of the tolerated local error.
 const PART: f64 = 0.1;
-/// The convergence rate is forgotten by this factor per iteration.
+/// Decay factor of the estimated convergence rate per iteration.
 const FORGET: f64 = 0.3;
-/// Growth of the correction that ends the iteration.
+/// Growth of the correction that counts as divergence.
 const DIVERGED: f64 = 2.0;
 
-/// Why there is no solution for this step.
+/// Why the equations of a step could not be solved.
 #[derive(Clone, Copy, Debug)]
-pub enum Trouble {
+pub enum CorrectorError {
     /// The right side could not be evaluated.
     Eval(EvalError),
     /// A right side or a correction is not finite.
@@ -29,7 +29,7 @@ pub enum Trouble {
         /// Its component.
         component: usize,
     },
-    /// The iteration diverges or takes too long.
+    /// The iteration diverges or converges too slowly.
     Slow {
         /// Component with the largest correction.
         component: usize,
@@ -69,8 +69,8 @@ impl Corrector {
         Corrector { e: vec![0.0; n], r: vec![0.0; n], rate: 1.0 }
     }
 
-    /// Forgets how well the iteration converged: the matrix is new.
-    pub fn forget(&mut self) {
+    /// Resets the convergence estimate after a new decomposition.
+    pub fn reset(&mut self) {
         self.rate = 1.0;
     }
 
@@ -82,7 +82,7 @@ impl Corrector {
         y: &mut [f64],
         matrix: &mut IterationMatrix,
         stats: &mut Stats,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), CorrectorError> {
         let Equations { t, predicted, weights, .. } = equations;
         let per_step = 1.0 / predicted.h;
         let damping = 2.0 / (1.0 + 1.0 / equations.staleness);
@@ -91,7 +91,7 @@ impl Corrector {
         for iteration in 0..MAX_ITERATIONS {
             stats.newton_iterations += 1;
             stats.rhs += 1;
-            system.rhs(t, y, &mut self.r).map_err(Trouble::Eval)?;
+            system.rhs(t, y, &mut self.r).map_err(CorrectorError::Eval)?;
             let slopes = predicted.slopes().zip(&self.e);
             for ((r, mass), (slope, e)) in self.r.iter_mut().zip(matrix.mass()).zip(slopes) {
                 *r -= mass * ((slope + equations.leading * e) * per_step);
@@ -119,7 +119,7 @@ impl Corrector {
             }
             last_size = size;
         }
-        Err(Trouble::Slow { component: worst_component(&self.r, weights).unwrap_or(0) })
+        Err(CorrectorError::Slow { component: worst_component(&self.r, weights).unwrap_or(0) })
     }
 
     /// Finds the right side that is not finite, which the solution of the linear system has spread
@@ -131,12 +131,14 @@ impl Corrector {
         y: &[f64],
         weights: &[f64],
         stats: &mut Stats,
-    ) -> Trouble {
+    ) -> CorrectorError {
         let spread = worst_component(&self.r, weights).unwrap_or(0);
         stats.rhs += 1;
         match system.rhs(t, y, &mut self.r) {
-            Err(error) => Trouble::Eval(error),
-            Ok(()) => Trouble::NonFinite { component: first_non_finite(&self.r).unwrap_or(spread) },
+            Err(error) => CorrectorError::Eval(error),
+            Ok(()) => {
+                CorrectorError::NonFinite { component: first_non_finite(&self.r).unwrap_or(spread) }
+            }
         }
     }
 }

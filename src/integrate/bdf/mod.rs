@@ -7,8 +7,8 @@
 //! (2005), 363-396; for algebraic rows K. E. Brenan, S. L. Campbell, L. R. Petzold, *Numerical
 //! Solution of Initial-Value Problems in Differential-Algebraic Equations* (1996), ch. 5.
 //!
-//! A step costs one or two right sides and solves, against three or more of each in Radau, but it is
-//! of lower order, and after every restart it begins with order 1.
+//! A step costs one or two right sides and solves, against three or more of each in Radau, but the order
+//! is lower, and every restart begins with order 1.
 pub mod coefficients;
 pub mod corrector;
 pub mod nordsieck;
@@ -22,7 +22,7 @@ use crate::integrate::bdf::corrector::{Corrector, Equations};
 use crate::integrate::bdf::nordsieck::Nordsieck;
 use crate::integrate::bdf::order::{Change, OrderControl, growth};
 use crate::integrate::control::{
-    Point, Span, error_weights, fit_to_stop, initial_step, resolution,
+    Point, StepInterval, error_weights, fit_to_stop, initial_step, resolution,
 };
 use crate::integrate::matrix::{IterationMatrix, Planes, Shift};
 use crate::integrate::options::{OptionError, Options};
@@ -32,21 +32,21 @@ use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
 use crate::numeric::norm::{weighted_rms, worst_component};
 
-/// Reduction after a failed error test at most.
+/// Maximum reduction after a failed error test.
 const SHRINK: f64 = 0.1;
-/// Reduction at least, from the second failure on.
+/// Minimum reduction from the second failure on.
 const SHRINK_AGAIN: f64 = 0.2;
-/// Failures of the error test of one step before the order is lowered.
-const PATIENCE: u32 = 3;
-/// Reduction where the corrections do not converge or the system can not be evaluated.
+/// Number of failed error tests of one step before the order is lowered.
+const MAX_ERROR_FAILURES: u32 = 3;
+/// Reduction if the corrections do not converge or the system cannot be evaluated.
 const NOT_SOLVED: f64 = 0.25;
-/// The shift of the matrix may be off by this part.
+/// Tolerated relative deviation of the shift of the matrix.
 const STALE: f64 = 0.3;
-/// Steps with one decomposition.
+/// Maximum number of steps with one decomposition.
 const MAX_AGE: u64 = 20;
-/// Steps with one Jacobian.
+/// Maximum number of steps with one Jacobian.
 const MAX_JACOBIAN_AGE: u64 = 50;
-/// Where the iteration fails with a shift that is off by more than this, the shift is to blame.
+/// Relative deviation of the shift above which a failed iteration is attributed to it.
 const SHIFT_TO_BLAME: f64 = 0.2;
 
 /// The stepper.
@@ -58,9 +58,9 @@ pub struct Bdf {
     weights: Vec<f64>,
     /// The polynomial at the accepted point.
     array: Nordsieck,
-    /// The next one while a step is attempted, after that the one before the step.
+    /// During an attempt the polynomial of the next point, afterwards that before the step.
     other: Nordsieck,
-    /// The polynomial of a step that was taken back, with its end.
+    /// The polynomial of a step that was undone, and its end.
     taken_back: Nordsieck,
     taken_back_end: Option<f64>,
     /// `other` is the array before the last step.
@@ -76,14 +76,14 @@ pub struct Bdf {
     stats: Stats,
 }
 
-/// How old the Jacobian is.
+/// Age of the Jacobian.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Jacobian {
     /// To be evaluated before use.
     Outdated,
-    /// From this many steps ago.
+    /// Evaluated for this step.
     From { step: u64 },
-    /// Evaluated for the step under way.
+    /// Evaluated for the current step.
     Fresh,
 }
 
@@ -96,7 +96,7 @@ struct Decomposed {
 
 /// Why an attempt to step failed.
 #[derive(Clone, Copy)]
-enum Trouble {
+enum Rejection {
     Error { component: usize, size: f64 },
     Newton { component: usize },
     Singular { component: usize },
@@ -104,12 +104,14 @@ enum Trouble {
     Eval(EvalError),
 }
 
-impl From<corrector::Trouble> for Trouble {
-    fn from(trouble: corrector::Trouble) -> Self {
-        match trouble {
-            corrector::Trouble::Eval(error) => Trouble::Eval(error),
-            corrector::Trouble::NonFinite { component } => Trouble::NonFinite { component },
-            corrector::Trouble::Slow { component } => Trouble::Newton { component },
+impl From<corrector::CorrectorError> for Rejection {
+    fn from(rejection: corrector::CorrectorError) -> Self {
+        match rejection {
+            corrector::CorrectorError::Eval(error) => Rejection::Eval(error),
+            corrector::CorrectorError::NonFinite { component } => {
+                Rejection::NonFinite { component }
+            }
+            corrector::CorrectorError::Slow { component } => Rejection::Newton { component },
         }
     }
 }
@@ -159,20 +161,20 @@ impl Bdf {
         self.array.order
     }
 
-    /// One attempt: every reason not to accept the step is an error. Returns the formula and the
-    /// weighted local error; the corrected array is in `other`.
+    /// Attempts a step; every reason for not accepting it is an error. Returns the formula and the
+    /// weighted local error; the predicted array is in `other`.
     fn attempt(
         &mut self,
         system: &mut dyn System,
-        span: Span,
-    ) -> Result<(Coefficients, f64), Trouble> {
+        interval: StepInterval,
+    ) -> Result<(Coefficients, f64), Rejection> {
         self.whole = false;
-        let formula = self.formula.of(self.array.order, span.h, &self.array.steps);
-        self.other.predict(&self.array, span.h, &mut self.next_y);
-        let shift = formula.l[1] / span.h;
-        let staleness = self.prepare(system, span.end, shift)?;
+        let formula = self.formula.of(self.array.order, interval.h, &self.array.steps);
+        self.other.predict(&self.array, interval.h, &mut self.next_y);
+        let shift = formula.l[1] / interval.h;
+        let staleness = self.prepare(system, interval.end, shift)?;
         let equations = Equations {
-            t: span.end,
+            t: interval.end,
             predicted: &self.other,
             leading: formula.l[1],
             error: formula.error,
@@ -185,8 +187,8 @@ impl Bdf {
         Ok((formula, error))
     }
 
-    /// The weighted norm of the correction. The first prediction of algebraic components is only
-    /// their start value: it tells nothing about the error.
+    /// The weighted norm of the correction. In the first step the prediction of algebraic components is
+    /// just their start value, which says nothing about the error.
     fn size_of_correction(&mut self, differential: &[bool]) -> f64 {
         let e = &self.corrector.e;
         if !self.order.is_first() {
@@ -199,9 +201,9 @@ impl Bdf {
         weighted_rms(r, &self.weights)
     }
 
-    /// Evaluates the Jacobian and decomposes the matrix unless they still fit; the shift decomposed in
-    /// units of the wanted one.
-    fn prepare(&mut self, system: &mut dyn System, t: f64, shift: f64) -> Result<f64, Trouble> {
+    /// Evaluates the Jacobian and decomposes the matrix unless they are still valid; returns the shift of
+    /// the decomposed matrix in units of the wanted one.
+    fn prepare(&mut self, system: &mut dyn System, t: f64, shift: f64) -> Result<f64, Rejection> {
         let step = self.stats.steps;
         let outdated = match self.jacobian {
             Jacobian::Outdated => true,
@@ -212,8 +214,8 @@ impl Bdf {
             self.stats.jacobians += 1;
             self.jacobian = Jacobian::Outdated;
             self.decomposed = None;
-            self.matrix.evaluate(system, t, &self.next_y).map_err(Trouble::Eval)?;
-            self.matrix.analyze().map_err(|component| Trouble::NonFinite { component })?;
+            self.matrix.evaluate(system, t, &self.next_y).map_err(Rejection::Eval)?;
+            self.matrix.analyze().map_err(|component| Rejection::NonFinite { component })?;
             self.jacobian = Jacobian::Fresh;
         }
         if let Some(last) = self.decomposed {
@@ -226,9 +228,9 @@ impl Bdf {
         self.decomposed = None;
         self.matrix
             .factor(Shift { real: shift, ..Shift::default() })
-            .map_err(|singular| Trouble::Singular { component: singular.column })?;
+            .map_err(|singular| Rejection::Singular { component: singular.column })?;
         self.decomposed = Some(Decomposed { shift, step });
-        self.corrector.forget();
+        self.corrector.reset();
         Ok(1.0)
     }
 
@@ -247,72 +249,72 @@ impl Bdf {
     }
 
     /// Accepts the step and plans the next one.
-    fn complete(&mut self, formula: &Coefficients, span: Span, error: f64, cuts: u32) {
-        self.advance_to(formula, span.end);
+    fn complete(&mut self, formula: &Coefficients, interval: StepInterval, error: f64, cuts: u32) {
+        self.advance_to(formula, interval.end);
         self.stats.steps += 1;
         let failed = cuts > 0;
         let factor =
             self.order.plan(formula, error, failed, &self.array, &self.corrector.e, &self.weights);
-        self.h = (span.h * factor).min(self.options.max_step);
+        self.h = (interval.h * factor).min(self.options.max_step);
         error_weights(&self.options, &self.now.y, &mut self.weights);
     }
 
-    /// Shortens the step after a failed attempt, or gives up with the failure that names the cause.
+    /// Shortens the step after a failed attempt, or returns the failure that names the cause.
     fn recover(
         &mut self,
         system: &mut dyn System,
-        span: Span,
-        trouble: Trouble,
+        interval: StepInterval,
+        rejection: Rejection,
         cuts: u32,
         errors: &mut u32,
     ) -> Result<(), Failure> {
-        let factor = match trouble {
-            Trouble::Eval(EvalError::Fatal(_)) => return Err(self.failure(span.h, trouble)),
-            Trouble::Error { size, .. } => {
+        let factor = match rejection {
+            Rejection::Eval(EvalError::Fatal(_)) => return Err(self.failure(interval.h, rejection)),
+            Rejection::Error { size, .. } => {
                 self.stats.rejected += 1;
                 *errors += 1;
                 self.after_error(system, size, *errors)?
             }
-            Trouble::Newton { .. } => {
+            Rejection::Newton { .. } => {
                 self.stats.convergence_failures += 1;
-                self.after_slow(span)
+                self.after_slow(interval)
             }
-            Trouble::Singular { .. } => {
+            Rejection::Singular { .. } => {
                 self.stats.convergence_failures += 1;
                 NOT_SOLVED
             }
-            Trouble::NonFinite { .. } | Trouble::Eval(EvalError::Recoverable(_)) => {
+            Rejection::NonFinite { .. } | Rejection::Eval(EvalError::Recoverable(_)) => {
                 self.stats.evaluation_failures += 1;
                 NOT_SOLVED
             }
         };
-        let h = span.h * factor;
+        let h = interval.h * factor;
         let shortest = self.options.min_step.max(resolution(self.now.t));
         if cuts >= self.options.max_cuts || (factor < 1.0 && !(h > shortest)) {
-            return Err(self.failure(h, trouble));
+            return Err(self.failure(h, rejection));
         }
         self.h = h;
         Ok(())
     }
 
-    /// The reduction after the error test failed so many times.
+    /// The reduction after this number of failed error tests.
     fn after_error(
         &mut self,
         system: &mut dyn System,
         size: f64,
         errors: u32,
     ) -> Result<f64, Failure> {
-        self.order.distrust(self.array.order);
-        if errors <= PATIENCE {
+        self.order.postpone_change(self.array.order);
+        if errors <= MAX_ERROR_FAILURES {
             let most = if errors > 1 { SHRINK_AGAIN } else { 0.9 };
             return Ok(growth(6.0 * size, self.array.order + 1).max(SHRINK).min(most));
         }
         if self.array.order > 1 {
             self.array.lower();
-            self.order.distrust(self.array.order);
+            self.order.postpone_change(self.array.order);
             return Ok(SHRINK);
         }
-        // Whatever the slope was, it is not that of the solution any more.
+        // The predicted slope no longer matches the solution: restart with order 1.
         let Point { t, y, f } = &mut self.now;
         self.stats.rhs += 1;
         system.rhs(*t, y, f).map_err(|error| Failure::Eval { t: *t, error })?;
@@ -321,12 +323,12 @@ impl Bdf {
         Ok(SHRINK)
     }
 
-    /// The reduction after the corrections did not converge: none if the matrix may be to blame.
-    fn after_slow(&mut self, span: Span) -> f64 {
+    /// The reduction after the corrections did not converge: none if the matrix may be the cause.
+    fn after_slow(&mut self, interval: StepInterval) -> f64 {
         let fresh = self.jacobian == Jacobian::Fresh;
         let Some(Decomposed { shift, .. }) = self.decomposed.take() else { return NOT_SOLVED };
-        let formula = self.formula.of(self.array.order, span.h, &self.array.steps);
-        let wanted = formula.l[1] / span.h;
+        let formula = self.formula.of(self.array.order, interval.h, &self.array.steps);
+        let wanted = formula.l[1] / interval.h;
         let stale = (wanted / shift - 1.0).abs();
         if !fresh && stale < SHIFT_TO_BLAME {
             self.jacobian = Jacobian::Outdated;
@@ -334,14 +336,14 @@ impl Bdf {
         if fresh && stale == 0.0 { NOT_SOLVED } else { 1.0 }
     }
 
-    fn failure(&self, h: f64, trouble: Trouble) -> Failure {
+    fn failure(&self, h: f64, rejection: Rejection) -> Failure {
         let t = self.now.t;
-        match trouble {
-            Trouble::Error { component, .. } => Failure::StepTooSmall { t, h, component },
-            Trouble::Newton { component } => Failure::NewtonFailed { t, h, component },
-            Trouble::Singular { component } => Failure::Singular { t, component },
-            Trouble::NonFinite { component } => Failure::NonFinite { t, component },
-            Trouble::Eval(error) => Failure::Eval { t, error },
+        match rejection {
+            Rejection::Error { component, .. } => Failure::StepTooSmall { t, h, component },
+            Rejection::Newton { component } => Failure::NewtonFailed { t, h, component },
+            Rejection::Singular { component } => Failure::Singular { t, component },
+            Rejection::NonFinite { component } => Failure::NonFinite { t, component },
+            Rejection::Eval(error) => Failure::Eval { t, error },
         }
     }
 
@@ -357,22 +359,26 @@ impl Bdf {
             if self.stats.steps + self.stats.rejected >= limit {
                 return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
             }
-            let span = fit_to_stop(self.now.t, self.h, t_stop);
-            if !(span.end > self.now.t) {
+            let interval = fit_to_stop(self.now.t, self.h, t_stop);
+            if !(interval.end > self.now.t) {
                 let component = self.worst();
-                return Err(Failure::StepTooSmall { t: self.now.t, h: span.h, component });
+                return Err(Failure::StepTooSmall { t: self.now.t, h: interval.h, component });
             }
-            let trouble = match self.attempt(system, span) {
+            let rejection = match self.attempt(system, interval) {
                 Ok((formula, error)) if error <= 1.0 => {
-                    self.complete(&formula, span, error, cuts);
+                    self.complete(&formula, interval, error, cuts);
                     let t = self.now.t;
-                    return Ok(if span.last { Step::Reached { t } } else { Step::Advanced { t } });
+                    return Ok(if interval.last {
+                        Step::Reached { t }
+                    } else {
+                        Step::Advanced { t }
+                    });
                 }
-                Ok((_, size)) => Trouble::Error { component: self.worst(), size },
-                Err(trouble) => trouble,
+                Ok((_, size)) => Rejection::Error { component: self.worst(), size },
+                Err(rejection) => rejection,
             };
             cuts += 1;
-            self.recover(system, span, trouble, cuts, &mut errors)?;
+            self.recover(system, interval, rejection, cuts, &mut errors)?;
             if self.jacobian == Jacobian::Fresh {
                 self.jacobian = Jacobian::From { step: self.stats.steps };
             }
@@ -397,7 +403,7 @@ impl Stepper for Bdf {
         if !(self.t_previous < t && t < self.now.t && self.whole) {
             return Ok(());
         }
-        // From here: `array` before the step, `taken_back` its polynomial, `other` free.
+        // From here on: `array` is before the step, `taken_back` is its polynomial, `other` is free.
         let end = self.now.t;
         std::mem::swap(&mut self.array, &mut self.other);
         std::mem::swap(&mut self.taken_back, &mut self.other);
@@ -407,24 +413,24 @@ impl Stepper for Bdf {
         }
         self.now.t = self.t_previous;
         error_weights(&self.options, &self.now.y, &mut self.weights);
-        let span = Span { h: t - self.now.t, end: t, last: true };
-        let mut outcome = self.attempt(system, span);
-        if matches!(outcome, Err(Trouble::Newton { .. })) {
+        let interval = StepInterval { h: t - self.now.t, end: t, last: true };
+        let mut outcome = self.attempt(system, interval);
+        if matches!(outcome, Err(Rejection::Newton { .. })) {
             self.jacobian = Jacobian::Outdated;
-            outcome = self.attempt(system, span);
+            outcome = self.attempt(system, interval);
         }
-        self.order.distrust(self.array.order);
+        self.order.postpone_change(self.array.order);
         match outcome {
             Ok((formula, _)) => {
                 self.advance_to(&formula, t);
                 error_weights(&self.options, &self.now.y, &mut self.weights);
                 Ok(())
             }
-            Err(trouble) => {
+            Err(rejection) => {
                 self.array.flatten();
-                self.h = span.h;
+                self.h = interval.h;
                 self.taken_back_end = Some(end);
-                Err(self.failure(span.h, trouble))
+                Err(self.failure(interval.h, rejection))
             }
         }
     }

@@ -1,5 +1,5 @@
 //! The memory of a multistep method: a polynomial through the last points, as its scaled
-//! derivatives `h^j y^(j) / j!` at the youngest.
+//! derivatives `h^j y^(j) / j!` at the latest one.
 //!
 //! A. Nordsieck, *On numerical integration of ordinary differential equations*, Math. Comp. 16
 //! (1962), 22-49; Hairer, Nørsett & Wanner I, sec. III.6. Changes of order on a variable grid: Byrne
@@ -7,8 +7,8 @@
 
 use crate::integrate::bdf::coefficients::{Coefficients, MAX_ORDER, Steps};
 
-/// Scaled derivatives of one component; zero above the order. Kept together because everything that
-/// is done with them is done component by component.
+/// Scaled derivatives of one component; zero above the order. Stored contiguously because all operations
+/// are component-wise.
 type Row = [f64; MAX_ORDER + 1];
 
 /// The array.
@@ -18,7 +18,7 @@ pub struct Nordsieck {
     pub order: usize,
     /// The step that the derivatives are scaled by.
     pub h: f64,
-    /// Lengths of the steps to the points that the polynomial goes through.
+    /// Lengths of the steps between the points on the polynomial.
     pub steps: Steps,
     rows: Vec<Row>,
 }
@@ -138,7 +138,7 @@ impl Nordsieck {
         self.order += 1;
     }
 
-    /// Lowers the order by one: takes away the oldest point.
+    /// Lowers the order by one: drops the oldest point.
     pub fn lower(&mut self) {
         let q = self.order;
         let mut l = [0.0; MAX_ORDER + 2];
@@ -160,7 +160,7 @@ impl Nordsieck {
         self.order -= 1;
     }
 
-    /// Writes the values at a distance from the youngest point to `out`.
+    /// Writes the values at a distance from the latest point to `out`.
     pub fn evaluate(&self, distance: f64, out: &mut [f64]) {
         let s = distance / self.h;
         for (row, out) in self.rows.iter().zip(out) {
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
     use crate::integrate::bdf::coefficients::coefficients;
 
-    /// Distances of earlier points from the youngest, with steps of uneven length.
+    /// Distances of earlier points from the latest one, with unequal steps.
     const STEPS: Steps = [0.1, 0.15, 0.08, 0.2, 0.1, 0.12];
 
     /// The array of `1 + t + ... + t^q` at zero.
@@ -193,7 +193,7 @@ mod tests {
         out[0]
     }
 
-    /// The prediction continues the polynomial. A correction moves the youngest point and, once the
+    /// The prediction extrapolates the polynomial. A correction moves the latest point and, after the
     /// order is raised, none of the `q` points before it.
     #[test]
     fn the_raised_polynomial_goes_through_the_points() {
@@ -215,7 +215,7 @@ mod tests {
         }
     }
 
-    /// The oldest point is given up; the others, and the youngest slope, stay.
+    /// The oldest point is dropped; the others, and the latest slope, remain.
     #[test]
     fn the_lowered_polynomial_goes_through_the_other_points() {
         for q in 2..=MAX_ORDER {

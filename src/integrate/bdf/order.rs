@@ -1,4 +1,4 @@
-//! Which order and which length the next step should have.
+//! Selects order and length of the next step.
 //!
 //! Brown, Byrne & Hindmarsh 1989, sec. 3; Hindmarsh et al. 2005, sec. 2.1. With order `q` the order may
 //! change after `q + 1` steps, by one; the candidate that allows the longest step wins.
@@ -6,36 +6,35 @@
 use crate::integrate::bdf::coefficients::{Coefficients, MAX_ORDER};
 use crate::integrate::bdf::nordsieck::Nordsieck;
 
-/// By these the estimated errors of the lower, the same and the higher order are multiplied, before
-/// they are compared with the tolerance.
+/// Bias factors of the estimated errors of the lower, the same and the higher order.
 const CAUTION_LOWER: f64 = 6.0;
 const CAUTION: f64 = 6.0;
 const CAUTION_HIGHER: f64 = 10.0;
-/// A growth below this factor is not worth new coefficients.
+/// Minimum growth that is worth new coefficients.
 const WORTHWHILE: f64 = 1.5;
-/// Growth of the step at most.
+/// Maximum growth of the step.
 const GROWTH: f64 = 10.0;
-/// Growth after the first step, whose length was a guess, at most.
+/// Maximum growth after the first step, whose length was a guess.
 const GROWTH_FIRST: f64 = 1e4;
 
-/// The memory of the control.
+/// State of the control.
 pub struct OrderControl {
     /// Steps until the order may change.
     wait: usize,
-    /// No step was accepted since the restart.
+    /// No step has been accepted since the restart.
     first: bool,
     change: Option<Change>,
-    /// Correction and `comparison` of the step before the one at which the order may change.
+    /// Correction and `comparison` of the step preceding a possible change of order.
     earlier: Vec<f64>,
     earlier_comparison: Option<f64>,
 }
 
-/// What to do with the order before the next step.
+/// Change of order before the next step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Change {
-    /// One more.
+    /// Increase by one.
     Raise,
-    /// One less.
+    /// Decrease by one.
     Lower,
 }
 
@@ -44,7 +43,7 @@ pub fn growth(size: f64, order: usize) -> f64 {
     1.0 / (size.powf(1.0 / order as f64) + 1e-6)
 }
 
-/// [`growth`], or zero if it is not worth it, which costs no root.
+/// [`growth`], or zero if it is not worthwhile, which avoids computing a root.
 fn worthwhile_growth(size: f64, order: usize) -> f64 {
     const LARGEST: f64 = 1.0 / WORTHWHILE;
     if size > LARGEST.powi(order as i32) {
@@ -61,7 +60,7 @@ impl OrderControl {
         OrderControl { wait: 2, first: true, change: None, earlier, earlier_comparison: None }
     }
 
-    /// Begins anew with order 1.
+    /// Restarts with order 1.
     pub fn restart(&mut self) {
         self.wait = 2;
         self.first = true;
@@ -69,25 +68,25 @@ impl OrderControl {
         self.earlier_comparison = None;
     }
 
-    /// True until a step was accepted after the restart.
+    /// True until a step is accepted after the restart.
     pub fn is_first(&self) -> bool {
         self.first
     }
 
-    /// A step of this order failed or was redone: the order stays for a while.
-    pub fn distrust(&mut self, order: usize) {
+    /// Postpones changes of order after a failed or repeated step.
+    pub fn postpone_change(&mut self, order: usize) {
         self.wait = order + 1;
         self.change = None;
         self.earlier_comparison = None;
     }
 
-    /// What to do with the order before the next step, asked once.
+    /// Takes the change of order before the next step.
     pub fn take_change(&mut self) -> Option<Change> {
         self.change.take()
     }
 
     /// After an accepted step, whose array is corrected: the factor for the next step, and the change
-    /// of order with it. `failed` tells that the step was attempted more than once.
+    /// of order with it. `failed`: the step was attempted more than once.
     pub fn plan(
         &mut self,
         formula: &Coefficients,
@@ -112,7 +111,7 @@ impl OrderControl {
         if self.wait > 0 {
             return if same > 0.0 { same.min(limit) } else { 1.0 };
         }
-        // Asked again two steps later if nothing changes.
+        // If nothing changes, try again two steps later.
         self.wait = 2;
         let lower = self.lower(formula, array, weights);
         let higher = self.higher(formula, array, corrections, weights);

@@ -1,10 +1,10 @@
-//! The iteration matrices of implicit methods: `s M - J` with a real `s`, and beside it for Radau
+//! The iteration matrices of implicit methods: `s M - J` with a real `s`, and for Radau also
 //! `(a + i b) M - J`.
 //!
-//! Rows with one unknown are solved first, by substitution, and only the rest is decomposed. That is
-//! stable (a forward substitution along the block-triangular form) and has a purpose beyond speed:
-//! a component whose equation is `y' = 0` is then never mixed with others by pivoting, so that its
-//! correction is exactly zero, and a locked mass stays where it is to the bit.
+//! Rows with one unknown are solved first, by substitution, and only the rest is decomposed. This is
+//! stable (a forward substitution along the block-triangular form) and not just faster: pivoting never
+//! mixes a component whose equation is `y' = 0` with others, so its correction is exactly zero, and a
+//! locked mass does not move by a bit.
 
 pub mod sparse;
 pub mod split;
@@ -27,8 +27,8 @@ pub struct IterationMatrix {
     pivots: Vec<f64>,
     pivots_re: Vec<f64>,
     pivots_im: Vec<f64>,
-    /// Substituted unknowns while the core is solved: the right side goes by rows, the solution by
-    /// columns, and these differ where a pivot is off the diagonal.
+    /// Substituted unknowns while the core is solved: the right side is indexed by rows, the solution by
+    /// columns, which differ if a pivot is off the diagonal.
     solved_re: Vec<f64>,
     solved_im: Vec<f64>,
     core_re: Vec<f64>,
@@ -38,15 +38,15 @@ pub struct IterationMatrix {
 /// The multiples of `M`: `real` in the real matrix, `re + i im` in the complex one.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Shift {
-    /// That of the real matrix.
+    /// Multiple in the real matrix.
     pub real: f64,
-    /// Real part of that of the complex matrix.
+    /// Real part of the multiple in the complex matrix.
     pub re: f64,
     /// Its imaginary part.
     pub im: f64,
 }
 
-/// Which matrices a method needs.
+/// The matrices that a method needs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Planes {
     /// The real one only.
@@ -74,9 +74,9 @@ impl IterationMatrix {
         IterationMatrix::new(pattern.columns(), count, planes, Parts::Sparse(Box::new(parts)))
     }
 
-    /// Sparse if the system is large and says which entries of its Jacobian can be nonzero, else dense.
-    /// The memory of sparse decompositions is allocated at the first one, and again where the zeros of
-    /// the Jacobian change.
+    /// Sparse if the system is large and provides the pattern of its Jacobian, else dense. The memory of
+    /// sparse decompositions is allocated at the first one, and again if the zeros of the Jacobian
+    /// change.
     pub fn for_system(system: &dyn System, planes: Planes) -> Self {
         match system.pattern().filter(|p| sparse::pays(p)) {
             Some(p) => IterationMatrix::sparse(p, planes),
@@ -101,7 +101,7 @@ impl IterationMatrix {
         }
     }
 
-    /// Takes the diagonal of `M`; true if it changed, which makes `analyze` necessary.
+    /// Sets the diagonal of `M`; true if it changed, in which case `analyze` is necessary.
     pub fn set_mass(&mut self, differential: &[bool]) -> bool {
         let mut changed = false;
         for (m, d) in self.mass.iter_mut().zip(differential) {
@@ -138,7 +138,7 @@ impl IterationMatrix {
         }
     }
 
-    /// Decomposes the matrices for this shift; of a real matrix alone only `shift.real` counts. The
+    /// Decomposes the matrices for this shift; without a complex matrix only `shift.real` is used. The
     /// error names a component.
     pub fn factor(&mut self, shift: Shift) -> Result<(), Singular> {
         self.shift = shift;
@@ -335,7 +335,7 @@ impl DenseJacobian {
     }
 }
 
-/// Adds `shift` where a row of the core meets its own column.
+/// Adds `shift` to the diagonal entries in the core.
 fn add_mass(split: &Split, mass: &[f64], shift: f64, matrix: &mut [f64]) {
     let order = split.rows.len();
     let mut a = 0;

@@ -1,4 +1,4 @@
-//! The Jacobian and the decompositions of a large system, by its sparsity pattern.
+//! The Jacobian and the sparse decompositions of a large system.
 
 use crate::integrate::matrix::split::{Columns, Split};
 use crate::integrate::matrix::{Planes, Shift};
@@ -6,20 +6,20 @@ use crate::integrate::system::{EvalError, System};
 use crate::numeric::linear::{Complex, ComplexSparseLu, Singular, SparseLu};
 use crate::numeric::pattern::Pattern;
 
-/// Smallest order at which sparse decompositions are taken.
-const SMALLEST: usize = 60;
-/// Entries are at most this part of all where sparse decompositions are taken.
-const DENSEST: f64 = 0.125;
+/// Minimum order for sparse decompositions.
+const MIN_ORDER: usize = 60;
+/// Maximum density for sparse decompositions.
+const MAX_DENSITY: f64 = 0.125;
 
 /// True if sparse decompositions are expected to be faster than dense ones.
 pub fn pays(pattern: &Pattern) -> bool {
     let n = pattern.columns();
-    n > SMALLEST && pattern.entries() as f64 <= DENSEST * (n * n) as f64
+    n > MIN_ORDER && pattern.entries() as f64 <= MAX_DENSITY * (n * n) as f64
 }
 
 /// A Jacobian by its pattern, and the decompositions of the part that is not substituted.
 pub struct SparseParts {
-    /// The values as the system writes them, and where they go.
+    /// The values as the system writes them, and their positions in the Jacobian.
     entries: Vec<f64>,
     places: Vec<usize>,
     /// The Jacobian with the whole diagonal.
@@ -109,7 +109,7 @@ impl SparseParts {
             return Err(jacobian.pattern.row_indices()[entry]);
         }
         split.find(jacobian, mass);
-        // The ordering serves as long as the same rows and columns remain.
+        // The fill-reducing ordering is valid while the rows and columns of the core are unchanged.
         if self.core.rows != split.rows || self.core.columns != split.columns {
             self.core = Core::of(&jacobian.pattern, split, self.planes);
         }

@@ -1,4 +1,5 @@
-//! Which unknowns of the iteration matrices are substituted, and which remain to be decomposed.
+//! Splits the iteration matrices: unknowns that are determined by substitution, and a core that is
+//! decomposed.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,7 +11,7 @@ pub trait Columns {
     fn visit(&self, j: usize, visit: &mut impl FnMut(usize, f64));
 }
 
-/// Which rows are substituted, in which order, and what remains.
+/// The substituted rows in order, and the remaining core.
 #[derive(Default)]
 pub struct Split {
     /// Substituted unknowns in order.
@@ -93,7 +94,7 @@ impl Split {
         }
         self.single.extend((0..n).filter(|&i| self.unknowns[i] == 1).map(Reverse));
         while let Some(Reverse(row)) = self.single.pop() {
-            // What was left may have been taken by another row.
+            // Another row may have determined its last unknown.
             if self.unknowns[row] == 1 {
                 self.substitute(row, jacobian, mass);
             }
@@ -104,7 +105,7 @@ impl Split {
         self.columns.extend((0..n).filter(|&j| !self.column_done[j]));
     }
 
-    /// Lets `row` determine the unknown that it has left.
+    /// Determines the last unknown of `row` from it.
     fn substitute(&mut self, row: usize, jacobian: &impl Columns, mass: &[f64]) {
         let column = self.which[row];
         self.row_done[row] = true;

@@ -12,7 +12,7 @@ pub const ORDER: u32 = 3;
 
 /// The estimate of Hairer & Wanner II, sec. IV.8, eq. (8.19) and (8.20).
 pub struct ErrorEstimate {
-    /// `M (e1 Z1 + e2 Z2 + e3 Z3) / h`: what the stages contribute.
+    /// `M (e1 Z1 + e2 Z2 + e3 Z3) / h`: contribution of the stages.
     stages: Vec<f64>,
     /// The filtered error.
     error: Vec<f64>,
@@ -50,7 +50,7 @@ impl ErrorEstimate {
 
     /// Filters once more, with the slope at the start moved by the first estimate: for the first
     /// step and after a rejection, where the first estimate of stiff components does not vanish.
-    /// Keeps the first estimate `size` where the slope there can not be evaluated.
+    /// Keeps the first estimate `size` if the slope there cannot be evaluated.
     pub fn again(
         &mut self,
         system: &mut dyn System,
@@ -79,7 +79,7 @@ impl ErrorEstimate {
         worst_component(&self.error, weights).unwrap_or(0)
     }
 
-    /// Two vectors free for other use between steps.
+    /// Two work vectors that are free between steps.
     pub fn memory(&mut self) -> [&mut [f64]; 2] {
         [&mut self.trial, &mut self.slope]
     }

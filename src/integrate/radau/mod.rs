@@ -14,14 +14,14 @@ pub mod variation;
 mod tests;
 
 use crate::integrate::control::{
-    Point, Span, error_weights, fit_to_stop, initial_step, resolution,
+    Point, StepInterval, error_weights, fit_to_stop, initial_step, resolution,
 };
 use crate::integrate::matrix::{IterationMatrix, Planes, Shift};
 use crate::integrate::options::{OptionError, Options};
 use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::radau::estimate::{ErrorEstimate, ORDER};
 use crate::integrate::radau::polynomial::Polynomial;
-use crate::integrate::radau::stages::{MAX_ITERATIONS, StageTrouble, Stages, shift};
+use crate::integrate::radau::stages::{MAX_ITERATIONS, StageError, Stages, shift};
 use crate::integrate::radau::variation::{AcceptedStep, NoVariation, Variation};
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
@@ -31,20 +31,20 @@ use crate::numeric::norm::first_non_finite;
 
 /// Safety factor of the step size prediction.
 const SAFETY: f64 = 0.9;
-/// The step grows at most by this factor, and shrinks at most by [`SHRINK`].
+/// Maximum growth of the step.
 const GROWTH: f64 = 8.0;
-/// See [`GROWTH`].
+/// Maximum reduction of the step.
 const SHRINK: f64 = 0.2;
-/// Reduction of a rejected first step at most, whose length was a guess.
+/// Maximum reduction of a rejected first step, whose length was a guess.
 const SHRINK_FIRST: f64 = 0.01;
 /// Error of the cubic between its nodes, in units of the tolerance, above which the next step is
-/// planned shorter; the quartic that is used for dense output is better than that.
+/// shortened; the quartic of the dense output is more accurate.
 const BETWEEN_NODES: f64 = 10.0;
-/// A growth below this factor is not worth a new decomposition.
+/// Minimum growth that is worth a new decomposition.
 const WORTHWHILE: f64 = 1.2;
-/// The Jacobian is kept while the iteration converges faster than this.
+/// Convergence rate up to which the Jacobian is kept.
 const FAST: f64 = 1e-3;
-/// Reduction where the system could not be evaluated.
+/// Reduction if the system could not be evaluated.
 const OUT_OF_DOMAIN: f64 = 0.25;
 
 /// The stepper.
@@ -64,7 +64,7 @@ pub struct Radau {
     stats: Stats,
 }
 
-/// How old the Jacobian is.
+/// Age of the Jacobian.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum JacobianAge {
     /// To be evaluated before use.
@@ -75,20 +75,20 @@ enum JacobianAge {
     Fresh,
 }
 
-/// What the step size control remembers of the accepted steps since the restart.
+/// State of the step size control since the restart.
 struct History {
     /// Wanted length of the next step.
     h: f64,
-    /// Length and error of the last accepted step; `None` after a restart (Gustafsson's control
-    /// needs them, and the first step is treated with distrust).
+    /// Length and error of the last accepted step, for Gustafsson's control; `None` after a restart,
+    /// when the error estimate is checked more strictly.
     last: Option<(f64, f64)>,
-    /// The polynomial continues into the next step.
+    /// The polynomial may be extrapolated into the next step.
     continued: bool,
 }
 
 /// Why an attempt to step failed.
 #[derive(Clone, Copy)]
-enum Trouble {
+enum Rejection {
     Error {
         component: usize,
         size: f64,
@@ -105,7 +105,7 @@ enum Trouble {
         component: usize,
     },
     Eval(EvalError),
-    /// The Jacobian at the accepted point can not be had: no step can help.
+    /// The Jacobian at the accepted point cannot be evaluated: no step can help.
     Hopeless(Hopeless),
 }
 
@@ -156,14 +156,14 @@ impl Radau {
         })
     }
 
-    /// Advances the derivatives of the solution over the last step. Call it after each step and before
-    /// anything else; after a restart of this stepper `variation` is restarted too.
-    pub fn vary(
+    /// Advances the derivatives of the solution over the last step. Call it directly after each step;
+    /// after a restart of this stepper, restart `variation` too.
+    pub fn advance_variation(
         &mut self,
         system: &mut dyn Variational,
         variation: &mut Variation,
     ) -> Result<(), NoVariation> {
-        // The point before waits in `next` since the step was completed.
+        // After a step, `next` holds the previous point.
         let (from, end) = (&self.next, self.now.t);
         let h = self.polynomial.length();
         let (weights, rtol) = (&self.weights[..], self.options.rtol);
@@ -171,22 +171,22 @@ impl Radau {
         variation.advance(system, step, &mut self.matrix)
     }
 
-    /// The choices in effect.
+    /// The options.
     pub fn options(&self) -> &Options {
         &self.options
     }
 
-    /// Decomposes the iteration matrices unless they still fit.
-    fn prepare(&mut self, system: &mut dyn System, h: f64) -> Result<(), Trouble> {
+    /// Decomposes the iteration matrices unless they are still valid.
+    fn prepare(&mut self, system: &mut dyn System, h: f64) -> Result<(), Rejection> {
         if self.jacobian == JacobianAge::Outdated {
             self.stats.jacobians += 1;
             self.matrix
                 .evaluate(system, self.now.t, &self.now.y)
-                .map_err(|error| Trouble::Hopeless(Hopeless::Eval(error)))?;
+                .map_err(|error| Rejection::Hopeless(Hopeless::Eval(error)))?;
             self.decomposed = None;
             self.matrix
                 .analyze()
-                .map_err(|component| Trouble::Hopeless(Hopeless::NonFinite { component }))?;
+                .map_err(|component| Rejection::Hopeless(Hopeless::NonFinite { component }))?;
             self.jacobian = JacobianAge::Fresh;
         }
         let shift = shift(h);
@@ -195,7 +195,7 @@ impl Radau {
             self.decomposed = None;
             self.matrix
                 .factor(shift)
-                .map_err(|singular| Trouble::Singular { component: singular.column })?;
+                .map_err(|singular| Rejection::Singular { component: singular.column })?;
             self.decomposed = Some(shift);
         }
         Ok(())
@@ -211,18 +211,18 @@ impl Radau {
     }
 
     /// Solves the stage equations; the third stage is the candidate for the next point.
-    fn solve(&mut self, system: &mut dyn System, span: Span) -> Result<u32, Trouble> {
+    fn solve(&mut self, system: &mut dyn System, interval: StepInterval) -> Result<u32, Rejection> {
         let iterations = self
             .stages
-            .solve(system, &self.now, span, &self.weights, &mut self.matrix, &mut self.stats)
-            .map_err(|trouble| match trouble {
-                StageTrouble::Eval(error) => Trouble::Eval(error),
-                StageTrouble::NonFinite { component } => Trouble::NonFinite { component },
-                StageTrouble::Slow { component, reduction } => {
-                    Trouble::Newton { component, reduction }
+            .solve(system, &self.now, interval, &self.weights, &mut self.matrix, &mut self.stats)
+            .map_err(|rejection| match rejection {
+                StageError::Eval(error) => Rejection::Eval(error),
+                StageError::NonFinite { component } => Rejection::NonFinite { component },
+                StageError::Slow { component, reduction } => {
+                    Rejection::Newton { component, reduction }
                 }
             })?;
-        self.next.t = span.end;
+        self.next.t = interval.end;
         for ((next, y), z) in self.next.y.iter_mut().zip(&self.now.y).zip(&self.stages.z[2]) {
             *next = y + z;
         }
@@ -236,7 +236,7 @@ impl Radau {
         h: f64,
         iterations: u32,
         doubtful: bool,
-    ) -> Result<f64, Trouble> {
+    ) -> Result<f64, Rejection> {
         let (now, weights) = (&self.now, &self.weights[..]);
         let mut size = self.estimate.first(now, h, &self.stages.z, &mut self.matrix, weights);
         if !(size < 1.0) && doubtful {
@@ -248,63 +248,67 @@ impl Radau {
         }
         let component = self.estimate.worst(weights);
         if size.is_finite() {
-            Err(Trouble::Error { component, size, iterations })
+            Err(Rejection::Error { component, size, iterations })
         } else {
-            Err(Trouble::NonFinite { component })
+            Err(Rejection::NonFinite { component })
         }
     }
 
-    /// Evaluates the right side at the candidate, which is accepted if that succeeds.
-    fn evaluate_next(&mut self, system: &mut dyn System) -> Result<(), Trouble> {
+    /// Evaluates the right side at the candidate; the last condition for accepting it.
+    fn evaluate_next(&mut self, system: &mut dyn System) -> Result<(), Rejection> {
         self.stats.rhs += 1;
-        system.rhs(self.next.t, &self.next.y, &mut self.next.f).map_err(Trouble::Eval)?;
+        system.rhs(self.next.t, &self.next.y, &mut self.next.f).map_err(Rejection::Eval)?;
         match first_non_finite(&self.next.f) {
-            Some(component) => Err(Trouble::NonFinite { component }),
+            Some(component) => Err(Rejection::NonFinite { component }),
             None => Ok(()),
         }
     }
 
-    /// One attempt: every reason not to accept the step is an error.
+    /// Attempts a step; every reason for not accepting it is an error.
     fn attempt(
         &mut self,
         system: &mut dyn System,
-        span: Span,
+        interval: StepInterval,
         repeated: bool,
-    ) -> Result<Success, Trouble> {
-        self.prepare(system, span.h)?;
-        self.predict(span.h);
-        let iterations = self.solve(system, span)?;
+    ) -> Result<Success, Rejection> {
+        self.prepare(system, interval.h)?;
+        self.predict(interval.h);
+        let iterations = self.solve(system, interval)?;
         let doubtful = repeated || self.history.last.is_none();
-        let error = self.test(system, span.h, iterations, doubtful)?;
+        let error = self.test(system, interval.h, iterations, doubtful)?;
         self.evaluate_next(system)?;
         Ok(Success { error, iterations })
     }
 
-    /// An attempt within the span of the last polynomial, which needs no error test.
-    fn attempt_inside(&mut self, system: &mut dyn System, span: Span) -> Result<(), Trouble> {
-        self.prepare(system, span.h)?;
-        self.stages.start_inside(&self.polynomial, &self.now, span.h);
-        self.solve(system, span)?;
+    /// Attempts a step within the last one, which needs no error test.
+    fn attempt_inside(
+        &mut self,
+        system: &mut dyn System,
+        interval: StepInterval,
+    ) -> Result<(), Rejection> {
+        self.prepare(system, interval.h)?;
+        self.stages.start_inside(&self.polynomial, &self.now, interval.h);
+        self.solve(system, interval)?;
         self.evaluate_next(system)
     }
 
     /// Moves to the accepted candidate and plans the next step.
-    fn complete(&mut self, span: Span, success: &Success, repeated: bool) {
+    fn complete(&mut self, interval: StepInterval, success: &Success, repeated: bool) {
         self.stats.steps += 1;
         self.t_previous = self.now.t;
         std::mem::swap(&mut self.now, &mut self.next);
         let continued = self.history.last.is_some();
-        self.polynomial.set(span.h, span.end, &self.now.y, &self.stages.z, continued);
+        self.polynomial.set(interval.h, interval.end, &self.now.y, &self.stages.z, continued);
         error_weights(&self.options, &self.now.y, &mut self.weights);
-        let wanted = self.plan(span.h, success, repeated);
-        self.history.last = Some((span.h, success.error.max(1e-2)));
+        let wanted = self.plan(interval.h, success, repeated);
+        self.history.last = Some((interval.h, success.error.max(1e-2)));
         self.history.continued = true;
 
         let fast = self.stages.rate <= FAST;
         self.jacobian = if fast { JacobianAge::Old } else { JacobianAge::Outdated };
-        let growth = wanted / span.h;
+        let growth = wanted / interval.h;
         let keep = fast && (1.0..=WORTHWHILE).contains(&growth);
-        self.history.h = if keep { span.h } else { wanted };
+        self.history.h = if keep { interval.h } else { wanted };
     }
 
     /// The next step by Gustafsson's predictive control, eq. (8.24) and (8.25).
@@ -320,7 +324,7 @@ impl Radau {
         if repeated {
             wanted = wanted.min(h);
         } else if divisor <= 1.0 / GROWTH {
-            // The growth limit says nothing against a step that was cut short only by a stop.
+            // The growth limit does not apply to a step that was only cut by a stop.
             wanted = wanted.max(self.history.h);
         }
         let between = self.polynomial.error_between_nodes(&self.weights);
@@ -330,61 +334,66 @@ impl Radau {
         wanted.min(self.options.max_step)
     }
 
-    /// Shortens the step after a failed attempt, or gives up with the failure that names the cause.
-    fn recover(&mut self, span: Span, trouble: Trouble, cuts: u32) -> Result<(), Failure> {
-        let factor = match trouble {
-            Trouble::Hopeless(_) | Trouble::Eval(EvalError::Fatal(_)) => {
-                return Err(self.failure(span.h, trouble));
+    /// Shortens the step after a failed attempt, or returns the failure that names the cause.
+    fn recover(
+        &mut self,
+        interval: StepInterval,
+        rejection: Rejection,
+        cuts: u32,
+    ) -> Result<(), Failure> {
+        let factor = match rejection {
+            Rejection::Hopeless(_) | Rejection::Eval(EvalError::Fatal(_)) => {
+                return Err(self.failure(interval.h, rejection));
             }
-            Trouble::Error { size, iterations, .. } => {
+            Rejection::Error { size, iterations, .. } => {
                 self.stats.rejected += 1;
                 let limit = if self.history.last.is_none() { SHRINK_FIRST } else { SHRINK };
                 (safety(iterations) / fourth_root(size)).clamp(limit, 1.0)
             }
-            Trouble::Newton { reduction, .. } => {
+            Rejection::Newton { reduction, .. } => {
                 self.stats.convergence_failures += 1;
                 match self.jacobian {
                     JacobianAge::Old => 1.0,
-                    // A kink is in the way, of whose distance the convergence tells nothing.
+                    // The step crosses a kink; the convergence rate does not tell how far away it is.
                     _ if cuts > 1 => reduction * reduction,
                     _ => reduction,
                 }
             }
-            Trouble::Singular { .. } => {
+            Rejection::Singular { .. } => {
                 self.stats.convergence_failures += 1;
                 0.5
             }
-            Trouble::NonFinite { .. } | Trouble::Eval(EvalError::Recoverable(_)) => {
+            Rejection::NonFinite { .. } | Rejection::Eval(EvalError::Recoverable(_)) => {
                 self.stats.evaluation_failures += 1;
-                // A continuation that left the domain should not be tried again.
+                // Do not repeat an extrapolation that left the domain.
                 self.history.continued = false;
                 OUT_OF_DOMAIN
             }
         };
-        self.stages.forget();
+        self.stages.reset();
         if self.jacobian == JacobianAge::Old {
             self.jacobian = JacobianAge::Outdated;
         }
-        let h = span.h * factor;
+        let h = interval.h * factor;
         let shortest = self.options.min_step.max(resolution(self.now.t));
         if cuts >= self.options.max_cuts || (factor < 1.0 && !(h > shortest)) {
-            return Err(self.failure(h, trouble));
+            return Err(self.failure(h, rejection));
         }
         self.history.h = h;
         Ok(())
     }
 
-    fn failure(&self, h: f64, trouble: Trouble) -> Failure {
+    fn failure(&self, h: f64, rejection: Rejection) -> Failure {
         let t = self.now.t;
-        match trouble {
-            Trouble::Error { component, .. } => Failure::StepTooSmall { t, h, component },
-            Trouble::Newton { component, .. } => Failure::NewtonFailed { t, h, component },
-            Trouble::Singular { component } => Failure::Singular { t, component },
-            Trouble::NonFinite { component }
-            | Trouble::Hopeless(Hopeless::NonFinite { component }) => {
+        match rejection {
+            Rejection::Error { component, .. } => Failure::StepTooSmall { t, h, component },
+            Rejection::Newton { component, .. } => Failure::NewtonFailed { t, h, component },
+            Rejection::Singular { component } => Failure::Singular { t, component },
+            Rejection::NonFinite { component }
+            | Rejection::Hopeless(Hopeless::NonFinite { component }) => {
                 Failure::NonFinite { t, component }
             }
-            Trouble::Eval(error) | Trouble::Hopeless(Hopeless::Eval(error)) => {
+            Rejection::Eval(error) | Rejection::Hopeless(Hopeless::Eval(error)) => {
                 Failure::Eval { t, error }
             }
         }
@@ -407,20 +416,24 @@ impl Stepper for Radau {
         let mut cuts = 0;
         loop {
             self.check_budget()?;
-            let span = fit_to_stop(self.now.t, self.history.h, t_stop);
-            if !(span.end > self.now.t) {
+            let interval = fit_to_stop(self.now.t, self.history.h, t_stop);
+            if !(interval.end > self.now.t) {
                 let component = self.estimate.worst(&self.weights);
-                return Err(Failure::StepTooSmall { t: self.now.t, h: span.h, component });
+                return Err(Failure::StepTooSmall { t: self.now.t, h: interval.h, component });
             }
-            match self.attempt(system, span, cuts > 0) {
+            match self.attempt(system, interval, cuts > 0) {
                 Ok(success) => {
-                    self.complete(span, &success, cuts > 0);
+                    self.complete(interval, &success, cuts > 0);
                     let t = self.now.t;
-                    return Ok(if span.last { Step::Reached { t } } else { Step::Advanced { t } });
+                    return Ok(if interval.last {
+                        Step::Reached { t }
+                    } else {
+                        Step::Advanced { t }
+                    });
                 }
-                Err(trouble) => {
+                Err(rejection) => {
                     cuts += 1;
-                    self.recover(span, trouble, cuts)?;
+                    self.recover(interval, rejection, cuts)?;
                 }
             }
         }
@@ -434,19 +447,19 @@ impl Stepper for Radau {
         }
         std::mem::swap(&mut self.now, &mut self.next);
         error_weights(&self.options, &self.now.y, &mut self.weights);
-        let span = Span { h: t - self.now.t, end: t, last: true };
-        match self.attempt_inside(system, span) {
+        let interval = StepInterval { h: t - self.now.t, end: t, last: true };
+        match self.attempt_inside(system, interval) {
             Ok(()) => {
                 std::mem::swap(&mut self.now, &mut self.next);
                 error_weights(&self.options, &self.now.y, &mut self.weights);
-                self.polynomial.set(span.h, t, &self.now.y, &self.stages.z, false);
+                self.polynomial.set(interval.h, t, &self.now.y, &self.stages.z, false);
                 self.jacobian = JacobianAge::Old;
                 Ok(())
             }
-            Err(trouble) => {
-                self.history = History { h: span.h, last: None, continued: false };
-                self.stages.forget();
-                Err(self.failure(span.h, trouble))
+            Err(rejection) => {
+                self.history = History { h: interval.h, last: None, continued: false };
+                self.stages.reset();
+                Err(self.failure(interval.h, rejection))
             }
         }
     }
@@ -461,7 +474,7 @@ impl Stepper for Radau {
         self.now.start(system, t, y, &mut self.stats)?;
         self.t_previous = t;
         self.polynomial.set_constant(t, y);
-        self.stages.forget();
+        self.stages.reset();
         let changed = self.matrix.set_mass(system.differential());
         self.history = History { h: 0.0, last: None, continued: false };
         self.jacobian = match (jacobian, self.jacobian) {
@@ -508,8 +521,7 @@ impl Stepper for Radau {
     }
 }
 
-/// The safety factor, smaller the harder the iteration was (Hairer & Wanner II, sec. IV.8, on the
-/// selection of the step size).
+/// The safety factor, smaller for more iterations (Hairer & Wanner II, sec. IV.8, step size selection).
 fn safety(iterations: u32) -> f64 {
     let (most, used) = (f64::from(MAX_ITERATIONS), f64::from(iterations));
     SAFETY * (2.0 * most + 1.0) / (2.0 * most + used)

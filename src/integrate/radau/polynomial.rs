@@ -7,11 +7,11 @@ use crate::numeric::norm::weighted_rms;
 /// `1, c2, c1, 0` (Hairer & Wanner II, sec. IV.8, starting values), raised by one degree with the
 /// second stage of the step before.
 ///
-/// Why the fifth node: the error estimate bounds the cubic only for components that are not stiff.
-/// A stiff component follows its slow manifold with stages far better than the cubic between them,
-/// whose error of order `h^4` the estimate, filtered by the stiffness, does not see. With the extra
-/// node it is of order `h^5`. Linear invariants hold everywhere on the polynomial, and a component
-/// whose stages all equal the start is constant to the bit.
+/// The fifth node is needed because the error estimate bounds the cubic for non-stiff components only.
+/// The stages of a stiff component are on its slow manifold, far more accurate than the cubic between
+/// them, whose error of order `h^4` is not seen by the filtered estimate. With the extra node it is of
+/// order `h^5`. Linear invariants hold everywhere on the polynomial, and a component whose stages all
+/// equal the start is constant to the bit.
 pub struct Polynomial {
     h: f64,
     end: f64,
@@ -47,7 +47,7 @@ impl Polynomial {
     }
 
     /// The polynomial of a step of length `h` to `(end, y)`, from the stage increments `z`.
-    /// `continued` tells that the last polynomial belongs to the step before.
+    /// `continued`: the last polynomial belongs to the preceding step.
     pub fn set(&mut self, h: f64, end: f64, y: &[f64], z: &[Vec<f64>; 3], continued: bool) {
         let node = -1.0 - (1.0 - C2) * self.h / h;
         let product = node * (node - (C2 - 1.0)) * (node - (C1 - 1.0)) * (node + 1.0);

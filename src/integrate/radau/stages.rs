@@ -4,7 +4,7 @@
 //! one real system for `dW_1` and one complex system for `dW_2 + i dW_3`, with matrices that stay
 //! the same over many iterations and steps.
 
-use crate::integrate::control::{Point, Span};
+use crate::integrate::control::{Point, StepInterval};
 use crate::integrate::matrix::{IterationMatrix, Shift};
 use crate::integrate::options::Options;
 use crate::integrate::radau::polynomial::Polynomial;
@@ -16,9 +16,9 @@ use crate::numeric::norm::{first_non_finite, weighted_square_sum, worst_componen
 /// Iterations within which the stage equations must converge; RADAU5's NIT.
 pub const MAX_ITERATIONS: u32 = 7;
 
-/// Why there are no stages for this step.
+/// Why the stage equations could not be solved.
 #[derive(Clone, Copy, Debug)]
-pub enum StageTrouble {
+pub enum StageError {
     /// The right side could not be evaluated at a stage.
     Eval(EvalError),
     /// A correction is not finite.
@@ -26,8 +26,7 @@ pub enum StageTrouble {
         /// Its component.
         component: usize,
     },
-    /// The iteration diverges, or would converge too late; then `reduction` says which shorter step
-    /// would do.
+    /// The iteration diverges or converges too slowly; `reduction` suggests a shorter step.
     Slow {
         /// Component with the largest correction.
         component: usize,
@@ -47,7 +46,7 @@ pub struct Stages {
     stage: Vec<f64>,
     /// Tolerance of the iteration, in units of the error tolerance.
     kappa: f64,
-    /// `theta / (1 - theta)` of the last iteration: how much is still missing per correction.
+    /// `theta / (1 - theta)` of the last iteration: remaining error per correction.
     eta: f64,
     /// Convergence rate `theta` of the last iteration.
     pub rate: f64,
@@ -72,8 +71,8 @@ impl Stages {
         }
     }
 
-    /// Forgets how well the iteration converged.
-    pub fn forget(&mut self) {
+    /// Resets the convergence estimate.
+    pub fn reset(&mut self) {
         self.eta = 1.0;
         self.rate = 0.0;
     }
@@ -112,24 +111,24 @@ impl Stages {
         &mut self,
         system: &mut dyn System,
         from: &Point,
-        span: Span,
+        interval: StepInterval,
         weights: &[f64],
         matrix: &mut IterationMatrix,
         stats: &mut Stats,
-    ) -> Result<u32, StageTrouble> {
-        let shift = shift(span.h);
-        // An iteration that converged well last time need not prove it again (eq. 8.11).
+    ) -> Result<u32, StageError> {
+        let shift = shift(interval.h);
+        // The convergence estimate carries over from the last step (eq. 8.11).
         self.eta = self.eta.max(f64::EPSILON).powf(0.8);
         self.rate = 0.0;
         let mut last_size = 0.0;
         let mut last_ratio = 0.0;
         for iteration in 1..=MAX_ITERATIONS {
             stats.newton_iterations += 1;
-            self.evaluate(system, from, span, stats).map_err(StageTrouble::Eval)?;
+            self.evaluate(system, from, interval, stats).map_err(StageError::Eval)?;
             correct(&mut self.r, &self.w, matrix, shift);
             let size = self.correction_size(weights);
             if !size.is_finite() {
-                return Err(self.blame(system, from, span, weights, stats));
+                return Err(self.blame(system, from, interval, weights, stats));
             }
             if iteration > 1 {
                 let ratio: f64 = size / last_size;
@@ -143,7 +142,7 @@ impl Stages {
                 return Ok(iteration);
             }
         }
-        Err(StageTrouble::Slow { component: self.worst(weights), reduction: 0.5 })
+        Err(StageError::Slow { component: self.worst(weights), reduction: 0.5 })
     }
 
     /// Right sides at the three stages, into `r`.
@@ -151,10 +150,10 @@ impl Stages {
         &mut self,
         system: &mut dyn System,
         from: &Point,
-        span: Span,
+        interval: StepInterval,
         stats: &mut Stats,
     ) -> Result<(), EvalError> {
-        let times = [from.t + C1 * span.h, from.t + C2 * span.h, span.end];
+        let times = [from.t + C1 * interval.h, from.t + C2 * interval.h, interval.end];
         for ((z, r), t) in self.z.iter().zip(&mut self.r).zip(times) {
             for ((stage, y), z) in self.stage.iter_mut().zip(&from.y).zip(z) {
                 *stage = y + z;
@@ -170,16 +169,16 @@ impl Stages {
         (sum / (3 * weights.len()).max(1) as f64).sqrt()
     }
 
-    /// Gives up as soon as the remaining iterations can not reach the tolerance (eq. 8.12).
+    /// Stops as soon as the remaining iterations cannot reach the tolerance (eq. 8.12).
     fn check_convergence(
         &mut self,
         iteration: u32,
         size: f64,
         weights: &[f64],
-    ) -> Result<(), StageTrouble> {
+    ) -> Result<(), StageError> {
         if !(self.rate < 0.99) {
             let component = self.worst(weights);
-            return Err(StageTrouble::Slow { component, reduction: 0.5 });
+            return Err(StageError::Slow { component, reduction: 0.5 });
         }
         self.eta = self.rate / (1.0 - self.rate);
         if iteration < MAX_ITERATIONS {
@@ -188,7 +187,7 @@ impl Stages {
             if missing >= 1.0 {
                 let missing = missing.clamp(1e-4, 20.0);
                 let reduction = 0.8 * missing.powf(-1.0 / f64::from(4 + left));
-                return Err(StageTrouble::Slow { component: self.worst(weights), reduction });
+                return Err(StageError::Slow { component: self.worst(weights), reduction });
             }
         }
         Ok(())
@@ -200,16 +199,16 @@ impl Stages {
         &mut self,
         system: &mut dyn System,
         from: &Point,
-        span: Span,
+        interval: StepInterval,
         weights: &[f64],
         stats: &mut Stats,
-    ) -> StageTrouble {
+    ) -> StageError {
         let spread = self.worst(weights);
-        match self.evaluate(system, from, span, stats) {
-            Err(error) => StageTrouble::Eval(error),
+        match self.evaluate(system, from, interval, stats) {
+            Err(error) => StageError::Eval(error),
             Ok(()) => {
                 let component = self.r.iter().find_map(|r| first_non_finite(r)).unwrap_or(spread);
-                StageTrouble::NonFinite { component }
+                StageError::NonFinite { component }
             }
         }
     }

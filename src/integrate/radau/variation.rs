@@ -1,11 +1,11 @@
 //! The derivatives of a solution over one accepted step.
 //!
-//! They obey linear equations, to which the method of the step itself is applied, with the stages of
-//! the solution as the points of linearisation: so they are the exact derivatives of the discrete
-//! solution, apart from its choice of steps (staggered method: M. Caracotsios, W. E. Stewart, Computers
-//! & Chemical Engineering 9, 1985; T. Maly, L. Petzold, Applied Numerical Mathematics 20, 1996). The
-//! matrices of the step, whose Jacobian may be a little old, precondition a fixed-point iteration
-//! that converges as Newton's did; where it does not, the stage equations are solved at once.
+//! They obey linear equations, which are integrated by the same method, linearized at the stages of the
+//! solution. So they are the exact derivatives of the discrete solution, except for the choice of steps
+//! (staggered method: M. Caracotsios, W. E. Stewart, Computers & Chemical Engineering 9, 1985; T. Maly,
+//! L. Petzold, Applied Numerical Mathematics 20, 1996). The matrices of the step, whose Jacobian may be
+//! slightly outdated, precondition a fixed-point iteration that converges like the Newton iteration of
+//! the step. If it does not converge, the stage equations are solved directly.
 
 use crate::integrate::control::Point;
 use crate::integrate::matrix::IterationMatrix;
@@ -17,11 +17,11 @@ use crate::integrate::variational::Variational;
 use crate::numeric::linear::DenseLu;
 use crate::numeric::norm::weighted_square_sum;
 
-/// Iterations before the stage equations are solved at once.
+/// Maximum number of iterations before the stage equations are solved directly.
 const MAX_ITERATIONS: u32 = 12;
-/// Slowest convergence that the iteration is continued with.
+/// Slowest convergence rate at which the iteration is continued.
 const SLOWEST: f64 = 0.5;
-/// Corrections may be so large still, relative to the derivatives and to the tolerance.
+/// Tolerance of the corrections, relative to the derivatives and to the tolerance of the solution.
 const PRECISION: f64 = 1e-3;
 
 /// The derivatives in all directions at the accepted point, and over the last step.
@@ -32,7 +32,7 @@ pub struct Variation {
     r: [Vec<f64>; 3],
     stage: Vec<f64>,
     whole: Option<Box<Whole>>,
-    /// The diagonal of `M`, where it is not that of the solution.
+    /// The diagonal of `M`, if it differs from that of the solution.
     mass: Option<Vec<f64>>,
 }
 
@@ -56,7 +56,7 @@ struct Whole {
 /// Why the derivatives could not be advanced.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NoVariation {
-    /// The linearisation at a stage failed.
+    /// The linearization at a stage failed.
     Eval(EvalError),
     /// The stage equations of the derivatives are singular.
     Singular {
@@ -85,10 +85,10 @@ impl Variation {
         }
     }
 
-    /// As [`Variation::new`], for differential equations of `n` components that a constraint holds,
-    /// with a last component that makes it do so: a system of index 2. Its stages are always solved at
-    /// once, and between them the last component is the parabola through its stages: the value at
-    /// the start of a step, of which the stages know nothing, need not lie on it.
+    /// As [`Variation::new`], for differential equations of `n` components with a constraint and its
+    /// multiplier as the last component: a system of index 2. Its stage equations are always solved
+    /// directly. The last component is interpolated by the parabola through its stages, which the value
+    /// at the start of the step need not lie on.
     pub fn constrained(n: usize, directions: usize) -> Self {
         let mut mass = vec![1.0; n];
         mass.push(0.0);
@@ -100,7 +100,7 @@ impl Variation {
         &self.directions[direction].s
     }
 
-    /// Stands at `t` with these derivatives, and forgets the history.
+    /// Restarts at `t` with these derivatives.
     pub fn restart(&mut self, t: f64, direction: usize, s: &[f64]) {
         let d = &mut self.directions[direction];
         d.s.copy_from_slice(s);
@@ -113,8 +113,7 @@ impl Variation {
         self.directions[direction].polynomial.evaluate(t, out);
     }
 
-    /// Advances from `from` over the step of length `h` that ended at `end` with stage increments
-    /// `z`; `matrix` is decomposed for it.
+    /// Advances over an accepted step; `matrix` is decomposed for it.
     pub fn advance(
         &mut self,
         system: &mut dyn Variational,
@@ -188,7 +187,7 @@ impl Variation {
             }
             let slow = iteration > 0 && size > SLOWEST * last;
             if slow || !size.is_finite() {
-                // Rounding alone may keep the corrections from falling further.
+                // Rounding errors may keep the corrections from decreasing further.
                 return size <= step.rtol * scale;
             }
             last = size;
@@ -287,16 +286,16 @@ impl Whole {
     }
 }
 
-/// What a step left behind.
+/// Data of an accepted step.
 #[derive(Clone, Copy)]
 pub struct AcceptedStep<'a> {
-    /// Where it began.
+    /// Its start.
     pub from: &'a Point,
     /// Increments to its stages.
     pub z: &'a [Vec<f64>; 3],
     /// Its length.
     pub h: f64,
-    /// Where it ended.
+    /// Its end.
     pub end: f64,
     /// Weights of the error norm.
     pub weights: &'a [f64],

@@ -25,7 +25,7 @@ use parquet::schema::types::Type;
 
 use super::atomic_file::AtomicFile;
 use super::csv::TableError;
-use super::results::check;
+use super::results::{ResultWriter, check};
 use crate::ir::trajectory::{Column, Constant, Kind};
 
 /// Values in a group of rows, 64 MiB of them; wide tables have shorter groups.
@@ -93,26 +93,6 @@ impl ParquetWriter {
         Ok(writer)
     }
 
-    /// Takes the constants of the run.
-    pub fn constants(&mut self, constants: Vec<Constant>) {
-        let of = |c: &Constant| (c.column.name.clone(), attributes(&c.column, Some(c.value)));
-        self.tell("parameters", &constants.iter().map(of).collect::<Vec<_>>());
-    }
-
-    /// Takes a row.
-    pub fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
-        check(&self.columns, time, values)?;
-        self.time.push(time);
-        self.values.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
-        if self.time.len() < self.rows_of_group { Ok(()) } else { self.flush() }
-    }
-
-    /// Writes what is left; the file.
-    pub fn finish(mut self) -> Result<AtomicFile, TableError> {
-        self.flush()?;
-        Ok(self.out.into_inner()?)
-    }
-
     /// Writes the group of rows.
     fn flush(&mut self) -> Result<(), TableError> {
         if self.time.is_empty() {
@@ -158,6 +138,25 @@ impl ParquetWriter {
         }
         text.push('}');
         self.out.append_key_value_metadata(KeyValue::new(key.to_owned(), text));
+    }
+}
+
+impl ResultWriter for ParquetWriter {
+    fn constants(&mut self, constants: Vec<Constant>) {
+        let of = |c: &Constant| (c.column.name.clone(), attributes(&c.column, Some(c.value)));
+        self.tell("parameters", &constants.iter().map(of).collect::<Vec<_>>());
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
+        check(&self.columns, time, values)?;
+        self.time.push(time);
+        self.values.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
+        if self.time.len() < self.rows_of_group { Ok(()) } else { self.flush() }
+    }
+
+    fn finish(mut self: Box<Self>, _end: f64) -> Result<AtomicFile, TableError> {
+        self.flush()?;
+        Ok(self.out.into_inner()?)
     }
 }
 
@@ -256,7 +255,7 @@ mod tests {
             writer.row(*time, values).unwrap();
         }
         assert!(writer.row(1.0, &[f64::NAN, 0.0, 0.0]).is_err());
-        writer.finish().unwrap().finish().unwrap();
+        Box::new(writer).finish(1.0).unwrap().finish().unwrap();
 
         let file = File::open(dir.path("run.parquet")).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
@@ -296,7 +295,7 @@ mod tests {
             let file = AtomicFile::create(dir.path("run.parquet")).unwrap();
             let mut writer = ParquetWriter::new(file, std::slice::from_ref(&column)).unwrap();
             writer.row(2.0, &[value]).unwrap();
-            let error = writer.finish().unwrap_err().to_string();
+            let error = Box::new(writer).finish(1.0).unwrap_err().to_string();
             assert!(error.starts_with("`n` is ") && error.contains("at time 2 s"), "{error}");
         }
         assert_eq!(dir.files(), [""; 0]);

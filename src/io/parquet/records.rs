@@ -14,7 +14,7 @@ use parquet::schema::types::Type as Schema;
 use super::{attributes, mismatch, push_quoted};
 use crate::io::atomic_file::AtomicFile;
 use crate::io::csv::TableError;
-use crate::io::records::{Cell, Field, Type};
+use crate::io::records::{Cell, Field, RecordError, RecordWriter, Type};
 use crate::ir::trajectory::Column;
 
 /// Rows in a group.
@@ -34,7 +34,7 @@ impl RecordsWriter {
         let field = |field: &Field| {
             let physical = match field.ty {
                 Type::Real => Physical::DOUBLE,
-                Type::Whole => Physical::INT64,
+                Type::Integer => Physical::INT64,
                 Type::Text => Physical::BYTE_ARRAY,
             };
             let text = (field.ty == Type::Text).then_some(LogicalType::String);
@@ -65,19 +65,6 @@ impl RecordsWriter {
         Ok(writer)
     }
 
-    /// Takes a row.
-    pub fn row(&mut self, cells: &[Cell]) -> Result<(), TableError> {
-        self.cells.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell.clone()));
-        let full = self.cells.first().is_some_and(|c| c.len() >= GROUP_ROWS);
-        if full { self.flush() } else { Ok(()) }
-    }
-
-    /// Writes what is left; the file.
-    pub fn finish(mut self) -> Result<AtomicFile, TableError> {
-        self.flush()?;
-        Ok(self.out.into_inner()?)
-    }
-
     fn flush(&mut self) -> Result<(), TableError> {
         if self.cells.first().is_none_or(Vec::is_empty) {
             return Ok(());
@@ -95,7 +82,7 @@ impl RecordsWriter {
                     to.write_batch(&values, levels, None)?;
                 }
                 ColumnWriter::Int64ColumnWriter(to) => {
-                    let of = |c: &Cell| if let Cell::Whole(n) = c { Some(*n) } else { None };
+                    let of = |c: &Cell| if let Cell::Integer(n) = c { Some(*n) } else { None };
                     let values: Vec<i64> = cells.iter().filter_map(of).collect();
                     to.write_batch(&values, levels, None)?;
                 }
@@ -113,6 +100,19 @@ impl RecordsWriter {
         }
         group.close()?;
         Ok(())
+    }
+}
+
+impl RecordWriter for RecordsWriter {
+    fn row(&mut self, _line: &str, cells: &[Cell]) -> Result<(), RecordError> {
+        self.cells.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell.clone()));
+        let full = self.cells.first().is_some_and(|c| c.len() >= GROUP_ROWS);
+        if full { Ok(self.flush()?) } else { Ok(()) }
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<AtomicFile, RecordError> {
+        self.flush()?;
+        Ok(self.out.into_inner().map_err(TableError::from)?)
     }
 }
 
@@ -136,15 +136,15 @@ mod tests {
             description: String::new(),
         };
         let fields = [
-            field("run", Type::Whole, ""),
+            field("run", Type::Integer, ""),
             field("t", Type::Real, "s"),
             field("error", Type::Text, ""),
         ];
         let file = AtomicFile::create(dir.path("sweep.parquet")).unwrap();
         let mut writer = RecordsWriter::new(file, &fields).unwrap();
-        writer.row(&[Cell::Whole(1), Cell::Real(0.25), Cell::Missing]).unwrap();
-        writer.row(&[Cell::Whole(2), Cell::Missing, Cell::Text("Ä, b".into())]).unwrap();
-        writer.finish().unwrap().finish().unwrap();
+        writer.row("", &[Cell::Integer(1), Cell::Real(0.25), Cell::Missing]).unwrap();
+        writer.row("", &[Cell::Integer(2), Cell::Missing, Cell::Text("Ä, b".into())]).unwrap();
+        Box::new(writer).finish().unwrap().finish().unwrap();
 
         let reader = SerializedFileReader::new(File::open(dir.path("sweep.parquet")).unwrap());
         let reader = reader.unwrap();

@@ -3,7 +3,6 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::integrate::stepper::Stepper;
 use crate::ir::expr::Binary;
 use crate::ir::program::RelationTrigger;
 use crate::ir::trajectory::Event;

@@ -1,6 +1,5 @@
 //! Executes an event: iterates at its instant, records and reports it, and restarts the integration.
 
-use crate::integrate::stepper::Stepper;
 use crate::ir::program::{RelationTrigger, Slot};
 use crate::ir::trajectory::Event;
 

@@ -1,7 +1,6 @@
 //! Reports assertions and terminations of the model, and unknowns that it does not determine.
 
 use crate::base::diag::{Diagnostic, Severity};
-use crate::integrate::stepper::Stepper;
 use crate::ir::expr::{Const, ExprId};
 use crate::ir::flat::AssertionLevel;
 use crate::ir::program::Program;

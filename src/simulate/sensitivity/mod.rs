@@ -18,7 +18,6 @@ use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::integrate::radau::Radau;
 use crate::integrate::radau::variation::{NoVariation, Variation};
-use crate::integrate::stepper::Stepper;
 use crate::integrate::system::{EvalError, System};
 use crate::integrate::variational::Variational;
 use crate::ir::expr::VarId;
@@ -198,7 +197,7 @@ impl Sensitivity {
         if let (Some(surface), true) = (&mut self.surface, system.sliding.is_some()) {
             let Surface { variation, equations, .. } = &mut **surface;
             let mut equations = SurfaceEquations { system, tangents: Some(tangents), equations };
-            let outcome = stepper.vary(&mut equations, variation);
+            let outcome = stepper.advance_variation(&mut equations, variation);
             self.tangents = equations.tangents.take();
             return outcome;
         }
@@ -208,7 +207,7 @@ impl Sensitivity {
         self.tangents = Some(tangents);
         let (forcing, memory) = (&mut *self.forcing, &mut self.linearization);
         let mut equations = TrajectoryEquations { system, forcing, memory };
-        stepper.vary(&mut equations, &mut self.variation)
+        stepper.advance_variation(&mut equations, &mut self.variation)
     }
 
     /// Computes the derivatives of all slots at `t` within the last step, where all variables have been
