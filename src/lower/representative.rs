@@ -192,7 +192,7 @@ impl RepresentativeChoice<'_> {
             high = self.tighter(Binary::Min, high, max);
         }
         let nominal = all().find_map(|m| self.variables[m.variable].nominal);
-        let wish = all()
+        let preference = all()
             .map(|m| self.variables[m.variable].state_select)
             .filter(|s| *s != StateSelect::Default)
             .max();
@@ -201,7 +201,7 @@ impl RepresentativeChoice<'_> {
         v.min = low;
         v.max = high;
         v.nominal = nominal;
-        v.state_select = wish.unwrap_or_default();
+        v.state_select = preference.unwrap_or_default();
         v.unit = unit.unwrap_or(v.unit);
     }
 

@@ -181,16 +181,16 @@ impl Newton {
         damping: &mut f64,
         settings: &NewtonSettings,
     ) -> Result<DampedStep, NewtonOutcome> {
-        let mut refused = None;
+        let mut failed = None;
         while *damping >= settings.min_damping {
             for ((trial, z), c) in self.trial.iter_mut().zip(z.iter()).zip(&self.correction) {
                 *trial = z - *damping * c;
             }
             clamp(&mut self.trial, region);
             match evaluate(equations, &self.trial, &mut self.trial_residual) {
-                Err(residual) => refused = Some(residual),
+                Err(residual) => failed = Some(residual),
                 Ok(()) => {
-                    refused = None;
+                    failed = None;
                     if let Some(progress) = self.judge_trial(z, region, size, *damping, settings) {
                         *damping = (*damping * 4.0).min(1.0);
                         return Ok(progress);
@@ -199,7 +199,7 @@ impl Newton {
             }
             *damping *= 0.5;
         }
-        Err(match refused {
+        Err(match failed {
             Some(residual) => NewtonOutcome::NonFinite { residual },
             None => NewtonOutcome::Diverged { component: self.worst() },
         })

@@ -22,7 +22,7 @@ pub struct UsesEntry {
 /// The libraries that a class requires by its `uses` annotation.
 pub fn uses(class: &Class) -> Vec<UsesEntry> {
     let Some(annotation) = &class.annotation else { return Vec::new() };
-    let lists = elements(annotation).filter(|(what, _)| what == "uses").map(|(_, list)| list);
+    let lists = elements(annotation).filter(|(name, _)| name == "uses").map(|(_, list)| list);
     let entries = lists.flat_map(elements);
     let of = |(library, entry): (String, &Modification)| {
         let (version, span) = text(entry, "version")?;
@@ -39,10 +39,10 @@ pub fn declared_version(class: &Class) -> Option<Arc<str>> {
 /// True if models written for a version need no conversion: `conversion(noneFromVersion = "...")`.
 pub fn is_compatible_with(class: &Class, version: &str) -> bool {
     let Some(annotation) = &class.annotation else { return false };
-    let lists = elements(annotation).filter(|(what, _)| what == "conversion");
+    let lists = elements(annotation).filter(|(name, _)| name == "conversion");
     let mut entries = lists.flat_map(|(_, list)| elements(list));
-    entries.any(|(what, m)| {
-        what == "noneFromVersion" && string(m).is_some_and(|(text, _)| &*text == version)
+    entries.any(|(name, m)| {
+        name == "noneFromVersion" && string(m).is_some_and(|(text, _)| &*text == version)
     })
 }
 
@@ -72,7 +72,7 @@ fn elements(m: &Modification) -> impl Iterator<Item = (String, &Modification)> {
 }
 
 fn text(m: &Modification, wanted: &str) -> Option<(Arc<str>, Span)> {
-    elements(m).find(|(what, _)| what == wanted).and_then(|(_, inner)| string(inner))
+    elements(m).find(|(name, _)| name == wanted).and_then(|(_, inner)| string(inner))
 }
 
 fn string(m: &Modification) -> Option<(Arc<str>, Span)> {

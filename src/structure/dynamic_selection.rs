@@ -99,9 +99,9 @@ fn groups(pivots: &[ConstraintPivot]) -> Vec<Vec<&ConstraintPivot>> {
             other.round == pivot.round
                 && pivot.candidates.iter().any(|v| other.candidates.contains(v))
         };
-        let (joined, apart): (Vec<_>, Vec<_>) =
+        let (joined, separate): (Vec<_>, Vec<_>) =
             groups.into_iter().partition(|group| group.iter().any(shares));
-        groups = apart;
+        groups = separate;
         groups.push(joined.into_iter().flatten().chain([pivot]).collect());
     }
     groups

@@ -3,21 +3,21 @@
 
 pub(crate) mod cardinality;
 pub(crate) mod connector;
+mod equations;
 pub(crate) mod expandable;
 mod sets;
 
 use std::sync::Arc;
 
-use self::connector::{check_connectable, check_single_source};
+use self::connector::check_connectable;
 use self::sets::ConnectionSets;
 use crate::base::diag::Diagnostic;
-use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::evaluate::reference::Selection;
 use crate::instantiate::Context;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, VarId};
-use crate::ir::flat::{Assert, AssertionLevel, Equation, EquationKind, FlatModel, Origin};
+use crate::ir::flat::{Assert, AssertionLevel, Origin};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
 
 /// The connections of a model.
@@ -337,81 +337,6 @@ impl Connections {
         }
         Some(())
     }
-
-    /// Generates the connection equations: equal potentials, flows that sum to zero, and zero flows
-    /// of unconnected connectors.
-    pub(super) fn equations(&mut self, cx: &mut Context<'_>, flat: &mut FlatModel) {
-        let (mut seen, mut seen_in) = (vec![0; self.potentials.number.len()], 0_u32);
-        for (members, origin) in self.potentials.sets() {
-            check_single_source(cx, flat, &members, origin.span);
-            // A variable may occur twice, as an inside and as an outside connector.
-            seen_in += 1;
-            let mut variables = members
-                .iter()
-                .map(|m| m.0)
-                .filter(|v| std::mem::replace(&mut seen[v.0 as usize], seen_in) != seen_in);
-            let Some(first) = variables.next() else { continue };
-            let a = read(cx, flat, first);
-            for v in variables {
-                let b = read(cx, flat, v);
-                let kind = EquationKind::Equal(a, b);
-                flat.equations.push(Equation { kind, origin: origin.clone() });
-            }
-        }
-        for (members, origin) in self.flows.sets() {
-            let mut terms = Vec::with_capacity(members.len());
-            for (v, outside) in members {
-                let e = read(cx, flat, v);
-                terms.push(if outside { cx.graph.neg(e) } else { e });
-            }
-            let sum = cx.graph.sum(terms);
-            let zero = cx.graph.real(0.0);
-            flat.equations.push(Equation { kind: EquationKind::Equal(sum, zero), origin });
-        }
-        for (assert, origin) in self.equalities.drain(..) {
-            flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
-        }
-        let mut in_connector: FastMap<InstanceId, bool> = FastMap::default();
-        for v in flat.variables.ids() {
-            let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
-            if cx.instances[instance].prefix.connection != Some(ConnectionPrefix::Flow) {
-                continue;
-            }
-            // Variables that connections have added to a bus also need a zero flow on the inside
-            // (Modelica 3.6, section 9.2).
-            let inside = self.flows.number((v, false)).is_some();
-            let outside = self.flows.number((v, true)).is_some();
-            if inside && (outside || !expandable::is_within(cx, instance))
-                || !is_in_connector(cx, instance, &mut in_connector)
-            {
-                continue;
-            }
-            let e = read(cx, flat, v);
-            let zero = cx.graph.real(0.0);
-            let component = match cx.instances[instance].parent {
-                Some(p) => cx.path(p).into(),
-                None => Arc::from(""),
-            };
-            let origin = Origin { span: flat.variables[v].span, component };
-            flat.equations.push(Equation { kind: EquationKind::Equal(e, zero), origin });
-        }
-    }
-}
-
-/// True if a flow variable belongs to a connector; others are ordinary variables.
-fn is_in_connector(
-    cx: &mut Context<'_>,
-    id: InstanceId,
-    known: &mut FastMap<InstanceId, bool>,
-) -> bool {
-    if let Some(known) = known.get(&id) {
-        return *known;
-    }
-    let parent = cx.instances[id].parent;
-    let found =
-        is_connector(cx, id) || parent.is_some_and(|parent| is_in_connector(cx, parent, known));
-    known.insert(id, found);
-    found
 }
 
 /// The context of a `connect`.
@@ -422,10 +347,6 @@ struct ConnectedPair {
     ends: (Span, Span),
     /// The connected instances, for messages.
     of: [Option<InstanceId>; 2],
-}
-
-fn read(cx: &mut Context<'_>, flat: &FlatModel, v: VarId) -> ExprId {
-    cx.graph.var(v, flat.variables[v].ty)
 }
 
 fn mismatch(cx: &mut Context<'_>, pair: &ConnectedPair, why: &str) -> Option<()> {
