@@ -19,17 +19,15 @@ use mocc::calibrate::data::{self, Data, Split};
 use mocc::calibrate::fit::{self, Fit};
 use mocc::calibrate::plan::{self, Plan};
 use mocc::calibrate::problem::{Problem, Sums};
-use mocc::diagnose::case::{Case, compile};
-use mocc::diagnose::effect::{Effect, catalogue};
-use mocc::diagnose::level::{Level, amplitude};
-use mocc::diagnose::rank::Scored;
-use mocc::diagnose::rank::unscored;
-use mocc::diagnose::result::verdict;
-use mocc::diagnose::search::{Found, diagnose};
-use mocc::diagnose::text::Attached;
+use mocc::diagnose::catalogue::{Effect, Packages, catalogue};
+use mocc::diagnose::hypothesis::{Hypothesis, amplitude};
+use mocc::diagnose::model_source::Attached;
+use mocc::diagnose::policy::SearchPolicy;
+use mocc::diagnose::rank::{Scored, unscored};
+use mocc::diagnose::result::{Diagnosis, Verdict};
+use mocc::diagnose::search::diagnose;
+use mocc::diagnose::study::Study;
 use mocc::driver::compile::{Request, Session};
-use mocc::flatten::inventory::Inventory;
-use mocc::ir::flat::Experiment;
 use mocc::numeric::least_squares::NormalEquations;
 use mocc::numeric::linear::DenseLu;
 
@@ -57,8 +55,8 @@ fn main() {
         Some("healthy") => stand.healthy(first, number(1)),
         Some(mode @ ("effects" | "foreign")) => {
             let wanted = arguments.get(1).map_or("", String::as_str);
-            for k in 0..stand.effects.len() {
-                if stand.effects[k].class.contains(wanted) {
+            for k in 0..stand.study.effects.len() {
+                if stand.study.effects[k].class.contains(wanted) {
                     stand.effect(k, mode == "foreign");
                 }
             }
@@ -72,14 +70,7 @@ fn main() {
 
 /// The valve, its plan, and the conditions of its recordings.
 struct Stand {
-    plan: Plan,
-    data: Data,
-    request: Request,
-    base: String,
-    experiment: Experiment,
-    effects: Vec<Effect>,
-    inventory: Inventory,
-    variables: Vec<String>,
+    study: Study,
 }
 
 impl Stand {
@@ -90,29 +81,18 @@ impl Stand {
         let plan = plan::read(&path, &text, &mut session.sources, &mut session.problems);
         let plan = plan.expect("a plan");
         let data = data::read(&plan, &mut session.problems).expect("recordings");
-        let request = Request { file: Some(plan.model.clone()), ..Request::default() };
-        let (flat, inventory) = session.inspect(&request).expect("a model");
+        let request = Request::new(Some(plan.model.clone()), None);
+        let (flat, inventory) = session.flatten_with_inventory(&request).expect("a model");
         let variables = flat.variables.iter().map(|v| v.name.clone()).collect();
         let units: Vec<_> =
             flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
-        let packages = ["Effects".to_owned()];
-        let effects = catalogue(&mut session, &request, &packages, &inventory, &units);
+        let packages = Packages { request: &request, names: &["Effects".to_owned()] };
+        let effects = catalogue(&mut session, &packages, &inventory, &units);
         let (base, experiment) = (flat.name.clone(), flat.experiment);
-        Stand { plan, data, request, base, experiment, effects, inventory, variables }
-    }
-
-    fn case<'a>(&'a self, data: &'a Data) -> Case<'a> {
-        Case {
-            plan: &self.plan,
-            request: self.request.clone(),
-            data,
-            base: self.base.clone(),
-            experiment: self.experiment,
-            effects: &self.effects,
-            inventory: &self.inventory,
-            variables: &self.variables,
-            say: &|text| eprintln!("      {text}"),
-        }
+        let policy = SearchPolicy::default();
+        let study =
+            Study { plan, request, data, base, experiment, effects, inventory, variables, policy };
+        Stand { study }
     }
 
     /// Simulated recordings of a specimen whose parameters are the start values of the plan.
@@ -122,17 +102,17 @@ impl Stand {
         attached: &[Attached<'_>],
         random: &mut Random,
     ) -> Option<Data> {
-        let case = self.case(&self.data);
         let mut plan = plan.clone();
         for a in attached {
             if let Some(k) = a.place.signal {
                 plan.signals[k].variable = format!("{}.y", a.name);
             }
         }
-        let (session, program) = compile(&case, &plan, attached, &[]).ok()?;
+        let (session, program) = self.study.compile(&plan, attached, &[]).ok()?;
         let mut problems = Problems::new();
-        let problem = Problem::new(&program, &session.sources, &plan, &self.data, &mut problems)?;
-        let mut data = self.data.clone();
+        let problem =
+            Problem::new(&program, &session.sources, &plan, &self.study.data, &mut problems)?;
+        let mut data = self.study.data.clone();
         for recording in &mut data.recordings {
             let exact = problem.predict(recording, &problem.start()).ok()?;
             let largest = |all: &[f64]| all.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -151,11 +131,11 @@ impl Stand {
 
     /// The plan with parameters that differ from the data sheet.
     fn other(&self, spread: f64, random: &mut Random) -> Plan {
-        let mut plan = self.plan.clone();
-        let case = self.case(&self.data);
-        let (session, program) = compile(&case, &plan, &[], &[]).expect("a program");
+        let mut plan = self.study.plan.clone();
+        let (session, program) = self.study.compile(&plan, &[], &[]).expect("a program");
         let mut problems = Problems::new();
-        let problem = Problem::new(&program, &session.sources, &plan, &self.data, &mut problems);
+        let problem =
+            Problem::new(&program, &session.sources, &plan, &self.study.data, &mut problems);
         let nominal = problem.expect("a problem");
         for (free, p) in plan.free.iter_mut().zip(&nominal.parameters) {
             let value = p.start * (1.0 + spread * (2.0 * random.uniform() - 1.0));
@@ -170,13 +150,13 @@ impl Stand {
         for k in 1..=count {
             let plan = self.other(0.5, &mut random);
             let started = Instant::now();
-            let case = self.case(&self.data);
-            let (session, program) = compile(&case, &plan, &[], &[]).expect("a program");
+            let (session, program) = self.study.compile(&plan, &[], &[]).expect("a program");
             let mut problems = Problems::new();
             let problem =
-                Problem::new(&program, &session.sources, &plan, &self.data, &mut problems);
+                Problem::new(&program, &session.sources, &plan, &self.study.data, &mut problems);
             let mut problem = problem.expect("a problem");
-            let found = fit::fit(&mut problem, &mut |_, _| true);
+            let policy = &self.study.policy.fit;
+            let found = fit::fit(&mut problem, policy, &mut |_, _| true);
             let (train, validation) = match &found {
                 Some(found) => quality(&problem, found),
                 None => (f64::NAN, f64::NAN),
@@ -195,7 +175,7 @@ impl Stand {
             let plan = self.other(SPREAD, &mut random);
             let data = self.recorded(&plan, &[], &mut random).expect("recordings");
             let (found, seconds) = self.diagnosis(&data, None);
-            let complete = found.as_ref().is_some_and(|f| verdict(f).name() == "complete");
+            let complete = found.as_ref().is_some_and(|f| self.verdict(f) == Verdict::Complete);
             alarms += u64::from(!complete);
             println!("{k:3}  {}  {seconds:6.1} s", self.words(found.as_ref(), None));
         }
@@ -207,7 +187,7 @@ impl Stand {
         let mut random = Random(1000 + k as u64);
         let plan = self.other(SPREAD, &mut random);
         let Some(inserted) = self.inserted(k, &plan, EXCESS) else {
-            let class = &self.effects[k].class;
+            let class = &self.study.effects[k].class;
             println!("{class}: no trace in the signals beyond what the parameters absorb");
             return;
         };
@@ -222,7 +202,7 @@ impl Stand {
             let plan = self.other(SPREAD, &mut random);
             let mut both = Vec::new();
             while both.len() < 2 {
-                let effect = (random.uniform() * self.effects.len() as f64) as usize;
+                let effect = (random.uniform() * self.study.effects.len() as f64) as usize;
                 both.extend(self.inserted(effect, &plan, EXCESS_OF_EACH));
             }
             self.report(&plan, &both, None, &mut random);
@@ -232,7 +212,7 @@ impl Stand {
     /// An effect at one of its places with one of its shapes, not always the first. A place where
     /// it has no influence is skipped.
     fn inserted(&self, k: usize, plan: &Plan, excess: f64) -> Option<Inserted> {
-        let all = unscored(&self.case(&self.data), &self.bare());
+        let all = unscored(&self.study, &self.without_effects());
         let own: Vec<&Scored> =
             all.iter().filter(|s| s.effect == k && s.place.others.is_empty()).collect();
         (0..own.len()).find_map(|i| {
@@ -254,7 +234,7 @@ impl Stand {
             .iter()
             .enumerate()
             .map(|(i, one)| {
-                let effect = &self.effects[one.scored.effect];
+                let effect = &self.study.effects[one.scored.effect];
                 attachment(effect, &one.scored, one.values.clone(), &format!("inserted_{i}"))
             })
             .collect();
@@ -269,11 +249,15 @@ impl Stand {
         println!("    -> {}  {seconds:6.1} s", self.words(found.as_ref(), hidden));
     }
 
+    fn verdict(&self, diagnosis: &Diagnosis) -> Verdict {
+        diagnosis.verdict(&self.study.policy)
+    }
+
     /// The model without effects, not fitted.
-    fn bare(&self) -> Level {
-        Level {
-            chosen: Vec::new(),
-            plan: self.plan.clone(),
+    fn without_effects(&self) -> Hypothesis {
+        Hypothesis {
+            effects: Vec::new(),
+            plan: self.study.plan.clone(),
             values: Vec::new(),
             errors: Vec::new(),
             fit: Fit {
@@ -291,48 +275,48 @@ impl Stand {
     /// The catalogue, possibly without one effect.
     fn catalogue(&self, hidden: Option<usize>) -> Vec<Effect> {
         let known = |k: &usize| Some(*k) != hidden;
-        (0..self.effects.len()).filter(known).map(|k| self.effects[k].clone()).collect()
+        (0..self.study.effects.len()).filter(known).map(|k| self.study.effects[k].clone()).collect()
     }
 
     /// Shape and amplitude that cause this excess in the linear approximation.
     fn amplitude(&self, plan: &Plan, inserted: &Scored, excess: f64) -> Option<Vec<(String, f64)>> {
-        let effect = &self.effects[inserted.effect];
+        let effect = &self.study.effects[inserted.effect];
         let attached = [attachment(effect, inserted, inserted.shape.clone(), "inserted")];
         let name = &attached[0].name;
         let first = &effect.amplitudes[0].name;
         let mut more = plan.clone();
         more.free.push(amplitude(&format!("{name}.{first}"), 0.0, None, &inserted.place, name));
-        let case = self.case(&self.data);
-        let (session, program) = compile(&case, &more, &attached, &[]).ok()?;
+        let (session, program) = self.study.compile(&more, &attached, &[]).ok()?;
         let mut problems = Problems::new();
-        let problem = Problem::new(&program, &session.sources, &more, &self.data, &mut problems)?;
+        let problem =
+            Problem::new(&program, &session.sources, &more, &self.study.data, &mut problems)?;
         let normal = problem.normal(&problem.start()).ok()?;
-        let size = excess * problem.count(Split::Train) as f64 / left_over(&normal)?;
+        let size = excess * problem.count(Split::Train) as f64 / unabsorbed(&normal)?;
         let mut values = inserted.shape.clone();
         values.push((first.clone(), size.sqrt()));
         Some(values)
     }
 
-    fn diagnosis(&self, data: &Data, hidden: Option<usize>) -> (Option<Found>, f64) {
+    fn diagnosis(&self, data: &Data, hidden: Option<usize>) -> (Option<Diagnosis>, f64) {
         let started = Instant::now();
         let effects = self.catalogue(hidden);
-        let case = Case { effects: &effects, ..self.case(data) };
-        let found = diagnose(&case, &mut |_, _| true).ok();
+        let study = Study { effects, data: data.clone(), ..self.study.clone() };
+        let found = diagnose(&study, &()).ok();
         (found, started.elapsed().as_secs_f64())
     }
 
-    fn words(&self, found: Option<&Found>, hidden: Option<usize>) -> String {
+    fn words(&self, found: Option<&Diagnosis>, hidden: Option<usize>) -> String {
         let Some(found) = found else { return "cannot be calibrated".to_owned() };
         let known = self.catalogue(hidden);
         let effects: Vec<String> = found
             .after
-            .chosen
+            .effects
             .iter()
             .map(|c| format!("{} at {}", known[c.effect].class, c.place.at.join(", ")))
             .collect();
         format!(
             "{}  {}  train {:.3} -> {:.3}  validation {:.3} -> {:.3}",
-            verdict(found).name(),
+            self.verdict(found).name(),
             effects.join(" + "),
             found.before.chi2_train(),
             found.after.chi2_train(),
@@ -356,7 +340,7 @@ fn attachment<'a>(
 ) -> Attached<'a> {
     let place = &inserted.place;
     let name = if effect.built_in { place.at[0].clone() } else { name.to_owned() };
-    Attached { effect, place, name, values }
+    Attached::new(effect, place, name, values)
 }
 
 fn quality(problem: &Problem<'_>, found: &Fit) -> (f64, f64) {
@@ -368,7 +352,7 @@ fn quality(problem: &Problem<'_>, found: &Fit) -> (f64, f64) {
 }
 
 /// Sum of squares of the last column that the others do not absorb; `None` if hardly any.
-fn left_over(normal: &NormalEquations) -> Option<f64> {
+fn unabsorbed(normal: &NormalEquations) -> Option<f64> {
     let (n, p) = (normal.n, normal.n - 1);
     let entry = |i: usize, j: usize| normal.gram[i + n * j];
     let size = |i: usize| entry(i, i).sqrt().max(f64::MIN_POSITIVE);

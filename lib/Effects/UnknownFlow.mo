@@ -1,8 +1,7 @@
 within Effects;
-model UnknownFlow "Flow into a port as a free curve over time"
-  //   m_flow = Q(t)
-  // Q is a smooth curve through the n amplitudes Q at n times, equally spaced from t_lo to t_hi (knotWeights). This
-  // is not an effect but a question to the recordings: which flow would close the balance here, and when?
+model UnknownFlow "Flow into a port over time as a free curve"
+  // The flow runs smoothly through the n amplitudes Q at n instants, equally spaced from t_lo to t_hi (knotWeights).
+  // Not an effect but a question to the recordings: which flow would the balance here need, and when?
   parameter Integer            n    = 48       "Number of knots";
   parameter Units.MassFlowRate Q[n] = zeros(n) "Mass flow at each knot, positive into the port";
   parameter Units.Time         t_lo = 0        "First knot";
@@ -18,6 +17,6 @@ equation
   port.m_flow = -m_flow;
 
   annotation(__mocc(
-    unknown  = "amplitude=Q",
+    unknown  = "amplitude=Q; inflow=m_flow; over=p",
     explains = "Air that the model does not have flows at %at."));
 end UnknownFlow;

@@ -15,6 +15,6 @@ equation
   f = F*knotWeights((time - t_lo)/(t_hi - t_lo)*(n - 1), n);
 
   annotation(__mocc(
-    unknown  = "amplitude=F",
+    unknown  = "amplitude=F; inflow=f; over=s,v",
     explains = "A force on %at that the model does not have."));
 end UnknownForce;

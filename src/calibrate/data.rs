@@ -1,4 +1,4 @@
-//! Recordings: what was measured, under which conditions, with how much noise.
+//! Recordings: the measurements, their conditions and their noise.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use super::unit::Unit;
 use crate::numeric::smoothing::smoothed;
 use crate::numeric::time_series::{Interpolation, TimeSeries};
 
-/// Repairs touch at most this part of a recording.
+/// Largest share of a recording that repairs may drop.
 const REPAIRABLE: f64 = 0.05;
 
-/// What a recording is for.
+/// The use of a recording.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Split {
     /// Fitted.
@@ -40,21 +40,21 @@ impl Split {
 /// One recording.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// The recording that it is a window of: its own name, if it is whole.
+    /// The recording that contains it as a window; its own name if it is whole.
     pub of: String,
-    /// How it is called.
+    /// Its name.
     pub name: String,
     /// Its file.
     pub path: PathBuf,
-    /// What it is for.
+    /// Training or validation.
     pub split: Split,
     /// One value in SI units for each condition of the plan.
     pub conditions: Vec<f64>,
     /// One value in SI units for each start of the plan.
     pub starts: Vec<f64>,
-    /// One course in SI units for each input of the plan.
+    /// One signal in SI units for each input of the plan.
     pub courses: Vec<Arc<TimeSeries>>,
-    /// Where its run begins, s; where the model says, but not after the first instant, if not given.
+    /// Start of its run, s; without it, the start time of the model or, if that is earlier, the first instant.
     pub start: Option<f64>,
     /// Instants, s, rising.
     pub time: Arc<[f64]>,
@@ -69,7 +69,7 @@ pub struct Data {
     pub recordings: Vec<Recording>,
     /// Standard deviation of each signal's noise, in the unit of its column.
     pub sigmas: Vec<f64>,
-    /// What was repaired, in words.
+    /// Descriptions of the repairs.
     pub repairs: Vec<String>,
 }
 
@@ -91,7 +91,7 @@ impl Data {
     }
 }
 
-/// Reads everything that a plan names. What is wrong is added to `problems`.
+/// Reads all recordings of a plan. Errors are added to `problems`.
 pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
     let before = problems.error_count();
     let path = plan.folder.join(&plan.table);
@@ -112,9 +112,9 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
         return None;
     }
     if !recordings.iter().any(|r| r.split == Split::Train) {
-        let message = format!("{}: there is no recording to train with", path.display());
+        let message = format!("{}: no recording is for training", path.display());
         let d = Diagnostic::error("MO1010", Span::NONE, message);
-        problems.push(d.help("the column named by `split` says `train` or `validation`"));
+        problems.push(d.help("the column named by `split` must contain `train` or `validation`"));
         return None;
     }
     let sigmas = sigmas(plan, &recordings, problems, &mut repairs);
@@ -153,7 +153,7 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
         let before = out.len();
         out.extend(cut.apply(&whole, &measured.begins));
         if out.len() == before {
-            let message = format!("{}: nothing of `{}` is left", path.display(), entry.name);
+            let message = format!("{}: no row of `{}` is left", path.display(), entry.name);
             let d = Diagnostic::error("MO1011", Span::NONE, message);
             problems.push(d.help(
                 "`from` and `to` are times of the recording, in s; `skip` is less than they span, and than `window`, which spans several rows",
@@ -163,7 +163,7 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
     out
 }
 
-/// How a recording becomes runs.
+/// How a recording is cut into runs.
 struct Cut {
     part: (f64, f64),
     window: f64,
@@ -172,7 +172,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// The runs that a recording becomes. `begins` holds the courses of what says where they begin.
+    /// The runs of a recording. `begins` holds the signals of their initial values.
     fn apply(&self, whole: &Recording, begins: &[Begin]) -> Vec<Recording> {
         let time = &whole.time;
         let mut first = time.partition_point(|t| *t < self.part.0);
@@ -181,12 +181,12 @@ impl Cut {
         let mut number = 0;
         while first + 1 < end {
             let t0 = time[first];
-            // A rest that is shorter than half a window belongs to the one before it.
+            // A remainder shorter than half a window is added to the last window.
             let mut last = end;
             if self.window.is_finite() && time[end - 1] - t0 > 1.5 * self.window {
                 last = time.partition_point(|t| *t <= t0 + self.window).min(end);
                 if last < first + 2 {
-                    // Nothing was recorded for longer than a window: the next one begins behind it.
+                    // A gap longer than a window: the next window begins after it.
                     first += 1;
                     continue;
                 }
@@ -284,7 +284,7 @@ fn tabled(
     out
 }
 
-/// What one file holds.
+/// The content of a file.
 struct Measured {
     time: Arc<[f64]>,
     /// Signal by signal.
@@ -295,14 +295,14 @@ struct Measured {
     begins: Vec<Begin>,
 }
 
-/// What says where runs begin.
+/// The source of an initial value.
 struct Begin {
     course: TimeSeries,
     order: u8,
 }
 
 impl Begin {
-    /// The value that a run which begins at `t` takes, in SI units.
+    /// The initial value of a run that begins at `t`, in SI units.
     fn at(&self, t: f64) -> f64 {
         self.course.value(t, self.order)
     }
@@ -311,12 +311,12 @@ impl Begin {
 /// Instants, values, and if these were smoothed, rates.
 type Trace = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
 
-/// Where the values of a signal or an input come from.
+/// The source of the values of a signal or an input.
 #[derive(Clone, Copy)]
 enum Source {
     /// The column at this position.
     Column(usize),
-    /// No column: this value stands for it.
+    /// A constant in place of a missing column.
     Absent(f64),
 }
 
@@ -367,7 +367,7 @@ fn measured(
     for (line, row) in &table.rows {
         let number = |k: usize| row[k].parse::<f64>().ok().filter(|x| x.is_finite());
         let t = number(at).map(|t| plan.time_unit.to_si(t));
-        // Clocks of loggers are coarser than what they log: of rows of one instant the first counts.
+        // The clock of a logger may be coarser than its sampling: of rows with equal time, the first counts.
         if t.is_some() && t == time.last().copied() {
             repeated += 1;
             continue;
@@ -395,36 +395,33 @@ fn measured(
     let place = |line: Option<u64>| format!("{}:{}", path.display(), line.unwrap_or(1));
     if time.len() < 2 || dropped as f64 > REPAIRABLE * rows as f64 {
         let message = format!(
-            "{}: the time does not rise in {dropped} of {rows} rows, from here on",
+            "{}: the time does not increase in {dropped} of {rows} rows, from here on",
             place(first_dropped)
         );
-        problems
-            .push(Diagnostic::error("MO1011", Span::NONE, message).help(
-                "sort the rows by time; single rows out of order are left out by themselves",
-            ));
+        problems.push(
+            Diagnostic::error("MO1011", Span::NONE, message)
+                .help("sort the rows by time; single rows out of order are skipped automatically"),
+        );
         return None;
     }
     if missing as f64 > 0.5 * (rows * columns.len()) as f64 {
         let message =
-            format!("{}: more than half of the values are no numbers", place(first_missing));
+            format!("{}: more than half of the values are not numbers", place(first_missing));
         problems.push(Diagnostic::error("MO1011", Span::NONE, message));
         return None;
     }
     let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     if dropped > 0 {
         let (rows, place) = (counted(dropped, "row"), place(first_dropped));
-        repairs.push(format!("{place}: {rows} left out because the time does not rise"));
+        repairs.push(format!("{place}: {rows} skipped: the time does not increase"));
     }
     if repeated > 0 {
         let rows = counted(repeated, "row");
-        repairs.push(format!(
-            "{}: {rows} left out, of the same instant as the row before",
-            path.display()
-        ));
+        repairs.push(format!("{}: {rows} skipped: same time as the row before", path.display()));
     }
     if missing > 0 {
         let (values, place) = (counted(missing, "value"), place(first_missing));
-        repairs.push(format!("{place}: {values} left out, not numbers"));
+        repairs.push(format!("{place}: {values} skipped: not a number"));
     }
     if let Some(gap) = gap(&time) {
         repairs.push(format!("{}: nothing was recorded for {gap:.3e} s", path.display()));
@@ -477,7 +474,7 @@ fn empty(path: &Path, column: &str, span: Span) -> Diagnostic {
     Diagnostic::error("MO1011", span, message)
 }
 
-/// The longest interval, if it is many times the usual one.
+/// The longest interval, if it is much longer than the median.
 fn gap(time: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     steps.sort_by(f64::total_cmp);
@@ -500,10 +497,10 @@ fn sigmas(
                 repairs
                     .push(format!("noise of `{}` estimated as {sigma:.3e} {unit}", signal.column));
             } else {
-                let message = format!("`{}` has no noise that could be estimated", signal.column);
+                let message = format!("cannot estimate the noise of `{}`", signal.column);
                 problems.push(
                     Diagnostic::error("MO1012", signal.span, message)
-                        .help("give `sigma`, the standard deviation of its sensor"),
+                        .help("give `sigma`, the standard deviation of its noise"),
                 );
             }
             sigma
@@ -517,8 +514,8 @@ fn differences(values: &[f64]) -> impl Iterator<Item = f64> {
     values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0])
 }
 
-/// Standard deviation of white noise from its third differences, whose variance is 20 times that of
-/// the noise; by the median, which the few places with quick changes do not move.
+/// Standard deviation of white noise from its third differences, whose variance is 20 times that of the
+/// noise; from their median, which a few rapid changes of the signal do not affect.
 fn noise(differences: Vec<f64>) -> f64 {
     let mut sizes: Vec<f64> =
         differences.into_iter().map(f64::abs).filter(|d| d.is_finite()).collect();

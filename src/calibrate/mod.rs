@@ -1,13 +1,23 @@
-//! Fitting a model to recordings.
-pub mod calibration;
+//! Fitting the parameters of a model to recordings.
+//!
+//! *In:* a plan file ([`plan`]), the recordings that it names ([`data`]) and the program of its model.
+//! *Out:* estimates with standard errors and confidence intervals ([`result`]), a page ([`page`]) and the
+//! calibrated model as text ([`calibrated_model`]). [`run`] is the whole workflow for any front end.
+//!
+//! [`problem`] turns parameters into residuals and their derivatives, [`fit`] minimises them under the
+//! rules of [`policy`], [`statistics`] and [`profile`] say how well the data determine the result.
+pub mod calibrated_model;
 pub mod data;
 pub mod fit;
-pub mod model;
 pub mod modification;
+pub mod observer;
 pub mod page;
 pub mod parallel;
 pub mod plan;
+pub mod policy;
 pub mod problem;
 pub mod profile;
+pub mod result;
+pub mod run;
 pub mod statistics;
 pub mod unit;

@@ -1,6 +1,6 @@
-//! Modifications of a model as text: nested as the components are, one per line.
+//! Modifications of a model as source: nested like its components, one per line.
 
-/// The name without what stands in brackets.
+/// A name without its subscripts.
 pub fn without_subscripts(name: &str) -> String {
     let mut depth = 0;
     let outside = |c: &char| {
@@ -12,7 +12,7 @@ pub fn without_subscripts(name: &str) -> String {
     name.chars().filter(outside).collect()
 }
 
-/// The parts of a dotted name; dots in quoted identifiers do not part.
+/// The parts of a dotted name; dots in quoted identifiers do not separate.
 pub fn parts(name: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut quoted = false;
@@ -31,7 +31,7 @@ pub fn parts(name: &str) -> Vec<String> {
 #[derive(Default)]
 pub struct Tree {
     children: Vec<(String, Tree)>,
-    /// A value and what to say about it.
+    /// A value and its comment.
     value: Option<(String, String)>,
 }
 
@@ -41,7 +41,7 @@ impl Tree {
         self.children.is_empty()
     }
 
-    /// Modifies what the path leads to; an empty comment is none.
+    /// Sets the value at a path; the comment may be empty.
     pub fn set(&mut self, path: &[String], value: String, comment: String) {
         let Some((first, rest)) = path.split_first() else {
             self.value = Some((value, comment));
@@ -54,7 +54,7 @@ impl Tree {
         self.children[at].1.set(rest, value, comment);
     }
 
-    /// One line for each, with what to say about it behind it.
+    /// Prints one line for each modification, followed by its comment.
     pub fn print(&self, indent: usize, out: &mut String) {
         for (i, (name, node)) in self.children.iter().enumerate() {
             let comma = if i + 1 < self.children.len() { "," } else { "" };
@@ -66,8 +66,8 @@ impl Tree {
             }
             match &node.value {
                 Some((value, comment)) => {
-                    let said = if comment.is_empty() { "" } else { " // " };
-                    out.push_str(&format!(" = {value}{comma}{said}{comment}\n"));
+                    let mark = if comment.is_empty() { "" } else { " // " };
+                    out.push_str(&format!(" = {value}{comma}{mark}{comment}\n"));
                 }
                 None => out.push_str(&format!("{comma}\n")),
             }
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_parted_at_dots_outside_quotes() {
+    fn names_are_split_at_dots_outside_quotes() {
         assert_eq!(parts("a.'b.c'.d"), ["a", "'b.c'", "d"]);
         assert_eq!(without_subscripts("a[2].b[1, 3].c"), "a.b.c");
     }

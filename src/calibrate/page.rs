@@ -1,39 +1,39 @@
-//! A calibration as one page of HTML that needs nothing else: estimates, quality of the fit, and each
-//! recording beside what the model says.
+//! A calibration as one self-contained HTML page: estimates, quality of the fit, and each recording
+//! compared with the model.
 
 use crate::report::markup::escaped;
 use crate::report::page::figure::{Curve, Panel, Stroke, figure};
 use crate::report::page::frame::{Page, facts};
 
-use super::calibration::{Calibration, Comparison, Estimate, Quality, remark, rmse_shown, shown};
 use super::data::Split;
+use super::result::{Calibration, Comparison, Estimate, Quality, remark, rmse_shown, shown};
 
-/// Reduced sums of squares above which a cell of a table is marked.
+/// Reduced sum of squares above which a cell of a table is marked.
 const NOTICEABLE: f64 = 1.1;
-/// Correlations whose size is below this are shown pale.
+/// Correlations of smaller magnitude are shown pale.
 const PALE: f64 = 0.3;
 
 /// Width of the picture of an interval, px.
 const WIDTH: f64 = 190.0;
 
 /// The page.
-pub fn html(found: &Calibration) -> String {
+pub fn html(found: &Calibration, seconds: f64) -> String {
     let mut page = Page::new(&format!("{} calibrated", found.model));
     page.add(&format!("<h1>{} calibrated</h1>\n", escaped(&found.model)));
     page.add(&format!("<p class=\"sub\">{}</p>\n", escaped(&found.plan)));
-    if !found.search.complete {
+    if !found.fit.complete {
         page.add(
-            "<p class=\"note\">The search was interrupted; these are the best values so far.</p>\n",
+            "<p class=\"note\">The fit was interrupted: these are the best values so far.</p>\n",
         );
-    } else if !found.search.converged {
-        page.add("<p class=\"note\">The search ended before it had converged.</p>\n");
+    } else if !found.fit.converged {
+        page.add("<p class=\"note\">The fit ended before it converged.</p>\n");
     }
     let part = |write: &dyn Fn(&Calibration, &mut String)| {
         let mut out = String::new();
         write(found, &mut out);
         out
     };
-    page.add(&facts(&told(found)));
+    page.add(&facts(&key_figures(found, seconds)));
     page.section("parameters", "Parameters", &part(&parameters));
     page.section("quality", "Quality of the fit", &part(&quality));
     page.section("correlations", "Correlations", &part(&correlations));
@@ -56,7 +56,8 @@ pub fn html(found: &Calibration) -> String {
     page.finish()
 }
 
-fn told(found: &Calibration) -> Vec<(String, String)> {
+/// The figures at the top of the page.
+fn key_figures(found: &Calibration, seconds: f64) -> Vec<(String, String)> {
     let train = found.quality(Split::Train, None);
     let validation = found.quality(Split::Validation, None);
     let chi = "reduced \u{3c7}\u{b2}";
@@ -66,8 +67,8 @@ fn told(found: &Calibration) -> Vec<(String, String)> {
     }
     let count = train.count + validation.count;
     out.push(("measured values".to_owned(), count.to_string()));
-    out.push(("steps".to_owned(), found.search.iterations.to_string()));
-    out.push(("wall-clock time".to_owned(), format!("{:.1} s", found.search.seconds)));
+    out.push(("steps".to_owned(), found.fit.iterations.to_string()));
+    out.push(("elapsed time".to_owned(), format!("{:.1} s", seconds)));
     out
 }
 
@@ -169,7 +170,7 @@ fn correlations(found: &Calibration, out: &mut String) {
     out.push_str("</table>");
 }
 
-/// Each signal measured and modelled, and below all of their residuals.
+/// Measurement and model for each signal, and below them all residuals.
 fn panels(c: &Comparison, found: &Calibration) -> Vec<Panel> {
     let mut panels = Vec::new();
     let mut residuals = Vec::new();

@@ -1,9 +1,9 @@
-//! Independent work on several cores, with results in order: they do not depend on the number of cores.
+//! Independent work on several cores. Results come in order, whatever the number of cores.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Cores to work on.
+/// Number of cores.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }

@@ -1,5 +1,6 @@
-//! The plan file: which model, which recordings, what is free.
+//! The plan file: the model, the recordings and the free parameters.
 
+use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -8,12 +9,13 @@ use toml::de::{DeTable, DeValue};
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::{FileId, SourceMap, Span};
+use crate::driver::compile::Request;
 use crate::numeric::time_series::Interpolation;
 
 use super::data::Split;
 use super::unit::Unit;
 
-/// A plan as it is written.
+/// A plan.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The plan file.
@@ -24,7 +26,7 @@ pub struct Plan {
     pub name: Option<String>,
     /// Folders of libraries.
     pub libraries: Vec<PathBuf>,
-    /// `NAME=VALUE` that hold for all recordings, as with `--set`.
+    /// Settings `NAME=VALUE` for all recordings, as with `--set`.
     pub fixed: Vec<String>,
     /// Folder of the recordings.
     pub folder: PathBuf,
@@ -32,31 +34,31 @@ pub struct Plan {
     pub listed: Vec<Listed>,
     /// Recordings are cut into windows of this length, s, each a run of its own; whole if infinite.
     pub window: f64,
-    /// What is not compared at the begin of each run, s.
+    /// Time at the start of each run that is not compared, s.
     pub skip: f64,
-    /// Every so manieth row is compared.
+    /// Only every n-th row is compared.
     pub every: usize,
-    /// The table of recordings in it; empty if the plan lists them.
+    /// The table of recordings in that folder; empty if the plan lists them.
     pub table: String,
     /// Its column with the names of the files.
     pub file_column: String,
-    /// Its column with the names of the recordings; the files' where there is none.
+    /// Its column with the names of the recordings; without it, the names of the files.
     pub name_column: Option<String>,
-    /// Its column that says `train` or `validation`; without it all are for training.
+    /// Its column with `train` or `validation`; without it, all recordings are for training.
     pub split_column: Option<String>,
     /// Its columns that set parameters.
     pub conditions: Vec<Condition>,
     /// Columns of the recordings that drive inputs of the model.
     pub inputs: Vec<Driven>,
-    /// Columns of the recordings that say where runs begin.
+    /// Columns of the recordings that determine the initial values of runs.
     pub starts: Vec<Begun>,
     /// The column of the time in each recording.
     pub time: String,
     /// Its unit.
     pub time_unit: Unit,
-    /// What was measured.
+    /// The measured signals.
     pub signals: Vec<Signal>,
-    /// What is to be found.
+    /// The free parameters.
     pub free: Vec<Free>,
 }
 
@@ -69,11 +71,11 @@ pub struct Condition {
     pub parameter: String,
     /// The unit of the column.
     pub unit: Unit,
-    /// Where the plan says so.
+    /// Its place in the plan.
     pub span: Span,
 }
 
-/// A column of the recordings that a variable explains.
+/// A measured signal and the variable that it measures.
 #[derive(Clone, Debug)]
 pub struct Signal {
     /// The column.
@@ -86,26 +88,26 @@ pub struct Signal {
     pub unit_name: String,
     /// Standard deviation of the sensor's noise in that unit, if known.
     pub sigma: Option<f64>,
-    /// The column is smoothed over this time to both sides, s; 0 for not.
+    /// Half-width of the smoothing window, s; 0 for none.
     pub smooth: f64,
-    /// Where the plan says so.
+    /// Its place in the plan.
     pub span: Span,
 }
 
-/// A recording that the plan itself lists: a file, or a part of one.
+/// A recording that the plan lists: a file, or a part of one.
 #[derive(Clone, Debug)]
 pub struct Listed {
     /// The file.
     pub file: String,
-    /// How it is called.
+    /// Its name.
     pub name: String,
-    /// Fitted or not.
+    /// Training or validation.
     pub split: Split,
     /// The part of the file, s.
     pub part: (f64, f64),
-    /// As [`Plan::window`], for this one.
+    /// Overrides [`Plan::window`].
     pub window: Option<f64>,
-    /// As [`Plan::skip`], for this one.
+    /// Overrides [`Plan::skip`].
     pub skip: Option<f64>,
 }
 
@@ -118,62 +120,68 @@ pub struct Driven {
     pub input: String,
     /// The unit of the column.
     pub unit: Unit,
-    /// What holds between two rows.
+    /// Interpolation between two rows.
     pub interpolation: Interpolation,
-    /// The column is smoothed over this time to both sides, s; 0 for not.
+    /// Half-width of the smoothing window, s; 0 for none.
     pub smooth: f64,
-    /// Of so many rows one counts.
+    /// Only every n-th row is used.
     pub every: usize,
-    /// What the input is, in the unit of the column, where a recording has no such column.
+    /// Value of the input, in the unit of the column, for a recording without this column.
     pub absent: Option<f64>,
-    /// Where the plan says so.
+    /// Its place in the plan.
     pub span: Span,
 }
 
-/// A column of the recordings that says where runs begin.
+/// A column of the recordings that determines an initial value.
 #[derive(Clone, Debug)]
 pub struct Begun {
-    /// What it sets: a parameter, or `start(x)` for the start value of `x`.
+    /// The target: a parameter, or `start(x)` for the start value of `x`.
     pub target: String,
     /// The column.
     pub column: String,
     /// The unit of the column.
     pub unit: Unit,
-    /// The column's rate by time is meant, not its value.
+    /// Use the derivative of the column by time instead of its value.
     pub rate: bool,
-    /// The column is smoothed over this time to both sides, s; 0 for not.
+    /// Half-width of the smoothing window, s; 0 for none.
     pub smooth: f64,
-    /// Where the plan says so.
+    /// Its place in the plan.
     pub span: Span,
 }
 
 impl Plan {
-    /// The inputs that recordings drive.
-    pub fn recorded(&self) -> Vec<String> {
-        self.inputs.iter().map(|i| i.input.clone()).collect()
+    /// The request that compiles the model of the plan.
+    pub fn request(&self, modelica_path: Option<OsString>) -> Request {
+        Request {
+            settings: self.fixed.clone(),
+            recorded: self.inputs.iter().map(|i| i.input.clone()).collect(),
+            folders: self.libraries.clone(),
+            modelica_path,
+            ..Request::new(Some(self.model.clone()), self.name.clone())
+        }
     }
 }
 
 /// A free parameter.
 #[derive(Clone, Debug)]
 pub struct Free {
-    /// How it is called.
+    /// Its name.
     pub name: String,
     /// The parameters of the model that take its value; `start(x)` is the start value of `x`.
     pub targets: Vec<String>,
-    /// Where the search begins; the model's value if not given.
+    /// Its start; without it, the value in the model.
     pub start: Option<f64>,
     /// Its least value.
     pub min: Option<f64>,
     /// Its greatest value.
     pub max: Option<f64>,
-    /// The one signal that it acts on, by position, and the variable by which: not the signal's own.
+    /// If it acts on one signal only: its position, and the variable through which it acts.
     pub acts_on: Option<(usize, String)>,
-    /// Where the plan says so.
+    /// Its place in the plan.
     pub span: Span,
 }
 
-/// Reads a plan file. What is wrong with it is added to `problems`.
+/// Reads a plan file. Errors are added to `problems`.
 pub fn read(
     path: &Path,
     text: &str,
@@ -186,7 +194,7 @@ pub fn read(
         Ok(root) => root,
         Err(why) => {
             let span = why.span().unwrap_or(0..0);
-            let message = format!("this is not TOML: {}", why.message());
+            let message = format!("not a TOML file: {}", why.message());
             problems.push(
                 Diagnostic::error("MO1001", Span::new(file, span.start, span.end), message)
                     .help("a plan is a TOML file: see `examples/valve52.toml`"),
@@ -195,7 +203,7 @@ pub fn read(
         }
     };
     let whole = root.span();
-    let mut r = Reader { file, problems };
+    let mut r = PlanReader { file, problems };
     let folder_of_plan = path.parent().unwrap_or(Path::new(""));
     let plan = r.plan(root.get_ref(), &whole, path, folder_of_plan);
     (problems.error_count() == before).then_some(plan)
@@ -204,7 +212,7 @@ pub fn read(
 type Table<'t> = DeTable<'t>;
 type Value<'t> = Spanned<DeValue<'t>>;
 
-struct Reader<'a> {
+struct PlanReader<'a> {
     file: FileId,
     problems: &'a mut Problems,
 }
@@ -227,7 +235,7 @@ const TOP: [&str; 15] = [
     "free",
 ];
 
-impl Reader<'_> {
+impl PlanReader<'_> {
     fn plan(&mut self, root: &Table<'_>, whole: &Range<usize>, path: &Path, base: &Path) -> Plan {
         self.known(root, &TOP);
         let model = self.required(root, "model", whole);
@@ -345,7 +353,7 @@ impl Reader<'_> {
                 let d = Diagnostic::error(
                     "MO1004",
                     self.at(&span),
-                    format!("`{wanted}` is no interpolation"),
+                    format!("unknown interpolation `{wanted}`"),
                 );
                 self.problems.push(d.help(format!("known are {names}")));
             }
@@ -397,7 +405,8 @@ impl Reader<'_> {
         if number >= 0.0 && number.is_finite() {
             return Some(number);
         }
-        let d = Diagnostic::error("MO1004", self.at(&span), format!("`{key}` is not negative"));
+        let d =
+            Diagnostic::error("MO1004", self.at(&span), format!("`{key}` must not be negative"));
         self.problems.push(d);
         None
     }
@@ -408,55 +417,55 @@ impl Reader<'_> {
         if number > 0.0 {
             return Some(number);
         }
-        let d = Diagnostic::error("MO1004", self.at(&span), "`window` is longer than 0 s");
-        self.problems.push(d.help("leave it out, or write `inf`, for whole recordings"));
+        let d = Diagnostic::error("MO1004", self.at(&span), "`window` must be positive");
+        self.problems.push(d.help("omit it, or write `inf`, for whole recordings"));
         None
     }
 
-    /// A whole number from 1 on.
+    /// A positive Integer.
     fn count(&mut self, table: &Table<'_>, key: &str) -> Option<usize> {
         let (number, span) = self.number(table, key)?;
         if number >= 1.0 && number.fract() == 0.0 && number < 1e15 {
             return Some(number as usize);
         }
-        let message = format!("`{key}` is a whole number from 1 on");
+        let message = format!("`{key}` must be a positive Integer");
         self.problems.push(Diagnostic::error("MO1004", self.at(&span), message));
         None
     }
 
-    /// Whatever contradicts itself though each entry is right.
+    /// Entries that are valid alone and contradict each other.
     fn contradictions(&mut self, plan: &Plan) {
         for (k, driven) in plan.inputs.iter().enumerate() {
             if let Some(first) = plan.inputs[..k].iter().find(|d| d.input == driven.input) {
-                let message = format!("`{}` is driven by `{}` already", driven.input, first.column);
+                let message = format!("`{}` is already driven by `{}`", driven.input, first.column);
                 self.problems.push(
                     Diagnostic::error("MO1018", driven.span, message)
-                        .help("one column drives an input"),
+                        .help("only one column can drive an input"),
                 );
             }
         }
         for begun in &plan.starts {
             let is_free = |f: &&Free| f.targets.contains(&begun.target);
             if plan.free.iter().any(|f| is_free(&f)) {
-                let message = format!("`{}` is free, and recordings set it", begun.target);
+                let message = format!("`{}` is both free and set by the recordings", begun.target);
                 self.problems.push(
                     Diagnostic::error("MO1018", begun.span, message)
-                        .help("take it out of `[starts]` or of `[free]`"),
+                        .help("remove it from `[starts]` or from `[free]`"),
                 );
             }
         }
         if let Some(first) = plan.conditions.first().filter(|_| plan.table.is_empty()) {
-            let message = "the plan has conditions, but no table that they are columns of";
+            let message = "the plan has conditions but no table with their columns";
             self.problems.push(
                 Diagnostic::error("MO1018", first.span, message)
                     .help("name the table in `[data]`, or set parameters in `[fixed]`"),
             );
         }
         for signal in plan.signals.iter().filter(|s| s.smooth > 0.0 && s.sigma.is_none()) {
-            let message = format!("the noise of `{}` can not be estimated", signal.column);
+            let message = format!("cannot estimate the noise of `{}`", signal.column);
             self.problems.push(
                 Diagnostic::error("MO1012", signal.span, message)
-                    .help("its column is smoothed: give `sigma`, what noise that leaves"),
+                    .help("its column is smoothed: give `sigma`, the noise after smoothing"),
             );
         }
     }
@@ -473,8 +482,8 @@ impl Reader<'_> {
                 && !(*sigma > 0.0 && sigma.is_finite())
             {
                 self.problems.push(
-                    Diagnostic::error("MO1006", self.at(at), "the noise of a sensor is a positive number")
-                        .help("give the standard deviation in the unit of the column, or leave `sigma` out: it is then estimated from the recordings"),
+                    Diagnostic::error("MO1006", self.at(at), "the noise of a sensor must be positive")
+                        .help("give the standard deviation in the unit of the column, or omit `sigma` to estimate it from the recordings"),
                 );
             }
             if let Some((unit, unit_name)) = self.unit(table, &span) {
@@ -483,7 +492,7 @@ impl Reader<'_> {
             }
         }
         if out.is_empty() && self.problems.error_count() == 0 {
-            let d = Diagnostic::error("MO1002", self.at(whole), "the plan names no signals")
+            let d = Diagnostic::error("MO1002", self.at(whole), "the plan has no signals")
                 .help("[signals]: s_mm = { variable = \"s\", unit = \"mm\", sigma = 0.003 }");
             self.problems.push(d);
         }
@@ -510,9 +519,9 @@ impl Reader<'_> {
                     Diagnostic::error(
                         "MO1006",
                         self.at(&span),
-                        format!("the bounds of `{name}` leave no room for it"),
+                        format!("the bounds of `{name}` contradict each other or its start"),
                     )
-                    .help("min < max, and start between them"),
+                    .help("`min` must be less than `max`, and `start` between them"),
                 );
             }
             let (acts_on, span) = (None, self.at(&span));
@@ -525,13 +534,13 @@ impl Reader<'_> {
         Span::new(self.file, span.start, span.end)
     }
 
-    /// Keys that mean nothing are mistakes.
+    /// Reports unknown keys.
     fn known(&mut self, table: &Table<'_>, keys: &[&str]) {
         for key in table.keys() {
             let name: &str = key.get_ref();
             if !keys.contains(&name) {
                 let span = self.at(&key.span());
-                let d = Diagnostic::error("MO1003", span, format!("`{name}` means nothing here"));
+                let d = Diagnostic::error("MO1003", span, format!("unknown key `{name}`"));
                 self.problems.push(match did_you_mean(name, keys.iter().copied()) {
                     Some(near) => d.help(format!("did you mean `{near}`?")),
                     None => d.help(format!("known here: {}", keys.join(", "))),
@@ -543,13 +552,13 @@ impl Reader<'_> {
     fn missing(&mut self, key: &str, within: &Range<usize>) {
         self.problems.push(
             Diagnostic::error("MO1002", self.at(within), format!("`{key}` is missing"))
-                .help("see `examples/valve52.toml` for a whole plan"),
+                .help("see `examples/valve52.toml` for a complete plan"),
         );
     }
 
     fn wrong(&mut self, value: &Value<'_>, wanted: &str) {
         let span = self.at(&value.span());
-        self.problems.push(Diagnostic::error("MO1004", span, format!("{wanted} is expected here")));
+        self.problems.push(Diagnostic::error("MO1004", span, format!("expected {wanted}")));
     }
 
     fn table<'t>(
@@ -590,7 +599,7 @@ impl Reader<'_> {
         match value.get_ref() {
             DeValue::String(text) => Some(text.to_string()),
             _ => {
-                self.wrong(value, "a text in quotes");
+                self.wrong(value, "a string in quotes");
                 None
             }
         }
@@ -599,14 +608,14 @@ impl Reader<'_> {
     fn texts(&mut self, table: &Table<'_>, key: &str) -> Vec<String> {
         let Some(value) = table.get(key) else { return Vec::new() };
         let DeValue::Array(list) = value.get_ref() else {
-            self.wrong(value, "a list of texts");
+            self.wrong(value, "a list of strings");
             return Vec::new();
         };
         let mut out = Vec::new();
         for item in list.iter() {
             match item.get_ref() {
                 DeValue::String(text) => out.push(text.to_string()),
-                _ => self.wrong(item, "a text in quotes"),
+                _ => self.wrong(item, "a string in quotes"),
             }
         }
         out
@@ -639,7 +648,7 @@ impl Reader<'_> {
         if unit.is_none() && matches!(value.get_ref(), DeValue::String(_)) {
             let span = self.at(&value.span());
             let names: Vec<&str> = Unit::names().collect();
-            let d = Diagnostic::error("MO1005", span, format!("the unit `{name}` is not known"));
+            let d = Diagnostic::error("MO1005", span, format!("unknown unit `{name}`"));
             self.problems.push(match did_you_mean(&name, names.iter().copied()) {
                 Some(near) => d.help(format!("did you mean `{near}`?")),
                 None => d.help(format!("known are {}", names.join(", "))),

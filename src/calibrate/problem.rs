@@ -1,8 +1,8 @@
-//! A model, recordings, and what is free: the residuals that a fit makes small.
+//! A model, recordings and free parameters: the residuals that a fit minimises.
 //!
-//! A residual is the difference between a signal and its variable in units of the sensor's noise. Its
-//! derivatives are those of the run (`simulate::sensitivity`): exact, also where an event moves. Where a
-//! run has none, because one does not exist, central differences take their place.
+//! A residual is the difference between a variable and the signal that measures it, in units of the sensor's
+//! noise. Its derivatives are propagated with the run (`simulate::sensitivity`): they are exact, even across
+//! events. Where they do not exist, central differences take their place.
 
 use std::sync::Arc;
 
@@ -26,22 +26,22 @@ use super::parallel;
 use super::plan::{Free, Plan};
 use super::unit::Unit;
 
-/// A run is given up after so many steps,
-const FEWEST_STEPS: u64 = 100_000;
-/// and so many for each value of the recording.
-const STEPS_OF_A_ROW: u64 = 100;
+/// Steps after which a run is abandoned, besides those for each row of the recording.
+const MAX_STEPS: u64 = 100_000;
+/// Further steps for each row of the recording.
+const MAX_STEPS_PER_ROW: u64 = 100;
 
-/// A positive parameter without bounds is sought within this factor around its start.
-const WIDE: f64 = 50.0;
-/// Displacement of a parameter, in the units of the search, for differences: the third root of the
+/// Factor around its start within which a positive parameter without bounds is searched.
+const DEFAULT_RANGE: f64 = 50.0;
+/// Displacement of a parameter for central differences, in coordinates of the search: the third root of the
 /// solver's tolerance balances its noise against truncation.
 const DISPLACEMENT: f64 = 1e-2;
 
-/// How a parameter is searched.
+/// The coordinate of a parameter in the search.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Scale {
-    /// Positive parameters: `value = size * x` below `x = 1`, so that a value that was taken to nearly
-    /// nothing still feels the data, and `value = size * exp(x - 1)` above.
+    /// Positive parameters: `value = size * x` below `x = 1`, so that the data still have an influence on a
+    /// value close to zero, and `value = size * exp(x - 1)` above.
     Positive {
         /// Value at `x = 1`.
         size: f64,
@@ -62,7 +62,7 @@ impl Scale {
         }
     }
 
-    /// Where the value is found.
+    /// The coordinate of a value.
     pub fn place(self, value: f64) -> f64 {
         match self {
             Scale::Positive { size } if value > size => 1.0 + (value / size).ln(),
@@ -70,7 +70,7 @@ impl Scale {
         }
     }
 
-    /// Derivative of the value by `x`, where the value is this.
+    /// Derivative of the value by its coordinate, at this value.
     pub fn slope(self, value: f64) -> f64 {
         match self {
             Scale::Positive { size } if value > size => value,
@@ -79,27 +79,27 @@ impl Scale {
     }
 }
 
-/// A free parameter as it is searched.
+/// A free parameter in the search.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// How it is called.
+    /// Its name.
     pub name: String,
     /// Its unit, as the model declares it.
     pub unit: String,
-    /// What takes its value.
+    /// Inputs of the program that take its value.
     pub targets: Vec<Input>,
-    /// How it is searched.
+    /// Its coordinate in the search.
     pub scale: Scale,
-    /// Where the search begins.
+    /// Its start.
     pub start: f64,
     /// Its bounds.
     pub bounds: (f64, f64),
-    /// The one signal that it acts on, and the position of the variable by which.
+    /// The only signal that it acts on, and the position of the recorded variable through which it does.
     pub acts_on: Option<(usize, usize)>,
 }
 
 impl Parameter {
-    /// Its bounds as the search sees them.
+    /// Its bounds in coordinates of the search.
     pub fn range(&self) -> (f64, f64) {
         (self.scale.place(self.bounds.0), self.scale.place(self.bounds.1))
     }
@@ -108,30 +108,30 @@ impl Parameter {
 /// A signal and its variable.
 #[derive(Clone, Copy, Debug)]
 struct Channel {
-    /// Position among what is recorded.
+    /// Position among the recorded variables.
     column: usize,
     unit: Unit,
     sigma: f64,
 }
 
-/// Everything that residuals depend on but the parameters' values. Threads share it.
+/// Everything that residuals depend on, except for the values of the parameters. Threads share it.
 pub struct Problem<'a> {
-    /// The compiled model, which records the signals' variables.
+    /// The compiled model, which records the variables of the signals.
     pub program: &'a Program,
     sources: &'a SourceMap,
     data: &'a Data,
-    /// What is free.
+    /// The free parameters.
     pub parameters: Vec<Parameter>,
     conditions: Vec<VarId>,
-    /// What the starts of the recordings set.
+    /// Inputs of the program that the starts of the recordings set.
     starts: Vec<Input>,
-    /// What the courses of the recordings drive.
+    /// Inputs of the model that the recordings drive.
     driven: Vec<VarId>,
     channels: Vec<Channel>,
     settings: Settings,
-    /// Training recordings that are left out for the time being, by position.
-    pub left_out: Vec<usize>,
-    /// The user asked for an end: searches return what they have.
+    /// Training recordings that are trimmed at present, by position.
+    pub trimmed: Vec<usize>,
+    /// The run was cancelled: searches return what they have.
     pub stopped: bool,
     /// Threads.
     pub jobs: usize,
@@ -170,7 +170,7 @@ impl Sums {
         self.of_part(k, |_| true)
     }
 
-    /// The same over those of the recordings that `belongs` picks by position.
+    /// The same over the recordings that `belongs` selects by position.
     pub fn of_part(&self, k: usize, belongs: impl Fn(usize) -> bool) -> f64 {
         let picked = || (0..self.squares.len()).filter(|i| belongs(*i));
         let sum: f64 = picked().map(|i| self.squares[i][k]).sum();
@@ -179,12 +179,12 @@ impl Sums {
     }
 }
 
-/// Restricts the program to what the plan compares.
+/// Restricts the recorded variables of the program to those that the plan compares.
 pub fn record_signals(program: &mut Program, plan: &Plan) {
     record_also(program, plan, &[]);
 }
 
-/// The same, and other variables.
+/// The same with other variables besides.
 pub fn record_also(program: &mut Program, plan: &Plan, others: &[String]) {
     recording::only(program, |name| {
         let acts = plan.free.iter().filter_map(|f| f.acts_on.as_ref());
@@ -194,7 +194,7 @@ pub fn record_also(program: &mut Program, plan: &Plan, others: &[String]) {
 }
 
 impl<'a> Problem<'a> {
-    /// Finds everything that the plan names in the program. What is not there is added to `problems`.
+    /// Finds everything that the plan names in the program. What is missing is added to `problems`.
     pub fn new(
         program: &'a Program,
         sources: &'a SourceMap,
@@ -216,7 +216,7 @@ impl<'a> Problem<'a> {
         }
         let variables = &program.blocks.dae.variables;
         let named = |name: &str| variables.enumerate().find(|(_, v)| v.name == name);
-        // That they are there was made sure of before the model was compiled.
+        // The compiler has checked that they exist.
         let driven = plan.inputs.iter().filter_map(|i| Some(named(&i.input)?.0)).collect();
         let mut channels = Vec::new();
         for (signal, sigma) in plan.signals.iter().zip(&data.sigmas) {
@@ -257,7 +257,7 @@ impl<'a> Problem<'a> {
             driven,
             channels,
             settings,
-            left_out: Vec::new(),
+            trimmed: Vec::new(),
             stopped: false,
             jobs,
         })
@@ -268,7 +268,7 @@ impl<'a> Problem<'a> {
         self.parameters.iter().zip(x).map(|(p, x)| p.scale.value(*x)).collect()
     }
 
-    /// Where the search begins.
+    /// The start of the search.
     pub fn start(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.scale.place(p.start)).collect()
     }
@@ -289,8 +289,8 @@ impl<'a> Problem<'a> {
         values.filter(|v| !v.is_nan()).count()
     }
 
-    /// Training recordings that a first look can do without: what is left has about `enough` instants, and
-    /// comes from the whole of the list.
+    /// Training recordings that a short fit can do without: the others have about `enough` instants, and are
+    /// spread evenly over the list.
     pub fn surplus(&self, enough: usize) -> Vec<usize> {
         let lengths: Vec<usize> = self.data.of(Split::Train).map(|r| r.time.len()).collect();
         let total: usize = lengths.iter().sum();
@@ -307,7 +307,7 @@ impl<'a> Problem<'a> {
         &self.data.sigmas
     }
 
-    /// The choices for a run under the conditions of a recording.
+    /// Settings of a run under the conditions of a recording.
     pub fn settings(&self, recording: &Recording, values: &[f64]) -> Settings {
         let mut settings = self.settings.clone();
         let conditions = self.conditions.iter().copied().zip(recording.conditions.iter().copied());
@@ -332,8 +332,8 @@ impl<'a> Problem<'a> {
         settings.start = recording.start.unwrap_or(settings.start.min(first));
         settings.stop = recording.time.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(recording.time.clone());
-        // A search leads to values with which a run would take hours: there is nothing to be found there.
-        settings.most_steps = FEWEST_STEPS + STEPS_OF_A_ROW * recording.time.len() as u64;
+        // A search passes through values at which a run would take hours; no minimum lies there.
+        settings.most_steps = MAX_STEPS + MAX_STEPS_PER_ROW * recording.time.len() as u64;
         settings
     }
 
@@ -351,8 +351,8 @@ impl<'a> Problem<'a> {
         Ok(self.channels.iter().map(of).collect())
     }
 
-    /// Other recorded variables at the instants of a recording, variable by variable, in SI units; those
-    /// that are not recorded are left out.
+    /// Other recorded variables at the instants of a recording, variable by variable, in SI units; variables
+    /// that are not recorded are skipped.
     pub fn others(
         &self,
         recording: &Recording,
@@ -419,13 +419,13 @@ impl<'a> Problem<'a> {
         Ok(sums)
     }
 
-    /// The training recordings that are not left out.
+    /// The training recordings that are not trimmed.
     fn fitted(&self) -> Vec<&'a Recording> {
         let all = self.data.of(Split::Train).enumerate();
-        all.filter(|(i, _)| !self.left_out.contains(i)).map(|(_, r)| r).collect()
+        all.filter(|(i, _)| !self.trimmed.contains(i)).map(|(_, r)| r).collect()
     }
 
-    /// The sum of squares over the training recordings that are not left out.
+    /// The sum of squares over the training recordings that are not trimmed.
     fn cost_of_fitted(&self, x: &[f64]) -> Result<f64, Failure> {
         let recordings = self.fitted();
         let all = parallel::map(self.jobs, recordings.len(), |i| self.residuals(recordings[i], x));
@@ -436,7 +436,7 @@ impl<'a> Problem<'a> {
         Ok(sum)
     }
 
-    /// The normal equations of the training recordings that are not left out.
+    /// The normal equations of the training recordings that are not trimmed.
     pub fn normal(&self, x: &[f64]) -> Result<NormalEquations, Failure> {
         let recordings = self.fitted();
         let each = parallel::map(self.jobs, recordings.len(), |i| self.normal_of(recordings[i], x));
@@ -551,7 +551,7 @@ impl Residuals for Problem<'_> {
     }
 }
 
-/// What a name of the plan sets in the program.
+/// The input of the program that a name in the plan refers to.
 fn input(program: &Program, wanted: &str, span: Span, problems: &mut Problems) -> Option<Input> {
     let start = wanted.strip_prefix("start(").and_then(|rest| rest.strip_suffix(')'));
     let name = start.unwrap_or(wanted).trim();
@@ -567,7 +567,7 @@ fn input(program: &Program, wanted: &str, span: Span, problems: &mut Problems) -
         let exists = variables.iter().any(|v| v.name == name);
         let what = if start.is_some() { "start value" } else { "parameter" };
         let message = if exists {
-            format!("`{name}` is no {what} that a run can set")
+            format!("`{name}` is not a {what} that can be set without recompiling")
         } else {
             format!("the model has no {what} `{name}`")
         };
@@ -604,7 +604,7 @@ fn parameter(
     let start = free.start.unwrap_or(declared);
     let positive = start > 0.0 && free.min.is_none_or(|m| m >= 0.0);
     let (scale, wide) = if positive {
-        (Scale::Positive { size: start }, (start / WIDE, start * WIDE))
+        (Scale::Positive { size: start }, (start / DEFAULT_RANGE, start * DEFAULT_RANGE))
     } else {
         let span = free.max.zip(free.min).map_or(1.0, |(a, b)| 0.25 * (a - b));
         let size = if start == 0.0 { span } else { start.abs() };
@@ -619,12 +619,12 @@ fn parameter(
     Some(Parameter { name: free.name.clone(), unit, targets, scale, start, bounds, acts_on })
 }
 
-/// Takes the rows at the instants of a recording.
+/// Collects the rows at the instants of a recording.
 struct Rows {
     instants: Arc<[f64]>,
-    /// The next instant to come.
+    /// The next instant.
     next: usize,
-    /// The last row was one of them.
+    /// The last row belongs to an instant.
     taken: bool,
     width: usize,
     values: Vec<f64>,

@@ -1,41 +1,32 @@
-//! Intervals of confidence from the profile of the likelihood.
+//! Confidence intervals from likelihood profiles.
 //!
-//! One parameter is moved while the others follow to their best: where the sum of squares has grown by
-//! the quantile of chi-square, the interval ends (D. M. Bates, D. G. Watts, *Nonlinear Regression
+//! One parameter is moved while the others are fitted again: the interval ends where the sum of squares has
+//! grown by the quantile of chi-square (D. M. Bates, D. G. Watts, *Nonlinear Regression
 //! Analysis and Its Applications*, 1988, section 6.1; W. Q. Meeker, L. A. Escobar, *Teaching about
 //! approximate confidence regions based on maximum likelihood estimation*, The American Statistician 49,
-//! 1995). Unlike standard errors, they see curvature and bounds. The root of the growth is nearly a
-//! straight line, so one or two differentiated runs of the recordings locate an end: the first point is
-//! where the quadratic prediction has it, and the gradient there tells what the others still gain.
+//! 1995). Unlike standard errors, they account for curvature and bounds. The root of the growth is nearly
+//! linear, so one or two differentiated runs of the recordings locate an end: the first point is where the
+//! quadratic prediction puts it, and the gradient there gives what the other parameters can still gain.
 
 use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
 use super::fit::Fit;
+use super::policy::FitPolicy;
 use super::problem::Problem;
 use super::statistics::Statistics;
 
 /// The root of 3.84, the 95 % quantile of chi-square with one degree of freedom.
 const ROOT: f64 = 1.959_963_984_540_054;
-/// Part of that root at which interpolation is good enough.
-const NEAR: f64 = 0.1;
-/// What the others may still gain without another run, in units of the sum of squares.
-const GAIN: f64 = 0.4;
-/// Runs for one end at most.
-const RUNS: u32 = 5;
-/// Longest way in units of the search.
-const REACH: f64 = 2.0;
-/// A sum of squares lower by this is a better minimum, not rounding.
-const BETTER: f64 = 0.5;
 
 /// How an end of an interval was found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum End {
     /// On the profile.
     Profile,
-    /// From the standard error: the profile was not asked, or could not be followed.
+    /// From the standard error: no profile was requested, or it could not be followed.
     Quadratic,
-    /// The bound of the parameter: the data set no limit before it.
+    /// The bound of the parameter: the data do not limit it further.
     Bound,
 }
 
@@ -61,12 +52,12 @@ pub struct Interval {
     pub ends: [End; 2],
 }
 
-/// The intervals of all parameters, or a better minimum that was met on the way.
+/// The intervals of all parameters, or a better minimum that a profile ran into.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Profiles {
     /// The intervals.
     Intervals(Vec<Interval>),
-    /// Parameters, as the search sees them, at which the data fit better.
+    /// Parameters, in coordinates of the search, at which the data fit better.
     Better(Vec<f64>),
 }
 
@@ -82,26 +73,27 @@ pub fn quadratic(problem: &Problem<'_>, fit: &Fit, statistics: &Statistics) -> V
     (0..fit.x.len()).map(one).collect()
 }
 
-/// Follows the profiles of all parameters. `accepts_step` is asked before each; after it said no, the
-/// intervals that are left come from the standard errors.
+/// Follows the profiles of all parameters. `goes_on` is called before each; once it returns `false`, the
+/// remaining intervals come from the standard errors.
 pub fn profile(
     problem: &Problem<'_>,
+    policy: &FitPolicy,
     fit: &Fit,
     statistics: &Statistics,
-    accepts_step: &mut dyn FnMut(usize) -> bool,
+    goes_on: &mut dyn FnMut(usize) -> bool,
 ) -> Profiles {
     let mut intervals = quadratic(problem, fit, statistics);
     for (i, place) in intervals.iter_mut().enumerate() {
         if !statistics.spreads[i].is_finite() {
             continue;
         }
-        if !accepts_step(i) {
+        if !goes_on(i) {
             break;
         }
         let mut ways = [0.0; 2];
         let mut ends = [End::Profile; 2];
         for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            match side(problem, fit, statistics, i, sign) {
+            match end_of_profile(problem, policy, (fit, statistics), i, sign) {
                 Side::End(way, end) => (ways[k], ends[k]) = (way, end),
                 Side::Better(x) => return Profiles::Better(x),
             }
@@ -123,21 +115,27 @@ fn interval(
     Interval { low: value(fit.x[i] - below), high: value(fit.x[i] + above), ends }
 }
 
-/// The way to the bound.
+/// Distance to the bound.
 fn limit(problem: &Problem<'_>, fit: &Fit, i: usize, sign: f64) -> f64 {
     let (low, high) = problem.parameters[i].range();
     if sign < 0.0 { fit.x[i] - low } else { high - fit.x[i] }.max(0.0)
 }
 
 enum Side {
-    /// The way to the end.
+    /// Distance to the end.
     End(f64, End),
     /// A better minimum.
     Better(Vec<f64>),
 }
 
-/// Looks for one end of one interval.
-fn side(problem: &Problem<'_>, fit: &Fit, s: &Statistics, i: usize, sign: f64) -> Side {
+/// Locates one end of one interval.
+fn end_of_profile(
+    problem: &Problem<'_>,
+    policy: &FitPolicy,
+    (fit, s): (&Fit, &Statistics),
+    i: usize,
+    sign: f64,
+) -> Side {
     let n = fit.x.len();
     let limit = limit(problem, fit, i, sign);
     let spread = s.spreads[i];
@@ -149,34 +147,34 @@ fn side(problem: &Problem<'_>, fit: &Fit, s: &Statistics, i: usize, sign: f64) -
     } else {
         Side::End(limit, End::Bound)
     };
-    // Where the others go for each unit that this one goes.
+    // Change of each other parameter per unit of this one.
     let variance = s.covariance[i + n * i];
-    let mut course: Vec<f64> = (0..n)
+    let mut direction: Vec<f64> = (0..n)
         .map(|j| if others.contains(&j) { s.covariance[j + n * i] / variance * sign } else { 0.0 })
         .map(|c| if c.is_finite() { c } else { 0.0 })
         .collect();
-    course[i] = sign;
-    let mut way = by_itself.min(limit).min(REACH);
+    direction[i] = sign;
+    let mut way = by_itself.min(limit).min(policy.profile_reach);
     if way <= 0.0 {
         return Side::End(limit, End::Bound);
     }
-    for _ in 0..RUNS {
-        let place = |course: &[f64]| -> Vec<f64> {
-            let moved = fit.x.iter().zip(course).map(|(x, c)| x + way * c);
+    for _ in 0..policy.profile_runs {
+        let point = |direction: &[f64]| -> Vec<f64> {
+            let moved = fit.x.iter().zip(direction).map(|(x, c)| x + way * c);
             moved.zip(&bounds).map(|(x, b)| x.max(b.0).min(b.1)).collect()
         };
-        let x = place(&course);
+        let x = point(&direction);
         let Ok(normal) = problem.normal(&x) else { return roughly };
-        if normal.cost < fit.normal.cost - BETTER {
+        if normal.cost < fit.normal.cost - policy.profile_improvement {
             return Side::Better(x);
         }
         let (step, gain) = follow(&normal, &others);
-        // Where they would rather be.
+        // Towards their own minimum.
         for j in &others {
-            course[*j] = (x[*j] - fit.x[*j] + step[*j].clamp(-0.5, 0.5)) / way;
+            direction[*j] = (x[*j] - fit.x[*j] + step[*j].clamp(-0.5, 0.5)) / way;
         }
         let growth = normal.cost - gain - fit.normal.cost;
-        if gain > GAIN && growth < 4.0 * ROOT * ROOT {
+        if gain > policy.profile_gain && growth < 4.0 * ROOT * ROOT {
             continue;
         }
         let root = growth.max(0.0).sqrt();
@@ -184,14 +182,14 @@ fn side(problem: &Problem<'_>, fit: &Fit, s: &Statistics, i: usize, sign: f64) -
             return Side::End(limit, End::Bound);
         }
         let next = reached(way, root, spread);
-        if (root - ROOT).abs() <= NEAR * ROOT {
+        if (root - ROOT).abs() <= policy.profile_precision * ROOT {
             return Side::End(
                 next.min(limit),
                 if next < limit { End::Profile } else { End::Bound },
             );
         }
         let next = next.clamp(0.2 * way, 3.0 * way).min(limit);
-        if next > REACH {
+        if next > policy.profile_reach {
             return roughly;
         }
         way = next;
@@ -199,7 +197,7 @@ fn side(problem: &Problem<'_>, fit: &Fit, s: &Statistics, i: usize, sign: f64) -
     roughly
 }
 
-/// The way at which `root(way) = way / spread + c way^2` through a known point takes the wanted value.
+/// The distance at which `root(way) = way / spread + c way^2` through a known point takes the wanted value.
 fn reached(way: f64, root: f64, spread: f64) -> f64 {
     let c = (root - way / spread) / (way * way);
     let slope = 1.0 / spread;
@@ -208,12 +206,12 @@ fn reached(way: f64, root: f64, spread: f64) -> f64 {
         // The root of smaller size, without cancellation.
         2.0 * ROOT / (slope + discriminant.sqrt())
     } else {
-        // The parabola turns back before: go on in proportion.
+        // The parabola has its vertex before that: extrapolate in proportion.
         way * (ROOT / root.max(0.3 * ROOT))
     }
 }
 
-/// The step of the others to their best, and what it gains, by the linearised residuals.
+/// The step of the other parameters to their minimum, and its gain, by the linearised residuals.
 fn follow(normal: &NormalEquations, others: &[usize]) -> (Vec<f64>, f64) {
     let (n, m) = (normal.n, others.len());
     let mut matrix = vec![0.0; m * m];
@@ -221,7 +219,7 @@ fn follow(normal: &NormalEquations, others: &[usize]) -> (Vec<f64>, f64) {
         for (a, k) in others.iter().enumerate() {
             matrix[a + m * b] = normal.gram[k + n * j];
         }
-        // Where the data say nothing, nothing moves.
+        // Parameters without any influence stay.
         matrix[b + m * b] += 1e-6 * normal.gram[j + n * j] + 1e-3;
     }
     let mut right: Vec<f64> = others.iter().map(|j| -normal.gradient[*j]).collect();
@@ -243,8 +241,8 @@ fn follow(normal: &NormalEquations, others: &[usize]) -> (Vec<f64>, f64) {
 mod tests {
     use super::*;
 
-    /// On a parabola the end is where the standard error says; on a bent one the interpolation meets
-    /// the point that it was made from.
+    /// On a parabola the end is where the standard error puts it; with a quadratic term the interpolation
+    /// reproduces the point it was made from.
     #[test]
     fn the_end_is_interpolated() {
         assert!((reached(1.0, 10.0, 0.1) - 0.1 * ROOT).abs() < 1e-12);

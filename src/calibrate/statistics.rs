@@ -1,41 +1,40 @@
 //! How well the data determine the parameters, from the normal equations at the minimum.
 //!
 //! Residuals are in units of the sensors' noise, so the covariance is the inverse of `J^T J` (G. A. F.
-//! Seber, C. J. Wild, *Nonlinear Regression*, 1989, section 2.1.2); no factor is taken from the
-//! residuals, which tell by their reduced sum of squares whether the model explains the data. It is
-//! inverted by its eigenvectors: a direction with an eigenvalue below one is not determined, for a
-//! change by a factor of e along it (one unit of the search) changes the sum of squares by less than
-//! one.
+//! Seber, C. J. Wild, *Nonlinear Regression*, 1989, section 2.1.2). It is not scaled by the residuals,
+//! whose reduced sum of squares shows whether the model explains the data. The inverse is computed from
+//! eigenvectors: a direction with an eigenvalue below one is not determined, since a change by a factor of e
+//! along it (one unit of the search) changes the sum of squares by less than one.
 
 use crate::numeric::eigen;
 use crate::numeric::least_squares::NormalEquations;
 
 use super::problem::{Parameter, Scale};
 
-/// Least eigenvalue of a direction that is determined.
+/// Least eigenvalue of a determined direction.
 const DETERMINED: f64 = 1.0;
-/// Below this a direction has no effect that could be told from rounding: a thousand factors of e.
-const WITHOUT_EFFECT: f64 = 1e-6;
-/// A parameter takes part in a direction that has no effect if its share is above this.
+/// Eigenvalue below which the influence of a direction is within rounding: a thousand factors of e.
+const NO_INFLUENCE: f64 = 1e-6;
+/// Component above which a parameter takes part in a direction without influence.
 const SHARE: f64 = 1e-3;
-/// A parameter is named with a direction if its share is above this part of the largest.
+/// Component, relative to the largest, above which a parameter is named with a direction.
 const NAMED: f64 = 0.1;
 
-/// What the data say about the parameters.
+/// How well the data determine the parameters.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Statistics {
-    /// Covariance in the coordinates of the search, column-major; zero in the rows of parameters that
-    /// stand at a bound, infinite on the diagonal of those that have no effect.
+    /// Covariance in the coordinates of the search, column-major; zero in the rows of parameters at a bound,
+    /// infinite on the diagonal of those without influence.
     pub covariance: Vec<f64>,
     /// Standard error of each parameter's value, in its unit.
     pub errors: Vec<f64>,
     /// The same in the coordinates of the search.
     pub spreads: Vec<f64>,
-    /// The parameter stands at a bound, and the data push it there.
+    /// The parameter is at a bound, and the data push it there.
     pub at_bound: Vec<bool>,
     /// The data do not determine the parameter: its standard error is above a factor of e.
     pub undetermined: Vec<bool>,
-    /// The directions that they do not determine, in words.
+    /// The undetermined directions, in words.
     pub directions: Vec<String>,
 }
 
@@ -47,7 +46,7 @@ impl Statistics {
         let free: Vec<usize> = (0..n).filter(|i| !at_bound[*i]).collect();
         let all: Vec<usize> = (0..n).collect();
         let covariance = covariance(normal, &free);
-        // What is held has no variance beside the others; its error is that of the whole system.
+        // A parameter at its bound has no variance beside the others; its error is that of the whole system.
         let whole = self::covariance(normal, &all);
         let spreads: Vec<f64> = (0..n)
             .map(|i| if at_bound[i] { whole[i + n * i] } else { covariance[i + n * i] })
@@ -64,7 +63,7 @@ impl Statistics {
         Statistics { covariance, errors, spreads, at_bound, undetermined, directions }
     }
 
-    /// The correlation of two parameters; zero for one that stands at a bound or has no effect.
+    /// The correlation of two parameters; zero for one at a bound or without influence.
     pub fn correlation(&self, i: usize, j: usize) -> f64 {
         let n = self.spreads.len();
         let variance = |k: usize| self.covariance[k + n * k];
@@ -77,7 +76,7 @@ impl Statistics {
     }
 }
 
-/// Standard errors of the parameters' values, in their units; infinite where the data say nothing.
+/// Standard errors of the parameters' values, in their units; infinite where the data do not determine them.
 pub fn standard_errors(normal: &NormalEquations, parameters: &[Parameter], x: &[f64]) -> Vec<f64> {
     Statistics::new(normal, parameters, x).errors
 }
@@ -120,11 +119,11 @@ fn covariance(normal: &NormalEquations, of: &[usize]) -> Vec<f64> {
     let directions = directions(normal, of);
     let largest = directions.last().map_or(0.0, |d| d.0);
     // Rounding of sums of products of this size.
-    let least = WITHOUT_EFFECT.max(n as f64 * f64::EPSILON * largest);
-    let mut without_effect = vec![directions.is_empty(); n];
+    let least = NO_INFLUENCE.max(n as f64 * f64::EPSILON * largest);
+    let mut no_influence = vec![directions.is_empty(); n];
     for (value, v) in &directions {
         if *value <= least {
-            (0..n).for_each(|i| without_effect[i] |= v[i].abs() > SHARE);
+            (0..n).for_each(|i| no_influence[i] |= v[i].abs() > SHARE);
             continue;
         }
         for j in 0..n {
@@ -134,14 +133,14 @@ fn covariance(normal: &NormalEquations, of: &[usize]) -> Vec<f64> {
         }
     }
     for i in of {
-        if without_effect[*i] {
+        if no_influence[*i] {
             sum[i + n * i] = f64::INFINITY;
         }
     }
     sum
 }
 
-/// A direction that changes nothing, in words.
+/// An undetermined direction, in words.
 fn in_words(parameters: &[Parameter], x: &[f64], v: &[f64]) -> String {
     let largest = v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let mut members: Vec<usize> = (0..v.len()).filter(|i| v[*i].abs() >= NAMED * largest).collect();
@@ -171,7 +170,7 @@ fn in_words(parameters: &[Parameter], x: &[f64], v: &[f64]) -> String {
                 format!("{}^{size:.2}", name(b))
             };
             let (a, b) = (name(a), name(b));
-            format!("the data determine `{a} {sign} {power}` only, not `{a}` and `{b}` apart")
+            format!("the data determine only `{a} {sign} {power}`, not `{a}` and `{b}` separately")
         }
         _ => {
             members.sort_by(|a, b| v[*b].abs().total_cmp(&v[*a].abs()));
@@ -181,7 +180,7 @@ fn in_words(parameters: &[Parameter], x: &[f64], v: &[f64]) -> String {
                 .iter()
                 .map(|i| format!("`{}` by {:+.1} %", name(*i), 10.0 * first * change(*i) / most))
                 .collect();
-            format!("the data do not show it if {} change together", each.join(", "))
+            format!("the data cannot distinguish changing {} together", each.join(", "))
         }
     }
 }
@@ -226,9 +225,9 @@ mod tests {
         assert_eq!(found.directions, [""; 0]);
     }
 
-    /// Residuals that see `a b^2` and `c`, and nothing of `d`.
+    /// Residuals that depend on `a b^2` and `c`, and not on `d`.
     #[test]
-    fn what_is_not_determined_is_named() {
+    fn undetermined_directions_are_named() {
         let all = ["a", "b", "c", "d"].map(positive);
         let mut normal = NormalEquations::new(4);
         for i in 0..100 {
@@ -239,19 +238,19 @@ mod tests {
         assert_eq!(found.undetermined, [true, true, false, true]);
         assert!(found.errors[0].is_infinite() && found.errors[3].is_infinite());
         assert!(found.errors[2] < 0.1, "{:?}", found.errors);
-        let mut said = found.directions.clone();
-        said.sort();
+        let mut directions = found.directions.clone();
+        directions.sort();
         assert_eq!(
-            said,
+            directions,
             [
-                "the data determine `a * b^2.00` only, not `a` and `b` apart",
+                "the data determine only `a * b^2.00`, not `a` and `b` separately",
                 "the data do not determine `d`"
             ]
         );
         assert_eq!(found.correlation(0, 3), 0.0);
     }
 
-    /// One of two correlated parameters at its bound: the other is as sure as without it.
+    /// One of two correlated parameters at its bound: the other is as certain as without it.
     #[test]
     fn a_parameter_at_its_bound_is_held() {
         let two = [positive("a"), positive("b")];

@@ -1,15 +1,15 @@
-//! Units of recordings, by name: how much of the SI unit one of them is.
+//! Units of recordings by name, with their conversion to SI units.
 
 /// A value in SI units is `factor * value + offset`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Unit {
-    /// SI units in one of it.
+    /// SI units per unit.
     pub factor: f64,
-    /// What its zero is in SI units.
+    /// Its zero in SI units.
     pub offset: f64,
 }
 
-/// Names, each with its factor. Gauge pressures are differences to ambient.
+/// Names and factors. Gauge pressures are relative to ambient.
 const UNITS: [(&str, f64); 59] = [
     ("1", 1.0),
     ("%", 1e-2),
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn no_name_stands_twice() {
+    fn names_are_unique() {
         let names: Vec<&str> = Unit::names().collect();
         assert!(names.iter().enumerate().all(|(i, n)| !names[..i].contains(n)));
     }

@@ -2,14 +2,16 @@
 
 use std::path::PathBuf;
 
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use regex_lite::Regex;
 
+use super::modelica_path;
 use crate::base::diag::Severity;
 use crate::driver::compile::Request;
 use crate::io::format::extensions;
 use crate::ir::program::SystemForm;
-use crate::simulate::settings;
+use crate::simulate::settings::Method;
 
 /// Compile and simulate models of machines, fit them to recordings, and find the effects they lack.
 #[derive(Parser, Debug)]
@@ -265,17 +267,28 @@ pub struct Sweep {
     pub show: Option<String>,
 }
 
-/// An integration method.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Method {
-    /// Chosen by the structure of the model.
-    Auto,
-    /// Radau IIA of order 5, implicit: stiff models, models with events.
-    Radau,
-    /// Backward differentiation of order 1 to 5, implicit: large stiff models without events.
-    Bdf,
-    /// Dormand and Prince's method of order 5, explicit: models that are not stiff.
-    Dopri,
+impl ValueEnum for Method {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Method::Auto, Method::Radau, Method::Bdf, Method::Dopri]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Method::Auto => ("auto", "Chosen by the structure of the model"),
+            Method::Radau => {
+                ("radau", "Radau IIA of order 5, implicit: stiff models, models with events")
+            }
+            Method::Bdf => (
+                "bdf",
+                "Backward differentiation of order 1 to 5, implicit: large stiff models without events",
+            ),
+            Method::Dopri => (
+                "dopri",
+                "Dormand and Prince's method of order 5, explicit: models that are not stiff",
+            ),
+        };
+        Some(PossibleValue::new(name).help(help))
+    }
 }
 
 /// Solver of algebraic loops.
@@ -296,29 +309,36 @@ impl From<Mode> for SystemForm {
     }
 }
 
-impl From<Method> for settings::Method {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Auto => settings::Method::Auto,
-            Method::Radau => settings::Method::Radau,
-            Method::Bdf => settings::Method::Bdf,
-            Method::Dopri => settings::Method::Dopri,
-        }
-    }
-}
-
-/// A diagnosis.
+/// A plan, and the folders of its recordings and results.
 #[derive(Args, Debug)]
-pub struct Diagnose {
+pub struct Study {
     /// Plan file, TOML: the model, the recordings, the free parameters.
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
     /// Folder of the recordings [default: the plan's].
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Folder for the results [default: PLAN-diagnosis].
+    /// Folder for the results [default: PLAN-calibration or PLAN-diagnosis].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+impl Study {
+    /// The folder for the results of a kind, `calibration` or `diagnosis`.
+    pub fn folder(&self, kind: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| {
+            let stem = self.plan.file_stem().unwrap_or_default().to_string_lossy();
+            format!("{stem}-{kind}").into()
+        })
+    }
+}
+
+/// A diagnosis.
+#[derive(Args, Debug)]
+pub struct Diagnose {
+    /// The study.
+    #[command(flatten)]
+    pub study: Study,
     /// Folder with further effects, in addition to the shipped ones.
     #[arg(long, value_name = "DIR")]
     pub effects: Option<PathBuf>,
@@ -333,33 +353,19 @@ pub struct Diagnose {
 /// A fit.
 #[derive(Args, Debug)]
 pub struct Calibrate {
-    /// Plan file, TOML: the model, the recordings, the free parameters.
-    #[arg(value_name = "PLAN")]
-    pub plan: PathBuf,
-    /// Folder of the recordings [default: the plan's].
-    #[arg(long, value_name = "DIR")]
-    pub data: Option<PathBuf>,
+    /// The study.
+    #[command(flatten)]
+    pub study: Study,
     /// Derive the intervals from the standard errors alone, which is faster.
     #[arg(long)]
     pub no_profiles: bool,
-    /// Folder for the results [default: PLAN-calibration].
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
 }
 
 impl Model {
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        Request {
-            file: self.file.clone(),
-            model: self.model.clone(),
-            appended: None,
-            form: SystemForm::default(),
-            recorded: Vec::new(),
-            settings: self.settings.clone(),
-            folders: self.folders.clone(),
-            modelica_path: std::env::var_os("MODELICAPATH"),
-        }
+        let settings = self.settings.clone();
+        Request { settings, ..request(&self.file, &self.model, &self.folders) }
     }
 }
 
@@ -374,13 +380,15 @@ impl Check {
 
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        Request {
-            file: self.file.clone(),
-            model: self.model.clone(),
-            folders: self.folders.clone(),
-            modelica_path: std::env::var_os("MODELICAPATH"),
-            ..Request::default()
-        }
+        request(&self.file, &self.model, &self.folders)
+    }
+}
+
+fn request(file: &Option<PathBuf>, model: &Option<String>, folders: &[PathBuf]) -> Request {
+    Request {
+        folders: folders.to_vec(),
+        modelica_path: modelica_path(),
+        ..Request::new(file.clone(), model.clone())
     }
 }
 

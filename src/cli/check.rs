@@ -4,7 +4,7 @@ use super::args::Check;
 use super::{Status, print, say};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::{SourceMap, Span};
-use crate::driver::compile::{Session, Wrong};
+use crate::driver::compile::{CompileError, Session};
 use crate::io::json::Json;
 
 /// Checks; status 0 without errors, 1 with some.
@@ -22,8 +22,8 @@ pub fn run(options: &Check) -> Status {
     }
     match checked {
         Ok(()) => Status::Done,
-        Err(Wrong::Model) => Status::Model,
-        Err(Wrong::Request) => Status::Usage,
+        Err(CompileError::Model) => Status::Model,
+        Err(CompileError::Request) => Status::Usage,
     }
 }
 

@@ -1,4 +1,4 @@
-//! Ctrl-C: the run ends after the step under way, and what was computed is written. Sole user of
+//! Ctrl-C: the run ends after the current step, and the results so far are written. Sole user of
 //! `ctrlc`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,7 +7,7 @@ use super::Status;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From here on Ctrl-C asks the run to end; a second one ends the process at once, for a step that
+/// From here on Ctrl-C requests an end of the run; a second one ends the process at once, in case a step
 /// takes too long.
 pub fn listen() {
     let handler = || {
@@ -15,7 +15,7 @@ pub fn listen() {
             std::process::exit(Status::Interrupted as i32);
         }
     };
-    // Without it Ctrl-C ends the process, which leaves no half of a file either.
+    // Without the handler Ctrl-C ends the process; files are never left half written.
     let _ = ctrlc::set_handler(handler);
 }
 

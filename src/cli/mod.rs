@@ -1,4 +1,4 @@
-//! The command line: arguments in, exit status out.
+//! The command line: parses arguments, calls the library, prints and writes. Arguments in, exit status out.
 pub mod args;
 pub mod calibrate;
 pub mod check;
@@ -13,27 +13,31 @@ pub mod show;
 pub mod simulate;
 pub mod stream;
 pub mod sweep;
+pub mod terminal;
 pub mod writer;
 
 use std::process::ExitCode;
 
+use crate::base::diag::Problems;
 use crate::base::render::{Style, render_all};
-use crate::driver::compile::{Session, Wrong};
+use crate::base::source::SourceMap;
+use crate::driver::compile::{CompileError, Session};
+use crate::simulate::failure::FailureKind;
 
-/// What a command ends with.
+/// The exit status of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Status {
     /// Done.
     Done = 0,
     /// The model is wrong.
     Model = 1,
-    /// The command line is wrong, or a file can not be read or written.
+    /// The command line is wrong, or a file cannot be read or written.
     Usage = 2,
     /// The numerics failed.
     Numerics = 3,
-    /// mocc is wrong.
+    /// mocc has a bug.
     Bug = 4,
-    /// Ctrl-C ended the run; what was computed is written. 128 and the number of the signal.
+    /// Ctrl-C ended the run; the results so far are written. 128 plus the number of the signal.
     Interrupted = 130,
 }
 
@@ -43,11 +47,21 @@ impl From<Status> for ExitCode {
     }
 }
 
-impl From<Wrong> for Status {
-    fn from(wrong: Wrong) -> Self {
-        match wrong {
-            Wrong::Model => Status::Model,
-            Wrong::Request => Status::Usage,
+impl From<CompileError> for Status {
+    fn from(error: CompileError) -> Self {
+        match error {
+            CompileError::Model => Status::Model,
+            CompileError::Request => Status::Usage,
+        }
+    }
+}
+
+impl From<FailureKind> for Status {
+    fn from(kind: FailureKind) -> Self {
+        match kind {
+            FailureKind::Numerics | FailureKind::Assertion => Status::Numerics,
+            FailureKind::Settings => Status::Usage,
+            FailureKind::Bug => Status::Bug,
         }
     }
 }
@@ -68,17 +82,26 @@ pub fn run() -> Status {
     }
 }
 
-/// Writes what there is to say about the model to the standard error, in colours on a terminal.
+/// The value of `MODELICAPATH`.
+fn modelica_path() -> Option<std::ffi::OsString> {
+    std::env::var_os("MODELICAPATH")
+}
+
+/// Writes the diagnostics of a session to the standard error.
 fn say(session: &Session) {
-    let text = render_all(&session.problems, &session.sources, style());
-    eprint!("{text}");
-    let errors = session.problems.error_count();
+    say_problems(&session.problems, &session.sources);
+}
+
+/// Writes diagnostics to the standard error, in colours on a terminal.
+fn say_problems(problems: &Problems, sources: &SourceMap) {
+    eprint!("{}", render_all(problems, sources, style()));
+    let errors = problems.error_count();
     if errors > 1 {
         eprintln!("{errors} errors");
     }
 }
 
-/// Writes a result to the standard output. Who reads it may stop early: that is no failure.
+/// Writes a result to the standard output. A reader that closes the pipe early is not an error.
 fn print(text: &str) -> Status {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();

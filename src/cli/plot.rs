@@ -20,7 +20,7 @@ pub fn run(options: &Plot) -> Status {
     }
 }
 
-/// What an axis shows: its text, and formulas of which the first counts that a table has the columns for.
+/// An axis: its label, and formulas of which the first one applies whose columns the table has.
 struct Shown {
     text: String,
     formulas: Vec<Formula>,
@@ -31,7 +31,7 @@ impl Shown {
     fn read(text: &str) -> Result<Shown, String> {
         let (name, formulas) = text
             .split_once(':')
-            .ok_or_else(|| format!("`{text}` has no label: write LABEL: FORMULA"))?;
+            .ok_or_else(|| format!("`{text}` has no label: write TEXT: FORMULA"))?;
         let formulas = formulas.split('|').map(Formula::read).collect::<Result<_, _>>()?;
         Ok(Shown { text: name.trim().to_owned(), formulas })
     }
@@ -87,7 +87,7 @@ fn series(table: &str, across: &Shown, panels: &[Shown]) -> Result<Series, Strin
     Ok(Series { label, x, y })
 }
 
-/// The columns of a CSV file; what is no number is missing.
+/// The columns of a CSV file; values that are not numbers are missing.
 fn columns(path: &Path) -> Result<Columns, String> {
     let text = files::read(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
     let mut lines = text.lines();

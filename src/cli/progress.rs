@@ -1,7 +1,7 @@
-//! How far a run has come, on a terminal. Sole user of `indicatif`.
+//! Progress of a run, on a terminal. Sole user of `indicatif`.
 //!
-//! The run only stores the time that it reached. A thread of its own looks at it ten times a second
-//! and draws, so that a step costs one store in memory, whatever the terminal does.
+//! The run only stores the time it has reached. A separate thread reads it ten times a second and draws, so
+//! that a step costs one store in memory, however slow the terminal is.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -11,34 +11,34 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Runs that are shorter show nothing.
+/// Shorter runs show nothing.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Time between two looks.
+/// Time between two updates.
 const PERIOD: Duration = Duration::from_millis(100);
-/// The bar counts parts of the run.
+/// Resolution of the bar.
 const PARTS: u64 = 10_000;
 
-/// A bar on the standard error; dropped it disappears.
+/// A bar on the standard error; disappears when dropped.
 pub struct Progress {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
 struct Shared {
-    /// The bits of the time that the run has reached, s, or of the number of runs.
+    /// The bits of the time that the run has reached, s, or of the number of finished runs.
     reached: AtomicU64,
     done: AtomicBool,
 }
 
 impl Progress {
-    /// Of a run from `start` to `stop`, s; none where the standard error is not a terminal.
+    /// Progress of a run from `start` to `stop`, s; none if the standard error is not a terminal.
     pub fn of(start: f64, stop: f64) -> Option<Progress> {
         // Four digits of the duration.
         let digits = (3.0 - (stop - start).log10().floor()).clamp(0.0, 15.0) as usize;
         Progress::shown(start, stop, move |time| format!("{time:.digits$} s"))
     }
 
-    /// Of many runs, `done` of `all` before it begins; none where the standard error is not a terminal.
+    /// Progress of many runs, `done` of `all` before it begins; none if the standard error is not a terminal.
     pub fn of_runs(done: u64, all: u64) -> Option<Progress> {
         Progress::shown(done as f64, all as f64, move |reached| format!("{reached} of {all} runs"))
     }
@@ -60,7 +60,7 @@ impl Progress {
         })
     }
 
-    /// The run has reached this time, s, or so many are done.
+    /// Sets the time that the run has reached, s, or the number of finished runs.
     pub fn reached(&self, time: f64) {
         self.shared.reached.store(time.to_bits(), Ordering::Relaxed);
     }
@@ -71,13 +71,13 @@ impl Drop for Progress {
         self.shared.done.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
-            // A bar that could not be drawn is no loss.
+            // A failure to draw the bar is ignored.
             let _ = thread.join();
         }
     }
 }
 
-/// What is being done, on a terminal, for work whose end is not known; dropped it disappears.
+/// A status line on a terminal for work of unknown length; disappears when dropped.
 pub struct Working(Option<ProgressBar>);
 
 impl Default for Working {
@@ -87,7 +87,7 @@ impl Default for Working {
 }
 
 impl Working {
-    /// Shows nothing where the standard error is not a terminal.
+    /// Shows nothing if the standard error is not a terminal.
     pub fn new() -> Working {
         Working(std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new_spinner();
@@ -99,7 +99,7 @@ impl Working {
         }))
     }
 
-    /// Shows this from now on.
+    /// Replaces the status line.
     pub fn say(&self, what: String) {
         if let Some(bar) = &self.0 {
             bar.set_message(what);
@@ -141,12 +141,12 @@ fn draw(shared: &Shared, start: f64, stop: f64, text: &dyn Fn(f64) -> String) {
     bar.finish_and_clear();
 }
 
-/// The part of the run that is behind it, of [`PARTS`].
+/// The finished part of the run, of [`PARTS`].
 fn part(time: f64, start: f64, stop: f64) -> u64 {
     ((time - start) / (stop - start) * PARTS as f64).clamp(0.0, PARTS as f64) as u64
 }
 
-/// The time that the rest takes if it is as slow as what is behind; none at the begin.
+/// The remaining time, extrapolated from the elapsed time; none at the start.
 fn left(elapsed: Duration, part: u64) -> Option<Duration> {
     let share = part as f64 / PARTS as f64;
     (part > 0).then(|| elapsed.mul_f64((1.0 - share) / share))
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rest_is_as_slow_as_what_is_behind() {
+    fn the_remaining_time_is_extrapolated() {
         assert_eq!(left(Duration::from_secs(3), PARTS / 4), Some(Duration::from_secs(9)));
         assert_eq!(left(Duration::from_secs(3), PARTS), Some(Duration::ZERO));
         assert_eq!(left(Duration::from_secs(3), 0), None);
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_dropped_bar_is_gone_at_once() {
-        // No terminal in a test: the thread alone is looked at.
+        // A test has no terminal: only the thread is tested.
         let shared = Arc::new(Shared { reached: AtomicU64::new(0), done: AtomicBool::new(false) });
         let thread = {
             let shared = Arc::clone(&shared);

@@ -1,4 +1,4 @@
-//! `mocc report`: a model and its runs as one page, and the diagram of its components.
+//! `mocc report`: writes a page about a model and its runs, and the diagram of its components.
 
 use std::path::{Path, PathBuf};
 
@@ -19,6 +19,7 @@ use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Constant, Event, Trajectory, position};
 use crate::report::page::document::{Document, Measured, RunPart, html};
 use crate::report::page::parameters::{Parameter, Value};
+use crate::report::page::view::View;
 use crate::report::plot::figure::panels_for;
 use crate::report::raster::png;
 use crate::report::schematic::{draw, picture};
@@ -41,34 +42,34 @@ pub fn run(options: &Report) -> Status {
     }
 }
 
-/// Says what is wrong with the command line or a file.
+/// Reports an error in the command line or a file.
 fn wrong(why: impl std::fmt::Display) -> Status {
     eprintln!("error: {why}");
     Status::Usage
 }
 
-/// A run as the user asks for it.
-struct Asked {
+/// A requested run.
+struct RunRequest {
     label: String,
     settings: Vec<String>,
 }
 
-/// A run as it went.
-struct Went {
+/// A finished run.
+struct FinishedRun {
     part: RunPart,
     values: Vec<(Column, Value, Span)>,
     interrupted: bool,
 }
 
 fn make(options: &Report) -> Result<Status, Status> {
-    let asked = asked(options).map_err(wrong)?;
+    let requested = requested(options).map_err(wrong)?;
     let signals = signals(&options.signals).map_err(wrong)?;
     let whole = options.diagram.is_none() || options.output.is_some();
     let mut session = Session::default();
     let base = running::request(&options.model, &options.running);
-    let request = Request { settings: asked[0].settings.clone(), ..base.clone() };
-    let apart = session.take_apart(&request);
-    let (flat, assembly) = match apart {
+    let request = Request { settings: requested[0].settings.clone(), ..base.clone() };
+    let flattened = session.flatten_with_assembly(&request);
+    let (flat, assembly) = match flattened {
         Ok(found) => found,
         Err(why) => {
             say(&session);
@@ -79,7 +80,7 @@ fn make(options: &Report) -> Result<Status, Status> {
     if !whole {
         say(&session);
         draw_diagram(options, &assembly, &session.sources, &mut written)?;
-        return Ok(print(&said(&written)));
+        return Ok(print(&list(&written)));
     }
     let parameters: FastSet<String> = flat
         .variables
@@ -98,29 +99,27 @@ fn make(options: &Report) -> Result<Status, Status> {
     interrupt::listen();
     let mut remarks = Vec::new();
     let model = first.blocks.dae.name.clone();
-    let mut went = vec![go(options, &asked[0], first, &session.sources, &mut remarks)?];
-    for ask in &asked[1..] {
+    let mut finished = vec![go(options, &requested[0], first, &session.sources, &mut remarks)?];
+    for run_request in &requested[1..] {
         let mut own = Session::default();
-        let request = Request { settings: ask.settings.clone(), ..base.clone() };
+        let request = Request { settings: run_request.settings.clone(), ..base.clone() };
         let program = own.compile(&request);
         say(&own);
         let program = program.map_err(Status::from)?;
-        let run = go(options, ask, program, &own.sources, &mut Vec::new())?;
-        if run.part.trajectory.columns != went[0].part.trajectory.columns {
-            let label = &ask.label;
+        let run = go(options, run_request, program, &own.sources, &mut Vec::new())?;
+        if run.part.trajectory.columns != finished[0].part.trajectory.columns {
+            let label = &run_request.label;
             return Err(wrong(format!(
-                "run `{label}` does not have the same variables as the first run"
+                "the variables of run `{label}` differ from those of the first run"
             )));
         }
-        went.push(run);
+        finished.push(run);
     }
-    let interrupted = went.iter().any(|w| w.interrupted);
+    let interrupted = finished.iter().any(|w| w.interrupted);
     if interrupted {
-        remarks.push(
-            "A run was interrupted; the page shows everything computed until then.".to_owned(),
-        );
+        remarks.push("A run was interrupted: these are the results until then.".to_owned());
     }
-    let columns = &went[0].part.trajectory.columns;
+    let columns = &finished[0].part.trajectory.columns;
     let show = match &options.show {
         Some(list) => {
             let names = running::names_in(list);
@@ -128,11 +127,13 @@ fn make(options: &Report) -> Result<Status, Status> {
             panels_for(&all, columns).map_err(wrong)?;
             names
         }
-        None => running::interesting(&went[0].part.trajectory),
+        None => running::interesting(&finished[0].part.trajectory),
     };
     let measured = measured(&options.data, &signals, columns).map_err(wrong)?;
+    let view = view(&base, &assembly, &finished[0].values, &mut remarks);
     let place = |span: Span| session.sources.place(span).unwrap_or_default();
     let doc = Document {
+        view,
         model,
         description,
         version: env!("CARGO_PKG_VERSION"),
@@ -140,8 +141,8 @@ fn make(options: &Report) -> Result<Status, Status> {
         assembly: &assembly,
         place: &place,
         texts: texts(&session.sources),
-        parameters: parameters_of(&went, &asked, &parameters, &place),
-        runs: went.into_iter().map(|w| w.part).collect(),
+        parameters: parameters_of(&finished, &requested, &parameters, &place),
+        runs: finished.into_iter().map(|w| w.part).collect(),
         measured,
         show,
         remarks,
@@ -150,26 +151,55 @@ fn make(options: &Report) -> Result<Status, Status> {
     write_file(&output, html(&doc).as_bytes()).map_err(wrong)?;
     written.push(output);
     let summary = format!("{}: {}\n", doc.model, counted(doc.runs.len()));
-    let status = print(&format!("{summary}{}", said(&written)));
+    let status = print(&format!("{summary}{}", list(&written)));
     Ok(if interrupted { Status::Interrupted } else { status })
+}
+
+/// The roles for the animation, as the packages declare them from which the model takes components,
+/// connectors and types of parameters.
+fn view(
+    request: &Request,
+    assembly: &Assembly,
+    values: &[(Column, Value, Span)],
+    remarks: &mut Vec<String>,
+) -> View {
+    let classes = assembly.parts.iter().flat_map(|part| {
+        std::iter::once(&part.class).chain(part.ports.iter().map(|port| &port.class))
+    });
+    let literals = values.iter().filter_map(|(_, value, _)| match value {
+        Value::Text(literal) => Some(literal),
+        Value::Number(_) => None,
+    });
+    let package = |name: &String| name.split_once('.').map(|(package, _)| package.to_owned());
+    let mut packages: Vec<String> = classes.chain(literals).filter_map(package).collect();
+    packages.sort();
+    packages.dedup();
+    let mut view = View::default();
+    for annotated in Session::default().annotated(request, &packages) {
+        let Some(entry) = annotated.entry("view") else { continue };
+        if let Err(why) = view.add(&entry.text) {
+            remarks.push(format!("The view of package {} is wrong: {why}.", annotated.class));
+        }
+    }
+    view
 }
 
 fn counted(runs: usize) -> String {
     if runs == 1 { "1 run".to_owned() } else { format!("{runs} runs") }
 }
 
-fn said(written: &[PathBuf]) -> String {
+fn list(written: &[PathBuf]) -> String {
     let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
     format!("  wrote {}\n", names.join(", "))
 }
 
-/// The runs that the options ask for: those of `--run`, or the one with the settings of `--set`.
-fn asked(options: &Report) -> Result<Vec<Asked>, String> {
+/// The runs that the options run_request for: those of `--run`, or the one with the settings of `--set`.
+fn requested(options: &Report) -> Result<Vec<RunRequest>, String> {
     let base = &options.model.settings;
     if options.runs.is_empty() {
-        return Ok(vec![Asked { label: "run".to_owned(), settings: base.clone() }]);
+        return Ok(vec![RunRequest { label: "run".to_owned(), settings: base.clone() }]);
     }
-    let mut out: Vec<Asked> = Vec::new();
+    let mut out: Vec<RunRequest> = Vec::new();
     for text in &options.runs {
         let (label, list) = match text.split_once(':') {
             Some((label, list)) if !label.contains('=') => (label.trim(), list),
@@ -185,11 +215,11 @@ fn asked(options: &Report) -> Result<Vec<Asked>, String> {
         if out.iter().any(|a| a.label == label) {
             return Err(format!("two runs have the label `{label}`"));
         }
-        // What a run sets takes the place of what all runs set.
+        // Settings of a run override those of all runs.
         let name = |s: &str| s.split('=').next().unwrap_or_default().replace(' ', "");
         let others = base.iter().filter(|b| !own.iter().any(|o| name(o) == name(b)));
         let settings = others.chain(&own).cloned().collect();
-        out.push(Asked { label: label.to_owned(), settings });
+        out.push(RunRequest { label: label.to_owned(), settings });
     }
     Ok(out)
 }
@@ -228,12 +258,12 @@ impl Sink for Kept {
 
 fn go(
     options: &Report,
-    asked: &Asked,
+    requested: &RunRequest,
     mut program: Program,
     sources: &SourceMap,
     remarks: &mut Vec<String>,
-) -> Result<Went, Status> {
-    // What is recorded is restricted, what parameters are told is not.
+) -> Result<FinishedRun, Status> {
+    // The restriction applies to recorded variables, not to parameters.
     let constants = program.constants.clone();
     running::restrict(&options.running, &mut program, None).map_err(wrong)?;
     let all = program.recorded.len();
@@ -255,7 +285,7 @@ fn go(
     kept.progress = None;
     let statistics = outcome.map_err(|failure| {
         if !options.runs.is_empty() {
-            eprintln!("error: run `{}` failed", asked.label);
+            eprintln!("error: run `{}` failed", requested.label);
         }
         running::failed(&failure, sources)
     })?;
@@ -283,12 +313,16 @@ fn go(
         .collect();
     let facts = facts(&program, &statistics, kept.trajectory.events.len());
     let column_storage = column_storage(&program);
-    let part =
-        RunPart { label: asked.label.clone(), trajectory: kept.trajectory, column_storage, facts };
-    Ok(Went { part, values, interrupted: statistics.interrupted })
+    let part = RunPart {
+        label: requested.label.clone(),
+        trajectory: kept.trajectory,
+        column_storage,
+        facts,
+    };
+    Ok(FinishedRun { part, values, interrupted: statistics.interrupted })
 }
 
-/// What a run cost, but for the time, which no two runs share.
+/// Statistics of a run, without times, which differ from run to run.
 fn facts(program: &Program, statistics: &Statistics, events: usize) -> Vec<(String, String)> {
     let dae = &program.blocks.dae;
     let i = &statistics.integration;
@@ -309,7 +343,7 @@ fn facts(program: &Program, statistics: &Statistics, events: usize) -> Vec<(Stri
         ("decompositions", i.decompositions),
         ("Newton iterations", i.newton_iterations),
         ("events", events as u64),
-        ("state selections", statistics.selections),
+        ("changes of state selection", statistics.selections),
         ("rows", statistics.rows),
     ];
     out.extend(counts.map(|(name, n)| (name.to_owned(), n.to_string())));
@@ -320,24 +354,24 @@ fn facts(program: &Program, statistics: &Statistics, events: usize) -> Vec<(Stri
 }
 
 fn parameters_of(
-    went: &[Went],
-    asked: &[Asked],
+    finished: &[FinishedRun],
+    requested: &[RunRequest],
     names: &FastSet<String>,
     place: &dyn Fn(Span) -> String,
 ) -> Vec<Parameter> {
-    let is_set = |ask: &Asked, name: &str| {
-        ask.settings.iter().any(|s| {
+    let is_set = |run_request: &RunRequest, name: &str| {
+        run_request.settings.iter().any(|s| {
             let target = s.split('=').next().unwrap_or_default().replace(' ', "");
             let rest = name.strip_prefix(target.as_str());
             rest.is_some_and(|r| r.is_empty() || r.starts_with(['[', '.']))
         })
     };
-    let by_name: Vec<FastMap<&str, &Value>> = went
+    let by_name: Vec<FastMap<&str, &Value>> = finished
         .iter()
         .map(|w| w.values.iter().map(|(c, v, _)| (c.name.as_str(), v)).collect())
         .collect();
     let mut out = Vec::new();
-    let own = went[0].values.iter().filter(|(c, ..)| names.contains(&c.name));
+    let own = finished[0].values.iter().filter(|(c, ..)| names.contains(&c.name));
     for (column, _, span) in own.take(MOST_PARAMETERS) {
         let of = |values: &FastMap<&str, &Value>| match values.get(column.name.as_str()) {
             Some(value) => (*value).clone(),
@@ -350,7 +384,7 @@ fn parameters_of(
             display_unit: column.display_unit.clone(),
             description: column.description.clone(),
             place: place(*span),
-            set: asked.iter().map(|a| is_set(a, &column.name)).collect(),
+            set: requested.iter().map(|a| is_set(a, &column.name)).collect(),
         });
     }
     out
@@ -369,14 +403,14 @@ fn signals(list: &[String]) -> Result<Vec<Signal>, String> {
             .split_once('=')
             .ok_or_else(|| format!("the signal `{text}` has no `=`; write COLUMN=VARIABLE:UNIT"))?;
         let (variable, unit) = rest.rsplit_once(':').unwrap_or((rest, "1"));
-        let found = Unit::of(unit).ok_or_else(|| format!("the unit `{unit}` is not known"))?;
+        let found = Unit::of(unit).ok_or_else(|| format!("unknown unit `{unit}`"))?;
         let (column, variable) = (column.trim().to_owned(), variable.trim().to_owned());
         Ok(Signal { column, variable, unit: found })
     };
     list.iter().map(one).collect()
 }
 
-/// Reads the recordings; values that are no numbers are left out.
+/// Reads the recordings; values that are not numbers are skipped.
 fn measured(
     paths: &[PathBuf],
     signals: &[Signal],
@@ -391,7 +425,7 @@ fn measured(
             Some(s) => (table.column(&s.column), s.unit),
             None => (Some(0), second),
         };
-        let at = at.ok_or_else(|| format!("{} has no column for time", path.display()))?;
+        let at = at.ok_or_else(|| format!("{}: no column for the time", path.display()))?;
         let mut wanted: Vec<(usize, String, Unit)> = Vec::new();
         for s in signals.iter().filter(|s| s.variable != "time") {
             let k = table.column(&s.column).ok_or_else(|| {
@@ -412,7 +446,7 @@ fn measured(
         if wanted.is_empty() {
             let path = path.display();
             return Err(format!(
-                "{path}: no column is named like a variable; map columns with `--signal COLUMN=VARIABLE:UNIT`"
+                "{path}: no column is named like a variable; map them with `--signal COLUMN=VARIABLE:UNIT`"
             ));
         }
         for (k, variable, unit) in wanted {
@@ -431,7 +465,7 @@ fn measured(
     Ok(out)
 }
 
-/// The texts that were read, without those of settings.
+/// The sources that were read, without those of settings.
 fn texts(sources: &SourceMap) -> Vec<(String, String)> {
     let files = sources.files().filter(|f| f.path != Path::new("--set"));
     files.map(|f| (f.path.display().to_string(), f.text.to_string())).collect()
@@ -454,7 +488,7 @@ fn draw_diagram(
         Some("png") => png(&svg, PNG_SCALE).map_err(wrong)?,
         _ => {
             return Err(wrong(format!(
-                "{}: a picture's name ends in .svg or .png",
+                "{}: the name of a picture must end in .svg or .png",
                 path.display()
             )));
         }
@@ -464,7 +498,7 @@ fn draw_diagram(
     Ok(())
 }
 
-/// The command as it was given, with quotes where a shell needs them.
+/// The command line, quoted for a shell.
 fn command() -> String {
     let quoted = |word: String| {
         let plain = |c: char| c.is_alphanumeric() || "-_./=,:+%@".contains(c);

@@ -1,5 +1,4 @@
-//! What commands that run a model have in common: options to settings, and which variables are of
-//! most interest.
+//! Shared by the commands that run a model: settings from options, and the default choice of variables.
 
 use std::path::Path;
 
@@ -13,18 +12,18 @@ use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Kind, Trajectory};
 use crate::measure::observe::Plan;
-use crate::simulate::failure::{Failure, FailureKind};
-use crate::simulate::settings::{DEFAULT_INTERVALS, Settings};
+use crate::simulate::failure::Failure;
+use crate::simulate::settings::Settings;
 
-/// At most so many curves are drawn unless the user names them.
+/// Largest number of curves to draw by default.
 const MAX_CURVES: usize = 8;
 
-/// What to compile for a run.
+/// The request that compiles the model of a run.
 pub(super) fn request(model: &Model, options: &Running) -> Request {
     Request { form: options.mode.into(), ..model.request() }
 }
 
-/// Restricts the program to the variables that the user wants, and what measures need; an error if
+/// Restricts the recorded variables to those that the user asks for and those that measures need; an error if
 /// there are none.
 pub(super) fn restrict(
     options: &Running,
@@ -43,34 +42,26 @@ pub(super) fn restrict(
         }
     };
     match shown {
-        0 => Err(format!("no variable matches `{wanted}`")),
+        0 => Err(format!("no name of a variable matches `{wanted}`")),
         _ => Ok(()),
     }
 }
 
-/// What the user asks for, and the annotation of the model where the user does not.
+/// The settings of a run: options override the experiment annotation of the model.
 pub(super) fn settings(options: &Running, experiment: &Experiment) -> Settings {
-    let mut settings = Settings::of(experiment);
-    if let Some(stop) = options.stop {
-        if options.interval.is_none() && experiment.interval.is_none() {
-            settings.interval = (stop - settings.start) / DEFAULT_INTERVALS;
-        }
-        settings.stop = stop;
-    }
-    settings.interval = options.interval.unwrap_or(settings.interval);
-    settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
-    settings.method = options.method.into();
-    settings
+    let experiment = Experiment {
+        start: experiment.start,
+        stop: options.stop.or(experiment.stop),
+        interval: options.interval.or(experiment.interval),
+        tolerance: options.tolerance.or(experiment.tolerance),
+    };
+    Settings { method: options.method, ..Settings::of(&experiment) }
 }
 
-/// Says why a run failed.
+/// Shows why a run failed.
 pub(super) fn failed(failure: &Failure, sources: &SourceMap) -> Status {
     eprintln!("{}", render(&failure.diagnostic, sources, style()));
-    match failure.kind {
-        FailureKind::Numerics | FailureKind::Assertion => Status::Numerics,
-        FailureKind::Settings => Status::Usage,
-        FailureKind::Bug => Status::Bug,
-    }
+    failure.kind.into()
 }
 
 /// `valve52` for `examples/valve52.mol`, the last part of the model's name without a file.
@@ -84,7 +75,7 @@ pub(super) fn stem(model: &Model, program: &Program) -> String {
     }
 }
 
-/// Names between commas; those in brackets do not part.
+/// Names separated by commas; commas in brackets do not separate.
 pub(super) fn names_in(list: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut depth = 0;
@@ -103,8 +94,8 @@ pub(super) fn names_in(list: &str) -> Vec<String> {
     out.into_iter().map(|n| n.trim().to_string()).filter(|n| !n.is_empty()).collect()
 }
 
-/// What to draw by itself: variables of the model itself, before those of its components; positions
-/// and pressures where there are both.
+/// The default choice of curves: variables of the model itself, or else those of its components; only
+/// positions and pressures if there are both.
 pub(super) fn interesting(trajectory: &Trajectory) -> Vec<String> {
     let real = |k: &Kind| *k == Kind::Continuous;
     let moving = |name: &str| trajectory.values(name).is_some_and(|v| v.iter().any(|x| *x != v[0]));

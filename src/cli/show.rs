@@ -1,4 +1,4 @@
-//! `mocc flatten` and `mocc structure`: what the compiler made of a model, as text or as a picture.
+//! `mocc flatten` and `mocc structure`: print or draw intermediate representations of a model.
 
 use std::path::Path;
 
@@ -28,11 +28,11 @@ pub fn flatten(options: &Model) -> Status {
                 );
                 Status::Model
             });
-            // The process ends: a large model need not be given back piece by piece.
+            // The process ends: freeing a large model would only take time.
             std::mem::forget(flat);
             fragments
         }
-        Err(wrong) => Err(wrong.into()),
+        Err(error) => Err(error.into()),
     };
     say(&session);
     match fragments {
@@ -44,7 +44,7 @@ pub fn flatten(options: &Model) -> Status {
     }
 }
 
-/// Prints states, blocks, what was differentiated and what is torn; or draws the blocks.
+/// Prints states, blocks, differentiated and torn equations; or draws the blocks.
 pub fn structure(options: &Structure) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
     let request = options.model.request();
@@ -60,7 +60,7 @@ pub fn structure(options: &Structure) -> Status {
             std::mem::forget(blocks);
             status
         }
-        Err(wrong) => wrong.into(),
+        Err(error) => error.into(),
     }
 }
 

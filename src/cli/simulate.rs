@@ -1,4 +1,4 @@
-//! `mocc simulate`: compile, run, write, summarise.
+//! `mocc simulate`: compiles and runs a model, and writes its results.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -34,7 +34,7 @@ pub fn run(options: &Simulate) -> Status {
     say(&session);
     let (mut program, mut measures) = match program {
         Ok(program) => program,
-        Err(wrong) => return wrong.into(),
+        Err(error) => return error.into(),
     };
     if let Err(why) = running::restrict(&options.running, &mut program, measures.as_mut()) {
         eprintln!("error: {why}");
@@ -98,7 +98,7 @@ pub fn run(options: &Simulate) -> Status {
         Status::Done if run.statistics.interrupted => Status::Interrupted,
         status => status,
     };
-    // Gigabytes of a large model need not be given back piece by piece at the end.
+    // The process ends: freeing gigabytes of a large model would only take time.
     std::mem::forget(program);
     status
 }
@@ -130,7 +130,7 @@ struct Files {
 }
 
 impl Files {
-    /// Those that the user names, or else both, called after the model.
+    /// Those that the user names, or else both, named after the model.
     fn of(options: &Simulate, program: &Program) -> Files {
         let neither = options.output.is_none() && options.plot.is_none();
         let stem = running::stem(&options.model, program);
@@ -142,7 +142,7 @@ impl Files {
         }
     }
 
-    /// Takes the rows; what cannot be drawn is said before anything is run.
+    /// The stream that takes the rows; reports variables that cannot be drawn before the run.
     fn stream(
         &self,
         options: &Simulate,
@@ -187,7 +187,7 @@ impl Files {
     }
 }
 
-/// What to draw: the variables that the user names, or those of most interest.
+/// The figure: of the variables that the user names, or of a default choice.
 fn figure(options: &Simulate, program: &Program, run: &Run) -> Result<Option<PlotSpec>, PlotError> {
     let columns = &run.trajectory.columns;
     let names: Vec<String> = match &options.show {
@@ -200,7 +200,7 @@ fn figure(options: &Simulate, program: &Program, run: &Run) -> Result<Option<Plo
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut panels = panels_for(&names, columns)?;
     for panel in &mut panels {
-        // A curve alone in its panel is called what the model calls it.
+        // A single curve in a panel is labelled by its description.
         if let [only] = panel.curves.as_slice() {
             let description = &find(only, columns)?.description;
             if !description.is_empty() {
@@ -256,7 +256,7 @@ fn summary(
         ms(writing)
     ));
     if s.selections > 0 {
-        out.push_str(&format!("  states selected again {} times\n", s.selections));
+        out.push_str(&format!("  state selection changed {} times\n", s.selections));
     }
     if s.interrupted {
         out.push_str(&format!("  interrupted at {} s\n", s.end));

@@ -25,7 +25,7 @@ enum Output {
     Begun(Writer),
 }
 
-/// Writes rows as they come and keeps what may be drawn, so that the memory of a large model's run is
+/// Writes rows as they come and keeps only variables that may be drawn, so that the memory of a large run is
 /// that of a few curves.
 pub struct Stream {
     output: Option<(Output, PathBuf)>,

@@ -1,4 +1,4 @@
-//! `mocc sweep`: what varies in, a table with a row per run out.
+//! `mocc sweep`: runs a model many times, and writes a table with a row per run.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use super::args::Sweep as Options;
 use super::progress::Progress;
 use super::running::{self, names_in};
 use super::{Status, interrupt, print, say};
-use crate::driver::compile::{Request, Session, Wrong};
+use crate::driver::compile::{CompileError, Request, Session};
 use crate::io::atomic_file::create_folder;
 use crate::io::format::Format;
 use crate::io::journal::{Fingerprint, Found, Journal, exists, remove};
@@ -44,10 +44,10 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     say(&session);
     let mut base = match base {
         Ok(base) => base,
-        Err(wrong) => return Ok(wrong.into()),
+        Err(error) => return Ok(error.into()),
     };
     if files.traces.is_some() && base.plan.shown == 0 {
-        eprintln!("error: no variable matches `--show` or `--variables`");
+        eprintln!("error: no variable has a name that `--show` or `--variables` selects");
         return Ok(Status::Usage);
     }
     let settings = settings(options, &base.program.blocks.dae.experiment, files.traces.is_some());
@@ -56,14 +56,14 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     let name = base.program.blocks.dae.name.clone();
     base.sources = std::mem::take(&mut session.sources);
     let variants = Variants::new(model, base, &design.axes, design.count);
-    // What is wrong with every run, such as a name that the model does not know, is wrong with the request.
+    // An error in every run, such as an unknown parameter, is an error in the request.
     let first = variants.settings(&design.values(0));
     if !first.is_empty() {
         let mut session = Session::default();
         let all: Vec<String> = options.model.settings.iter().chain(&first).cloned().collect();
         let request = Request { settings: all, ..options.model.request() };
-        if let Err(wrong) = session.flatten(&request)
-            && wrong == Wrong::Request
+        if let Err(error) = session.flatten(&request)
+            && error == CompileError::Request
         {
             say(&session);
             return Ok(Status::Usage);
@@ -84,16 +84,16 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     interrupt::listen();
     let begun = Instant::now();
     let progress = Progress::of_runs(before, design.count);
-    let heed = |done| progress.iter().for_each(|p| p.reached(done as f64));
-    let complete = sweep.run(&mut journal, &interrupt::asked, heed)?;
+    let on_progress = |done| progress.iter().for_each(|p| p.reached(done as f64));
+    let complete = sweep.run(&mut journal, &interrupt::asked, on_progress)?;
     drop(progress);
     let seconds = begun.elapsed().as_secs_f64();
     if !complete {
-        let said = format!(
-            "{name}: interrupted after {} of {} runs; repeat the command to continue\n",
+        let text = format!(
+            "{name}: interrupted after {} of {} runs; the same command resumes from there\n",
             journal.lines, design.count
         );
-        return Ok(match print(&said) {
+        return Ok(match print(&text) {
             Status::Done => Status::Interrupted,
             status => status,
         });
@@ -101,8 +101,8 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     let tally = sweep.write(&mut journal, &files.table)?;
     journal.remove()?;
     let done = tally.runs - before;
-    let said = summary(&name, &tally, done, seconds, jobs, &files);
-    let status = print(&said);
+    let text = summary(&name, &tally, done, seconds, jobs, &files);
+    let status = print(&text);
     Ok(if tally.failed == tally.runs { Status::Numerics } else { status })
 }
 
@@ -114,7 +114,7 @@ fn design(options: &Options) -> Result<Design, SweepError> {
     }
 }
 
-/// What all runs choose. Where no course is kept there are rows at events only.
+/// Settings of all runs. If no trajectory is kept, there are rows at events only.
 fn settings(options: &Options, experiment: &crate::ir::flat::Experiment, traces: bool) -> Settings {
     let mut settings = running::settings(&options.running, experiment);
     settings.spacing = Some(settings.interval);
@@ -124,7 +124,7 @@ fn settings(options: &Options, experiment: &crate::ir::flat::Experiment, traces:
     settings
 }
 
-/// The variables whose course is kept.
+/// The variables whose trajectories are kept.
 fn keep(options: &Options) -> Keep {
     let pattern = options.running.variables.clone();
     let names: Option<Vec<String>> = options.show.as_deref().map(names_in);
@@ -146,7 +146,7 @@ fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
         all.add(text);
     }
     let pattern = options.running.variables.as_ref().map(|p| p.as_str().to_owned());
-    let said = format!(
+    let text = format!(
         "{:?}",
         (
             (
@@ -166,7 +166,7 @@ fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
             (options.traces, &options.show, pattern),
         )
     );
-    all.add(&said);
+    all.add(&text);
     all
 }
 
@@ -234,7 +234,7 @@ fn summary(
     let runs = |n: u64| if n == 1 { "1 run".to_owned() } else { format!("{n} runs") };
     let mut out = format!("{name}: {}, {} failed\n", runs(tally.runs), tally.failed);
     if let Some((number, why)) = &tally.first {
-        out.push_str(&format!("  first failure, run {number}: {why}\n"));
+        out.push_str(&format!("  first failure: run {number}: {why}\n"));
     }
     let threads = if jobs == 1 { "1 thread".to_owned() } else { format!("{jobs} threads") };
     let rate = done as f64 / seconds.max(1e-9);

@@ -1,7 +1,7 @@
-//! Results on a thread of their own: while rows become text and go to the disk the run goes on.
+//! Writes results on a separate thread, while the run continues.
 //!
 //! The rows arrive in the order in which they were sent, so the file has the same bytes as without the
-//! thread. What is on its way is bounded: where the file is slower than the run, the run waits.
+//! thread. The queue is bounded: if the file is slower than the run, the run waits.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,7 +52,7 @@ impl Writer {
         block.times.extend_from_slice(times);
         block.values.clear();
         block.values.extend_from_slice(values);
-        // A thread that has ended has said why, which `end` tells.
+        // If the thread has ended, `end` returns the reason.
         let _ = self.rows.as_ref().map(|rows| rows.send(block));
     }
 
@@ -61,7 +61,7 @@ impl Writer {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Waits for what is on its way; the results, or why they could not be written.
+    /// Waits until the queue is written; returns the results, or why they could not be written.
     pub fn end(mut self) -> Result<Results, TableError> {
         self.rows = None;
         match self.thread.take().map(JoinHandle::join) {
@@ -75,7 +75,7 @@ impl Writer {
 impl Drop for Writer {
     fn drop(&mut self) {
         self.rows = None;
-        // What it brings back is dropped here, and with it the file.
+        // Drops the result and, with it, the file.
         let _ = self.thread.take().map(JoinHandle::join);
     }
 }

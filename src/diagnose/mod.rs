@@ -1,18 +1,34 @@
-//! Finding what a model lacks.
-pub mod attempt;
+//! Finding the physical effects that a model lacks.
+//!
+//! *In:* a plan, its recordings and the catalogue of effects ([`catalogue`]). *Out:* a verdict, the effects
+//! with their parameters ([`result`]), an amended model ([`amended_model`]), a page ([`page`]) and
+//! `diagnosis.json` ([`json`]). [`run`] is the whole workflow for any front end.
+//!
+//! A [`hypothesis`] is the model with certain effects at certain places, fitted to the recordings. The
+//! [`search`] extends hypotheses step by step: every effect is scored at every place ([`rank`], [`score`]),
+//! the most promising are fitted ([`candidate_fit`]) and compared ([`preference`]). All thresholds stand in
+//! [`policy`].
+pub mod amended_model;
+pub mod backward_elimination;
 pub mod balance;
-pub mod case;
-pub mod effect;
-pub mod level;
+pub mod candidate_fit;
+pub mod catalogue;
+pub mod forward_selection;
+pub mod hypothesis;
+pub mod json;
+pub mod linearise;
+pub mod model_source;
 pub mod page;
-pub mod pairs;
+pub mod pairwise_selection;
 pub mod place;
+pub mod policy;
 pub mod preference;
 pub mod rank;
 pub mod residual;
 pub mod result;
 pub mod revise;
+pub mod run;
 pub mod score;
 pub mod search;
-pub mod shape;
-pub mod text;
+pub mod shape_parameters;
+pub mod study;

@@ -1,29 +1,29 @@
-//! Where an effect fits: the compiler knows which connectors a model has and what they are connected
-//! with.
+//! The places at which an effect can be attached, from the compiler's inventory of connectors and
+//! connections.
 
 use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 
-use super::effect::Effect;
+use super::catalogue::Effect;
 
 /// A way to attach an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// What it is attached to, in words of the model.
+    /// The components that it is attached to.
     pub at: Vec<String>,
-    /// Connectors of the effect and of the model.
+    /// Connectors of the effect, and those of the model to connect them with.
     pub connections: Vec<(String, String)>,
-    /// Inputs of the effect and what they are bound to.
+    /// Inputs of the effect, and the variables that they are bound to.
     pub binds: Vec<(String, String)>,
-    /// The signal that it stands before, by position in the plan.
+    /// The signal that it modifies, by position in the plan.
     pub signal: Option<usize>,
-    /// Further hosts, each with an effect of its own: one phenomenon at several places at once.
+    /// Further hosts of the same effect: one phenomenon at several places.
     pub others: Vec<Place>,
 }
 
 impl Place {
-    /// The place and its others, each by itself.
+    /// The single places.
     pub fn members(&self) -> Vec<Place> {
         let own = Place {
             at: self.at.iter().take(1).cloned().collect(),
@@ -34,8 +34,8 @@ impl Place {
     }
 }
 
-/// At most so many hosts have the effect together.
-const TOGETHER: usize = 8;
+/// Largest number of hosts that have an effect together.
+const MAX_HOSTS: usize = 8;
 
 /// All places for an effect.
 pub fn places(
@@ -52,7 +52,7 @@ pub fn places(
             true => inventory.parts.iter().filter_map(|p| built_in(effect, p)).collect(),
             false => inventory.parts.iter().filter_map(|p| hosted(effect, p, variables)).collect(),
         };
-        if effect.amplitudes.len() == 1 && (2..=TOGETHER).contains(&all.len()) {
+        if effect.amplitudes.len() == 1 && (2..=MAX_HOSTS).contains(&all.len()) {
             let at = all.iter().flat_map(|p| p.at.iter().cloned()).collect();
             let others = all[1..].to_vec();
             all.push(Place { at, others, ..all[0].clone() });
@@ -110,8 +110,8 @@ fn hosted(effect: &Effect, part: &InventoryPart, variables: &FastSet<&str>) -> O
     Some(Place { at, connections, binds, signal: None, others: Vec::new() })
 }
 
-/// One place for each set of connected connectors of the class. It is called after the component that
-/// has the fewest connectors of the class: a volume rather than what leads to it.
+/// One place for each connection set of the class. It is named after the component that has the fewest
+/// connectors of the class: a volume rather than the restriction that leads to it.
 fn nodes(end: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
     let mut found: Vec<(usize, &InventoryPart, &InventoryConnector)> = Vec::new();
     for (part, connector) in ends(inventory, &end.class) {
@@ -134,9 +134,9 @@ fn nodes(end: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
     found.into_iter().map(place).collect()
 }
 
-/// Pairs that a component with two connectors of the class bridges, and every volume with ambient. Of
-/// several components that bridge one pair the one with most connectors gives the name: a seal rather
-/// than a line.
+/// Pairs of connection sets that a component with two connectors of the class bridges, and every volume with
+/// ambient. If several components bridge a pair, it is named after the one with most connectors: a seal
+/// rather than a line.
 fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
     let mut parts: Vec<&InventoryPart> =
         inventory.parts.iter().filter(|p| !p.name.is_empty()).collect();

@@ -1,4 +1,4 @@
-//! What a model leaves of each recording, before and after an effect was added.
+//! The residuals of each recording without effects and with them.
 
 use std::sync::Arc;
 
@@ -7,32 +7,32 @@ use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 use crate::ir::trajectory::{Column, Trajectory};
 
-use super::case::{Case, compile};
-use super::level::{Level, attached};
-use super::search::Found;
+use super::hypothesis::{Hypothesis, attached};
+use super::result::Diagnosis;
+use super::study::Study;
 
 /// The residuals of a recording.
 pub struct Residual {
     /// The recording.
     pub name: String,
-    /// The recording that it is a window of: itself, if it is whole.
+    /// The recording that contains it as a window; itself if it is whole.
     pub of: String,
-    /// What it is for.
+    /// Training or validation.
     pub split: Split,
     /// Instants, s.
     pub time: Arc<[f64]>,
-    /// Signal by signal, in units of the noise; NaN where nothing was measured. Empty where the model can
-    /// not be run.
+    /// Without effects: signal by signal, in units of the noise; NaN where there is no measurement. Empty if
+    /// the model cannot be simulated.
     pub before: Vec<Vec<f64>>,
-    /// The same with the effects that were kept.
+    /// The same with the accepted effects.
     pub after: Vec<Vec<f64>>,
 }
 
-/// Runs every recording with the model as it was and as it is now.
-pub fn residuals(case: &Case<'_>, found: &Found) -> Vec<Residual> {
-    let before = of_level(case, &found.before);
-    let after = of_level(case, &found.after);
-    let recordings = Split::ALL.into_iter().flat_map(|split| case.data.of(split));
+/// Simulates every recording without effects and with them.
+pub fn residuals(study: &Study, diagnosis: &Diagnosis) -> Vec<Residual> {
+    let before = of_hypothesis(study, &diagnosis.before);
+    let after = of_hypothesis(study, &diagnosis.after);
+    let recordings = Split::ALL.into_iter().flat_map(|split| study.data.of(split));
     let pairs = before.into_iter().zip(after);
     recordings
         .zip(pairs)
@@ -47,15 +47,15 @@ pub fn residuals(case: &Case<'_>, found: &Found) -> Vec<Residual> {
         .collect()
 }
 
-/// What was measured and what the model says, as it was and as it is now: a table for each recording, its
-/// windows one after the other, with columns `NAME`, `NAME_before`, `NAME_after` for each signal in the unit
-/// of the plan. Rows without a value in one of them are left out.
-pub fn tables(case: &Case<'_>, found: &Found) -> Vec<Trajectory> {
+/// Measurement and model, without effects and with them: a table for each recording, its windows one after
+/// the other, with columns `NAME`, `NAME_before`, `NAME_after` for each signal in the unit of the plan. Rows
+/// in which one of them has no value are skipped.
+pub fn tables(study: &Study, diagnosis: &Diagnosis) -> Vec<Trajectory> {
     let mut out: Vec<(Split, String, Trajectory)> = Vec::new();
-    let recordings = Split::ALL.into_iter().flat_map(|split| case.data.of(split));
-    for (recording, r) in recordings.zip(residuals(case, found)) {
+    let recordings = Split::ALL.into_iter().flat_map(|split| study.data.of(split));
+    for (recording, r) in recordings.zip(residuals(study, diagnosis)) {
         if out.last().is_none_or(|(split, of, _)| (*split, of) != (r.split, &r.of)) {
-            let columns = case.plan.signals.iter().flat_map(|signal| {
+            let columns = study.plan.signals.iter().flat_map(|signal| {
                 let names = ["", "_before", "_after"].map(|end| format!("{}{end}", signal.column));
                 names.map(|name| Column::new(name, &signal.unit_name))
             });
@@ -64,7 +64,7 @@ pub fn tables(case: &Case<'_>, found: &Found) -> Vec<Trajectory> {
         let Some((.., table)) = out.last_mut() else { continue };
         for (i, t) in r.time.iter().enumerate() {
             let mut row = Vec::with_capacity(table.columns.len());
-            for (k, sigma) in case.data.sigmas.iter().enumerate() {
+            for (k, sigma) in study.data.sigmas.iter().enumerate() {
                 let measured = recording.signals[k][i];
                 let modelled = |all: &[Vec<f64>]| {
                     all.get(k).and_then(|r| r.get(i)).map_or(f64::NAN, |r| measured + sigma * r)
@@ -80,17 +80,15 @@ pub fn tables(case: &Case<'_>, found: &Found) -> Vec<Trajectory> {
     out.into_iter().map(|(.., table)| table).collect()
 }
 
-/// The residuals of every recording, those for training first.
-fn of_level(case: &Case<'_>, level: &Level) -> Vec<Vec<Vec<f64>>> {
-    let nothing = || vec![Vec::new(); case.data.recordings.len()];
-    let attached = attached(case, &level.chosen);
-    let Ok((session, program)) = compile(case, &level.plan, &attached, &[]) else {
-        return nothing();
-    };
+/// The residuals of every recording, training first.
+fn of_hypothesis(study: &Study, hypothesis: &Hypothesis) -> Vec<Vec<Vec<f64>>> {
+    let nothing = || vec![Vec::new(); study.data.recordings.len()];
+    let (plan, attached) = (&hypothesis.plan, attached(study, &hypothesis.effects));
+    let Ok((session, program)) = study.compile(plan, &attached, &[]) else { return nothing() };
     let mut problems = Problems::new();
-    let problem = Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems);
+    let problem = Problem::new(&program, &session.sources, plan, &study.data, &mut problems);
     let Some(problem) = problem else { return nothing() };
-    // The plan of a level starts where its fit ended.
+    // The starts of the plan are the fitted values.
     let x = problem.start();
     let recordings = Split::ALL.into_iter().flat_map(|split| problem.recordings(split));
     recordings.map(|r| problem.residuals(r, &x).unwrap_or_default()).collect()

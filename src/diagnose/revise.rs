@@ -1,225 +1,203 @@
-//! Second thoughts on what a search has found step by step: two effects at once, one exchanged for another,
-//! fewer for many.
+//! Revision of the result of stepwise selection: pairs from better parameters, one effect swapped for
+//! another, fewer effects for many, and alternatives to a single law.
 
-use crate::calibrate::fit::{Fit, Heed};
+use crate::calibrate::fit::Fit;
 use crate::calibrate::problem::Problem;
 
-use super::attempt::Attempt;
-use super::case::Case;
-use super::effect::Effect;
-use super::level::{Chosen, Level, groups, level};
-use super::pairs::pairs;
-use super::preference::{COMPLETE, CURVE, EVIDENCE, RESOLVED};
+use super::backward_elimination::without;
+use super::candidate_fit::CandidateFits;
+use super::forward_selection::promising;
+use super::hypothesis::{ChosenEffect, Hypothesis, groups, plan_without_effects};
+use super::pairwise_selection::{pairs, pairwise_selection_from};
 use super::rank::{Scored, rank, rank_instead};
-use super::search::{Found, admit, bare_plan, promising, without};
+use super::result::Diagnosis;
+use super::search::{Search, accept};
 
-/// Rounds in which effects are exchanged for others.
-const ROUNDS: usize = 3;
-/// Rivals of a law that are fitted.
-const RIVALS: usize = 3;
-/// A rival promises at least this share of what the law itself promises.
-const RIVALLING: f64 = 0.7;
-/// It is searched for long if it leaves less than this share of what is to be explained after a first look.
-const DISTANT: f64 = 0.2;
-
-/// Two effects at once, where one leaves something.
-pub fn together(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    let ranking = found.rankings.first().cloned().unwrap_or_default();
-    if !is_resolved(&found.after) && heed(0, found.after.train.total()) {
-        together_from(case, found, &found.before.clone(), &ranking, heed);
-    }
-}
-
-/// Where one effect beside another leaves something too: two at once from where what was found has led, and
-/// then each exchanged for another beside the rest.
-pub fn revise(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    if is_resolved(&found.after) || !heed(0, found.after.train.total()) {
+/// If effects leave something to explain: pairs from the fitted parameters, then each effect swapped for
+/// another beside the rest.
+pub fn revise(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    if is_resolved(search, &diagnosis.after) || !search.may_continue() {
         return;
     }
-    if let Some(there) = stripped(case, &found.after) {
-        let ranking = rank(case, &there);
-        together_from(case, found, &there, &ranking, heed);
+    if let Some(stripped) = stripped(search, &diagnosis.after) {
+        let ranking = rank(search, &stripped);
+        pairwise_selection_from(search, diagnosis, &stripped, &ranking);
     }
-    for _ in 0..ROUNDS {
-        let last = found.after.bic();
-        exchange(case, found, heed);
-        if found.after.bic() >= last {
+    for _ in 0..search.policy().swap_rounds {
+        let last = diagnosis.after.bic();
+        swap_step(search, diagnosis);
+        if diagnosis.after.bic() >= last {
             break;
         }
     }
 }
 
-/// Two effects at once beside a level without any.
-fn together_from(
-    case: &Case<'_>,
-    found: &mut Found,
-    from: &Level,
-    ranking: &[Scored],
-    heed: &mut Heed<'_>,
-) {
-    let promising = pairs(case, from, ranking);
-    let levels = Attempt { case, from, promising: &promising, depth: 0 }.fit(heed);
-    if found.pairs.is_empty() {
-        found.pairs = promising;
-    }
-    take_better(case, found, levels, heed);
-}
-
-/// Each effect exchanged for another beside the rest, from where the level stands.
-fn exchange(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    let number = groups(&found.after.chosen).count();
+/// Swaps an effect for another one beside the rest; stops at the first swap that is better.
+fn swap_step(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let number = groups(&diagnosis.after.effects).count();
     for k in 0..number {
-        let done = is_resolved(&found.after) || !heed(0, found.after.train.total());
-        let mut all = found.after.chosen.chunk_by(|a, b| a.group == b.group);
-        let Some(own) = all.nth(k).filter(|_| number > 1 && !done) else { return };
+        let done = is_resolved(search, &diagnosis.after) || !search.may_continue();
+        let own = groups(&diagnosis.after.effects).nth(k);
+        let Some(own) = own.filter(|_| number > 1 && !done) else { return };
         let names: Vec<String> = own.iter().map(|c| c.name.clone()).collect();
-        let Some(rest) = without(case, &found.after, &names, &mut |p| here(p)) else { continue };
-        (case.say)(&format!("exchanging {}", names.join(", ")));
-        let promising = promising(&rest, &rank(case, &rest));
-        let attempt = Attempt { case, from: &rest, promising: &promising, depth: number - 1 };
-        let levels = attempt.fit(heed);
-        if take_better(case, found, levels, heed) {
+        let rest = without(search.study, &diagnosis.after, &names, &mut |p| not_fitted(p));
+        let Some(rest) = rest else { continue };
+        search.note(&format!("swapping {}", names.join(", ")));
+        let proposals = promising(search, &rest, &rank(search, &rest));
+        let from = &rest;
+        let fits = CandidateFits { search, from, proposals: &proposals, depth: number - 1 };
+        if accept_first_better(search, diagnosis, fits.run()) {
             return;
         }
     }
 }
 
-/// Takes the first of the levels that is better than what was found; true if there is one.
-fn take_better(
-    case: &Case<'_>,
-    found: &mut Found,
-    mut levels: Vec<Level>,
-    heed: &mut Heed<'_>,
+/// Accepts the first hypothesis that is better than the current one; true if there is one.
+pub fn accept_first_better(
+    search: &Search<'_>,
+    diagnosis: &mut Diagnosis,
+    mut hypotheses: Vec<Hypothesis>,
 ) -> bool {
-    let better = |l: &Level| {
-        l.bic() < found.after.bic() - EVIDENCE
-            && l.chi2_validation() < found.after.chi2_validation()
+    let better = |h: &Hypothesis| {
+        h.bic() < diagnosis.after.bic() - search.policy().evidence
+            && h.chi2_validation() < diagnosis.after.chi2_validation()
     };
-    let best = levels.iter().position(better).map(|k| levels.remove(k));
-    found.rejected.extend(levels);
+    let best = hypotheses.iter().position(better).map(|k| hypotheses.remove(k));
+    diagnosis.rejected.extend(hypotheses);
     let Some(best) = best else { return false };
-    let last = admit(case, found, best, heed);
-    if !last.chosen.is_empty() {
-        found.rejected.push(last);
-    }
+    accept_instead(search, diagnosis, best);
     true
 }
 
-/// True if nothing is left to explain, whether it was fitted or not.
-fn is_resolved(level: &Level) -> bool {
-    level.chi2_train() < COMPLETE && level.chi2_validation() < RESOLVED
+/// Accepts a hypothesis, and rejects the one that it replaces if that has effects.
+fn accept_instead(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hypothesis) {
+    let replaced = accept(search, diagnosis, better);
+    if !replaced.effects.is_empty() {
+        diagnosis.rejected.push(replaced);
+    }
 }
 
-/// One simple effect instead of several or of a curve, or two instead of more, if that explains as much. Where
-/// nothing was kept, what was fitted best may still have led to better parameters.
-pub fn simplify(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    let refused = || found.rejected.iter().min_by(|a, b| a.bic().total_cmp(&b.bic()));
-    let from = match found.after.chosen.is_empty() {
-        true if found.after.chi2_train() >= COMPLETE => {
-            refused().filter(|l| l.bic() < found.after.bic() - EVIDENCE)
+/// True if nothing is left to explain, neither in training nor in validation.
+pub fn is_resolved(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
+    let policy = search.policy();
+    hypothesis.chi2_train() < policy.resolved_train
+        && hypothesis.chi2_validation() < policy.resolved_validation
+}
+
+/// Replaces several effects or a curve by a single law, or more than two effects by two, if that explains as
+/// much. If no effect was accepted, the best rejected one may still have led to better parameters.
+pub fn simplify(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let policy = search.policy();
+    let best_rejected = || diagnosis.rejected.iter().min_by(|a, b| a.bic().total_cmp(&b.bic()));
+    let is_explained = diagnosis.after.chi2_train() < policy.resolved_train;
+    let from = match diagnosis.after.effects.is_empty() {
+        true if !is_explained => {
+            best_rejected().filter(|h| h.bic() < diagnosis.after.bic() - policy.evidence)
         }
         true => None,
-        false => {
-            let explained = found.after.chi2_train() < COMPLETE;
-            Some(&found.after).filter(|l| explained && is_intricate(case, l))
-        }
+        false => Some(&diagnosis.after).filter(|h| is_explained && is_complex(search, h)),
     };
-    if let Some(from) = from
-        && let Some(simple) = fewer(case, &from.clone(), &found.before.clone(), heed)
-        && simple.chi2_validation() < found.before.chi2_validation()
+    if let Some(from) = from.cloned()
+        && let Some(simple) = simpler(search, &from, &diagnosis.before.clone())
+        && simple.chi2_validation() < diagnosis.before.chi2_validation()
     {
-        let last = admit(case, found, simple, heed);
-        if !last.chosen.is_empty() {
-            found.rejected.push(last);
-        }
+        accept_instead(search, diagnosis, simple);
     }
 }
 
-/// One law that leaves nothing may stand for another that leaves still less: where it has led, the parameters
-/// of the model are near the true ones, and the scores tell more than at the first attempt.
-pub fn contest(case: &Case<'_>, found: &mut Found, heed: &mut Heed<'_>) {
-    let law = found.after.clone();
-    let explained = law.chi2_train() < COMPLETE && !law.chosen.is_empty();
-    if !explained || is_intricate(case, &law) || !heed(0, law.train.total()) {
+/// Compares a single law that leaves nothing to explain with its alternatives: from its parameters, which
+/// are close to the true ones, the scores discriminate better than at the first attempt.
+pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let policy = search.policy();
+    let law = diagnosis.after.clone();
+    let explained = law.chi2_train() < policy.resolved_train && !law.effects.is_empty();
+    if !explained || is_complex(search, &law) || !search.may_continue() {
         return;
     }
-    let Some(start) = stripped(case, &law) else { return };
-    let by_sensor = law.chosen.iter().any(|c| c.place.signal.is_some());
-    let ranking = rank_instead(case, &law, &found.before, &|effect, place| {
-        effect.amplitudes.len() < CURVE && (by_sensor || place.signal.is_none())
+    let Some(start) = stripped(search, &law) else { return };
+    let of_sensor = law.effects.iter().any(|c| c.place.signal.is_some());
+    let ranking = rank_instead(search, &law, &diagnosis.before, &|effect, place| {
+        !search.study.is_curve(effect) && (of_sensor || place.signal.is_none())
     });
     let is_own = |s: &Scored| {
-        let own =
-            |c: &Chosen| s.members().iter().any(|(e, p)| *e == c.effect && p.at == c.place.at);
-        law.chosen.iter().all(own)
+        let own = |c: &ChosenEffect| {
+            s.members().iter().any(|(e, p)| *e == c.effect && p.at == c.place.at)
+        };
+        law.effects.iter().all(own)
     };
     let gain = ranking.iter().find(|s| is_own(s)).map_or(0.0, |s| s.gain);
-    let is_rival = |s: &&Scored| s.gain > RIVALLING * gain && !is_own(s);
-    let rivals: Vec<Vec<Scored>> =
-        ranking.iter().filter(is_rival).take(RIVALS).map(|s| vec![s.clone()]).collect();
-    let attempt = Attempt { case, from: &start, promising: &rivals, depth: 0 };
-    let near = 1.0 + DISTANT * (found.before.chi2_train() - 1.0);
-    let (mut levels, distant): (Vec<_>, Vec<_>) =
-        attempt.look(heed).into_iter().partition(|l| l.chi2_train() < near);
-    attempt.search_longer(&mut levels, heed);
-    levels.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
-    // Of two that explain the same the one at fewer places, or the simpler one if it deserves its price.
-    let better = |l: &Level| {
-        let gained = law.evidence() - l.evidence();
-        let simpler = l.values.len() < law.values.len() && l.bic() < law.bic();
-        let fewer = l.chosen.len() < law.chosen.len();
-        gained > EVIDENCE || gained > -EVIDENCE && (fewer || simpler)
+    let is_alternative = |s: &&Scored| s.gain > policy.alternative_share * gain && !is_own(s);
+    let alternatives: Vec<Vec<Scored>> = ranking
+        .iter()
+        .filter(is_alternative)
+        .take(policy.alternatives)
+        .map(|s| vec![s.clone()])
+        .collect();
+    let fits = CandidateFits { search, from: &start, proposals: &alternatives, depth: 0 };
+    let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
+    let (mut hypotheses, distant): (Vec<_>, Vec<_>) =
+        fits.short_fits().into_iter().partition(|h| h.chi2_train() < near);
+    fits.fit_fully(&mut hypotheses);
+    hypotheses.sort_by(|a, b| a.total_criterion().total_cmp(&b.total_criterion()));
+    // Of two that explain the same, the one at fewer places or, if it justifies its parameters, the simpler.
+    let better = |h: &Hypothesis| {
+        let gained = law.total_criterion() - h.total_criterion();
+        let simpler = h.values.len() < law.values.len() && h.bic() < law.bic();
+        let fewer = h.effects.len() < law.effects.len();
+        gained > policy.evidence || gained > -policy.evidence && (fewer || simpler)
     };
-    let best = levels.iter().position(better).map(|k| levels.remove(k));
-    found.rejected.extend(levels.into_iter().chain(distant));
+    let best = hypotheses.iter().position(better).map(|k| hypotheses.remove(k));
+    diagnosis.rejected.extend(hypotheses.into_iter().chain(distant));
     if let Some(best) = best {
-        let last = admit(case, found, best, heed);
-        found.rejected.push(last);
+        let replaced = accept(search, diagnosis, best);
+        diagnosis.rejected.push(replaced);
     }
 }
 
 /// True for several effects, or a free curve.
-fn is_intricate(case: &Case<'_>, level: &Level) -> bool {
-    let Some(first) = level.chosen.first() else { return false };
-    level.chosen.iter().any(|c| c.group != first.group)
-        || case.effects[first.effect].amplitudes.len() >= CURVE
+fn is_complex(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
+    let Some(first) = hypothesis.effects.first() else { return false };
+    hypothesis.effects.iter().any(|c| c.group != first.group) || search.study.is_curve(first.effect)
 }
 
-/// One simple effect in place of what a level has, or two: where that has led, the parameters of the model
-/// are near the true ones, and the scores tell more than at the first attempt.
-fn fewer(case: &Case<'_>, from: &Level, before: &Level, heed: &mut Heed<'_>) -> Option<Level> {
-    if !heed(0, from.train.total()) {
+/// One law in place of the effects of a hypothesis, or two: from its parameters, which are close to the true
+/// ones, the scores discriminate better than at the first attempt.
+fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Option<Hypothesis> {
+    if !search.may_continue() {
         return None;
     }
-    let start = stripped(case, from)?;
-    let mut fitted = |promising: &[Vec<Scored>]| {
-        let levels = Attempt { case, from: &start, promising, depth: 0 }.fit(heed);
-        levels.into_iter().find(|l| l.bic() < from.bic() + EVIDENCE)
+    let study = search.study;
+    let start = stripped(search, from)?;
+    let fitted = |proposals: &[Vec<Scored>]| {
+        let hypotheses = CandidateFits { search, from: &start, proposals, depth: 0 }.run();
+        hypotheses.into_iter().find(|h| h.bic() < from.bic() + search.policy().evidence)
     };
-    let is_law = |effect: &Effect| effect.amplitudes.len() < CURVE;
-    let instead = rank_instead(case, from, before, &|effect, _| is_law(effect));
-    let mut one = fitted(&promising(&start, &instead));
-    let ranking = if one.is_none() { rank(case, &start) } else { Vec::new() };
+    let instead = rank_instead(search, from, before, &|effect, _| !study.is_curve(effect));
+    let mut one = fitted(&promising(search, &start, &instead));
+    let ranking = if one.is_none() { rank(search, &start) } else { Vec::new() };
     if one.is_none() {
-        let simple = ranking.iter().filter(|s| is_law(&case.effects[s.effect]));
-        let simple: Vec<Scored> = simple.cloned().collect();
-        one = fitted(&promising(&start, &simple));
+        let laws = ranking.iter().filter(|s| !study.is_curve(s.effect));
+        let laws: Vec<Scored> = laws.cloned().collect();
+        one = fitted(&promising(search, &start, &laws));
     }
-    let laws = from.chosen.iter().filter(|c| case.effects[c.effect].amplitudes.len() < CURVE);
-    let more = from.chosen.len() > 2 || laws.count() < from.chosen.len();
+    let has_curve = from.effects.iter().any(|c| study.is_curve(c.effect));
+    let can_shrink = from.effects.len() > 2 || has_curve;
     match one {
-        None if groups(&from.chosen).count() > 1 && more => fitted(&pairs(case, &start, &ranking)),
+        None if groups(&from.effects).count() > 1 && can_shrink => {
+            fitted(&pairs(search, &start, &ranking))
+        }
         one => one,
     }
 }
 
-/// The model as it was, with the parameters that a level with effects has led to.
-fn stripped(case: &Case<'_>, from: &Level) -> Option<Level> {
-    level(case, Vec::new(), bare_plan(case, from), &mut |p| here(p)).ok()
+/// The model without effects at the parameters of a hypothesis, not fitted again.
+fn stripped(search: &Search<'_>, from: &Hypothesis) -> Option<Hypothesis> {
+    let plan = plan_without_effects(search.study, from);
+    Hypothesis::fitted(search.study, Vec::new(), plan, &mut |p| not_fitted(p)).ok()
 }
 
-/// Not fitted any further.
-fn here(problem: &mut Problem<'_>) -> Option<Fit> {
+/// The start itself in place of a fit.
+fn not_fitted(problem: &mut Problem<'_>) -> Option<Fit> {
     let x = problem.start();
     let normal = problem.normal(&x).ok()?;
     Some(Fit { x, normal, iterations: 0, converged: true, beyond: None })

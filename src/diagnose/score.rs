@@ -1,4 +1,4 @@
-//! How much each effect could explain, before any is fitted: the score test.
+//! The score test: how much effects could explain, before any is fitted.
 //!
 //! The derivative of the residuals by an amplitude at zero, projected off what the free parameters could
 //! absorb, against the residuals (C. R. Rao 1948; the Lagrange multiplier test of S. D. Silvey, *The
@@ -7,7 +7,7 @@
 use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
-/// What a group of amplitudes would explain.
+/// The score of a group of amplitudes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
     /// Decrease of the sum of squares that the linearised residuals promise.
@@ -16,12 +16,11 @@ pub struct Score {
     pub amplitudes: Vec<f64>,
 }
 
-/// Part of its own sum of squares that a direction must keep when what the parameters absorb is taken off
-/// it.
+/// Share of its own sum of squares that a direction must retain after projection off the parameters.
 const INDEPENDENT: f64 = 1e-7;
 
 /// The score of the amplitudes `group` beside the parameters `0..free` of the normal equations; those of
-/// `positive` can not be negative.
+/// `positive` cannot be negative.
 pub fn score(
     normal: &NormalEquations,
     free: usize,
@@ -98,8 +97,8 @@ pub fn score(
 mod tests {
     use super::*;
 
-    /// `y = 2 + 3 t` with the constant free already: the slope explains what is left, and a direction
-    /// that is constant too explains nothing.
+    /// `y = 2 + 3 t` with a free constant: the slope explains the rest, and another constant direction
+    /// explains nothing.
     #[test]
     fn only_what_is_not_absorbed_counts() {
         let mut normal = NormalEquations::new(3);

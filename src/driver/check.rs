@@ -1,11 +1,11 @@
 //! All problems of a file at once: its syntax, then every class in it.
 //!
-//! A class with connectors or inputs is a component: it is flattened and its equations are counted, and
-//! what only its surroundings decide (values of parameters, who sets its potentials) is left open. A
-//! class without them is a system: it goes through all stages before the run. Since each component
-//! is counted by itself, a file is checked locally and globally (Modelica specification, section 4.7).
+//! A class with connectors or inputs is a component: it is flattened and its equations are counted;
+//! anything that depends on its surroundings (values of parameters, the source of its potentials) is left
+//! open. A class without them is a system: it goes through all stages before simulation. Since each
+//! component is counted by itself, a file is checked locally and globally (MLS 3.6, section 4.7).
 
-use super::compile::{Request, Session, Wrong, find_in, model, models};
+use super::compile::{CompileError, Request, Session, find_in, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::FastSet;
 use crate::instantiate::Context;
@@ -13,31 +13,31 @@ use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 use crate::resolve::library::Library;
 
-/// No `inner` component around: a component alone has none.
+/// A missing `inner` component: a component checked alone has none.
 const NO_INNER: &str = "MO0206";
-/// What is wrong with a function whatever its arguments: names and types.
+/// Errors in a function that hold for any arguments: names and types.
 const HOLDS_ANYWHERE: [&str; 4] = ["MO0201", "MO0202", "MO0212", "MO0266"];
 /// A parameter without a value.
 const NO_VALUE: &str = "MO0303";
 
 impl Session {
     /// Collects the problems of a request in [`Session::problems`].
-    /// Units that do not match are as bad as `units` says.
-    pub fn check(&mut self, request: &Request, units: Severity) -> Result<(), Wrong> {
+    /// Mismatched units have the severity `units`.
+    pub fn check(&mut self, request: &Request, units: Severity) -> Result<(), CompileError> {
         let checked = self.check_classes(request);
         if units == Severity::Error {
             self.problems.raise(crate::units::MISMATCH);
         }
         checked?;
-        if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) }
+        if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }
     }
 
-    fn check_classes(&mut self, request: &Request) -> Result<(), Wrong> {
+    fn check_classes(&mut self, request: &Request) -> Result<(), CompileError> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
         let file = self.read(request, &mut library)?;
         if self.problems.has_errors() {
-            return Err(Wrong::Model);
+            return Err(CompileError::Model);
         }
         let Some(file) = file.as_deref().filter(|_| request.model.is_none()) else {
             let mut problems = Problems::new();
@@ -46,7 +46,7 @@ impl Session {
                 one(cx, class);
             }
             self.problems.extend(problems);
-            return if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) };
+            return if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) };
         };
         let runs: FastSet<String> = models(file).into_iter().collect();
         let mut problems = Problems::new();
@@ -54,7 +54,7 @@ impl Session {
         let mut found = Vec::new();
         for name in classes(file) {
             let Some(class) = find_in(&mut cx, file, &name) else { continue };
-            // Of every class: what it extends, and what its kind may not have.
+            // For every class: what it extends, and the restrictions of its kind.
             cx.table(class);
             cx.report_hidden(class);
             cx.report_each_of_one(class);
@@ -75,12 +75,12 @@ impl Session {
             } else if is_function(&cx, class) {
                 read(cx, class);
             }
-            // Its errors may all follow from the component that is missing around it.
+            // All of its errors may follow from the missing outer component.
             if !problems.iter().any(|d| d.code == NO_INNER) {
                 self.problems.extend(problems);
             }
         }
-        if self.problems.has_errors() { Err(Wrong::Model) } else { Ok(()) }
+        if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }
     }
 }
 
@@ -94,20 +94,21 @@ fn is_function(cx: &Context<'_>, class: ClassId) -> bool {
         && !composition.algorithms.is_empty()
 }
 
-/// Names and types in a function, whatever it is called with. What else is said may be so for the sizes
-/// only with which it is read here.
+/// Checks names and types in a function, for any arguments. Other diagnostics may hold only for the sizes
+/// assumed here, and are dropped.
 fn read(mut cx: Context<'_>, class: ClassId) {
     let before: Vec<Diagnostic> = cx.problems.iter().cloned().collect();
     cx.read_function(class);
-    let said: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
+    let reported: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
     *cx.problems = Problems::new();
-    for d in before.into_iter().chain(said.into_iter().filter(|d| HOLDS_ANYWHERE.contains(&d.code)))
+    for d in
+        before.into_iter().chain(reported.into_iter().filter(|d| HOLDS_ANYWHERE.contains(&d.code)))
     {
         cx.problems.push(d);
     }
 }
 
-/// Full names of the classes of a file that stand in packages, and of those around them.
+/// Full names of the classes of a file, including those in its packages.
 fn classes(file: &ast::File) -> Vec<String> {
     let mut out = Vec::new();
     let mut stack: Vec<(String, &ast::Class)> =
@@ -182,7 +183,7 @@ fn whole(mut cx: Context<'_>, class: ClassId) {
     let mut own = Problems::new();
     let dae = crate::lower::lower(flat, &mut own);
     for d in own.iter() {
-        // Whoever declares a component of the class may give the parameter a value.
+        // A component of this class may still give the parameter a value.
         let severity = if d.code == NO_VALUE { Severity::Warning } else { d.severity };
         problems.push(Diagnostic { severity, ..d.clone() });
     }

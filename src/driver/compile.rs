@@ -1,4 +1,4 @@
-//! The recipe: which stage follows which.
+//! The recipe: the order of the stages.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -27,6 +27,33 @@ use crate::measure::observe::Plan;
 use crate::measure::text::Measures;
 use crate::resolve::library::Library;
 
+/// A class with an annotation `__mocc`.
+#[derive(Clone, Debug)]
+pub struct Annotated {
+    /// Its full name.
+    pub class: String,
+    /// The entries of the annotation, in order.
+    pub entries: Vec<Annotation>,
+}
+
+/// An entry `key = "text"` of an annotation `__mocc`.
+#[derive(Clone, Debug)]
+pub struct Annotation {
+    /// Its key.
+    pub key: String,
+    /// Its text.
+    pub text: String,
+    /// The place of the text.
+    pub span: Span,
+}
+
+impl Annotated {
+    /// The entry with a key.
+    pub fn entry(&self, key: &str) -> Option<&Annotation> {
+        self.entries.iter().find(|e| e.key == key)
+    }
+}
+
 /// What to compile.
 #[derive(Clone, Debug, Default)]
 pub struct Request {
@@ -34,11 +61,11 @@ pub struct Request {
     pub file: Option<PathBuf>,
     /// Full name of the model; without it the last model of the file that is not partial.
     pub model: Option<String>,
-    /// More text of the same kind, which may use what is in the file: models in the making.
+    /// A further source text that may use the classes of the file, such as a generated model.
     pub appended: Option<String>,
     /// `NAME=VALUE`.
     pub settings: Vec<String>,
-    /// Inputs of the model, or of its components, that recordings give values.
+    /// Inputs of the model, or of its components, that recordings drive.
     pub recorded: Vec<String>,
     /// How algebraic loops are solved while the model runs.
     pub form: SystemForm,
@@ -48,23 +75,32 @@ pub struct Request {
     pub modelica_path: Option<std::ffi::OsString>,
 }
 
-/// What went wrong before there was a program.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Wrong {
-    /// The model: exit status 1.
+/// Why a request has no result. The diagnostics of the session hold the details.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum CompileError {
+    /// The model is wrong: exit status 1.
+    #[error("the model has errors")]
     Model,
-    /// The request, such as a file that is not there: exit status 2.
+    /// The request is wrong, for example a file does not exist: exit status 2.
+    #[error("the request cannot be met")]
     Request,
 }
 
-/// Texts, and what there is to say about them.
+impl Request {
+    /// A model of a file or, without one, of a library.
+    pub fn new(file: Option<PathBuf>, model: Option<String>) -> Request {
+        Request { file, model, ..Request::default() }
+    }
+}
+
+/// Sources and the diagnostics about them.
 #[derive(Default)]
 pub struct Session {
-    /// Everything read.
+    /// All sources read.
     pub sources: SourceMap,
     /// Errors and warnings so far.
     pub problems: Problems,
-    /// The process ends after what is compiled: nothing large is given back piece by piece.
+    /// The process ends after this request, so large structures are leaked instead of freed.
     pub is_last: bool,
     /// How long each stage took, in order.
     pub times: Vec<(&'static str, Duration)>,
@@ -72,17 +108,23 @@ pub struct Session {
 
 impl Session {
     /// The flat model of a request.
-    pub fn flatten(&mut self, request: &Request) -> Result<FlatModel, Wrong> {
+    pub fn flatten(&mut self, request: &Request) -> Result<FlatModel, CompileError> {
         self.flatten_by(request, crate::flatten::flatten)
     }
 
-    /// The flat model of a request, and what the model is made of.
-    pub fn inspect(&mut self, request: &Request) -> Result<(FlatModel, Inventory), Wrong> {
+    /// The flat model of a request and the inventory of its components.
+    pub fn flatten_with_inventory(
+        &mut self,
+        request: &Request,
+    ) -> Result<(FlatModel, Inventory), CompileError> {
         self.flatten_by(request, crate::flatten::flatten_with_inventory)
     }
 
-    /// The flat model of a request, and what it is put together from.
-    pub fn take_apart(&mut self, request: &Request) -> Result<(FlatModel, Assembly), Wrong> {
+    /// The flat model of a request and its component tree.
+    pub fn flatten_with_assembly(
+        &mut self,
+        request: &Request,
+    ) -> Result<(FlatModel, Assembly), CompileError> {
         self.flatten_by(request, crate::flatten::flatten_with_assembly)
     }
 
@@ -90,12 +132,12 @@ impl Session {
         &mut self,
         request: &Request,
         by: impl FnOnce(&mut Context<'_>, ClassId, &[Rc<ParameterOverride>]) -> T,
-    ) -> Result<T, Wrong> {
+    ) -> Result<T, CompileError> {
         let begun = Instant::now();
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
         let file = self.read(request, &mut library)?;
-        self.checked(Wrong::Model)?;
+        self.checked(CompileError::Model)?;
         let mut settings = Vec::with_capacity(request.settings.len());
         for text in &request.settings {
             let read = crate::flatten::parameter_override::read(
@@ -103,7 +145,7 @@ impl Session {
                 &mut self.sources,
                 &mut self.problems,
             );
-            settings.push(read.ok_or(Wrong::Request)?);
+            settings.push(read.ok_or(CompileError::Request)?);
         }
         self.times.push(("parse", begun.elapsed()));
 
@@ -123,11 +165,11 @@ impl Session {
                 })
         };
         let only_settings = self.problems.iter().all(of_setting);
-        self.checked(if only_settings { Wrong::Request } else { Wrong::Model })?;
+        self.checked(if only_settings { CompileError::Request } else { CompileError::Model })?;
         Ok(flat)
     }
 
-    /// The full names of the classes of a package, sorted; an empty name stands for the top level.
+    /// The full names of the classes of a package, sorted; the empty name is the top level.
     pub fn members(&mut self, request: &Request, package: &str) -> Vec<String> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
@@ -142,13 +184,8 @@ impl Session {
         names.into_iter().map(full).collect()
     }
 
-    /// Classes of libraries, each with the texts of its annotation `__mocc`; those without one are left
-    /// out.
-    pub fn annotated(
-        &mut self,
-        request: &Request,
-        classes: &[String],
-    ) -> Vec<(String, Vec<(String, String)>)> {
+    /// Classes of libraries that have an annotation `__mocc`, each with its entries.
+    pub fn annotated(&mut self, request: &Request, classes: &[String]) -> Vec<Annotated> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
         let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
@@ -158,68 +195,72 @@ impl Session {
             let annotation = cx.text(class).and_then(|t| t.annotation.clone());
             let Some(annotation) = annotation else { continue };
             let scope = Scope { instance: ROOT.instance, class };
-            let entries: Vec<_> = annotation
+            let arguments = annotation
                 .args
                 .iter()
                 .filter_map(|a| named(a, "__mocc"))
-                .flat_map(|m| m.args.iter())
-                .collect();
-            let mut texts = Vec::new();
-            for entry in entries {
+                .flat_map(|m| m.args.iter());
+            let mut entries = Vec::new();
+            for entry in arguments {
                 let ArgumentKind::Element { path, modification: Some(m), .. } = &entry.kind else {
                     continue;
                 };
                 let Some(binding) = &m.binding else { continue };
                 let value = cx.fold(binding, scope).and_then(|v| v.scalar());
                 if let Some(Const::String(text)) = value.and_then(|e| cx.graph.as_const(e)) {
-                    texts.push((path.to_string(), text.to_string()));
+                    let (key, span) = (path.to_string(), binding.span);
+                    entries.push(Annotation { key, text: text.to_string(), span });
                 }
             }
-            if !texts.is_empty() {
-                out.push((full, texts));
+            if !entries.is_empty() {
+                out.push(Annotated { class: full, entries });
             }
         }
         out
     }
 
     /// The sorted system of a flat model.
-    pub fn sort(&mut self, flat: FlatModel) -> Result<Blocks, Wrong> {
+    pub fn sort(&mut self, flat: FlatModel) -> Result<Blocks, CompileError> {
         let begun = Instant::now();
         let dae = crate::lower::lower(flat, &mut self.problems);
         self.times.push(("lower", begun.elapsed()));
-        self.checked(Wrong::Model)?;
+        self.checked(CompileError::Model)?;
         let begun = Instant::now();
         let blocks = dae.and_then(|dae| crate::structure::structure(dae, &mut self.problems));
         self.times.push(("structure", begun.elapsed()));
-        self.checked(Wrong::Model)?;
-        blocks.ok_or(Wrong::Model)
+        self.checked(CompileError::Model)?;
+        blocks.ok_or(CompileError::Model)
     }
 
     /// The program of a sorted system.
-    pub fn generate(&mut self, blocks: Blocks) -> Result<Program, Wrong> {
+    pub fn generate(&mut self, blocks: Blocks) -> Result<Program, CompileError> {
         self.generate_as(blocks, SystemForm::Ode)
     }
 
     /// The program of a sorted system, in this form.
-    pub fn generate_as(&mut self, blocks: Blocks, form: SystemForm) -> Result<Program, Wrong> {
+    pub fn generate_as(
+        &mut self,
+        blocks: Blocks,
+        form: SystemForm,
+    ) -> Result<Program, CompileError> {
         let begun = Instant::now();
         let program = crate::codegen::compile_as(blocks, form);
         self.times.push(("codegen", begun.elapsed()));
         program.map_err(|problems| {
             self.problems.extend(problems);
-            Wrong::Model
+            CompileError::Model
         })
     }
 
     /// The program of a request.
-    pub fn compile(&mut self, request: &Request) -> Result<Program, Wrong> {
+    pub fn compile(&mut self, request: &Request) -> Result<Program, CompileError> {
         let mut flat = self.flatten(request)?;
-        self.record(&mut flat, &request.recorded)?;
+        self.drive(&mut flat, &request.recorded)?;
         self.compile_flat(flat, request.form)
     }
 
-    /// Lets recordings give values to inputs that have none.
-    fn record(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), Wrong> {
+    /// Marks the inputs that recordings drive; each must exist and have no value of its own.
+    pub fn drive(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), CompileError> {
         for input in inputs {
             let found = flat.variables.enumerate().find(|(_, v)| v.name == *input);
             let open =
@@ -227,8 +268,9 @@ impl Session {
             match found {
                 Some((id, v)) if v.binding.is_none() && open(v) => flat.recorded.push(id),
                 Some((_, v)) => {
-                    let message =
-                        format!("`{input}` is no real input that a recording could give a value");
+                    let message = format!(
+                        "`{input}` is not a real input without a value, so no recording can drive it"
+                    );
                     self.problems.push(
                         Diagnostic::error("MO1017", v.span, message)
                             .help("declare it as `input Real` without a value of its own"),
@@ -247,15 +289,15 @@ impl Session {
                 }
             }
         }
-        self.checked(Wrong::Request)
+        self.checked(CompileError::Request)
     }
 
-    /// The program of a request, extended by what measures need; and the measures in it.
+    /// The program of a request with the variables that measures need, and the measures.
     pub fn compile_measured(
         &mut self,
         request: &Request,
         measures: &[String],
-    ) -> Result<(Program, Plan), Wrong> {
+    ) -> Result<(Program, Plan), CompileError> {
         let mut read = Measures::default();
         let flat = self.flatten_by(request, |cx, class, settings| {
             read = Measures::read(measures, cx.sources, cx.problems);
@@ -269,15 +311,19 @@ impl Session {
             flat
         })?;
         extended::check(&flat, &read, &mut self.problems);
-        self.checked(Wrong::Request)?;
+        self.checked(CompileError::Request)?;
         let mut program = self.compile_flat(flat, request.form)?;
         let plan = Plan::new(read, &mut program, &mut self.problems);
-        self.checked(Wrong::Request)?;
-        plan.map(|plan| (program, plan)).ok_or(Wrong::Request)
+        self.checked(CompileError::Request)?;
+        plan.map(|plan| (program, plan)).ok_or(CompileError::Request)
     }
 
     /// The program of a flat model, in this form.
-    pub fn compile_flat(&mut self, flat: FlatModel, form: SystemForm) -> Result<Program, Wrong> {
+    pub fn compile_flat(
+        &mut self,
+        flat: FlatModel,
+        form: SystemForm,
+    ) -> Result<Program, CompileError> {
         let between = crate::lower::homotopy::homotopy_model(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate_as(blocks, form)?;
@@ -285,7 +331,7 @@ impl Session {
         Ok(program)
     }
 
-    fn checked(&self, wrong: Wrong) -> Result<(), Wrong> {
+    fn checked(&self, wrong: CompileError) -> Result<(), CompileError> {
         if self.problems.has_errors() { Err(wrong) } else { Ok(()) }
     }
 
@@ -293,13 +339,13 @@ impl Session {
         &mut self,
         request: &Request,
         library: &mut Library,
-    ) -> Result<Option<Arc<ast::File>>, Wrong> {
+    ) -> Result<Option<Arc<ast::File>>, CompileError> {
         let Some(path) = &request.file else { return Ok(None) };
         let text = match super::files::read(path) {
             Ok(text) => text,
             Err(why) => {
                 self.problems.push(unreadable(path, &why));
-                return Err(Wrong::Request);
+                return Err(CompileError::Request);
             }
         };
         let id = self.sources.add(path, text.as_str());
@@ -326,8 +372,8 @@ fn named<'a>(argument: &'a Argument, name: &str) -> Option<&'a Modification> {
     }
 }
 
-/// The program that leads from simplified equations to a start of `program`. That it can not be
-/// compiled is no fault of the model: it has a program without it.
+/// The homotopy from simplified equations to the initial values of `program`. If it cannot be compiled,
+/// the model is initialised without it.
 fn continuation(flat: FlatModel, program: &Program) -> Option<Continuation> {
     let mut quiet = Problems::new();
     let dae = crate::lower::lower(flat, &mut quiet)?;
@@ -363,12 +409,12 @@ fn unreadable(path: &Path, why: &str) -> Diagnostic {
     }
 }
 
-/// The class that the request means.
+/// The class of a request.
 pub(super) fn model(
     cx: &mut Context<'_>,
     request: &Request,
     file: Option<&ast::File>,
-) -> Result<ClassId, Wrong> {
+) -> Result<ClassId, CompileError> {
     let wanted = match (&request.model, file) {
         (Some(text), _) => text.clone(),
         (None, Some(file)) => match last_model(file) {
@@ -382,7 +428,7 @@ pub(super) fn model(
                     )
                     .help("write a model that is not partial, or name one with `--model`"),
                 );
-                return Err(Wrong::Model);
+                return Err(CompileError::Model);
             }
         },
         (None, None) => {
@@ -390,7 +436,7 @@ pub(super) fn model(
                 Diagnostic::error("MO0104", Span::NONE, "neither a file nor a model is named")
                     .help("name a file, or a model of a library with `--model`"),
             );
-            return Err(Wrong::Request);
+            return Err(CompileError::Request);
         }
     };
     let found = match file {
@@ -413,7 +459,7 @@ pub(super) fn model(
                     Diagnostic::error("MO0104", text.name.span, format!("`{wanted}` {why}"))
                         .help("name a model with `--model`"),
                 );
-                return Err(Wrong::Model);
+                return Err(CompileError::Model);
             }
         }
         return Ok(class);
@@ -427,10 +473,10 @@ pub(super) fn model(
             None => d.help("check the name, or name the folder of its library with `--lib DIR`"),
         });
     }
-    Err(Wrong::Model)
+    Err(CompileError::Model)
 }
 
-/// A class of a file, which may be named without the packages that the file stands in.
+/// A class of a file, which may be named without the packages that contain the file.
 pub(super) fn find_in(cx: &mut Context<'_>, file: &ast::File, wanted: &str) -> Option<ClassId> {
     let full = file.package().and_then(|package| find(cx, &format!("{package}.{wanted}")));
     full.or_else(|| find(cx, wanted))
@@ -445,7 +491,7 @@ pub(super) fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {
     (class != ROOT.class).then_some(class)
 }
 
-/// The parts of a dotted name; dots in quoted identifiers do not part.
+/// The parts of a dotted name; dots in quoted identifiers do not separate.
 fn split(full_name: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let mut start = 0;

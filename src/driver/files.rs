@@ -1,4 +1,4 @@
-//! Where texts come from: folders on disk and the library in the binary. Nothing else reads files of
+//! The origin of sources: folders on disk and the library in the binary. Nothing else reads files of
 //! models.
 
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ impl Folder for Shipped {
     }
 }
 
-/// Files of data by their names, as the model gives them: no classes are found here.
+/// Data files by the names that the model gives them; contains no classes.
 pub struct AsNamed;
 
 impl Folder for AsNamed {
@@ -101,7 +101,7 @@ impl Folder for OnDisk {
     }
 }
 
-/// The text of a file, or why there is none.
+/// The text of a file, or the reason why it cannot be read.
 pub fn read(path: &Path) -> Result<String, String> {
     let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
     String::from_utf8(bytes).map_err(|e| {
@@ -109,16 +109,16 @@ pub fn read(path: &Path) -> Result<String, String> {
     })
 }
 
-/// Where the library of a file stands.
+/// The location of the library that a file belongs to.
 pub struct Home {
-    /// The folder that the library is in.
+    /// The folder that contains the library.
     pub root: Box<dyn Folder>,
     /// The folder in it whose `package.mo` the file is.
     pub package: Option<PathBuf>,
 }
 
-/// The library of a file that is a `package.mo`, or that stands in the folders of the package which its
-/// `within` clause names (section 13.4.1 of the specification).
+/// The library of a file that is a `package.mo`, or that lies in the folders of the package named by its
+/// `within` clause (section 13.4.1 of the specification).
 pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
     let full = file.canonicalize().ok()?;
     let own = full.parent()?;
@@ -126,7 +126,7 @@ pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
     if within.is_none() && !is_package {
         return None;
     }
-    // The folder of a library by itself may be called otherwise: it was copied, or has a version.
+    // The folder of the library itself may have another name: a copy, or a version.
     let mut root = if is_package { own.parent()? } else { own };
     for (k, package) in within.map_or(&[][..], |w| &w.parts).iter().enumerate().rev() {
         let folder = root.file_name()?.to_string_lossy().into_owned() + "/";
@@ -139,7 +139,7 @@ pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
     }
     let package =
         is_package.then(|| own.strip_prefix(root).map(Path::to_path_buf)).transpose().ok()?;
-    // Messages name files as the user does.
+    // Messages show paths relative to the working directory.
     let here = std::env::current_dir().ok();
     let shown = here.and_then(|here| root.strip_prefix(here).ok());
     Some(Home { root: Box::new(OnDisk(shown.unwrap_or(root).to_path_buf())), package })

@@ -2,7 +2,9 @@
 
 /// Default relative tolerance.
 pub const DEFAULT_RTOL: f64 = 1e-6;
-/// Default limit of accepted and rejected steps of a stepper.
+/// Smallest relative tolerance: some ten times the spacing of doubles.
+pub const MIN_RTOL: f64 = 1e-14;
+/// Default limit of accepted and rejected steps in the life of a stepper.
 pub const DEFAULT_MAX_STEPS: u64 = 10_000_000;
 /// Default limit of consecutive reductions of one step: 60 halvings span the digits of a double.
 pub const DEFAULT_MAX_CUTS: u32 = 60;
@@ -10,8 +12,8 @@ pub const DEFAULT_MAX_CUTS: u32 = 60;
 /// Options of one integration. All times are in the unit of `t`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
-    /// Tolerated error of a step relative to `|y_i|`, dimensionless, in `(1e-14, 1)`. The step size is
-    /// proportional to its fourth root (Radau) or fifth root (Dormand-Prince).
+    /// Tolerated error of a step relative to `|y_i|`, without unit, from [`MIN_RTOL`] to below 1. Smaller is
+    /// slower: the step shrinks with its fourth root (Radau) or fifth root (Dormand-Prince).
     pub rtol: f64,
     /// Tolerated absolute error of a step per component, in its unit, positive. It dominates where
     /// `|y_i|` is less than `atol_i / rtol`.
@@ -49,11 +51,9 @@ impl Options {
         }
     }
 
-    /// Rejects options out of range; nothing is replaced silently.
+    /// Rejects values out of range; nothing is silently replaced.
     pub fn validate(&self, n: usize) -> Result<(), OptionError> {
-        if !(self.rtol > 1e-14 && self.rtol < 1.0) {
-            return Err(OptionError::RelativeTolerance { rtol: self.rtol });
-        }
+        check_rtol(self.rtol)?;
         if self.atol.len() != n {
             return Err(OptionError::AbsoluteToleranceCount { given: self.atol.len(), needed: n });
         }
@@ -79,11 +79,19 @@ impl Options {
     }
 }
 
+/// Rejects a relative tolerance out of range.
+pub fn check_rtol(rtol: f64) -> Result<(), OptionError> {
+    match (MIN_RTOL..1.0).contains(&rtol) {
+        true => Ok(()),
+        false => Err(OptionError::RelativeTolerance { rtol }),
+    }
+}
+
 /// An option out of its range.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum OptionError {
     /// See [`Options::rtol`].
-    #[error("the relative tolerance {rtol} is not between 1e-14 and 1")]
+    #[error("the relative tolerance {rtol} is not between {MIN_RTOL:e} and 1")]
     RelativeTolerance {
         /// The value given.
         rtol: f64,
@@ -148,6 +156,8 @@ mod tests {
         };
         assert!(bad(&|o| o.rtol = 0.0).contains("relative tolerance 0"));
         assert!(bad(&|o| o.rtol = f64::NAN).contains("NaN"));
+        assert!(bad(&|o| o.rtol = 0.99 * MIN_RTOL).contains("between 1e-14 and 1"));
+        assert_eq!(check_rtol(MIN_RTOL), Ok(()));
         assert!(bad(&|o| o.atol = vec![]).contains("0 absolute tolerances"));
         assert!(bad(&|o| o.atol = vec![0.0]).contains("component 0"));
         assert!(bad(&|o| o.max_step = -1.0).contains("longest step -1"));

@@ -100,7 +100,7 @@ impl Domain {
     pub fn name(self) -> &'static str {
         match self {
             Domain::Mechanical => "mechanical",
-            Domain::Fluid => "pneumatic",
+            Domain::Fluid => "fluid",
             Domain::Electrical => "electrical",
             Domain::Thermal => "thermal",
             Domain::Signal => "signal",

@@ -1,5 +1,4 @@
-//! Formulas over the columns of a table, row by row, in the syntax of the language: what a chart shows of a
-//! table that may come from anywhere.
+//! Formulas over the columns of a table, row by row, in Modelica syntax, for charts.
 
 use crate::base::source::SourceMap;
 use crate::ir::ast::{BinaryOp, ComponentRef, Expr, ExprKind, RefPart, Subscript, UnaryOp};
@@ -26,11 +25,11 @@ impl Formula {
     pub fn read(text: &str) -> Result<Formula, String> {
         let whole = format!("y={text}");
         let tree = binding("--y", &whole, 2, None, &mut SourceMap::default());
-        let tree = tree.ok_or_else(|| format!("`{text}` is no formula"))?;
+        let tree = tree.ok_or_else(|| format!("`{text}` is not a formula"))?;
         Ok(Formula { text: text.trim().to_owned(), tree })
     }
 
-    /// Its values; none if the table lacks a column of it. The error names what it does not know.
+    /// Its values; none if the table lacks one of its columns. The error names unsupported syntax.
     pub fn of(&self, columns: &Columns) -> Result<Option<Vec<f64>>, String> {
         let rows = columns.values.first().map_or(0, Vec::len);
         match evaluate(&self.tree, columns, rows) {
@@ -68,7 +67,7 @@ fn evaluate(e: &Expr, columns: &Columns, rows: usize) -> Result<Vec<f64>, Why> {
             BinaryOp::Mul => both(a, b, |a, b| a * b),
             BinaryOp::Div => both(a, b, |a, b| a / b),
             BinaryOp::Pow => both(a, b, f64::powf),
-            _ => Err(unknown("only + - * / ^ are known here")),
+            _ => Err(unknown("only + - * / ^ are supported")),
         },
         ExprKind::Call { function, args, .. } => {
             match (name_of(function).as_str(), args.as_slice()) {
@@ -80,11 +79,11 @@ fn evaluate(e: &Expr, columns: &Columns, rows: usize) -> Result<Vec<f64>, Why> {
                     Ok(slopes(&of(x)?, &of(y)?, (*n).clamp(1, 10_000) as usize))
                 }
                 _ => Err(unknown(
-                    "only abs(a), sqrt(a), exp(a), log10(a) and slope(y, x, rows) are known here",
+                    "only abs(a), sqrt(a), exp(a), log10(a) and slope(y, x, rows) are supported",
                 )),
             }
         }
-        _ => Err(unknown("only numbers, columns, arithmetic and functions are known here")),
+        _ => Err(unknown("only numbers, columns, arithmetic and functions are supported")),
     }
 }
 
@@ -104,7 +103,7 @@ fn slopes(x: &[f64], y: &[f64], n: usize) -> Vec<f64> {
     (0..x.len()).map(slope).collect()
 }
 
-/// A reference as text, with literal subscripts.
+/// A reference as a string, with literal subscripts.
 pub fn name_of(r: &ComponentRef) -> String {
     let index = |s: &Subscript| match s {
         Subscript::Expr(Expr { kind: ExprKind::Integer(i), .. }) => i.to_string(),

@@ -1,7 +1,7 @@
-//! The model that extends the user's model by what the measures need.
+//! The model that extends the user's model with the variables that measures need.
 //!
-//! Its frame is a text that is always the same but for numbers; the expressions of the measures are put into
-//! its declarations as trees, so that messages about them show what the user wrote.
+//! Its frame is generated source; the expressions of the measures are inserted as syntax trees, so that
+//! diagnostics about them show the user's source.
 
 use std::sync::Arc;
 
@@ -40,10 +40,10 @@ pub fn integral(e: usize) -> String {
 /// Name of the parameter that is 1 once the values of functions are known.
 pub const KNOWN: &str = "'measure: known'";
 
-/// The value of a measure once it is known, and 0 before: nothing is divided by what is not known yet.
+/// The value of a measure once it is known, and 0 before, to avoid divisions by unknown values.
 fn guarded(value: &Expr) -> Expr {
     let of = |kind| Expr { kind, span: value.span };
-    // No Boolean: that would fix the structure.
+    // Not a Boolean: that would be a structural parameter.
     let known = Box::new(of(reference(KNOWN, value.span)));
     let half = Box::new(of(ExprKind::Real(0.5)));
     let condition = of(ExprKind::Binary(BinaryOp::Greater, known, half));
@@ -104,7 +104,7 @@ pub fn file(
                 .or_else(|| of(&measures.conditions, condition))
                 .or_else(|| of_measure().map(|m| Arc::new(guarded(&m.value))))
         });
-        // A measure that collides with a component of the model is shown where the user wrote it.
+        // A measure that collides with a component is reported at the user's source.
         for measure in &measures.list {
             place(&mut whole, measure);
         }
@@ -113,7 +113,7 @@ pub fn file(
     file
 }
 
-/// Reports measures that depend on what moves outside of their functions.
+/// Reports measures that depend on variables outside their functions.
 pub fn check(flat: &FlatModel, measures: &Measures, problems: &mut Problems) {
     for measure in &measures.list {
         let declared = flat.variables.iter().find(|v| v.name == measure.name);
@@ -146,7 +146,7 @@ fn bind(class: &mut Class, value: &dyn Fn(&str) -> Option<Arc<Expr>>) {
     }
 }
 
-/// Gives the declaration of a measure the place of its text.
+/// Gives the declaration of a measure the place of its source.
 fn place(class: &mut Class, measure: &super::text::Measure) {
     let ClassBody::Long(composition) = &mut class.body else { return };
     for element in &mut composition.elements {

@@ -1,4 +1,4 @@
-//! What measures take from a run, and their values after it.
+//! The observation of a run for measures, and their values after it.
 
 use super::error;
 use super::model::{KNOWN, expression, happened, integral, is_internal};
@@ -20,19 +20,19 @@ pub struct Plan {
     measures: Measures,
     /// The variables of the user among those that are recorded: they come first.
     pub shown: usize,
-    /// The parameters that take the values of the functions, and the one that says that they did.
+    /// The parameters that take the values of the functions, and the one that marks them as known.
     values: Vec<VarId>,
     known: Option<VarId>,
     /// The parameters that are the measures.
     results: Vec<VarId>,
-    /// What the run is asked for.
+    /// The extreme values that the run must find.
     extrema: Vec<ExtremumRequest>,
     /// Name and SI unit of each measure.
     pub columns: Vec<Column>,
 }
 
 impl Plan {
-    /// Finds the measures in the program, and has it record what they need besides what it records.
+    /// Finds the measures in the program, and adds the variables that they need to its recorded ones.
     pub fn new(measures: Measures, program: &mut Program, problems: &mut Problems) -> Option<Plan> {
         let variables = &program.blocks.dae.variables;
         let find = |name: &str| variables.enumerate().find(|(_, v)| v.name == name).map(|(v, _)| v);
@@ -70,7 +70,7 @@ impl Plan {
         Some(plan)
     }
 
-    /// Has the program record the variables of the user that `keep` accepts, and what measures need.
+    /// Restricts the recorded variables to those that `keep` accepts and those that measures need.
     pub fn record(&mut self, program: &mut Program, keep: impl Fn(&str) -> bool) {
         let needed = self.needed();
         let own = |name: &str| self.measures.list.iter().any(|m| m.name == name);
@@ -89,7 +89,7 @@ impl Plan {
         self.shown = program.recorded.iter().filter(is_shown).count();
     }
 
-    /// Asks a run for what measures need.
+    /// Adds the needs of the measures to the settings of a run.
     pub fn ask(&self, settings: &mut Settings) {
         settings.extrema.clone_from(&self.extrema);
     }
@@ -111,7 +111,7 @@ impl Plan {
         all
     }
 
-    /// The values of the measures after a run with these settings; none for what never happened.
+    /// The values of the measures after a run with these settings; none for a condition that never held.
     pub fn evaluate(
         &self,
         program: &Program,

@@ -1,4 +1,4 @@
-//! Measures as text, cut into what the functions are of and the arithmetic between them.
+//! Measures, split into the arguments of their functions and the arithmetic between the functions.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub struct Measures {
     pub list: Vec<Measure>,
     /// The functions in them.
     pub functions: Vec<Function>,
-    /// What functions are of.
+    /// Arguments of functions.
     pub expressions: Vec<Expr>,
     /// When something has happened.
     pub conditions: Vec<Expr>,
@@ -36,20 +36,20 @@ pub struct Measures {
 pub struct Measure {
     /// Its name.
     pub name: String,
-    /// Its text behind the `=`.
+    /// Its source after `=`.
     pub text: String,
-    /// The arithmetic; functions stand in it as names of parameters, see [`Measures::value_name`].
+    /// The arithmetic, in which parameters take the place of functions, see [`Measures::value_name`].
     pub value: Arc<Expr>,
     /// Positions of the functions that it needs, those of earlier measures too.
     pub needs: Vec<usize>,
 }
 
-/// A function of a measure: one number from the course of an expression.
+/// A function of a measure: one number from the trajectory of an expression.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Function {
     /// The first time at which a condition is true, s.
     When(usize),
-    /// The value at the begin of the run.
+    /// The value at the start of the run.
     Initial(usize),
     /// The value at the end of the run.
     Final(usize),
@@ -94,7 +94,7 @@ impl Measures {
         all
     }
 
-    /// What the parameter is called that takes the value of a function.
+    /// Name of the parameter that takes the value of a function.
     pub fn value_name(k: usize) -> String {
         format!("'measure: value {k}'")
     }
@@ -144,7 +144,7 @@ impl Measures {
         self.list.push(Measure { name, text, value: Arc::new(value), needs });
     }
 
-    /// Takes the functions out of an expression and leaves names for their values.
+    /// Replaces the functions in an expression by names for their values.
     fn cut(&mut self, e: &mut Expr, needs: &mut Vec<usize>, problems: &mut Problems) {
         if let ExprKind::Ref(r) = &e.kind
             && let Some(earlier) = self.earlier(r)
@@ -194,7 +194,7 @@ impl Measures {
                 }
                 _ => wrong("at(EXPRESSION, TIME), the time in s or as when(CONDITION)"),
             },
-            // With two arguments they are what they are in the language.
+            // With two arguments they are the built-in functions.
             "min" | "max" if !ranged => None,
             "min" | "max" | "integral" | "mean" => {
                 let known = |n: &(Ident, Expr)| matches!(&*n.0.name, "from" | "until");
@@ -280,7 +280,7 @@ impl Measures {
         self.list.iter().position(|m| m.name.as_str() == &*wanted)
     }
 
-    /// What is known after the run only can not stand in what is computed during it.
+    /// Reports values that are known only after the run in expressions that are computed during it.
     fn refuse_values(&self, e: &mut Expr, problems: &mut Problems) {
         match &e.kind {
             ExprKind::Ref(r) => {
@@ -329,7 +329,7 @@ pub(super) fn reference(called: &str, span: Span) -> ExprKind {
     ExprKind::Ref(ComponentRef { global: false, parts: vec![part], span })
 }
 
-/// Calls `visit` with each expression that stands directly in another.
+/// Calls `visit` for each direct subexpression.
 fn for_each_part(e: &mut Expr, visit: &mut dyn FnMut(&mut Expr)) {
     match &mut e.kind {
         ExprKind::Unary(_, a) | ExprKind::Parenthesised(a) | ExprKind::Indexed(a, _) => visit(a),
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn functions_are_told_from_those_of_the_language() {
+    fn functions_are_distinguished_from_built_in_ones() {
         let (all, problems) = read(&[
             "t = when(x > 1)",
             "a = max(x) - min(x, 2)",
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn errors_are_reported() {
         let (_, problems) = read(&[
             "x > 1",
             "a = 1 +",
@@ -413,11 +413,11 @@ mod tests {
             problems,
             [
                 "the measure `x > 1` has no name",
-                "the measure `a = 1 +` is no expression",
+                "the measure `a = 1 +` is not an expression",
                 "`when` does not take these arguments",
-                "`final` can not stand inside of another function of a measure",
+                "`final` cannot occur inside another function of a measure",
                 "there are two measures `t`",
-                "the measure `u` can not stand inside of a function",
+                "the measure `u` cannot occur inside a function",
             ]
         );
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::integrate::options::DEFAULT_MAX_STEPS;
+use crate::integrate::options::{DEFAULT_MAX_STEPS, DEFAULT_RTOL, check_rtol};
 use crate::ir::expr::VarId;
 use crate::ir::flat::Experiment;
 use crate::numeric::time_series::TimeSeries;
@@ -14,8 +14,6 @@ use super::extrema::ExtremumRequest;
 pub const DEFAULT_STOP: f64 = 1.0;
 /// Default number of intervals between rows.
 pub const DEFAULT_INTERVALS: f64 = 500.0;
-/// Default relative tolerance.
-pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
 /// An integration method, or the choice of one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -40,7 +38,7 @@ pub struct Settings {
     pub stop: f64,
     /// Output interval, s; positive.
     pub interval: f64,
-    /// Relative tolerance of a step, dimensionless, between 1e-14 and 1.
+    /// Relative tolerance, see [`Options::rtol`](crate::integrate::options::Options::rtol).
     pub tolerance: f64,
     /// The integration method.
     pub method: Method,
@@ -72,7 +70,7 @@ impl Settings {
             start,
             stop,
             interval: experiment.interval.unwrap_or((stop - start) / DEFAULT_INTERVALS),
-            tolerance: experiment.tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            tolerance: experiment.tolerance.unwrap_or(DEFAULT_RTOL),
             method: Method::default(),
             parameters: Vec::new(),
             starts: Vec::new(),
@@ -94,9 +92,6 @@ impl Settings {
         if (interval.is_nan() || *interval <= 0.0) && stop > start {
             return Some(format!("the interval between rows is {interval} s, not positive"));
         }
-        if !(1e-14..1.0).contains(tolerance) {
-            return Some(format!("the tolerance {tolerance} is not between 1e-14 and 1"));
-        }
-        None
+        check_rtol(*tolerance).err().map(|e| e.to_string())
     }
 }

@@ -1,16 +1,16 @@
-//! Which values the parameters have in which run.
+//! The values of the parameters in each run.
 
 use super::error::SweepError;
 use super::random::Random;
 use super::vary::{Axis, Value};
 
-/// More runs than anybody can wait for.
-const MOST: u64 = 100_000_000;
+/// Largest number of runs.
+const MAX_RUNS: u64 = 100_000_000;
 
 /// The runs of a sweep.
 #[derive(Clone, Debug)]
 pub struct Design {
-    /// What varies.
+    /// The axes.
     pub axes: Vec<Axis>,
     /// Number of runs.
     pub count: u64,
@@ -24,17 +24,17 @@ enum Kind {
         /// Points of each axis.
         counts: Vec<u64>,
     },
-    /// For each axis the part of its range, run by run.
+    /// For each axis its position within the range, from 0 to 1, run by run.
     Sample(Vec<Vec<f64>>),
 }
 
 impl Design {
-    /// All combinations of the values of all axes, as nested loops in their order.
+    /// All combinations of the values of all axes, in the order of nested loops.
     pub fn grid(axes: Vec<Axis>) -> Result<Design, SweepError> {
         distinct(&axes)?;
         let counts = axes.iter().map(Axis::count).collect::<Result<Vec<_>, _>>()?;
         let all = counts.iter().try_fold(1_u64, |all, n| all.checked_mul(*n));
-        let count = all.filter(|n| *n <= MOST).ok_or(SweepError::TooMany { most: MOST })?;
+        let count = all.filter(|n| *n <= MAX_RUNS).ok_or(SweepError::TooMany { max: MAX_RUNS })?;
         Ok(Design { axes, count, kind: Kind::Grid { counts } })
     }
 
@@ -45,13 +45,13 @@ impl Design {
     /// variables in the analysis of output from a computer code*, Technometrics 21 (1979), section 2.2.
     pub fn latin_hypercube(axes: Vec<Axis>, count: u64, seed: u64) -> Result<Design, SweepError> {
         distinct(&axes)?;
-        if count > MOST {
-            return Err(SweepError::TooMany { most: MOST });
+        if count > MAX_RUNS {
+            return Err(SweepError::TooMany { max: MAX_RUNS });
         }
         let parts = |d: usize| {
             let mut random = Random::new(seed, d as u64);
             let strata = random.permutation(count as usize);
-            // Rounding up at the end of the last stratum must not leave it.
+            // Rounding must not leave the stratum at its upper end.
             let below =
                 |x: f64, stratum: usize| x.min(((stratum + 1) as f64 / count as f64).next_down());
             let part = |s: usize| below((s as f64 + random.unit()) / count as f64, s);
@@ -61,7 +61,7 @@ impl Design {
         Ok(Design { axes, count, kind: Kind::Sample(parts) })
     }
 
-    /// The values of the axes in a run; runs count from 0.
+    /// The values of the axes in a run, counted from 0.
     pub fn values(&self, run: u64) -> Vec<Value> {
         match &self.kind {
             Kind::Grid { counts } => {
@@ -106,7 +106,7 @@ mod tests {
     fn numbers(design: &Design, axis: usize) -> Vec<f64> {
         let of = |run| match &design.values(run)[axis] {
             Value::Number(x) => *x,
-            Value::Text(text) => panic!("{text} is no number"),
+            Value::Text(text) => panic!("{text} is not a number"),
         };
         (0..design.count).map(of).collect()
     }
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_sampled_equally_often() {
+    fn discrete_values_are_sampled_equally_often() {
         let design = Design::latin_hypercube(axes(&["a=1,2,3"]), 12, 5).unwrap();
         let all = numbers(&design, 0);
         for level in [1.0, 2.0, 3.0] {

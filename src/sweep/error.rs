@@ -1,4 +1,4 @@
-//! Why a sweep can not begin, or not go on.
+//! Errors of sweeps.
 
 use thiserror::Error;
 
@@ -7,66 +7,66 @@ use crate::io::csv::TableError;
 use crate::io::journal::JournalError;
 use crate::io::records::RecordError;
 
-/// What is wrong with a request, or with a file.
+/// Why a sweep cannot begin or continue.
 #[derive(Error, Debug)]
 pub enum SweepError {
-    /// `--vary` does not say what varies.
+    /// `--vary` cannot be read.
     #[error("`--vary {text}`: {why}; write NAME=FROM:TO:COUNT, NAME=VALUE,VALUE,... or NAME=VALUE")]
     Vary {
-        /// As given.
+        /// The argument.
         text: String,
-        /// What is wrong.
+        /// The reason.
         why: &'static str,
     },
     /// A parameter varies twice.
     #[error("`{0}` varies twice")]
     Twice(String),
-    /// A range without a number of points, and no sample.
+    /// A range has no number of points, and there is no sample.
     #[error(
         "`--vary {0}`: a range FROM:TO needs a number of points, FROM:TO:COUNT, or `--sample lhs:N`"
     )]
     NoCount(String),
-    /// `--sample` is not known.
+    /// `--sample` cannot be read.
     #[error("`--sample {0}`: write lhs:N for a Latin hypercube of N runs")]
     Sample(String),
-    /// More runs than anybody can wait for.
-    #[error("these are more than {most} runs")]
+    /// Too many runs.
+    #[error("more than {max} runs")]
     TooMany {
-        /// The bound.
-        most: u64,
+        /// The limit.
+        max: u64,
     },
-    /// The table has no place for what is to be kept.
-    #[error("the courses of the runs need a folder: `--output DIR`, not a file")]
+    /// Trajectories cannot be kept in a table.
+    #[error("the trajectories of the runs need a folder: `--output DIR`, not a file")]
     NoFolder,
-    /// The table can be of these formats only.
-    #[error("the table of a sweep goes to a folder, to .csv or to .parquet, not to `{0}`")]
+    /// The table cannot have this format.
+    #[error("cannot write the table of a sweep to `{0}`; give a folder, a .csv or a .parquet file")]
     Format(String),
-    /// Another sweep is there.
+    /// The output belongs to another sweep.
     #[error(
-        "{journal} is the journal of another sweep, or of another state of the model; name another output, or begin anew with `--restart`"
+        "{journal} is the journal of another sweep or of an earlier version of the model; name another output, or restart with `--restart`"
     )]
     Other {
         /// Its file.
         journal: String,
     },
-    /// A finished sweep is there.
+    /// The output holds a finished sweep.
     #[error(
-        "there is a sweep at {output} already; name another output, or replace it with `--restart`"
+        "{output} already holds a finished sweep; name another output, or replace it with `--restart`"
     )]
     Finished {
         /// The table.
         output: String,
     },
-    /// The journal can not be used.
+    /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The table can not be written.
+    /// The table cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The course of a run can not be written.
+    /// A trajectory cannot be written.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A file can not be written.
+    /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
 }

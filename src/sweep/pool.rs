@@ -1,22 +1,22 @@
-//! Independent work on several threads, whose results are taken in order as they come.
+//! Independent work on several threads, with results in order.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard};
 
-/// So many results, for each thread, may wait for an earlier one that takes long. This bounds the memory.
-const WAITING: u64 = 64;
+/// Results per thread that may wait for an earlier one. This bounds the memory.
+const MAX_WAITING: u64 = 64;
 
-/// Calls deep in the compiler need a deep stack; of it only what is used takes memory.
+/// Stack size of a thread: the compiler recurses deeply. Only the used part takes memory.
 const STACK: usize = 1 << 30;
 
-/// Cores to work on.
+/// Number of cores.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
-/// Gives `take` the results of `work` for all of `runs`, in order, on at most `jobs` threads. Ends early when
-/// `work` has no result, for which it must have a reason, or `take` returns false.
+/// Passes the results of `work` for all of `runs` to `take`, in order, on at most `jobs` threads. Ends early if
+/// `work` returns `None` or `take` returns false.
 pub fn in_order<T: Send>(
     jobs: usize,
     runs: Range<u64>,
@@ -38,7 +38,7 @@ pub fn in_order<T: Send>(
                 started += 1;
             }
         }
-        // Whatever happens in `take`, threads that wait must not wait for ever.
+        // If `take` panics, waiting threads must still be released.
         let _over = Over(&shared);
         if started == 0 {
             return one_by_one(runs.clone(), &work, &mut take);
@@ -66,9 +66,9 @@ fn one_by_one<T>(
 }
 
 struct State<T> {
-    /// The next run that nobody works on.
+    /// The next run that no thread works on.
     next: u64,
-    /// All before this one are taken.
+    /// All runs before this one are taken.
     taken: u64,
     done: BTreeMap<u64, T>,
     over: bool,
@@ -79,7 +79,7 @@ struct Shared<T> {
     changed: Condvar,
 }
 
-/// Dropped, it ends the work.
+/// Ends the work when dropped.
 struct Over<'a, T>(&'a Shared<T>);
 
 impl<T> Drop for Over<'_, T> {
@@ -99,19 +99,21 @@ impl<T> Shared<T> {
         self.changed.wait(state).unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// One thread: run after run.
+    /// The work of one thread, run after run.
     fn work(&self, end: u64, jobs: u64, work: &(impl Fn(u64) -> Option<T> + Sync)) {
-        // A panic in the work is a bug of mocc; the others must hear of it.
+        // If the work panics, the other threads must be notified.
         let mut over = Some(Over(self));
         loop {
             let run = {
                 let mut state = self.lock();
-                while !state.over && state.next < end && state.next >= state.taken + WAITING * jobs
+                while !state.over
+                    && state.next < end
+                    && state.next >= state.taken + MAX_WAITING * jobs
                 {
                     state = self.wait(state);
                 }
                 if state.over || state.next >= end {
-                    // The others have work still.
+                    // The other threads still have work.
                     std::mem::forget(over.take());
                     return;
                 }
@@ -124,7 +126,7 @@ impl<T> Shared<T> {
         }
     }
 
-    /// Waits for a result; none if there will be none.
+    /// Waits for a result; `None` if the work has ended.
     fn result_of(&self, run: u64) -> Option<T> {
         let mut state = self.lock();
         loop {
@@ -186,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_no_deadlock() {
+    fn a_panic_does_not_deadlock() {
         let outcome = std::panic::catch_unwind(|| {
             in_order(
                 2,

@@ -26,9 +26,9 @@ pub struct Sweep<'a> {
     pub design: &'a Design,
     /// The programs.
     pub variants: &'a Variants,
-    /// What all runs choose.
+    /// Settings of all runs.
     pub settings: Settings,
-    /// Folder for the courses of the runs, if they are kept.
+    /// Folder for the trajectories of the runs, if they are kept.
     pub traces: Option<PathBuf>,
     /// Names and units of the measures.
     pub measures: Vec<Column>,
@@ -36,7 +36,7 @@ pub struct Sweep<'a> {
     pub jobs: usize,
 }
 
-/// What came of a run.
+/// The outcome of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Outcome {
     /// The measures, or why the run failed.
@@ -82,13 +82,13 @@ impl Sweep<'_> {
         all
     }
 
-    /// Runs what the journal does not hold yet. `heed` is called with the number of runs that are done; `stop` ends
+    /// Performs the runs that the journal does not hold yet. `on_progress` is called with the number of finished runs; `stop` ends
     /// the sweep within a step of each run. False if it was ended.
     pub fn run(
         &self,
         journal: &mut Journal,
         stop: &(dyn Fn() -> bool + Sync),
-        mut heed: impl FnMut(u64),
+        mut on_progress: impl FnMut(u64),
     ) -> Result<bool, SweepError> {
         let mut trouble = None;
         let rest = journal.lines..self.design.count;
@@ -102,7 +102,7 @@ impl Sweep<'_> {
                     journal.push(&line(&cells)).map_err(SweepError::from)
                 });
                 trouble = pushed.err();
-                heed(k + 1);
+                on_progress(k + 1);
                 trouble.is_none()
             },
         );
@@ -137,7 +137,7 @@ impl Sweep<'_> {
         let mut settings = self.settings.clone();
         settings.execution = compiled.execution.clone();
         if !self.variants.set(program, values, &mut settings) {
-            let why = "a parameter is no parameter any more with these values".to_owned();
+            let why = "with these values, a varied parameter no longer exists".to_owned();
             return Some(Ok(Outcome { measures: Err(why), steps: 0, events: 0 }));
         }
         compiled.plan.ask(&mut settings);
@@ -173,7 +173,7 @@ impl Sweep<'_> {
         }))
     }
 
-    /// The file for the course of a run.
+    /// The file for the trajectory of a run.
     fn trace(&self, k: u64, compiled: &Compiled) -> Result<Option<Results>, TableError> {
         let Some(folder) = &self.traces else { return Ok(None) };
         let shown = compiled.plan.shown;
@@ -232,7 +232,7 @@ impl Sweep<'_> {
     }
 }
 
-/// The file of the course of a run.
+/// The file of the trajectory of a run.
 pub fn trace_path(folder: &Path, k: u64) -> PathBuf {
     folder.join(format!("{:05}.csv", k + 1))
 }

@@ -1,4 +1,4 @@
-//! The programs of a sweep: one for all parameters that are inputs, and one for each value of what the
+//! The programs of a sweep: one for all parameters that are inputs, and one for each value of a structural
 //! structure of the model depends on.
 
 use std::sync::{Arc, Mutex, OnceLock};
@@ -6,23 +6,23 @@ use std::sync::{Arc, Mutex, OnceLock};
 use super::vary::{Axis, Value};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::SourceMap;
-use crate::driver::compile::{Request, Session, Wrong};
+use crate::driver::compile::{CompileError, Request, Session};
 use crate::ir::expr::{Type, VarId};
 use crate::ir::program::Program;
 use crate::measure::observe::Plan;
 use crate::runtime::jit::tiering::Execution;
 use crate::simulate::settings::Settings;
 
-/// So many programs are kept: more only if more are in use.
+/// Programs to keep; more only while more are in use.
 const KEPT: usize = 16;
 
-/// What is compiled.
+/// The model of a sweep.
 pub struct Model {
-    /// The model and what is set for all runs.
+    /// The model and the settings of all runs.
     pub request: Request,
-    /// Texts of measures.
+    /// Sources of measures.
     pub measures: Vec<String>,
-    /// Variables of the user whose course is kept.
+    /// Variables whose trajectories are kept.
     pub keep: Option<Keep>,
 }
 
@@ -33,11 +33,11 @@ pub type Keep = Arc<dyn Fn(&str) -> bool + Send + Sync>;
 pub struct Compiled {
     /// The code.
     pub program: Program,
-    /// What is taken of each run.
+    /// The measures.
     pub plan: Plan,
-    /// The texts, for messages.
+    /// The sources, for messages.
     pub sources: SourceMap,
-    /// How it is run.
+    /// Interpreted or compiled to machine code.
     pub execution: Execution,
 }
 
@@ -71,7 +71,11 @@ struct Kept {
 
 impl Model {
     /// The program with further settings.
-    pub fn compile(&self, settings: &[String], session: &mut Session) -> Result<Compiled, Wrong> {
+    pub fn compile(
+        &self,
+        settings: &[String],
+        session: &mut Session,
+    ) -> Result<Compiled, CompileError> {
         let mut request = self.request.clone();
         request.settings.extend_from_slice(settings);
         let (mut program, mut plan) = session.compile_measured(&request, &self.measures)?;
@@ -94,7 +98,7 @@ impl Variants {
         let entries: Vec<Entry> = axes.iter().map(|axis| entry(&base.program, axis)).collect();
         let names = axes.iter().map(|a| a.name.clone()).collect();
         let mut base = base;
-        if runs > FEW && !entries.contains(&Entry::Structure) {
+        if runs > FEW_RUNS && !entries.contains(&Entry::Structure) {
             base.execution = Execution::translated(&base.program);
         }
         Variants { model, names, entries, base: Arc::new(base), others: Mutex::new(Vec::new()) }
@@ -121,7 +125,7 @@ impl Variants {
         outcome.get_or_init(compile).clone()
     }
 
-    /// What the program of a run must be compiled with, besides what is set for all.
+    /// The settings with which the program of a run must be compiled, besides those of all runs.
     pub fn settings(&self, values: &[Value]) -> Vec<String> {
         let all = self.names.iter().zip(values).zip(&self.entries);
         all.filter(|(_, entry)| **entry == Entry::Structure)
@@ -148,7 +152,7 @@ impl Variants {
         true
     }
 
-    /// The SI unit of what an axis varies; empty if it is not known.
+    /// The SI unit of an axis; empty if it is not known.
     pub fn unit(&self, axis: usize) -> String {
         let program = &self.base.program;
         let name = &self.names[axis];
@@ -175,8 +179,8 @@ impl Variants {
     }
 }
 
-/// Up to so many runs are not worth a translation to machine code.
-const FEW: u64 = 4;
+/// Number of runs up to which compiling to machine code does not pay.
+const FEW_RUNS: u64 = 4;
 
 fn entry(program: &Program, axis: &Axis) -> Entry {
     let variables = &program.blocks.dae.variables;
@@ -207,7 +211,7 @@ fn start(program: &Program, name: &str) -> Option<VarId> {
 /// The first error of a session, in one line.
 pub fn first_error(session: &Session) -> String {
     let error = session.problems.iter().find(|d| d.severity == Severity::Error);
-    error.map_or_else(|| "it can not be compiled".to_owned(), |d| in_one_line(d, &session.sources))
+    error.map_or_else(|| "cannot be compiled".to_owned(), |d| in_one_line(d, &session.sources))
 }
 
 /// A message with code and place, in one line.

@@ -1,4 +1,4 @@
-//! What varies: `p_supply=2e5:9e5:8`, `t_dwell=1,30,3600`, `friction_law=Friction.Kind.LuGre`.
+//! The axes of a sweep: `p_supply=2e5:9e5:8`, `t_dwell=1,30,3600`, `friction_law=Friction.Kind.LuGre`.
 
 use super::error::SweepError;
 
@@ -7,7 +7,7 @@ use super::error::SweepError;
 pub struct Axis {
     /// Dotted name.
     pub name: String,
-    /// As given.
+    /// The argument.
     pub text: String,
     /// Its values.
     pub values: Values,
@@ -16,7 +16,7 @@ pub struct Axis {
 /// The values of a parameter.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Values {
-    /// Evenly from one number to another, both included; without a number of points it can only be sampled.
+    /// Evenly spaced between two numbers, both included; without a number of points it can only be sampled.
     Range {
         /// First value, SI.
         from: f64,
@@ -25,7 +25,7 @@ pub enum Values {
         /// Points, at least two.
         count: Option<u64>,
     },
-    /// These.
+    /// A list.
     Levels(Vec<Value>),
 }
 
@@ -34,12 +34,12 @@ pub enum Values {
 pub enum Value {
     /// A number, SI.
     Number(f64),
-    /// Another expression of the language: `true`, a literal of an enumeration, an array.
+    /// Another Modelica expression: `true`, a literal of an enumeration, an array.
     Text(String),
 }
 
 impl Value {
-    /// As an expression of the language. A whole number is one that an Integer takes.
+    /// As a Modelica expression; an integral number can be assigned to an Integer.
     pub fn expression(&self) -> String {
         const EXACT: f64 = 9_007_199_254_740_992.0;
         match self {
@@ -61,10 +61,10 @@ impl Axis {
     /// Reads `NAME=VALUES`.
     pub fn read(text: &str) -> Result<Axis, SweepError> {
         let wrong = |why| SweepError::Vary { text: text.to_owned(), why };
-        let (name, values) = text.split_once('=').ok_or_else(|| wrong("there is no `=`"))?;
+        let (name, values) = text.split_once('=').ok_or_else(|| wrong("`=` is missing"))?;
         let (name, values) = (name.trim(), values.trim());
         if name.is_empty() {
-            return Err(wrong("there is no name"));
+            return Err(wrong("the name is missing"));
         }
         let items = items(values);
         if items.iter().any(|item| item.is_empty()) {
@@ -102,7 +102,7 @@ impl Axis {
         }
     }
 
-    /// The value at this part of the range; of levels each has an equal part.
+    /// The value at a position within the range, from 0 to 1; each item of a list has an equal part.
     pub fn at(&self, part: f64) -> Value {
         match &self.values {
             Values::Range { from, to, .. } => Value::Number(from + (to - from) * part),
@@ -112,7 +112,7 @@ impl Axis {
         }
     }
 
-    /// All values are numbers.
+    /// Whether all values are numbers.
     pub fn is_numeric(&self) -> bool {
         match &self.values {
             Values::Range { .. } => true,
@@ -121,7 +121,7 @@ impl Axis {
     }
 }
 
-/// What stands between commas outside of brackets.
+/// The items between commas outside brackets.
 fn items(text: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut depth = 0;
@@ -144,7 +144,7 @@ fn items(text: &str) -> Vec<String> {
 
 fn range(text: &str) -> Result<Values, &'static str> {
     let number = |part: &str| {
-        part.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or("its ends are no numbers")
+        part.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or("its ends are not numbers")
     };
     let parts: Vec<&str> = text.split(':').collect();
     let (from, to, count) = match parts.as_slice() {
@@ -154,10 +154,10 @@ fn range(text: &str) -> Result<Values, &'static str> {
             (
                 number(from)?,
                 number(to)?,
-                Some(count.ok_or("the number of points is not 2 or more")?),
+                Some(count.ok_or("the number of points must be 2 or more")?),
             )
         }
-        _ => return Err("it is no range"),
+        _ => return Err("not a range"),
     };
     Ok(Values::Range { from, to, count })
 }
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_written_as_the_language_reads_them() {
+    fn numbers_are_written_as_modelica_expressions() {
         let text = |x| Value::Number(x).expression();
         assert_eq!(
             (text(3.0), text(-2e5), text(0.25), text(1e300)),
@@ -199,12 +199,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_axis_is_refused() {
+    fn malformed_axes_are_rejected() {
         let why = |text: &str| Axis::read(text).unwrap_err().to_string();
-        assert!(why("p").contains("no `=`"));
-        assert!(why("=1").contains("no name"));
+        assert!(why("p").contains("`=` is missing"));
+        assert!(why("=1").contains("name is missing"));
         assert!(why("p=1:2:1").contains("2 or more"));
-        assert!(why("p=1:x:3").contains("no numbers"));
+        assert!(why("p=1:x:3").contains("not numbers"));
         assert!(why("p=1,,2").contains("a value is missing"));
         assert!(Axis::read("p=1:2").unwrap().count().unwrap_err().to_string().contains("lhs:N"));
     }

@@ -243,7 +243,9 @@ fn two_parameters_of_one_effect_are_named_together() {
     let (found, _) = calibrate(&scratch);
     assert_eq!(
         found["not_determined"],
-        serde_json::json!(["the data determine `k * unseen` only, not `k` and `unseen` apart"])
+        serde_json::json!([
+            "the data determine only `k * unseen`, not `k` and `unseen` separately"
+        ])
     );
 }
 
@@ -256,7 +258,7 @@ fn a_parameter_at_its_bound_says_so() {
     assert!(ended.out.contains("at its bound"), "{}", ended.out);
 }
 
-/// Some rows out of order, some values missing, and an interval without rows: fitted all the same, and said.
+/// Rows out of order, missing values and a gap are repaired and reported.
 #[test]
 fn recordings_are_repaired() {
     let scratch = stand(DECAY, PLAN);
@@ -271,8 +273,8 @@ fn recordings_are_repaired() {
     insta::assert_snapshot!(
         found["repairs"].as_array().expect("a list").iter().filter_map(Value::as_str).collect::<Vec<_>>().join("\n"),
         @r"
-        ./1.csv:32: 1 row left out because the time does not rise
-        ./1.csv:51: 2 values left out, not numbers
+        ./1.csv:32: 1 row skipped: the time does not increase
+        ./1.csv:51: 2 values skipped: not a number
         ./1.csv: nothing was recorded for 4.100e-1 s
         "
     );
@@ -301,7 +303,7 @@ fn bad_plans_and_recordings_are_refused_with_place_and_remedy() {
     let cases = [
         ("a column is missing", refused("1.csv", "x_mm", "x_m")),
         ("a column of the table is missing", refused("plan.toml", "\"split\"", "\"splits\"")),
-        ("a unit that is not known", refused("plan.toml", "\"mm\"", "\"mn\"")),
+        ("an unknown unit", refused("plan.toml", "\"mm\"", "\"mn\"")),
         ("a variable that is not there", refused("plan.toml", "\"x\"", "\"xx\"")),
         ("a parameter that is not there", refused("plan.toml", "k          =", "kk =")),
         ("no noise", refused("plan.toml", "sigma = 10", "sigma = 0")),
@@ -363,7 +365,7 @@ fn the_smaller_valve_is_explained_to_the_noise_of_its_sensors() {
     assert!(train <= 1.02 && validation <= 1.10, "{train} {validation}");
 }
 
-/// SIGINT ends the search after its step; what was found is written.
+/// SIGINT ends the fit after its step; the results so far are written.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_search_writes_what_it_has() {
@@ -376,7 +378,7 @@ fn an_interrupted_search_writes_what_it_has() {
     command.current_dir(scratch.path()).args(["calibrate", &plan, "--out", "out"]);
     let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let running = running.expect("mocc starts");
-    // The folder is made after the handler.
+    // The folder is created after the handler.
     while !scratch.path().join("out").exists() {
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -392,7 +394,7 @@ fn an_interrupted_search_writes_what_it_has() {
     assert_eq!((&found["complete"], &found["converged"]), (&false.into(), &false.into()));
     assert_eq!(found["parameters"].as_array().map(Vec::len), Some(12));
     let model = std::fs::read_to_string(scratch.path().join("out/valve32_calibrated.mol"));
-    assert!(model.expect("a model").contains("the search was interrupted"));
+    assert!(model.expect("a model").contains("the fit was interrupted"));
 }
 
 /// `cargo test --release the_larger_valve -- --ignored`

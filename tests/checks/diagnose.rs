@@ -147,9 +147,9 @@ fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
     assert_eq!(ended.status, 0, "{}", ended.err);
     let page = std::fs::read_to_string(scratch.path().join("out/diagnosis.html")).expect("a page");
     assert!(page.contains("Effects.QuadraticDrag"));
-    // What was added stands there as a difference, and what is left of each recording beside it.
+    // The page shows the additions as a difference, and the residuals of each recording.
     assert!(page.contains("<span class=\"plus\">+model Swing_with_QuadraticDrag "));
-    assert!(!page.contains("class=\"minus\""), "nothing of the original was taken away");
+    assert!(!page.contains("class=\"minus\""), "nothing of the original was removed");
     assert!(page.contains("id=\"residual-0\"") && page.contains("\"name\":\"after\""));
 }
 
@@ -218,10 +218,7 @@ fn refused(file: &str, old: &str, new: &str) -> String {
 fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
     let cases = [
         ("a column is missing", refused("1.csv", "t,s", "t,x")),
-        (
-            "a unit that is not known",
-            refused("plan.toml", "unit = \"m\", sigma", "unit = \"mn\", sigma"),
-        ),
+        ("an unknown unit", refused("plan.toml", "unit = \"m\", sigma", "unit = \"mn\", sigma")),
         ("a variable that is not there", refused("plan.toml", "mass.s", "mass.x")),
         ("a parameter that is not there", refused("plan.toml", "c = {}", "cc = {}")),
         ("no noise", refused("plan.toml", "sigma = 5e-4", "sigma = 0")),
@@ -239,7 +236,7 @@ fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
     insta::assert_snapshot!(said.join("\n"));
 }
 
-/// Values that are no numbers, a gap and rows out of order are repaired, which is said; a free parameter
+/// Values that are not numbers, a gap and rows out of order are repaired and reported; a free parameter
 /// that affects nothing does not keep the drag from being found.
 #[test]
 fn recordings_are_repaired_and_idle_parameters_borne() {

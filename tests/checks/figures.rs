@@ -53,8 +53,10 @@ fn what_a_table_does_not_have_is_said() {
         ended.err
     };
     assert!(said(&["--x", "t: t_s", "--y", "x: time"]).contains("no columns for `t`"));
-    assert!(said(&["--x", "t: time", "--y", "x: b"]).contains("no table has what a panel shows"));
-    assert!(said(&["--x", "t: time", "--y", "x: sin(time)"]).contains("are known here"));
+    assert!(
+        said(&["--x", "t: time", "--y", "x: b"]).contains("no table has the columns of a panel")
+    );
+    assert!(said(&["--x", "t: time", "--y", "x: sin(time)"]).contains("are supported"));
     assert!(said(&["--x", "t: time", "--y", "time"]).contains("TEXT: FORMULA"));
-    assert!(said(&["--x", "t: time", "--y", "x: 1 +"]).contains("is no formula"));
+    assert!(said(&["--x", "t: time", "--y", "x: 1 +"]).contains("is not a formula"));
 }

@@ -171,9 +171,9 @@ fn plans_that_can_not_drive_a_model_are_refused_with_place_and_remedy() {
     let of_plan = [
         ("an input that is not there", "input = \"u\"", "input = \"w\""),
         ("a parameter is no input", "input = \"u\"", "input = \"k\""),
-        ("an interpolation that is not known", "\"linear\"", "\"cubic\""),
+        ("an unknown interpolation", "\"linear\"", "\"cubic\""),
         ("a column that is not there", "u_V = {", "v_V = {"),
-        ("a unit that is not known", "input = \"u\", unit = \"V\"", "input = \"u\", unit = \"Vo\""),
+        ("an unknown unit", "input = \"u\", unit = \"V\"", "input = \"u\", unit = \"Vo\""),
         ("a start of nothing", "\"start(x)\"", "\"start(y)\""),
         ("a start from a column that is not there", "column = \"x_V\"", "column = \"x_mV\""),
         ("a start that is free", "[free]\n", "[free]\n\"start(x)\" = {}\n"),
@@ -189,7 +189,7 @@ fn plans_that_can_not_drive_a_model_are_refused_with_place_and_remedy() {
         ("a part without rows", "file = \"run.csv\"", "file = \"run.csv\"\nfrom = 17"),
         ("a begin longer than the windows", "[data]", "window = 0.5\nskip = 0.7\n[data]"),
         ("a file that is not there", "file = \"run.csv\"", "file = \"ran.csv\""),
-        ("a split that is not known", "file = \"run.csv\"", "file = \"run.csv\"\nsplit = \"both\""),
+        ("an unknown split", "file = \"run.csv\"", "file = \"run.csv\"\nsplit = \"both\""),
         ("no noise", "sigma = 1e-3", "sigma = 0"),
         ("noise of a smoothed column", "sigma = 1e-3", "smooth = 0.5"),
         (
@@ -240,9 +240,9 @@ fn recordings_that_drive_are_repaired() {
         assert_eq!(
             repairs,
             [
-                "./run.csv:32: 1 row left out because the time does not rise",
-                "./run.csv: 1 row left out, of the same instant as the row before",
-                "./run.csv:21: 1 value left out, not numbers",
+                "./run.csv:32: 1 row skipped: the time does not increase",
+                "./run.csv: 1 row skipped: same time as the row before",
+                "./run.csv:21: 1 value skipped: not a number",
                 "./run.csv: nothing was recorded for 8.200e-1 s",
             ]
         );

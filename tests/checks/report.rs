@@ -396,9 +396,9 @@ fn what_is_wrong_is_said() {
         (&["--run", "a: k"], "`k` in the run `a: k` is not an override"),
         (&["--run", "a: k=1", "--run", "a: k=2"], "two runs have the label `a`"),
         (&["--run", "a: q=1"], "no parameter `q`"),
-        (&["--data", "seen.csv"], "no column is called like a variable"),
+        (&["--data", "seen.csv"], "no column is named like a variable"),
         (&["--data", "seen.csv", "--signal", "y=z:1"], "the model has no variable `z`"),
-        (&["--signal", "y=x:furlong"], "the unit `furlong` is not known"),
+        (&["--signal", "y=x:furlong"], "unknown unit `furlong`"),
         (&["--show", "z"], "there is no variable `z`"),
     ];
     for (arguments, message) in cases {

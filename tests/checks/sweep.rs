@@ -126,7 +126,7 @@ fn a_failure_has_a_row_and_does_not_stop_the_rest() {
     let (folder, ended) = sweep(DECAY, &arguments);
     assert_eq!(ended.status, 0, "{}", ended.err);
     assert!(
-        ended.out.contains("3 runs, 1 failed") && ended.out.contains("is 2: "),
+        ended.out.contains("3 runs, 1 failed") && ended.out.contains("run 2: "),
         "{}",
         ended.out
     );
@@ -276,7 +276,7 @@ fn what_is_wrong_with_the_request_is_said_at_once() {
     let wrong = said(&["--measure", "a = max(y)"]);
     assert!(wrong.contains("`y` is not declared") && wrong.contains("a = max(y)"), "{wrong}");
     let wrong = said(&["--measure", "a = 2*x[1]"]);
-    assert!(wrong.contains("`a` is no single number") && wrong.contains("final(e)"), "{wrong}");
+    assert!(wrong.contains("`a` is not a single number") && wrong.contains("final(e)"), "{wrong}");
 }
 
 #[test]

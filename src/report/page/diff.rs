@@ -1,14 +1,14 @@
-//! What differs between two texts, line by line, as people read it.
+//! The unified difference of two texts.
 //!
 //! A longest common subsequence by dynamic programming: J. W. Hunt, M. D. McIlroy, "An algorithm for
 //! differential file comparison", Bell Laboratories 1976.
 
 use crate::report::markup::escaped;
 
-/// Lines around a change that are shown.
+/// Lines of context around a change.
 const CONTEXT: usize = 3;
 
-/// A line of both texts, of the first only, or of the second only.
+/// A line of both texts, of the first, or of the second.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Edit<'a> {
     Same(&'a str),
@@ -47,7 +47,7 @@ pub fn unified(before: &str, after: &str) -> String {
 
 fn edits<'a>(before: &'a str, after: &'a str) -> Vec<Edit<'a>> {
     let (a, b): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
-    // What both begin with needs no table.
+    // A common prefix needs no table.
     let head = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
     let (rest_a, rest_b) = (&a[head..], &b[head..]);
     let width = rest_b.len() + 1;

@@ -1,4 +1,4 @@
-//! The report of a model and its runs.
+//! The report on a model and its runs.
 
 use crate::base::index::FastMap;
 use crate::base::source::Span;
@@ -13,14 +13,15 @@ use super::columns::{Arrays, columns};
 use super::figure::scale_of;
 use super::frame::{Page, facts};
 use super::parameters::{Parameter, Value, holder, shown, tables};
-use super::spool::{Known, spool};
+use super::spool::{Known, Spool, spool};
+use super::view::View;
 
-/// Parameters that are told when the pointer rests on a component.
-const TOLD: usize = 12;
-/// Levels of the diagram that are drawn: beyond, the page would be mostly that.
+/// Parameters in the tooltip of a component.
+const IN_TOOLTIP: usize = 12;
+/// Largest number of diagrams in a page.
 const MOST_LEVELS: usize = 120;
 
-/// Everything that a report tells.
+/// The content of a report.
 pub struct Document<'a> {
     /// Full name of the model.
     pub model: String,
@@ -30,19 +31,21 @@ pub struct Document<'a> {
     pub version: &'a str,
     /// The command that made the page.
     pub command: String,
-    /// What the model is put together from.
+    /// The component tree of the model.
     pub assembly: &'a Assembly,
+    /// Roles for the animation of moving parts.
+    pub view: View,
     /// `file:line:column` of a place, empty where there is none.
     pub place: &'a dyn Fn(Span) -> String,
-    /// Path and text of each file that was read, the model's own first.
+    /// Path and content of each source file, the model's own first.
     pub texts: Vec<(String, String)>,
     /// All parameters, in order of declaration.
     pub parameters: Vec<Parameter>,
     /// The runs, all with the same columns.
     pub runs: Vec<RunPart>,
-    /// What was measured.
+    /// The recorded signals.
     pub measured: Vec<Measured>,
-    /// Variables that are shown at first.
+    /// Variables that are shown initially.
     pub show: Vec<String>,
     /// Remarks, such as that a run was interrupted.
     pub remarks: Vec<String>,
@@ -50,21 +53,21 @@ pub struct Document<'a> {
 
 /// A run.
 pub struct RunPart {
-    /// How it is called.
+    /// Its label.
     pub label: String,
-    /// What it recorded.
+    /// Its results.
     pub trajectory: Trajectory,
-    /// What is known of its columns.
+    /// Aliases and constants among its columns.
     pub column_storage: Vec<ColumnStorage>,
-    /// Statistics in words.
+    /// Statistics, as names and values.
     pub facts: Vec<(String, String)>,
 }
 
 /// A recorded signal.
 pub struct Measured {
-    /// How it is called.
+    /// Its label.
     pub label: String,
-    /// The variable that it is.
+    /// The variable that it measures.
     pub variable: String,
     /// Instants, s.
     pub time: Vec<f64>,
@@ -124,10 +127,7 @@ pub fn html(doc: &Document<'_>) -> String {
     page.finish()
 }
 
-fn found_spool(
-    doc: &Document<'_>,
-    variables: &FastMap<&str, usize>,
-) -> Option<super::spool::Spool> {
+fn found_spool(doc: &Document<'_>, variables: &FastMap<&str, usize>) -> Option<Spool> {
     let first = |p: &Parameter| p.values.first().cloned();
     let mut numbers: FastMap<&str, f64> = FastMap::default();
     let mut literals: FastMap<&str, String> = FastMap::default();
@@ -145,7 +145,8 @@ fn found_spool(
         let all = doc.runs.iter().flat_map(|r| r.trajectory.data[k].iter());
         all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)))
     };
-    let known = Known { variables, numbers: &numbers, literals: &literals, range: &range };
+    let known =
+        Known { view: &doc.view, variables, numbers: &numbers, literals: &literals, range: &range };
     spool(doc.assembly, &known)
 }
 
@@ -165,9 +166,9 @@ fn diagrams(doc: &Document<'_>) -> String {
                 p.values.first().map(|v| shown(v, &p.unit, &p.display_unit)).unwrap_or_default();
             format!("{short} = {value} {unit}").trim_end().to_owned()
         };
-        let mut lines: Vec<String> = own.iter().take(TOLD).map(told).collect();
-        if own.len() > TOLD {
-            lines.push(format!("and {} more", own.len() - TOLD));
+        let mut lines: Vec<String> = own.iter().take(IN_TOOLTIP).map(told).collect();
+        if own.len() > IN_TOOLTIP {
+            lines.push(format!("and {} more", own.len() - IN_TOOLTIP));
         }
         lines
     };
@@ -199,7 +200,7 @@ fn diagrams(doc: &Document<'_>) -> String {
             n => format!("<p>The model has {n} components; up to {MOST_PARTS} are drawn.</p>\n"),
         });
     } else {
-        out.insert_str(0, "<p class=\"hint\">Point at a box or a line for details. Click a box with a double frame to open it.</p>\n<p id=\"crumbs\" class=\"crumbs\" hidden></p>\n");
+        out.insert_str(0, "<p class=\"hint\">Point at a box or a line to identify it. A box with a double frame can be opened.</p>\n<p id=\"crumbs\" class=\"crumbs\" hidden></p>\n");
     }
     out
 }
@@ -215,7 +216,7 @@ fn events(doc: &Document<'_>, link: &dyn Fn(&str) -> String) -> String {
             list.len()
         ));
         if !list.is_empty() {
-            out.push_str("<table class=\"events\"><thead><tr><th>time, s</th><th class=\"l\">event</th><th class=\"l\">source</th></tr></thead>\n<tbody>");
+            out.push_str("<table class=\"events\"><thead><tr><th>time, s</th><th class=\"l\">event</th><th class=\"l\">written at</th></tr></thead>\n<tbody>");
             for e in list {
                 out.push_str(&format!(
                     "<tr data-time=\"{:?}\" tabindex=\"0\"><td>{:.9}</td><td class=\"l\"><code>{}</code></td><td class=\"l place\">{}</td></tr>\n",
@@ -272,7 +273,7 @@ fn texts(doc: &Document<'_>) -> String {
     out
 }
 
-/// A place as a link to the text in the page.
+/// A place as a link to the source in the page.
 fn linked(place: &str, texts: &[(String, String)]) -> String {
     let mut parts = place.rsplitn(3, ':');
     let (_, line, path) = (parts.next(), parts.next(), parts.next());
@@ -290,7 +291,7 @@ fn linked(place: &str, texts: &[(String, String)]) -> String {
     }
 }
 
-/// Variables, runs and what was measured, for the scripts.
+/// Variables, runs and recordings, for the scripts.
 fn data(doc: &Document<'_>) -> Json {
     let mut arrays = Arrays::default();
     let runs: Vec<Json> = doc

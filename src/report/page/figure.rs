@@ -10,20 +10,20 @@ use crate::report::scale;
 pub enum Stroke {
     /// A line.
     Line,
-    /// Dots, for what was measured.
+    /// Dots, for measurements.
     Points,
 }
 
 /// A curve; SI units.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Abscissae, not decreasing.
     pub x: Vec<f64>,
     /// Ordinates; NaN where there is none.
     pub y: Vec<f64>,
-    /// How it is drawn.
+    /// Line or dots.
     pub stroke: Stroke,
     /// Position in the list of colours.
     pub colour: usize,
@@ -32,24 +32,24 @@ pub struct Curve {
 /// Curves over one vertical axis.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// What its axis says.
+    /// The label of its axis.
     pub label: String,
     /// SI unit.
     pub unit: String,
-    /// Unit that the model wants shown, if any.
+    /// Display unit of the model, if any.
     pub display_unit: String,
     /// The curves.
     pub curves: Vec<Curve>,
-    /// Height of the area of its curves, px; as usual if not given.
+    /// Height of the area of its curves, px; a default if not given.
     pub height: Option<u32>,
 }
 
-/// The element of a figure over time, which the script finds by its class. `id` is unique in the page.
+/// The element of a figure over time, found by the script by its class. `id` is unique in the page.
 pub fn figure(id: &str, panels: &[Panel]) -> String {
     figure_over(id, ("time", "s"), panels)
 }
 
-/// The same over something else: its name and its SI unit.
+/// The same over another abscissa, given by its name and SI unit.
 pub fn figure_over(id: &str, (abscissa, unit): (&str, &str), panels: &[Panel]) -> String {
     let mut arrays = Arrays::default();
     let mut known: Vec<(&[f64], usize)> = Vec::new();

@@ -23,13 +23,13 @@ impl Page {
         Page { title: title.to_owned(), body, data, script: CHART.to_owned() }
     }
 
-    /// Adds markup; texts of models in it are escaped.
+    /// Adds markup; strings of models must be escaped.
     pub fn add(&mut self, markup: &str) -> &mut Self {
         self.body.push_str(markup);
         self
     }
 
-    /// Adds a heading with what stands below it.
+    /// Adds a section with a heading.
     pub fn section(&mut self, id: &str, heading: &str, markup: &str) -> &mut Self {
         let heading = escaped(heading);
         self.add(&format!(
@@ -49,9 +49,9 @@ impl Page {
         self
     }
 
-    /// The text of the page.
+    /// The page.
     pub fn finish(&self) -> String {
-        // In one pass: what is put in may hold the names of other places.
+        // In one pass: inserted text may contain the names of other placeholders.
         let mut out = String::new();
         let mut rest = SKELETON;
         while let Some((before, after)) = rest.split_once('{') {
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_put_in_cannot_change_the_skeleton() {
+    fn inserted_text_cannot_change_the_skeleton() {
         let mut page = Page::new("a {script} </title>");
         page.add("<p>{title}</p>").data("x", &Json::text("</script><script>alert(1)"));
         let text = page.finish();

@@ -1,8 +1,8 @@
-//! Pages of HTML that need nothing else: one skeleton, one style sheet and one script for charts,
-//! which reports, calibrations and diagnoses share.
+//! Self-contained HTML pages: one skeleton, one style sheet and one script for charts, shared by reports,
+//! calibrations and diagnoses.
 //!
-//! In come texts, tables and trajectories; out goes one text that opens from disk without a network.
-//! Equal inputs give equal bytes. The scripts stand in files of their own and are put into the page.
+//! *In:* sources, tables and trajectories. *Out:* one page that opens from disk without a network. Equal
+//! inputs give equal bytes. The scripts are files of their own, included in the page.
 
 pub mod columns;
 pub mod diff;
@@ -11,3 +11,4 @@ pub mod figure;
 pub mod frame;
 pub mod parameters;
 pub mod spool;
+pub mod view;

@@ -1,4 +1,4 @@
-//! The table of parameters: values with units, what they mean, where they are declared.
+//! The table of parameters: values with units, descriptions, and places of declaration.
 
 use crate::base::index::FastMap;
 use crate::report::markup::escaped;
@@ -13,9 +13,9 @@ pub struct Parameter {
     pub values: Vec<Value>,
     /// SI unit.
     pub unit: String,
-    /// Unit that the model wants shown; may be empty.
+    /// Display unit; may be empty.
     pub display_unit: String,
-    /// The text at its declaration.
+    /// Its description.
     pub description: String,
     /// `file:line:column` of its declaration.
     pub place: String,
@@ -28,11 +28,11 @@ pub struct Parameter {
 pub enum Value {
     /// A number, SI.
     Number(f64),
-    /// Anything else, as the language writes it.
+    /// Anything else, as a Modelica expression.
     Text(String),
 }
 
-/// A value as people write it, with its unit.
+/// A value with its unit, for display.
 pub fn shown(value: &Value, unit: &str, display_unit: &str) -> (String, String) {
     match value {
         Value::Text(text) => (text.clone(), String::new()),

@@ -40,10 +40,10 @@ mocc.machine = (root, spool, data, value, column, heard) => {
   // Where each seal has its land: the bore is narrow there. A seal that never touches has none.
   const lands = spool.seals.map((seal, k) => {
     const x = seat(k), edge = x + shift(seal.edge);
-    switch (seal.contact) {
-      case 'CloseToOpen': return [x - RUN, edge];
-      case 'OpenToClose': return [edge, x + STROKE + RUN];
-      case 'CloseOnly': return [x - RUN, x + STROKE + RUN];
+    switch (seal.touches) {
+      case 'below': return [x - RUN, edge];
+      case 'above': return [edge, x + STROKE + RUN];
+      case 'always': return [x - RUN, x + STROKE + RUN];
       default: return null;
     }
   });

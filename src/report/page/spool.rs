@@ -1,19 +1,21 @@
-//! The moving part of a model between its stops, with the seals that ride on it and what they
-//! separate: found from what the components declare and how they are connected.
+//! The animation of moving parts: a body between its stops, the seals on it and the chambers that they
+//! separate, found from the roles that libraries declare ([`View`]) and from the connections.
 //!
-//! A seal is a component with a parameter `contact` (`Free`, `CloseOnly`, `CloseToOpen`,
-//! `OpenToClose`) and the position `s_ce` of its control edge, as in the library `Seals`. The body is
-//! what the seals are connected to and has a position `s`; without seals, the first component with a
-//! position `s` between parameters `s_min` and `s_max`. Seals stand in the order of the diagram, which
-//! is the order of the chambers between them.
+//! A seal is a component with a contact and a control edge. The body is the component that most seals are
+//! connected to; without seals, the first component with a position between two stops. Seals stand in the
+//! order of the diagram, which is the order of the chambers between them.
 
 use crate::base::index::FastMap;
 use crate::io::json::Json;
 use crate::ir::assembly::{Assembly, Domain};
 use crate::report::schematic::{picture, sequence};
 
-/// What is known of a model's variables and parameters by name.
+use super::view::{Contact, View};
+
+/// The variables and parameters of a model by name, and the roles that they play.
 pub struct Known<'a> {
+    /// The declared roles.
+    pub view: &'a View,
     /// Position of each recorded variable.
     pub variables: &'a FastMap<&'a str, usize>,
     /// Value of each numeric parameter, SI.
@@ -32,6 +34,24 @@ impl Known<'_> {
     fn number(&self, part: &str, name: &str) -> Option<f64> {
         self.numbers.get(join(part, name).as_str()).copied()
     }
+
+    /// The parameter with a role.
+    fn parameter(&self, part: &str, role: &str) -> Option<f64> {
+        self.number(part, self.view.name(role)?)
+    }
+
+    /// The stops of a body.
+    fn stops(&self, part: &str) -> Option<[f64; 2]> {
+        let [low, high] = self.view.names("body.stops") else { return None };
+        Some([self.number(part, low)?, self.number(part, high)?])
+    }
+
+    /// The contact of a seal, with its literal.
+    fn contact(&self, part: &str) -> Option<(Contact, &str)> {
+        let name = join(part, self.view.name("seal.contact")?);
+        let literal = self.literals.get(name.as_str())?;
+        Some((self.view.contact(literal)?, literal))
+    }
 }
 
 fn join(part: &str, name: &str) -> String {
@@ -43,15 +63,15 @@ fn join(part: &str, name: &str) -> String {
 pub struct Spool {
     /// The component.
     pub name: String,
-    /// Its position, by its place among the recorded variables.
+    /// Its position, as the index of a recorded variable.
     pub s: usize,
-    /// Its stops, or the range of what it does, m.
+    /// Its stops or, without any, the range of its motion, m.
     pub stops: [f64; 2],
     /// From left to right.
     pub seals: Vec<Seal>,
-    /// What the seals separate.
+    /// The chambers between the seals.
     pub chambers: Vec<Chamber>,
-    /// What drives it.
+    /// Pistons and springs that drive it.
     pub drives: Vec<Drive>,
 }
 
@@ -62,8 +82,10 @@ pub struct Seal {
     pub name: String,
     /// Its description.
     pub description: String,
-    /// `Free`, `CloseOnly`, `CloseToOpen` or `OpenToClose`.
+    /// The literal of its contact, as the library calls it.
     pub contact: String,
+    /// Where it touches the housing.
+    pub touches: Contact,
     /// Stroke at its control edge, m.
     pub edge: f64,
     /// Whether it touches the housing.
@@ -78,25 +100,25 @@ pub struct Seal {
     pub turned: bool,
 }
 
-/// What lies between seals.
+/// A chamber between seals.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Chamber {
-    /// The component that holds the air.
+    /// The component that holds the fluid.
     pub name: String,
     /// Its pressure.
     pub p: Option<usize>,
-    /// What is mounted on it.
+    /// Components connected to it.
     pub ports: Vec<String>,
 }
 
-/// What drives the body.
+/// A piston or a spring that drives the body.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Drive {
     /// The component.
     pub name: String,
     /// A piston, otherwise a spring.
     pub piston: bool,
-    /// It stands on the right.
+    /// It is on the right.
     pub right: bool,
     /// The pressure in front of the piston.
     pub p: Option<usize>,
@@ -109,10 +131,7 @@ pub fn spool(assembly: &Assembly, known: &Known<'_>) -> Option<Spool> {
     let seals: Vec<usize> = (0..assembly.parts.len())
         .filter(|&k| {
             let name = &assembly.parts[k].name;
-            let contact = known.literals.get(join(name, "contact").as_str());
-            let states = ["Free", "CloseOnly", "CloseToOpen", "OpenToClose"];
-            contact.is_some_and(|c| states.contains(&c.as_str()))
-                && known.number(name, "s_ce").is_some()
+            known.contact(name).is_some() && known.parameter(name, "seal.edge").is_some()
         })
         .collect();
     let level = seals.first().and_then(|s| assembly.parts[*s].parent);
@@ -140,7 +159,7 @@ pub fn spool(assembly: &Assembly, known: &Known<'_>) -> Option<Spool> {
     for (i, &k) in order.iter().enumerate() {
         let part = &assembly.parts[k];
         let [a, b] = sides[i];
-        // What it shares with the seal before lies on its left, with the one behind on its right.
+        // A node shared with the seal before is on its left, one shared with the next seal on its right.
         let shared = |other: Option<&[Option<usize>; 2]>, n: Option<usize>| {
             n.is_some() && other.is_some_and(|o| o.contains(&n))
         };
@@ -162,15 +181,17 @@ pub fn spool(assembly: &Assembly, known: &Known<'_>) -> Option<Spool> {
             }))
         };
         let sides = ordered.map(&mut chamber);
-        let opening = inside(assembly, known, k, "opening");
+        let inside = |role: &str| inside(assembly, known, k, known.view.name(role)?);
+        let (touches, contact) = known.contact(&part.name)?;
         spool.seals.push(Seal {
             name: assembly.short(k).to_owned(),
             description: part.description.clone(),
-            contact: known.literals.get(join(&part.name, "contact").as_str())?.clone(),
-            edge: known.number(&part.name, "s_ce")?,
-            closed: known.variable(&part.name, "closed"),
-            opening,
-            flow: inside(assembly, known, k, "m_flow"),
+            contact: contact.to_owned(),
+            touches,
+            edge: known.parameter(&part.name, "seal.edge")?,
+            closed: known.view.name("seal.closed").and_then(|n| known.variable(&part.name, n)),
+            opening: inside("seal.opening"),
+            flow: inside("seal.flow"),
             sides,
             turned,
         });
@@ -179,15 +200,15 @@ pub fn spool(assembly: &Assembly, known: &Known<'_>) -> Option<Spool> {
     Some(spool)
 }
 
-/// What the seals ride on, and its position.
+/// The body and its position.
 fn body(assembly: &Assembly, known: &Known<'_>, seals: &[usize]) -> Option<(usize, usize)> {
+    let position = known.view.name("body.position")?;
     let parts = 0..assembly.parts.len();
     if seals.is_empty() {
         let between = |k: usize| {
             let name = &assembly.parts[k].name;
-            let stops =
-                known.number(name, "s_min").is_some() && known.number(name, "s_max").is_some();
-            let s = known.variable(name, "s").filter(|_| stops && !name.is_empty())?;
+            known.stops(name)?;
+            let s = known.variable(name, position).filter(|_| !name.is_empty())?;
             Some((k, s))
         };
         return parts.into_iter().find_map(between);
@@ -202,7 +223,7 @@ fn body(assembly: &Assembly, known: &Known<'_>, seals: &[usize]) -> Option<(usiz
         parts.filter(|k| !seals.contains(k)).map(|k| (k, riders[k])).collect();
     let most = counted.iter().map(|c| c.1).max().filter(|m| *m > 0)?;
     let (body, _) = *counted.iter().find(|c| c.1 == most)?;
-    Some((body, inside(assembly, known, body, "s")?))
+    Some((body, inside(assembly, known, body, position)?))
 }
 
 /// A variable of a component or of the first of its components that has it.
@@ -213,10 +234,7 @@ fn inside(assembly: &Assembly, known: &Known<'_>, part: usize, name: &str) -> Op
 
 fn stops(assembly: &Assembly, known: &Known<'_>, body: usize, s: usize) -> Option<[f64; 2]> {
     let parts = (0..assembly.parts.len()).filter(|&k| assembly.within(k, body));
-    let declared = parts.into_iter().find_map(|k| {
-        let name = &assembly.parts[k].name;
-        Some([known.number(name, "s_min")?, known.number(name, "s_max")?])
-    });
+    let declared = parts.into_iter().find_map(|k| known.stops(&assembly.parts[k].name));
     let (low, high) = (known.range)(s);
     let [low, high] = declared.unwrap_or([low, high]);
     (high > low).then_some([low, high])
@@ -255,7 +273,7 @@ impl Nodes {
         [own.first().map(|p| p.1), own.get(1).map(|p| p.1)]
     }
 
-    /// A node as a chamber: called after a component with one port, such as a volume or a source.
+    /// A node as a chamber, named after a component with one port, such as a volume or a source.
     fn chamber(
         &self,
         node: usize,
@@ -271,12 +289,12 @@ impl Nodes {
         let named = vessel.or(members.first().copied());
         let pressure = self.ports.iter().filter(|p| p.2 == node).find_map(|(part, port, _)| {
             let name = &assembly.parts[*part].name;
-            known.variable(name, &format!("{port}.p"))
+            known.variable(name, &format!("{port}.{}", known.view.name("port.pressure")?))
         });
         Chamber {
             name: named.map_or_else(String::new, |m| assembly.short(m).to_owned()),
             p: pressure,
-            // The surroundings have many: none of them says anything.
+            // The surroundings have too many to be informative.
             ports: if ports.len() > 2 { Vec::new() } else { ports },
         }
     }
@@ -304,16 +322,17 @@ fn drives(
             .filter(|&k| assembly.within(k, other))
             .map(|k| assembly.parts[k].name.as_str())
             .collect();
-        let number = |name: &str| within.iter().find_map(|p| known.number(p, name));
+        let number = |role: &str| within.iter().find_map(|p| known.parameter(p, role));
+        let pressures = known.view.names("piston.pressure");
         let p = within
             .iter()
-            .find_map(|part| known.variable(part, "p").or_else(|| known.variable(part, "port.p")));
-        let piston = number("A").is_some() && p.is_some();
-        let is_spring = number("c").is_some();
+            .find_map(|part| pressures.iter().find_map(|name| known.variable(part, name)));
+        let piston = number("piston.area").is_some() && p.is_some();
+        let is_spring = number("spring.stiffness").is_some();
         if !piston && !is_spring {
             continue;
         }
-        let right = if piston { number("direction") == Some(-1.0) } else { true };
+        let right = if piston { number("piston.direction") == Some(-1.0) } else { true };
         let name = assembly.short(other).to_owned();
         let chamber = nodes.sides(other)[0].and_then(|n| chamber_of.get(&n).copied());
         spool.drives.push(Drive { name, piston, right, p, chamber });
@@ -321,7 +340,7 @@ fn drives(
 }
 
 impl Spool {
-    /// As the script knows it.
+    /// As data for the script.
     pub fn json(&self) -> Json {
         let place = |k: Option<usize>| k.map_or_else(Json::null, Json::count);
         let seals = self.seals.iter().map(|s| {
@@ -329,6 +348,7 @@ impl Spool {
                 ("name", Json::text(s.name.as_str())),
                 ("description", Json::text(s.description.as_str())),
                 ("contact", Json::text(s.contact.as_str())),
+                ("touches", Json::text(s.touches.name())),
                 ("edge", Json::number(s.edge)),
                 ("closed", place(s.closed)),
                 ("opening", place(s.opening)),

@@ -1,14 +1,14 @@
-//! The calibrated model as a text that stands by itself: the original file, and after it a model that
-//! extends the original with the values that were found.
+//! The source of the calibrated model: the original file, followed by a model that extends the original with
+//! the estimates.
 
 use crate::ir::program::Program;
 use crate::runtime::machine::Machine;
 
-use super::calibration::{Calibration, Estimate, shown};
 use super::modification::{Tree, parts, without_subscripts};
 use super::plan::Plan;
+use super::result::{Calibration, Estimate, shown};
 
-/// The text. `original` is that of the model's file.
+/// The source; `original` is that of the model's file.
 pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration) -> String {
     let full = &found.model;
     let base = full.rsplit('.').next().unwrap_or(full);
@@ -17,7 +17,7 @@ pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration)
         None => format!("{base}_calibrated"),
     };
     let mut root = Tree::default();
-    let mut left_over = Vec::new();
+    let mut inexpressible = Vec::new();
     for setting in &plan.fixed {
         if let Some((path, value)) = setting.split_once('=') {
             root.set(&parts(path.trim()), value.trim().to_owned(), "fixed by the plan".to_owned());
@@ -41,15 +41,15 @@ pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration)
         };
         match value {
             Some(value) => root.set(&path_parts, value, comment(estimate)),
-            None => left_over.push(format!("{target} = {:?}", estimate.value)),
+            None => inexpressible.push(format!("{target} = {:?}", estimate.value)),
         }
     }
     let mut out = original.trim_end().to_owned();
     out.push_str("\n\n");
     out.push_str(&format!("// Calibrated by `mocc calibrate {}`:\n", file_name(&found.plan)));
-    let state = if found.search.complete { "" } else { "; the search was interrupted" };
+    let state = if found.fit.complete { "" } else { "; the fit was interrupted" };
     out.push_str(&format!("// reduced chi-square {:.4}{state}.\n", found.reduced_train()));
-    for line in &left_over {
+    for line in &inexpressible {
         out.push_str(&format!("// Not expressible as a modification; use `--set`: {line}\n"));
     }
     out.push_str(&format!("model {name} \"{base}, calibrated\"\n  extends {full}"));
@@ -83,7 +83,7 @@ fn comment(e: &Estimate) -> String {
     format!("+- {} {unit}", shown(e.error, 10.0 * e.error)).trim_end().to_owned()
 }
 
-/// `{v1, v2, ...}` for an element of an array with one subscript: what is not free keeps its value.
+/// `{v1, v2, ...}` for an element of an array with one subscript; elements that are not free keep their value.
 fn elements(
     program: &Program,
     path: &str,

@@ -1,33 +1,33 @@
-//! The shapes that effects are scored with: from the ranges that their variables cover.
+//! The shape parameters with which effects are scored, derived from the ranges that their variables cover.
 
 use crate::base::diag::Problems;
 use crate::calibrate::problem::Problem;
 
-use super::case::{Case, compile};
-use super::effect::Effect;
-use super::level::{Level, attached};
+use super::catalogue::Effect;
+use super::hypothesis::{Hypothesis, attached};
+use super::model_source::Attached;
 use super::place::Place;
-use super::text::Attached;
-
-/// Places that are looked at in one run.
-const BATCH: usize = 48;
+use super::study::Study;
 
 /// The range of a variable of an effect at a place.
 pub type Ranges = Vec<((usize, Place), String, (f64, f64))>;
 
-/// The range of a variable; from zero to one where none is known.
+/// The range if none is known.
+const UNKNOWN_RANGE: (f64, f64) = (0.0, 1.0);
+
+/// The range of a variable; from zero to one if it is not known.
 pub fn ranges_of(ranges: &Ranges, effect: usize, place: &Place, variable: &str) -> (f64, f64) {
     let found = ranges.iter().find(|((k, p), v, _)| *k == effect && p == place && v == variable);
-    found.map_or((0.0, 1.0), |(.., range)| *range)
+    found.map_or(UNKNOWN_RANGE, |(.., range)| *range)
 }
 
 /// The ranges that the variables of effects cover at their places.
-pub fn ranges(case: &Case<'_>, level: &Level, all: &[(usize, Place)]) -> Ranges {
+pub fn ranges(study: &Study, hypothesis: &Hypothesis, all: &[(usize, Place)]) -> Ranges {
     let mut out = Ranges::new();
     let mut wanted: Vec<(usize, &Place, Vec<String>)> = Vec::new();
     for (k, place) in all {
         let mut variables: Vec<String> = Vec::new();
-        for start in case.effects[*k].shapes.iter().flat_map(|(_, starts)| starts) {
+        for start in study.effects[*k].shapes.iter().flat_map(|(_, starts)| starts) {
             if let Some(v) = start.variable()
                 && !variables.iter().any(|known| known == v)
             {
@@ -38,57 +38,57 @@ pub fn ranges(case: &Case<'_>, level: &Level, all: &[(usize, Place)]) -> Ranges 
             wanted.push((*k, place, variables));
         }
     }
-    for batch in wanted.chunks(BATCH) {
-        probe(case, level, batch, &mut out);
+    for batch in wanted.chunks(study.policy.batch) {
+        probe(study, hypothesis, batch, &mut out);
     }
     out
 }
 
-/// Adds the ranges at some places. Where a run with all of them fails, each half is tried by itself; a
-/// place that can not be probed even alone has no range.
+/// Adds the ranges at some places. If they cannot be simulated together, each half is tried by itself; a
+/// place that cannot be simulated even alone has no range.
 fn probe(
-    case: &Case<'_>,
-    level: &Level,
+    study: &Study,
+    hypothesis: &Hypothesis,
     wanted: &[(usize, &Place, Vec<String>)],
     out: &mut Ranges,
 ) {
-    let mut probes = attached(case, &level.chosen);
+    let mut probes = attached(study, &hypothesis.effects);
     let mut names = Vec::new();
     for (i, (k, place, variables)) in wanted.iter().enumerate() {
         let name = format!("probe_{i}");
         names.extend(variables.iter().map(|v| format!("{name}.{v}")));
-        let effect = &case.effects[*k];
-        probes.push(Attached { effect, place, name, values: Vec::new() });
+        probes.push(Attached::new(&study.effects[*k], place, name, Vec::new()));
     }
-    let found = compile(case, &level.plan, &probes, &names).ok().and_then(|(session, program)| {
+    let plan = &hypothesis.plan;
+    let found = study.compile(plan, &probes, &names).ok().and_then(|(session, program)| {
         let mut problems = Problems::new();
-        let problem =
-            Problem::new(&program, &session.sources, &level.plan, case.data, &mut problems)?;
+        let problem = Problem::new(&program, &session.sources, plan, &study.data, &mut problems)?;
         problem.ranges(&problem.start(), &names).ok()
     });
     let Some(found) = found else {
         let half = wanted.len() / 2;
         if half > 0 {
-            probe(case, level, &wanted[..half], out);
-            probe(case, level, &wanted[half..], out);
+            probe(study, hypothesis, &wanted[..half], out);
+            probe(study, hypothesis, &wanted[half..], out);
         }
         return;
     };
     let mut found = found.into_iter();
     for (k, place, variables) in wanted {
         for v in variables {
-            let range = found.next().unwrap_or((0.0, 1.0));
+            let range = found.next().unwrap_or(UNKNOWN_RANGE);
             out.push(((*k, (*place).clone()), v.clone(), range));
         }
     }
 }
 
-/// All combinations of what the parameters of a shape start from.
+/// All combinations of the starts of an effect's shape parameters.
 pub fn shapes(effect: &Effect, range: impl Fn(&str) -> (f64, f64)) -> Vec<Vec<(String, f64)>> {
     let mut out = vec![Vec::new()];
     for (name, starts) in &effect.shapes {
+        let range_of = |variable: Option<&str>| variable.map_or(UNKNOWN_RANGE, &range);
         let values: Vec<f64> =
-            starts.iter().flat_map(|s| s.values(s.variable().map_or((0.0, 1.0), &range))).collect();
+            starts.iter().flat_map(|s| s.values(range_of(s.variable()))).collect();
         out = out
             .iter()
             .flat_map(|shape: &Vec<(String, f64)>| {

@@ -1,5 +1,5 @@
-//! The outcome of a fit: estimates and how well the model then explains each signal of each recording;
-//! as a table for people and as JSON for programs.
+//! The result of a calibration: estimates, and how well the model then explains each signal of each
+//! recording; as a table and as JSON.
 
 use crate::io::json::Json;
 use crate::simulate::failure::Failure;
@@ -13,27 +13,27 @@ use super::profile::Interval;
 use super::statistics::{Statistics, reduced};
 use super::unit::Unit;
 
-/// Correlations above this are told in the table.
+/// Correlations above this are listed in the table.
 const STRONG: f64 = 0.9;
 
-/// A parameter that was found.
+/// The estimate of a parameter.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Estimate {
-    /// How it is called.
+    /// Its name.
     pub name: String,
     /// Its unit, as the model declares it.
     pub unit: String,
     /// Its value.
     pub value: f64,
-    /// Standard error of the value; infinite if the data say nothing.
+    /// Standard error of the value; infinite if the data do not determine it.
     pub error: f64,
     /// 95 % interval.
     pub interval: Interval,
-    /// Where the search began.
+    /// Its start.
     pub start: f64,
     /// The bounds of the search.
     pub bounds: (f64, f64),
-    /// It stands at one of them.
+    /// The estimate is at one of the bounds.
     pub at_bound: bool,
     /// The data do not determine it.
     pub undetermined: bool,
@@ -81,18 +81,18 @@ pub struct Channel {
     pub si_unit: String,
 }
 
-/// A recording beside what the model says.
+/// A recording compared with the model.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Comparison {
     /// The recording.
     pub name: String,
-    /// What it is for.
+    /// Training or validation.
     pub split: Split,
     /// Instants, s.
     pub time: Vec<f64>,
-    /// What was measured, signal by signal, in the units of the columns; NaN where there is nothing.
+    /// Measured values, signal by signal, in the units of the columns; NaN where there is none.
     pub measured: Vec<Vec<f64>>,
-    /// What the model says.
+    /// Values of the model.
     pub predicted: Vec<Vec<f64>>,
     /// How well they agree, signal by signal.
     pub quality: Vec<Quality>,
@@ -105,51 +105,49 @@ impl Comparison {
     }
 }
 
-/// How the search went.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Search {
-    /// Steps.
+/// How the fit ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct FitSummary {
+    /// Number of steps.
     pub iterations: u32,
     /// Nothing was left to gain.
     pub converged: bool,
-    /// Nobody interrupted it.
+    /// The calibration was not cancelled.
     pub complete: bool,
-    /// How long it took, s.
-    pub seconds: f64,
 }
 
-/// Everything that is reported.
+/// A calibration.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Calibration {
     /// Full name of the model.
     pub model: String,
     /// The plan file.
     pub plan: String,
-    /// What was found, in the order of the plan.
+    /// The estimates, in the order of the plan.
     pub estimates: Vec<Estimate>,
-    /// Row by row.
+    /// Correlations of the estimates, row by row.
     pub correlations: Vec<Vec<f64>>,
     /// Combinations of parameters that the data do not determine, in words.
     pub directions: Vec<String>,
-    /// What was measured.
+    /// The signals.
     pub channels: Vec<Channel>,
-    /// Recording by recording.
+    /// The recordings.
     pub comparisons: Vec<Comparison>,
-    /// What was repaired in the data, in words.
+    /// Repairs of the data, in words.
     pub repairs: Vec<String>,
-    /// How the search went.
-    pub search: Search,
+    /// How the fit ended.
+    pub fit: FitSummary,
 }
 
 impl Calibration {
-    /// Runs every recording once more with what was found.
+    /// Simulates every recording once more with the estimates.
     pub fn new(
         problem: &Problem<'_>,
         plan: &Plan,
         repairs: &[String],
         fit: &Fit,
         (statistics, intervals): (&Statistics, &[Interval]),
-        search: Search,
+        summary: FitSummary,
     ) -> Result<Calibration, Failure> {
         let n = problem.parameters.len();
         let values = problem.values(&fit.x);
@@ -190,7 +188,7 @@ impl Calibration {
             channels: channels.collect(),
             comparisons: comparisons(problem, &fit.x)?,
             repairs: repairs.to_vec(),
-            search,
+            fit: summary,
         })
     }
 
@@ -208,8 +206,8 @@ impl Calibration {
         reduced(all.squares, all.count, free)
     }
 
-    /// As JSON. What is infinite is `null`.
-    pub fn json(&self) -> String {
+    /// As JSON, with the elapsed time. Infinite numbers are `null`.
+    pub fn json(&self, seconds: f64) -> String {
         let estimate = |e: &Estimate| {
             let ends = e.interval.ends.map(|e| Json::text(e.name()));
             Json::object([
@@ -266,10 +264,10 @@ impl Calibration {
             ("quality", Json::object(Split::ALL.map(split))),
             ("recordings", Json::list(self.comparisons.iter().map(comparison))),
             ("repairs", texts(&self.repairs)),
-            ("iterations", Json::count(self.search.iterations as usize)),
-            ("converged", Json::flag(self.search.converged)),
-            ("complete", Json::flag(self.search.complete)),
-            ("seconds", Json::number(self.search.seconds)),
+            ("iterations", Json::count(self.fit.iterations as usize)),
+            ("converged", Json::flag(self.fit.converged)),
+            ("complete", Json::flag(self.fit.complete)),
+            ("seconds", Json::number(seconds)),
         ])
         .pretty()
     }
@@ -327,7 +325,7 @@ impl Calibration {
         format!("{} .. {}", shown(e.interval.low, width), shown(e.interval.high, width))
     }
 
-    /// Pairs of parameters that the data hardly tell apart, strongest first.
+    /// Strongly correlated pairs of parameters, strongest first.
     pub fn strong_correlations(&self) -> Vec<(&str, &str, f64)> {
         let mut out = Vec::new();
         for (i, a) in self.estimates.iter().enumerate() {
@@ -343,7 +341,7 @@ impl Calibration {
     }
 }
 
-/// What is to be noticed about an estimate.
+/// A remark on an estimate; empty if there is nothing to remark.
 pub fn remark(e: &Estimate) -> &'static str {
     match (e.at_bound, e.undetermined) {
         (true, _) => "at its bound",
@@ -352,8 +350,7 @@ pub fn remark(e: &Estimate) -> &'static str {
     }
 }
 
-/// A number with as many digits as its error lets mean something: to the second digit of the error,
-/// five digits without one.
+/// A number with its significant digits: to the second digit of its error, or five digits if it has none.
 pub fn shown(value: f64, error: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

@@ -1,0 +1,192 @@
+//! The workflow of a calibration, from a plan file to a calibrated model.
+//!
+//! Any front end can call [`run`]: it prints nothing, reads no environment and never ends the process.
+//! Diagnostics accumulate in the [`Session`], progress goes to the [`Observer`].
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use crate::driver::compile::{CompileError, Session};
+use crate::driver::files;
+use crate::simulate::failure::Failure;
+
+use super::data::{self, Data, Split};
+use super::fit::{self, Fit};
+use super::observer::{Event, Observer};
+use super::plan::{self, Plan};
+use super::policy::FitPolicy;
+use super::problem::{Problem, record_signals};
+use super::profile::{self, Interval, Profiles};
+use super::result::Calibration;
+use super::statistics::{Statistics, reduced};
+use super::{calibrated_model, result};
+
+/// What to calibrate, and how.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The plan file.
+    pub plan: PathBuf,
+    /// Folder of the recordings; the plan's own if not given.
+    pub data: Option<PathBuf>,
+    /// The value of `MODELICAPATH`.
+    pub modelica_path: Option<OsString>,
+    /// Follow the likelihood profiles for confidence intervals; otherwise take them from standard errors.
+    pub profiles: bool,
+    /// Limits, thresholds and stopping rules.
+    pub policy: FitPolicy,
+}
+
+/// A finished calibration.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Estimates, their errors and the quality of the fit.
+    pub calibration: Calibration,
+    /// The model's file, followed by a model that extends it with the estimates.
+    pub model: String,
+    /// The file of the model.
+    pub model_path: PathBuf,
+}
+
+/// Why there is no calibration.
+#[derive(Debug, thiserror::Error)]
+pub enum CalibrationError {
+    /// A file cannot be read.
+    #[error("cannot read {}: {why}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        why: String,
+    },
+    /// The plan, the recordings or the model are wrong; the diagnostics of the session say how.
+    #[error(transparent)]
+    Invalid(#[from] CompileError),
+    /// The observer refused to start, for this reason.
+    #[error("{0}")]
+    Refused(String),
+    /// A recording cannot be simulated at the start, or its derivatives cannot be computed.
+    #[error("{}", .0.diagnostic.message)]
+    Failed(Box<Failure>),
+}
+
+impl From<Failure> for CalibrationError {
+    fn from(failure: Failure) -> Self {
+        CalibrationError::Failed(Box::new(failure))
+    }
+}
+
+/// Calibrates the model of a plan.
+pub fn run(
+    request: &Request,
+    session: &mut Session,
+    observer: &dyn Observer,
+) -> Result<Outcome, CalibrationError> {
+    let (plan, data) = inputs(&request.plan, request.data.as_deref(), session)?;
+    let mut program = session.compile(&plan.request(request.modelica_path.clone()))?;
+    record_signals(&mut program, &plan);
+    let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
+    let mut problem = problem.ok_or(CompileError::Request)?;
+    let original = read(&plan.model)?;
+    check_start(&problem)?;
+    observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
+    let fitted = fit_with_intervals(&mut problem, request, observer)?;
+    let of = (&fitted.statistics, fitted.intervals.as_slice());
+    let summary = result::FitSummary {
+        iterations: fitted.fit.iterations,
+        converged: fitted.fit.converged,
+        complete: !observer.is_cancelled(),
+    };
+    let calibration = Calibration::new(&problem, &plan, &data.repairs, &fitted.fit, of, summary)?;
+    let model = calibrated_model::text(&original, &program, &plan, &calibration);
+    Ok(Outcome { calibration, model, model_path: plan.model })
+}
+
+/// The plan of a file and its recordings, perhaps from another folder.
+pub fn inputs(
+    path: &Path,
+    folder: Option<&Path>,
+    session: &mut Session,
+) -> Result<(Plan, Data), CalibrationError> {
+    let text = read(path)?;
+    let plan = plan::read(path, &text, &mut session.sources, &mut session.problems);
+    let mut plan = plan.ok_or(CompileError::Request)?;
+    if let Some(folder) = folder {
+        plan.folder = folder.to_owned();
+    }
+    let data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
+    Ok((plan, data))
+}
+
+/// The text of a file.
+pub fn read(path: &Path) -> Result<String, CalibrationError> {
+    let unreadable = |why| CalibrationError::Unreadable { path: path.to_owned(), why };
+    files::read(path).map_err(unreadable)
+}
+
+/// Simulates the training recordings at the start; fails with the first one that cannot be simulated.
+pub fn check_start(problem: &Problem<'_>) -> Result<(), Failure> {
+    let start = problem.start();
+    let Err(failure) = problem.sums(Split::Train, &start) else { return Ok(()) };
+    let named = problem.recordings(Split::Train).into_iter().find_map(|r| {
+        let mut failure = problem.predict(r, &start).err()?;
+        let note = format!("so recording `{}` cannot be simulated at the start values", r.name);
+        *failure.diagnostic = failure.diagnostic.note(note);
+        Some(failure)
+    });
+    Err(named.unwrap_or(failure))
+}
+
+/// A fit with all that is derived from it.
+struct Fitted {
+    fit: Fit,
+    statistics: Statistics,
+    intervals: Vec<Interval>,
+}
+
+/// Fits, then follows the profiles. If a profile runs into a better minimum, the fit resumes there.
+fn fit_with_intervals(
+    problem: &mut Problem<'_>,
+    request: &Request,
+    observer: &dyn Observer,
+) -> Result<Fitted, Failure> {
+    let policy = &request.policy;
+    let count = problem.count(Split::Train);
+    let free = problem.parameters.len();
+    let mut steps = 0;
+    let mut on_step = |_: u32, cost: f64| {
+        steps += 1;
+        observer.event(&Event::Step { number: steps, chi2: reduced(cost, count, free) });
+        !observer.is_cancelled()
+    };
+    let Some(mut fit) = fit::fit(problem, policy, &mut on_step) else {
+        // The start has been simulated, so only derivatives can be missing.
+        let why = problem.normal(&problem.start()).err();
+        return Err(why.unwrap_or_else(|| Failure::bug(0.0, "the fit has no result")));
+    };
+    let mut intervals = None;
+    for _ in 0..=policy.profile_restarts {
+        if !request.profiles || observer.is_cancelled() {
+            break;
+        }
+        let statistics = Statistics::new(&fit.normal, &problem.parameters, &fit.x);
+        let mut goes_on = |i: usize| {
+            let parameter = problem.parameters[i].name.as_str();
+            observer.event(&Event::Interval { parameter, number: i + 1, count: free });
+            !observer.is_cancelled()
+        };
+        match profile::profile(problem, policy, &fit, &statistics, &mut goes_on) {
+            Profiles::Intervals(found) => {
+                intervals = Some(found);
+                break;
+            }
+            Profiles::Better(x) => match fit::search(problem, &x, &policy.full, &mut on_step) {
+                Some(better) => fit = better,
+                None => break,
+            },
+        }
+    }
+    fit.iterations = steps;
+    let statistics = Statistics::new(&fit.normal, &problem.parameters, &fit.x);
+    let intervals = intervals.unwrap_or_else(|| profile::quadratic(problem, &fit, &statistics));
+    Ok(Fitted { fit, statistics, intervals })
+}

@@ -1,0 +1,85 @@
+//! The amended model: the original with the effects that were found.
+
+use crate::ir::flat::Experiment;
+
+use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::model_source::{Attached, Extension, ParameterValue};
+use super::result::{Diagnosis, sentences, unit};
+use super::study::Study;
+
+/// The amended model.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct AmendedModel {
+    /// Its name, `NAME_with_EFFECT`.
+    pub name: String,
+    /// The original source, followed by the model that extends it.
+    pub source: String,
+}
+
+/// The amended model; `original` is the source of the model's file. `None` if no effect was found.
+pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<AmendedModel> {
+    let hypothesis = &diagnosis.after;
+    let last = hypothesis.effects.last()?;
+    let short = |class: &str| class.rsplit('.').next().unwrap_or(class).to_owned();
+    let mut name = short(&study.base);
+    for group in groups(&hypothesis.effects) {
+        name.push_str(if group[0].name == last.name { "_with_" } else { "_and_" });
+        name.push_str(&short(&study.effects[group[0].effect].class));
+    }
+    let mut values = Vec::new();
+    for free in &study.plan.free {
+        for target in &free.targets {
+            let Some((value, error)) = hypothesis.estimate(target) else { continue };
+            let comment = format!("+- {error:.2e}");
+            values.push(ParameterValue { name: target.clone(), value, comment });
+        }
+    }
+    let attached: Vec<Attached<'_>> =
+        hypothesis.effects.iter().map(|c| with_estimates(study, hypothesis, c)).collect();
+    let experiment = experiment(&study.experiment);
+    let description = sentences(&study.effects, &hypothesis.effects).join(" ").replace('"', "'");
+    let extension = Extension {
+        name: &name,
+        base: &study.base,
+        description: &description,
+        annotation: experiment.as_deref(),
+        values: &values,
+    };
+    let added = extension.source(&attached);
+    let source = format!("{}\n\n// Found by mocc diagnose:\n{added}", original.trim_end());
+    Some(AmendedModel { name, source })
+}
+
+/// An effect with its estimates, and their standard errors as comments.
+fn with_estimates<'a>(
+    study: &'a Study,
+    hypothesis: &Hypothesis,
+    chosen: &'a ChosenEffect,
+) -> Attached<'a> {
+    let effect = &study.effects[chosen.effect];
+    let mut values = Vec::new();
+    let mut comments = Vec::new();
+    for parameter in &chosen.fitted {
+        let full = format!("{}.{parameter}", chosen.name);
+        let Some((value, error)) = hypothesis.estimate(&full) else { continue };
+        values.push((parameter.clone(), value));
+        let base = parameter.split('[').next().unwrap_or(parameter).to_owned();
+        comments.push((base, format!("+- {error:.2e} {}", unit(effect, parameter))));
+    }
+    let fixed = chosen.fixed.iter().filter(|(p, _)| !chosen.fitted.contains(p));
+    values.extend(fixed.cloned());
+    Attached { comments, ..Attached::new(effect, &chosen.place, chosen.name.clone(), values) }
+}
+
+/// The experiment annotation, if it says anything.
+fn experiment(experiment: &Experiment) -> Option<String> {
+    let items = [
+        ("StartTime", experiment.start),
+        ("StopTime", experiment.stop),
+        ("Interval", experiment.interval),
+        ("Tolerance", experiment.tolerance),
+    ];
+    let items: Vec<String> =
+        items.iter().filter_map(|(n, v)| v.map(|v| format!("{n} = {v}"))).collect();
+    (!items.is_empty()).then(|| format!("experiment({})", items.join(", ")))
+}

@@ -1,0 +1,299 @@
+//! Fits of the effects that a score test proposes: a short fit of each, a full fit of the best, and further
+//! starts if the best looks like a local minimum.
+
+use crate::calibrate::fit::{Fit, refined, search as local_search};
+use crate::calibrate::plan::Plan;
+use crate::calibrate::problem::Problem;
+use crate::numeric::least_squares;
+
+use super::hypothesis::{ChosenEffect, Hypothesis, attach};
+use super::place::Place;
+use super::preference::{ends_with_curve, sort_by_preference};
+use super::rank::Scored;
+use super::search::Search;
+use super::study::Study;
+
+/// Proposals that may extend a hypothesis.
+#[derive(Clone, Copy)]
+pub struct CandidateFits<'a> {
+    /// The search.
+    pub search: &'a Search<'a>,
+    /// The hypothesis to extend.
+    pub from: &'a Hypothesis,
+    /// The proposals, of one or several effects each, best score first.
+    pub proposals: &'a [Vec<Scored>],
+    /// Number of effects before.
+    pub depth: usize,
+}
+
+impl CandidateFits<'_> {
+    /// The hypothesis extended by each of the proposals, best first.
+    pub fn run(&self) -> Vec<Hypothesis> {
+        let (search, from) = (self.search, self.from);
+        let mut hypotheses = self.first_fits();
+        sort_by_preference(search, from, &mut hypotheses, Hypothesis::bic);
+        self.fit_fully(&mut hypotheses);
+        // Beside another effect, recordings that were never fitted count as much as the fitted ones.
+        let criterion = match from.effects.is_empty() {
+            true => Hypothesis::bic,
+            false => Hypothesis::total_criterion,
+        };
+        sort_by_preference(search, from, &mut hypotheses, criterion);
+        if let Some(best) = hypotheses.first().filter(|h| self.may_be_local_minimum(h))
+            && let Some(better) = self.from_other_starts(best)
+        {
+            hypotheses[0] = better;
+            sort_by_preference(search, from, &mut hypotheses, criterion);
+        }
+        hypotheses
+    }
+
+    /// A short fit of each, and if none explains much, another from the plan's start.
+    fn first_fits(&self) -> Vec<Hypothesis> {
+        let mut hypotheses = self.short_fits();
+        if self.depth == 0 && !hypotheses.iter().any(|h| self.explains_most(h)) {
+            // The calibration may have left the region from which an effect can be found.
+            let at_start = Hypothesis { plan: self.search.study.plan.clone(), ..self.from.clone() };
+            for other in (CandidateFits { from: &at_start, ..*self }).short_fits() {
+                let same = |h: &&mut Hypothesis| h.has_same_effects(&other);
+                match hypotheses.iter_mut().find(same) {
+                    Some(known) if known.bic() <= other.bic() => {}
+                    Some(known) => *known = other,
+                    None => hypotheses.push(other),
+                }
+            }
+        }
+        hypotheses
+    }
+
+    /// A short fit of each proposal.
+    pub fn short_fits(&self) -> Vec<Hypothesis> {
+        let policy = self.search.policy();
+        let mut hypotheses: Vec<Hypothesis> = Vec::new();
+        let (left, mut least_gain) = (self.from.train.total(), f64::NEG_INFINITY);
+        for proposal in self.proposals {
+            if !self.search.may_continue() {
+                break;
+            }
+            let gain = proposal.first().map_or(0.0, |s| s.gain);
+            if proposal.len() > 1 && gain < least_gain {
+                continue;
+            }
+            let (effects, plan) = attach(self.search.study, self.from, proposal, self.depth);
+            let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
+                p.trimmed = p.surplus(policy.score_instants);
+                let on_step = &mut |_, _| self.search.on_step();
+                let fit = local_search(p, start, &policy.short_fit, on_step);
+                p.trimmed = Vec::new();
+                fit
+            };
+            if let Some(fitted) = self.fitted(effects, plan, short) {
+                let label = self.label(&fitted);
+                self.search.note(&format!("short fit of {label}: {:.4}", fitted.chi2_train()));
+                if fitted.chi2_train() < policy.resolved_train {
+                    least_gain = least_gain.max(gain - policy.pair_margin * left);
+                }
+                hypotheses.push(fitted);
+            }
+        }
+        hypotheses
+    }
+
+    /// Continues the best short fits to convergence: laws that explain much, then curves, then the rest.
+    pub fn fit_fully(&self, hypotheses: &mut [Hypothesis]) {
+        const CURVES: u8 = 1;
+        const WEAK_LAWS: u8 = 2;
+        // A curve adds nothing beside a law that leaves nothing to explain; if a curve leaves nothing, laws
+        // are searched for from there.
+        let rank =
+            |h: &Hypothesis| match (ends_with_curve(self.search.study, h), self.explains_most(h)) {
+                (false, true) => 0,
+                (true, _) => CURVES,
+                (false, false) => WEAK_LAWS,
+            };
+        let mut order = self.worth_a_full_fit(hypotheses);
+        order.sort_by_key(|k| rank(&hypotheses[*k]));
+        let (mut law_resolves, mut curve_resolves) = (false, false);
+        for k in order {
+            let hypothesis = &mut hypotheses[k];
+            let own_rank = rank(hypothesis);
+            if law_resolves && own_rank == CURVES || curve_resolves && own_rank == WEAK_LAWS {
+                continue;
+            }
+            let full = &mut |p: &mut Problem<'_>| {
+                let start = p.start();
+                self.full_fit(p, &start)
+            };
+            let (effects, plan) = (hypothesis.effects.clone(), hypothesis.plan.clone());
+            let Ok(better) = Hypothesis::fitted(self.search.study, effects, plan, full) else {
+                continue;
+            };
+            self.note(&format!("fitted {}", self.label(&better)), &better);
+            if better.chi2_train() < self.search.policy().resolved_train {
+                match ends_with_curve(self.search.study, &better) {
+                    true => curve_resolves = true,
+                    false => law_resolves = true,
+                }
+            }
+            *hypothesis = better;
+        }
+    }
+
+    fn full_fit(&self, problem: &mut Problem<'_>, start: &[f64]) -> Option<Fit> {
+        let policy = &self.search.policy().fit;
+        refined(problem, policy, start, &policy.full, &mut |_, _| self.search.on_step())
+    }
+
+    /// Positions of the hypotheses that are worth a full fit.
+    ///
+    /// A free curve always fits well, so laws are compared with the best law only. A curve that a law
+    /// surpasses already after the short fits is not worth it.
+    fn worth_a_full_fit(&self, hypotheses: &[Hypothesis]) -> Vec<usize> {
+        let (study, policy) = (self.search.study, self.search.policy());
+        let least_excess = |curves: bool| {
+            let of_kind = hypotheses.iter().filter(|h| curves || !ends_with_curve(study, h));
+            of_kind.map(|h| h.chi2_train() - 1.0).fold(f64::INFINITY, f64::min)
+        };
+        let factor = policy.long_fit_factor;
+        let limit = |least: f64| 1.0 + (factor * least).max(factor * (policy.resolved_train - 1.0));
+        let (law, any) = (least_excess(false), least_excess(true));
+        let is_worth_it = |h: &Hypothesis| match ends_with_curve(study, h) {
+            true => h.chi2_train() < limit(any).min(1.0 + law),
+            false => h.chi2_train() < limit(law),
+        };
+        let first = 0..hypotheses.len().min(policy.long_fits);
+        first.filter(|k| is_worth_it(&hypotheses[*k])).collect()
+    }
+
+    /// The last added effects fitted from other starts: the plan's start, which the calibration without them
+    /// has left to compensate for them, and other shape parameters. `None` if nothing better is found.
+    fn from_other_starts(&self, best: &Hypothesis) -> Option<Hypothesis> {
+        let mut better: Option<Hypothesis> = None;
+        for (effects, plan) in self.other_starts(best) {
+            if !self.search.may_continue() {
+                break;
+            }
+            let full = &mut |p: &mut Problem<'_>, start: &[f64]| self.full_fit(p, start);
+            let Some(fitted) = self.fitted(effects, plan, full) else { continue };
+            self.note("from another start", &fitted);
+            let least = better.as_ref().unwrap_or(best);
+            if fitted.train.total() < least.train.total() {
+                better = Some(fitted);
+            }
+            if better.as_ref().is_some_and(|b| !self.may_be_local_minimum(b)) {
+                break;
+            }
+        }
+        better
+    }
+
+    fn other_starts(&self, best: &Hypothesis) -> Vec<(Vec<ChosenEffect>, Plan)> {
+        let study = self.search.study;
+        let mut from_plan = best.plan.clone();
+        for free in &mut from_plan.free {
+            let as_planned = study.plan.free.iter().find(|f| f.name == free.name);
+            free.start = as_planned.map_or(free.start, |f| f.start);
+        }
+        let mut starts = vec![(best.effects.clone(), from_plan)];
+        let new: Vec<(usize, &[String])> =
+            self.added(best).iter().map(|c| (c.effect, c.place.at.as_slice())).collect();
+        let same = |p: &&Vec<Scored>| {
+            let members: Vec<(usize, Place)> = p.iter().flat_map(Scored::members).collect();
+            members.iter().map(|(effect, place)| (*effect, place.at.as_slice())).eq(new.clone())
+        };
+        let Some(proposal) = self.proposals.iter().find(same) else { return starts };
+        for (k, scored) in proposal.iter().enumerate() {
+            for other in scored.others.iter().take(self.search.policy().other_shapes) {
+                let mut proposal = proposal.clone();
+                proposal[k] = other.clone();
+                starts.push(attach(study, self.from, &proposal, self.depth));
+            }
+        }
+        starts
+    }
+
+    /// The effects that a hypothesis has beyond those it extends.
+    fn added<'h>(&self, hypothesis: &'h Hypothesis) -> &'h [ChosenEffect] {
+        &hypothesis.effects[self.from.effects.len()..]
+    }
+
+    /// The same for messages.
+    fn label(&self, hypothesis: &Hypothesis) -> String {
+        let mut last = None;
+        let mut labels: Vec<String> = Vec::new();
+        for c in self.added(hypothesis) {
+            match labels.last_mut() {
+                Some(label) if last == Some(c.group) => {
+                    label.push_str(", ");
+                    label.push_str(&c.place.at.join(", "));
+                }
+                _ => labels.push(self.search.study.label(c.effect, &c.place)),
+            }
+            last = Some(c.group);
+        }
+        labels.join(" and ")
+    }
+
+    /// The hypothesis with these effects, fitted from the best start along the promised amplitudes.
+    fn fitted(
+        &self,
+        effects: Vec<ChosenEffect>,
+        plan: Plan,
+        fit: &mut dyn FnMut(&mut Problem<'_>, &[f64]) -> Option<Fit>,
+    ) -> Option<Hypothesis> {
+        let new = amplitudes(self.search.study, &effects[self.from.effects.len()..]);
+        let from_best_start = &mut |p: &mut Problem<'_>| {
+            let start = best_start(p, &new, &self.search.policy().start_shares);
+            fit(p, &start)
+        };
+        Hypothesis::fitted(self.search.study, effects, plan, from_best_start).ok()
+    }
+
+    fn note(&self, what: &str, hypothesis: &Hypothesis) {
+        let (train, validation) = (hypothesis.chi2_train(), hypothesis.chi2_validation());
+        self.search.note(&format!("{what}: {train:.4}, validation {validation:.4}"));
+    }
+
+    /// True for a fit that explains most of the excess, but not all of it: a better minimum may be near.
+    fn may_be_local_minimum(&self, hypothesis: &Hypothesis) -> bool {
+        let policy = self.search.policy();
+        let leaves_something = hypothesis.chi2_train() > policy.resolved_train
+            || hypothesis.chi2_validation() > 1.0 + policy.local_minimum_above;
+        leaves_something && self.explains_most(hypothesis)
+    }
+
+    /// True for a fit that explains most of the excess.
+    fn explains_most(&self, hypothesis: &Hypothesis) -> bool {
+        let excess = self.from.chi2_train() - 1.0;
+        hypothesis.chi2_train() - 1.0 < self.search.policy().most_share * excess
+    }
+}
+
+/// Full names of the amplitudes of effects.
+fn amplitudes(study: &Study, effects: &[ChosenEffect]) -> Vec<String> {
+    let of = |c: &ChosenEffect| {
+        let all = study.effects[c.effect].amplitudes.iter();
+        all.map(|a| format!("{}.{}", c.name, a.name)).collect::<Vec<_>>()
+    };
+    effects.iter().flat_map(of).collect()
+}
+
+/// The best start among `shares` of the promised amplitudes: the score is linear, and the full amplitudes may
+/// lie far beyond the range in which it holds.
+fn best_start(problem: &mut Problem<'_>, amplitudes: &[String], shares: &[f64]) -> Vec<f64> {
+    let whole = problem.start();
+    let at = |share: &f64| {
+        let scaled = problem.parameters.iter().zip(&whole).map(|(p, x)| {
+            let is_new = amplitudes.contains(&p.name);
+            if is_new { p.scale.place(share * p.start) } else { *x }
+        });
+        scaled.collect::<Vec<f64>>()
+    };
+    let points: Vec<Vec<f64>> = shares.iter().map(at).collect();
+    let costs: Vec<f64> = points
+        .iter()
+        .map(|x| least_squares::Residuals::cost(problem, x).unwrap_or(f64::INFINITY))
+        .collect();
+    let best = (0..points.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+    best.map_or(whole, |k| points[k].clone())
+}

@@ -1,0 +1,335 @@
+//! The catalogue of effects, from the annotations of the classes in `lib/Effects` and of the user's own.
+
+use crate::base::diag::{Diagnostic, Severity};
+use crate::base::source::Span;
+use crate::driver::compile::{Annotated, Request, Session};
+use crate::flatten::inventory::{Inventory, InventoryConnector};
+
+/// An effect as its class describes it.
+#[derive(Clone, Debug, Default)]
+pub struct Effect {
+    /// Full name of the class.
+    pub class: String,
+    /// Parameters that are zero without the effect: array elements one by one.
+    pub amplitudes: Vec<Amplitude>,
+    /// Shape parameters, with their starts.
+    pub shapes: Vec<(String, Vec<Start>)>,
+    /// Connectors of a host that it is attached to; empty: attached wherever its connectors fit.
+    pub host: Vec<String>,
+    /// Inputs, and the variables of the host that they are bound to: the first that exists.
+    pub binds: Vec<(String, Vec<String>)>,
+    /// A sentence about the effect, with `%at` for the place.
+    pub explains: String,
+    /// Its connectors.
+    pub connectors: Vec<InventoryConnector>,
+    /// It acts on the sensor, between a variable and its signal.
+    pub of_signal: bool,
+    /// Units of its parameters.
+    pub units: Vec<(String, String)>,
+    /// It is built into components of the class, and only set there.
+    pub built_in: bool,
+    /// Modifications, besides its parameters, that enable it in a component.
+    pub with: Vec<(String, String)>,
+    /// Of an unknown inflow: the variable that enters the balance.
+    pub inflow: Option<String>,
+    /// Of an unknown inflow: variables over which it is shown.
+    pub over: Vec<String>,
+}
+
+/// An amplitude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Amplitude {
+    /// Its name, with a subscript for an element.
+    pub name: String,
+    /// Only positive values make sense.
+    pub positive: bool,
+}
+
+/// The start of a shape parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// This value.
+    Value(f64),
+    /// A number of values over the range of a variable.
+    Spread(String, usize),
+    /// The least value of a variable.
+    Least(String),
+    /// The greatest value of a variable.
+    Greatest(String),
+    /// This multiple of a variable's range.
+    Multiple(f64, String),
+}
+
+impl Start {
+    /// The variable whose range it depends on.
+    pub fn variable(&self) -> Option<&str> {
+        match self {
+            Start::Value(_) => None,
+            Start::Spread(v, _) | Start::Least(v) | Start::Greatest(v) | Start::Multiple(_, v) => {
+                Some(v)
+            }
+        }
+    }
+
+    /// Its values if the variable covers this range.
+    pub fn values(&self, (low, high): (f64, f64)) -> Vec<f64> {
+        match *self {
+            Start::Value(x) => vec![x],
+            Start::Least(_) => vec![low],
+            Start::Greatest(_) => vec![high],
+            Start::Multiple(factor, _) => vec![factor * (high - low)],
+            // At the centres of equal intervals.
+            Start::Spread(_, n) => {
+                (0..n).map(|k| low + (high - low) * (k as f64 + 0.5) / n as f64).collect()
+            }
+        }
+    }
+}
+
+/// Packages of effects.
+#[derive(Clone, Copy, Debug)]
+pub struct Packages<'a> {
+    /// The request that finds their classes.
+    pub request: &'a Request,
+    /// Their full names; the empty name is the top level.
+    pub names: &'a [String],
+}
+
+/// The keys of an annotation `__mocc` that describe an effect.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Role {
+    /// A physical effect.
+    Effect,
+    /// An inflow that is free over time: the question where a balance does not close.
+    Unknown,
+}
+
+impl Role {
+    fn key(self) -> &'static str {
+        match self {
+            Role::Effect => "effect",
+            Role::Unknown => "unknown",
+        }
+    }
+}
+
+/// All effects of the packages in order of their names, and after them those that are built into components
+/// of the model. `units` are those of the model's variables, by name.
+///
+/// A class whose description cannot be used is skipped with a warning.
+pub fn catalogue(
+    session: &mut Session,
+    packages: &Packages<'_>,
+    model: &Inventory,
+    units: &[(String, String)],
+) -> Vec<Effect> {
+    let (mut effects, known) = components(session, packages, Role::Effect);
+    let mut hosts: Vec<String> = model.parts.iter().map(|p| p.class.clone()).collect();
+    hosts.sort();
+    hosts.dedup();
+    hosts.retain(|class| !class.is_empty() && !known.contains(class));
+    for annotated in session.annotated(packages.request, &hosts) {
+        let Some(mut effect) = described(session, &annotated, Role::Effect) else { continue };
+        let Some(host) = model.parts.iter().find(|p| p.class == annotated.class) else { continue };
+        let prefix = format!("{}.", host.name);
+        let own =
+            |(n, u): &(String, String)| Some((n.strip_prefix(&prefix)?.to_owned(), u.clone()));
+        effect.units = units.iter().filter_map(own).collect();
+        effect.built_in = true;
+        effects.push(effect);
+    }
+    effects
+}
+
+/// Inflows that are free over time, one for each class of connectors: the questions where a balance does not
+/// close.
+pub fn unknowns(session: &mut Session, packages: &Packages<'_>) -> Vec<Effect> {
+    components(session, packages, Role::Unknown).0
+}
+
+/// The effects of packages that are components of their own, and the names of all annotated classes.
+fn components(
+    session: &mut Session,
+    packages: &Packages<'_>,
+    role: Role,
+) -> (Vec<Effect>, Vec<String>) {
+    let mut effects = Vec::new();
+    let mut known = Vec::new();
+    for package in packages.names {
+        let classes = session.members(packages.request, package);
+        for annotated in session.annotated(packages.request, &classes) {
+            known.push(annotated.class.clone());
+            let Some(effect) = described(session, &annotated, role) else { continue };
+            match component(effect, packages.request) {
+                Ok(effect) => effects.push(effect),
+                Err(why) => warn(session, &annotated, role, &why),
+            }
+        }
+    }
+    (effects, known)
+}
+
+/// The effect that an annotation describes, if it has this role.
+fn described(session: &mut Session, annotated: &Annotated, role: Role) -> Option<Effect> {
+    match read(&annotated.class, &annotated.entry(role.key())?.text) {
+        Ok(mut effect) => {
+            let explains = annotated.entry("explains").map(|e| e.text.as_str());
+            effect.explains = explains.unwrap_or("%at has this effect.").to_owned();
+            Some(effect)
+        }
+        Err(why) => {
+            warn(session, annotated, role, &why);
+            None
+        }
+    }
+}
+
+/// Warns that a class is skipped.
+fn warn(session: &mut Session, annotated: &Annotated, role: Role, why: &str) {
+    let (class, key) = (&annotated.class, role.key());
+    let span = annotated.entry(key).map_or(Span::NONE, |e| e.span);
+    let message = format!("cannot use `{class}`: {why}");
+    session.problems.push(
+        Diagnostic::warning("MO1019", span, message)
+            .help("the comment in `lib/Effects/package.mo` describes the annotation `__mocc`"),
+    );
+}
+
+/// An effect that is a component of its own, with the connectors and amplitudes of its class.
+fn component(mut effect: Effect, request: &Request) -> Result<Effect, String> {
+    let own = Request {
+        form: request.form,
+        folders: request.folders.clone(),
+        modelica_path: request.modelica_path.clone(),
+        ..Request::new(None, Some(effect.class.clone()))
+    };
+    let mut session = Session::default();
+    let Ok((flat, inventory)) = session.flatten_with_inventory(&own) else {
+        let first = session.problems.iter().find(|d| d.severity == Severity::Error);
+        return Err(first.map_or("it cannot be compiled".to_owned(), |d| d.message.clone()));
+    };
+    complete(&mut effect, &inventory);
+    let names: Vec<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
+    for a in &effect.amplitudes {
+        if elements(a, &names).next().is_none() {
+            return Err(format!("it has no parameter `{}`", a.name));
+        }
+    }
+    effect.amplitudes = effect.amplitudes.iter().flat_map(|a| elements(a, &names)).collect();
+    let units = flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string()));
+    effect.units = units.collect();
+    Ok(effect)
+}
+
+fn complete(effect: &mut Effect, inventory: &Inventory) {
+    if let Some(own) = inventory.parts.first() {
+        effect.connectors = own.connectors.clone();
+    }
+    effect.of_signal = effect.connectors.is_empty();
+    for input in &inventory.inputs {
+        if !effect.of_signal && !effect.binds.iter().any(|(name, _)| name == input) {
+            effect.binds.push((input.clone(), vec![input.clone()]));
+        }
+    }
+}
+
+/// The elements of an array amplitude, or the scalar itself.
+fn elements<'a>(a: &'a Amplitude, names: &'a [String]) -> impl Iterator<Item = Amplitude> + 'a {
+    let prefix = format!("{}[", a.name);
+    let own = names.iter().filter(move |n| **n == a.name || n.starts_with(&prefix));
+    own.map(|name| Amplitude { name: name.clone(), positive: a.positive })
+}
+
+/// Reads `amplitude=F; s_0=s(15); ...`.
+fn read(class: &str, text: &str) -> Result<Effect, String> {
+    let mut effect = Effect { class: class.to_owned(), ..Effect::default() };
+    for entry in text.split(';').map(str::trim).filter(|e| !e.is_empty()) {
+        let wrong = || format!("cannot read the entry `{entry}`");
+        if let Some(bind) = entry.strip_prefix("bind ") {
+            let (input, variables) = bind.split_once('=').ok_or_else(wrong)?;
+            let variables = variables.split('|').map(|v| v.trim().to_owned()).collect();
+            effect.binds.push((input.trim().to_owned(), variables));
+            continue;
+        }
+        if let Some(setting) = entry.strip_prefix("with ") {
+            let (name, value) = setting.split_once('=').ok_or_else(wrong)?;
+            effect.with.push((name.trim().to_owned(), value.trim().to_owned()));
+            continue;
+        }
+        let (key, value) = entry.split_once('=').ok_or_else(wrong)?;
+        let items = value.split(',').map(str::trim);
+        match key.trim() {
+            "amplitude" => {
+                effect.amplitudes = items
+                    .map(|item| Amplitude {
+                        name: item.trim_end_matches(">0").trim().to_owned(),
+                        positive: item.ends_with(">0"),
+                    })
+                    .collect();
+            }
+            "host" => effect.host = items.map(str::to_owned).collect(),
+            "inflow" => effect.inflow = Some(value.trim().to_owned()),
+            "over" => effect.over = items.map(str::to_owned).collect(),
+            shape => {
+                let starts: Option<Vec<Start>> = items.map(start).collect();
+                effect.shapes.push((shape.to_owned(), starts.ok_or_else(wrong)?));
+            }
+        }
+    }
+    if effect.amplitudes.is_empty() {
+        return Err("its annotation names no amplitude".to_owned());
+    }
+    Ok(effect)
+}
+
+fn start(item: &str) -> Option<Start> {
+    if let Ok(value) = item.parse() {
+        return Some(Start::Value(value));
+    }
+    let (head, rest) = item.split_once('(')?;
+    let inner = rest.strip_suffix(')')?.trim().to_owned();
+    match head.trim() {
+        "min" => Some(Start::Least(inner)),
+        "max" => Some(Start::Greatest(inner)),
+        variable => match inner.parse() {
+            Ok(n) => Some(Start::Spread(variable.to_owned(), n)),
+            Err(_) => {
+                let (factor, function) = variable.split_once('*')?;
+                let factor = factor.trim().parse().ok()?;
+                (function.trim() == "span").then_some(Start::Multiple(factor, inner))
+            }
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn descriptions_are_read() {
+        let text = "amplitude=c>0,F_0; s_0=s(15); w=0.1e-3,0.02*span(u); host=spool,port_a; bind m_flow=gap.m_flow|m_flow; a=min(s)";
+        let effect = read("Effects.X", text).unwrap();
+        let amplitude = |name: &str, positive| Amplitude { name: name.into(), positive };
+        assert_eq!(effect.amplitudes, [amplitude("c", true), amplitude("F_0", false)]);
+        assert_eq!(effect.shapes[0].1, [Start::Spread("s".into(), 15)]);
+        assert_eq!(effect.shapes[1].1, [Start::Value(1e-4), Start::Multiple(0.02, "u".into())]);
+        assert_eq!(effect.shapes[2].1, [Start::Least("s".into())]);
+        assert_eq!(effect.host, ["spool", "port_a"]);
+        assert_eq!(effect.binds[0].1, ["gap.m_flow", "m_flow"]);
+        let built_in = read("P.Source", "with has_line=true; amplitude=R>0").unwrap();
+        assert_eq!(built_in.with, [("has_line".to_owned(), "true".to_owned())]);
+        let unknown = read("Effects.U", "amplitude=F; inflow=f; over=s,v").unwrap();
+        assert_eq!((unknown.inflow.as_deref(), unknown.over.len()), (Some("f"), 2));
+        let why = |text: &str| read("Effects.Y", text).unwrap_err();
+        assert_eq!(why("w=1"), "its annotation names no amplitude");
+        assert_eq!(why("amplitude=F; w=max(s"), "cannot read the entry `w=max(s`");
+        assert_eq!(why("amplitude=F; bind u"), "cannot read the entry `bind u`");
+    }
+
+    #[test]
+    fn a_spread_keeps_off_the_ends() {
+        assert_eq!(Start::Spread("s".into(), 2).values((0.0, 4.0)), [1.0, 3.0]);
+        assert_eq!(Start::Multiple(0.5, "s".into()).values((1.0, 4.0)), [1.5]);
+    }
+}

@@ -1,0 +1,263 @@
+//! Hypotheses: the model with certain effects at certain places, fitted to the recordings.
+
+use crate::base::diag::Problems;
+use crate::base::source::Span;
+use crate::calibrate::data::Split;
+use crate::calibrate::fit::Fit;
+use crate::calibrate::plan::{Free, Plan};
+use crate::calibrate::problem::{Problem, Sums};
+use crate::calibrate::statistics::standard_errors;
+
+use super::catalogue::Start;
+use super::model_source::Attached;
+use super::place::Place;
+use super::rank::Scored;
+use super::study::{DiagnosisError, Study};
+
+/// An effect of a hypothesis.
+#[derive(Clone, Debug)]
+pub struct ChosenEffect {
+    /// Position in the catalogue.
+    pub effect: usize,
+    /// Where it is attached.
+    pub place: Place,
+    /// Name of its component.
+    pub name: String,
+    /// Parameters that are not fitted, with their values.
+    pub fixed: Vec<(String, f64)>,
+    /// Parameters that are fitted.
+    pub fitted: Vec<String>,
+    /// Equal for the places of one effect at several places.
+    pub group: usize,
+}
+
+/// A fitted model with effects.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// The effects; those of one group are adjacent.
+    pub effects: Vec<ChosenEffect>,
+    /// The plan with the parameters of the effects; its starts are the fitted values.
+    pub plan: Plan,
+    /// Fitted values, in the order of the plan's free parameters.
+    pub values: Vec<f64>,
+    /// Their standard errors.
+    pub errors: Vec<f64>,
+    /// The fit.
+    pub fit: Fit,
+    /// Sums of squares of the training recordings.
+    pub train: Sums,
+    /// Sums of squares of the recordings that were never fitted.
+    pub validation: Sums,
+}
+
+impl Hypothesis {
+    /// Compiles the model with effects, and fits it by `fit`.
+    pub fn fitted(
+        study: &Study,
+        effects: Vec<ChosenEffect>,
+        mut plan: Plan,
+        fit: &mut dyn FnMut(&mut Problem<'_>) -> Option<Fit>,
+    ) -> Result<Hypothesis, DiagnosisError> {
+        let (session, program) = study.compile(&plan, &attached(study, &effects), &[])?;
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, &plan, &study.data, &mut problems);
+        let mut problem = problem.ok_or(DiagnosisError::Simulation)?;
+        let fit = fit(&mut problem).ok_or(DiagnosisError::Simulation)?;
+        let values = problem.values(&fit.x);
+        let errors = standard_errors(&fit.normal, &problem.parameters, &fit.x);
+        let train = problem.sums(Split::Train, &fit.x).map_err(|_| DiagnosisError::Simulation)?;
+        // A validation recording that cannot be simulated with the fitted values counts against them.
+        let validation = problem.sums(Split::Validation, &fit.x).unwrap_or_else(|_| Sums {
+            squares: vec![vec![f64::INFINITY; plan.signals.len()]],
+            counts: vec![vec![1; plan.signals.len()]],
+        });
+        for (free, value) in plan.free.iter_mut().zip(&values) {
+            free.start = Some(*value);
+        }
+        Ok(Hypothesis { effects, plan, values, errors, fit, train, validation })
+    }
+
+    /// Sums of squares of the recordings of one kind.
+    pub fn sums(&self, split: Split) -> &Sums {
+        match split {
+            Split::Train => &self.train,
+            Split::Validation => &self.validation,
+        }
+    }
+
+    /// Reduced sum of squares of the training recordings.
+    pub fn chi2_train(&self) -> f64 {
+        self.train.total() / self.train.count().saturating_sub(self.values.len()).max(1) as f64
+    }
+
+    /// The same for the recordings that were never fitted; without any, that of the training recordings.
+    pub fn chi2_validation(&self) -> f64 {
+        match self.validation.count() {
+            0 => self.chi2_train(),
+            n => self.validation.total() / n as f64,
+        }
+    }
+
+    /// The information criterion plus the sum of squares of the recordings that were never fitted.
+    pub fn total_criterion(&self) -> f64 {
+        self.bic() + self.validation.total()
+    }
+
+    /// True for the same effects at the same places.
+    pub fn has_same_effects(&self, other: &Hypothesis) -> bool {
+        let same = |(a, b): (&ChosenEffect, &ChosenEffect)| {
+            a.effect == b.effect && a.name == b.name && a.place == b.place
+        };
+        self.effects.len() == other.effects.len()
+            && self.effects.iter().zip(&other.effects).all(same)
+    }
+
+    /// The fitted value of a parameter of the model, by its full name, and its standard error.
+    pub fn estimate(&self, full: &str) -> Option<(f64, f64)> {
+        let k = self.plan.free.iter().position(|f| f.targets.iter().any(|t| t == full))?;
+        Some((self.values[k], self.errors[k]))
+    }
+
+    /// Bayesian information criterion: sum of squares plus a penalty for each parameter.
+    pub fn bic(&self) -> f64 {
+        self.train.total() + self.values.len() as f64 * (self.train.count() as f64).ln()
+    }
+}
+
+/// The effects by group: each slice is one effect at one or several places.
+pub fn groups(effects: &[ChosenEffect]) -> impl Iterator<Item = &[ChosenEffect]> {
+    effects.chunk_by(|a, b| a.group == b.group)
+}
+
+/// Effects as they are attached to the model.
+pub fn attached<'a>(study: &'a Study, effects: &'a [ChosenEffect]) -> Vec<Attached<'a>> {
+    let one = |c: &'a ChosenEffect| {
+        let effect = &study.effects[c.effect];
+        Attached::new(effect, &c.place, c.name.clone(), c.fixed.clone())
+    };
+    effects.iter().map(one).collect()
+}
+
+/// The plan without effects, whose starts are the fitted values of a hypothesis.
+pub fn plan_without_effects(study: &Study, from: &Hypothesis) -> Plan {
+    let mut plan = study.plan.clone();
+    for free in &mut plan.free {
+        let same = from.plan.free.iter().find(|f| f.name == free.name);
+        free.start = same.map_or(free.start, |f| f.start);
+    }
+    plan
+}
+
+/// An amplitude as a free parameter.
+pub fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, component: &str) -> Free {
+    Free {
+        name: full.to_owned(),
+        targets: vec![full.to_owned()],
+        start: Some(start),
+        min,
+        max: None,
+        acts_on: place.signal.map(|k| (k, format!("{component}.y"))),
+        span: Span::NONE,
+    }
+}
+
+/// The effects and the plan of a hypothesis with the effects of a proposal added.
+pub fn attach(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    proposal: &[Scored],
+    depth: usize,
+) -> (Vec<ChosenEffect>, Plan) {
+    let mut extended = (hypothesis.effects.clone(), hypothesis.plan.clone());
+    for (k, scored) in proposal.iter().enumerate() {
+        extended = attach_one(study, extended, scored, depth + k);
+    }
+    extended
+}
+
+/// Adds one effect, at all of its places.
+fn attach_one(
+    study: &Study,
+    (mut chosen, mut plan): (Vec<ChosenEffect>, Plan),
+    scored: &Scored,
+    depth: usize,
+) -> (Vec<ChosenEffect>, Plan) {
+    let effect = &study.effects[scored.effect];
+    let name = component_name(&effect.class, depth, &chosen);
+    let (known, group) = (chosen.len(), chosen.last().map_or(0, |c| c.group + 1));
+    for (j, mut place) in scored.place.members().into_iter().enumerate() {
+        let component = match j {
+            _ if effect.built_in => place.at[0].clone(),
+            0 => name.clone(),
+            _ => format!("{name}_at_{}", place.at[0]),
+        };
+        let mut fitted = Vec::new();
+        let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
+        for (a, start) in effect.amplitudes.iter().zip(starts) {
+            let full = format!("{component}.{}", a.name);
+            let (start, min) = match a.positive {
+                true if *start > 0.0 => (*start, Some(0.0)),
+                true => (0.0, Some(0.0)),
+                false => (*start, None),
+            };
+            let free = amplitude(&full, start, min, &place, &component);
+            fitted.push(a.name.clone());
+            // The output of a sensor effect is the signal now, so the amplitude acts through the signal.
+            plan.free.push(Free { acts_on: None, ..free });
+        }
+        for ((parameter, value), (_, starts)) in scored.shape.iter().zip(&effect.shapes) {
+            if !is_fitted_shape(starts) {
+                continue;
+            }
+            let full = format!("{component}.{parameter}");
+            fitted.push(parameter.clone());
+            // An effect at several places shares its shape parameters.
+            let first = chosen.get(known).map(|c| &c.name);
+            let shared = first.map(|first| format!("{first}.{parameter}"));
+            match plan.free.iter_mut().find(|f| Some(&f.name) == shared.as_ref()) {
+                Some(free) => free.targets.push(full),
+                None => {
+                    let free = amplitude(&full, *value, None, &place, &component);
+                    plan.free.push(Free { acts_on: None, ..free });
+                }
+            }
+        }
+        if let Some(k) = place.signal {
+            // A sensor effect reads the output of the one that is already there.
+            let output = std::mem::replace(&mut plan.signals[k].variable, format!("{component}.y"));
+            place.binds.iter_mut().for_each(|(_, variable)| variable.clone_from(&output));
+        }
+        let (effect, fixed) = (scored.effect, scored.shape.clone());
+        chosen.push(ChosenEffect { effect, place, name: component, fixed, fitted, group });
+    }
+    (chosen, plan)
+}
+
+/// True for a shape parameter that is fitted: one with several starts, unless it chooses a side.
+fn is_fitted_shape(starts: &[Start]) -> bool {
+    let several = starts.len() > 1 || starts.iter().any(|s| matches!(s, Start::Spread(..)));
+    let chooses_side = starts.iter().all(|s| matches!(s, Start::Value(v) if v.abs() == 1.0));
+    several && !chooses_side
+}
+
+/// The name of the component of an effect: its class, with a number where that name is taken.
+fn component_name(class: &str, depth: usize, chosen: &[ChosenEffect]) -> String {
+    let short = class.rsplit('.').next().unwrap_or(class);
+    let mut name: String = short
+        .char_indices()
+        .flat_map(|(i, c)| {
+            let underscore = (i > 0 && c.is_uppercase()).then_some('_');
+            underscore.into_iter().chain(c.to_lowercase())
+        })
+        .collect();
+    if depth > 0 {
+        let numbers = depth + 1..;
+        let free = |n: &usize| {
+            let numbered = format!("{name}_{n}");
+            chosen.iter().all(|c| c.name != numbered)
+        };
+        let number = numbers.into_iter().find(free).unwrap_or(depth + 1);
+        name.push_str(&format!("_{number}"));
+    }
+    name
+}

@@ -1,0 +1,131 @@
+//! `diagnosis.json`.
+
+use crate::calibrate::data::{Data, Split};
+use crate::calibrate::plan::Signal;
+use crate::io::json::Json;
+
+use super::balance::Balance;
+use super::catalogue::Effect;
+use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::result::{rmse_of, sentences, unit};
+use super::run::Outcome;
+
+/// The text of the file. `amended_model`: name of the file of the amended model.
+pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> String {
+    let Outcome { study, diagnosis, .. } = outcome;
+    let catalogue = &study.effects;
+    let best = diagnosis.after.bic();
+    let alternatives = diagnosis.rejected.iter().filter_map(|hypothesis| {
+        let mut all: Vec<_> = groups(&hypothesis.effects).collect();
+        let new = all.pop()?;
+        let delta = Json::number(hypothesis.bic() - best);
+        let beside = Json::list(all.into_iter().map(|g| named(catalogue, g)));
+        let more = vec![("delta_bic", delta), ("beside", beside)];
+        Some(effect_json(catalogue, hypothesis, new, more))
+    });
+    let found = groups(&diagnosis.after.effects);
+    let effects = found.map(|g| effect_json(catalogue, &diagnosis.after, g, Vec::new()));
+    let members = [
+        ("verdict", Json::text(diagnosis.verdict(&study.policy).name())),
+        ("effects", Json::list(effects)),
+        ("alternatives", Json::list(alternatives)),
+        ("before", quality(&study.data, &diagnosis.before)),
+        ("after", quality(&study.data, &diagnosis.after)),
+        ("balances", Json::list(outcome.balances.iter().map(balance_json))),
+        ("repairs", Json::list(study.data.repairs.iter().map(|r| Json::text(r.as_str())))),
+        ("amended_model", amended_model.map_or(Json::null(), Json::text)),
+        ("seconds", Json::number(seconds)),
+        ("complete", Json::flag(outcome.complete)),
+    ];
+    Json::object(members).pretty()
+}
+
+/// An effect and its place.
+fn named(effects: &[Effect], group: &[ChosenEffect]) -> Json {
+    let at = group.iter().flat_map(|c| c.place.at.iter());
+    Json::object([
+        ("component", Json::text(effects[group[0].effect].class.clone())),
+        ("at", Json::list(at.map(|a| Json::text(a.clone())))),
+    ])
+}
+
+fn balance_json(balance: &Balance) -> Json {
+    let over = balance.ordered_by.and_then(|k| balance.profiles.first()?.over.get(k));
+    Json::object([
+        ("at", Json::text(balance.at.as_str())),
+        ("inflow", Json::text(balance.class.as_str())),
+        ("explained", Json::number(balance.explained)),
+        ("ordered_by", over.map_or(Json::null(), |(name, ..)| Json::text(name.as_str()))),
+    ])
+}
+
+fn effect_json(
+    effects: &[Effect],
+    hypothesis: &Hypothesis,
+    group: &[ChosenEffect],
+    more: Vec<(&str, Json)>,
+) -> Json {
+    let effect = &effects[group[0].effect];
+    let mut parameters: Vec<(String, Json)> = Vec::new();
+    for chosen in group {
+        for name in &chosen.fitted {
+            let full = format!("{}.{name}", chosen.name);
+            let Some((value, error)) = hypothesis.estimate(&full) else { continue };
+            let members = [
+                ("value", Json::number(value)),
+                ("stderr", Json::number(error)),
+                ("unit", Json::text(unit(effect, name))),
+            ];
+            let several = group.len() > 1;
+            let shown =
+                if several { format!("{name} at {}", chosen.place.at[0]) } else { name.clone() };
+            parameters.push((shown, Json::object(members)));
+        }
+    }
+    let at = group.iter().flat_map(|c| c.place.at.iter());
+    let mut members = vec![
+        ("component", Json::text(effect.class.clone())),
+        ("at", Json::list(at.map(|a| Json::text(a.clone())))),
+        ("parameters", Json::object(parameters)),
+        ("explains", Json::text(sentences(effects, group).join(" "))),
+    ];
+    members.extend(more);
+    Json::object(members)
+}
+
+fn quality(data: &Data, hypothesis: &Hypothesis) -> Json {
+    let signals = |split: Split| {
+        let sums = hypothesis.sums(split);
+        let one = |(k, s): (usize, &Signal)| {
+            let multiple = sums.of_signal(k);
+            let members = [
+                ("rmse", Json::number(multiple * data.sigmas[k])),
+                ("unit", Json::text(s.unit_name.clone())),
+                ("noise_multiple", Json::number(multiple)),
+            ];
+            (s.column.clone(), Json::object(members))
+        };
+        Json::object(hypothesis.plan.signals.iter().enumerate().map(one).collect::<Vec<_>>())
+    };
+    let recordings = |split: Split| {
+        let all = data.wholes(split).into_iter().map(|name| {
+            let by_signal = hypothesis.plan.signals.iter().enumerate().map(|(k, s)| {
+                (s.column.clone(), Json::number(rmse_of(data, hypothesis, split, k, name)))
+            });
+            let rmse = Json::object(by_signal.collect::<Vec<_>>());
+            Json::object([("name", Json::text(name)), ("rmse", rmse)])
+        });
+        Json::list(all.collect::<Vec<_>>())
+    };
+    let part = |split: Split, chi2: f64| {
+        Json::object([
+            ("chi2", Json::number(chi2)),
+            ("signals", signals(split)),
+            ("recordings", recordings(split)),
+        ])
+    };
+    Json::object([
+        ("train", part(Split::Train, hypothesis.chi2_train())),
+        ("validation", part(Split::Validation, hypothesis.chi2_validation())),
+    ])
+}

@@ -1,0 +1,236 @@
+//! The normal equations of a hypothesis with candidates attached at amplitude zero: what score tests are
+//! computed from, at the cost of one differentiated run per recording.
+
+use std::cell::OnceCell;
+
+use crate::base::diag::Problems;
+use crate::calibrate::data::Split;
+use crate::calibrate::problem::Problem;
+use crate::calibrate::statistics::at_bound;
+use crate::numeric::least_squares::NormalEquations;
+
+use super::hypothesis::{Hypothesis, amplitude, attached};
+use super::model_source::Attached;
+use super::rank::Candidate;
+use super::score::{Score, score};
+use super::study::Study;
+
+/// A hypothesis and the candidates that may be attached to it.
+pub struct Linearisation<'a> {
+    study: &'a Study,
+    hypothesis: &'a Hypothesis,
+    candidates: &'a [Candidate],
+    /// Approximate number of instants of recordings to use.
+    instants: usize,
+    /// The hypothesis without effects, if candidates are to replace those of `hypothesis`.
+    replaced: Option<&'a Hypothesis>,
+    /// The normal equations of the hypothesis alone, of all recordings.
+    alone: OnceCell<Option<NormalEquations>>,
+}
+
+/// The normal equations with some of the candidates.
+pub struct Linearised {
+    normal: NormalEquations,
+    /// Number of parameters of the hypothesis, which come first.
+    free: usize,
+    /// Position of the first amplitude of each candidate.
+    first: Vec<Option<usize>>,
+    /// Share of the sum of squares in the recordings used.
+    share: f64,
+}
+
+impl Linearised {
+    /// The joint score of effects, each given by its position in the catalogue and its candidates.
+    pub fn score(&self, study: &Study, all: &[(usize, &[usize])]) -> Option<Score> {
+        let (mut group, mut positive) = (Vec::new(), Vec::new());
+        for (effect, members) in all {
+            let amplitudes = &study.effects[*effect].amplitudes;
+            for member in *members {
+                let start = self.first[*member]?;
+                group.extend(start..start + amplitudes.len());
+                positive.extend(amplitudes.iter().map(|a| a.positive));
+            }
+        }
+        let mut found = score(&self.normal, self.free, &group, &positive)?;
+        // The same share is assumed to be explained in the recordings that were not used.
+        if self.share.is_normal() {
+            found.gain /= self.share;
+        }
+        Some(found)
+    }
+}
+
+impl<'a> Linearisation<'a> {
+    /// Candidates beside the effects of a hypothesis, with about `instants` instants of recordings.
+    pub fn new(
+        study: &'a Study,
+        hypothesis: &'a Hypothesis,
+        candidates: &'a [Candidate],
+        instants: usize,
+    ) -> Self {
+        let (replaced, alone) = (None, OnceCell::new());
+        Linearisation { study, hypothesis, candidates, instants, replaced, alone }
+    }
+
+    /// Candidates in place of the effects of the hypothesis; `replaced` is the hypothesis without any.
+    pub fn instead(self, replaced: Option<&'a Hypothesis>) -> Self {
+        Linearisation { replaced, ..self }
+    }
+
+    /// The largest gain that a score can mean: the whole sum of squares, unless candidates replace effects.
+    pub fn max_gain(&self) -> f64 {
+        self.replaced.map_or(self.hypothesis.train.total(), |_| f64::INFINITY)
+    }
+
+    /// The normal equations with a batch of candidates; `None` if they cannot be simulated together.
+    pub fn with(&self, batch: &[usize]) -> Option<Linearised> {
+        let Linearisation { study, hypothesis, candidates, instants, replaced, .. } = *self;
+        let mut all = attached(study, &hypothesis.effects);
+        let mut plan = hypothesis.plan.clone();
+        let free = plan.free.len();
+        let mut first = vec![None; candidates.len()];
+        for i in batch {
+            let Candidate { effect, place, shape, .. } = &candidates[*i];
+            let effect = &study.effects[*effect];
+            let name = if effect.built_in { place.at[0].clone() } else { format!("trial_{i}") };
+            first[*i] = Some(plan.free.len());
+            for a in &effect.amplitudes {
+                plan.free.push(amplitude(&format!("{name}.{}", a.name), 0.0, None, place, &name));
+            }
+            all.push(Attached::new(effect, place, name, shape.clone()));
+        }
+        let (session, program) = study.compile(&plan, &all, &[]).ok()?;
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, &plan, &study.data, &mut problems);
+        let mut problem = problem?;
+        problem.trimmed = surplus(&problem, replaced.unwrap_or(hypothesis), instants);
+        let mut normal = problem.normal(&problem.start()).ok()?;
+        if !problem.trimmed.is_empty() {
+            // The parameters must fit all recordings, not only those used.
+            let alone = self.alone.get_or_init(|| without_candidates(study, hypothesis));
+            set_parameters(&mut normal, alone.as_ref()?);
+        }
+        let share = match replaced {
+            None => normal.cost / hypothesis.train.total(),
+            Some(replaced) => {
+                let of = |(k, s): (usize, &Vec<f64>)| match problem.trimmed.contains(&k) {
+                    true => 0.0,
+                    false => s.iter().sum(),
+                };
+                let used = replaced.train.squares.iter().enumerate().map(of).sum::<f64>();
+                used / replaced.train.total()
+            }
+        };
+        if replaced.is_some() {
+            remove_contributions(&mut normal, &contributions(study, hypothesis, &problem));
+        }
+        // A parameter that is pushed against its bound absorbs nothing.
+        let x = problem.start();
+        let at_bound = at_bound(&normal, &problem.parameters[..free], &x[..free]);
+        (0..free).filter(|k| at_bound[*k]).for_each(|k| remove_column(&mut normal, k));
+        Some(Linearised { normal, free, first, share })
+    }
+}
+
+/// The columns of the effects of a hypothesis, and the distance of each from having no effect.
+fn contributions(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    problem: &Problem<'_>,
+) -> Vec<(usize, f64)> {
+    let mut columns = Vec::new();
+    for (k, p) in problem.parameters.iter().enumerate().take(hypothesis.plan.free.len()) {
+        let targets = &hypothesis.plan.free[k].targets;
+        for c in &hypothesis.effects {
+            let own = |name: &str| targets.iter().any(|t| *t == format!("{}.{name}", c.name));
+            let amplitudes = &study.effects[c.effect].amplitudes;
+            if amplitudes.iter().any(|a| own(&a.name)) {
+                columns.push((k, p.start / p.scale.slope(p.start)));
+            } else if c.fitted.iter().any(|name| own(name)) {
+                columns.push((k, 0.0));
+            } else {
+                continue;
+            }
+            break;
+        }
+    }
+    columns
+}
+
+/// Removes columns and their contributions to the residuals from the normal equations.
+fn remove_contributions(normal: &mut NormalEquations, columns: &[(usize, f64)]) {
+    let n = normal.n;
+    for (c, amount) in columns {
+        let own = normal.gram[c + n * c];
+        normal.cost += amount * (amount * own - 2.0 * normal.gradient[*c]);
+        for i in 0..n {
+            normal.gradient[i] -= amount * normal.gram[i + n * c];
+        }
+    }
+    columns.iter().for_each(|(c, _)| remove_column(normal, *c));
+}
+
+/// Removes a column from the normal equations.
+fn remove_column(normal: &mut NormalEquations, column: usize) {
+    let n = normal.n;
+    for i in 0..n {
+        normal.gram[i + n * column] = 0.0;
+        normal.gram[column + n * i] = 0.0;
+    }
+    normal.gradient[column] = 0.0;
+}
+
+/// Recordings that are not needed for about `instants` instants: those that fit best, since they contribute
+/// least.
+fn surplus(problem: &Problem<'_>, hypothesis: &Hypothesis, instants: usize) -> Vec<usize> {
+    let mut trimmed = problem.surplus(instants);
+    let each: Vec<f64> = hypothesis.train.squares.iter().map(|s| s.iter().sum()).collect();
+    if each.len() == problem.recordings(Split::Train).len() {
+        let mut order: Vec<usize> = (0..each.len()).collect();
+        order.sort_by(|a, b| each[*a].total_cmp(&each[*b]));
+        order.truncate(trimmed.len());
+        trimmed = order;
+    }
+    trimmed
+}
+
+/// The normal equations of a hypothesis alone.
+fn without_candidates(study: &Study, hypothesis: &Hypothesis) -> Option<NormalEquations> {
+    let (plan, all) = (&hypothesis.plan, attached(study, &hypothesis.effects));
+    let (session, program) = study.compile(plan, &all, &[]).ok()?;
+    let mut problems = Problems::new();
+    let problem = Problem::new(&program, &session.sources, plan, &study.data, &mut problems)?;
+    problem.normal(&problem.start()).ok()
+}
+
+/// Replaces the part of the normal equations that belongs to the parameters of the hypothesis.
+fn set_parameters(normal: &mut NormalEquations, parameters: &NormalEquations) {
+    for j in 0..parameters.n {
+        for i in 0..parameters.n {
+            normal.gram[i + normal.n * j] = parameters.gram[i + parameters.n * j];
+        }
+        normal.gradient[j] = parameters.gradient[j];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `y = 2 + 3 t + 0.5 t^2` fitted in full: without the slope, a parallel direction explains the same.
+    #[test]
+    fn a_removed_contribution_can_be_explained_again() {
+        let mut normal = NormalEquations::new(4);
+        let mut whole = 0.0;
+        for i in 0..11 {
+            let t = 0.1 * f64::from(i);
+            normal.add(0.0, &[1.0, t, t * t, 2.0 * t]);
+            whole += (3.0 * t).powi(2);
+        }
+        remove_contributions(&mut normal, &[(1, 3.0)]);
+        assert!((normal.cost - whole).abs() < 1e-9);
+        let same = score(&normal, 3, &[3], &[false]).unwrap();
+        assert!((same.amplitudes[0] - 1.5).abs() < 1e-6);
+        assert_eq!(score(&normal, 3, &[1], &[false]), None);
+    }
+}

@@ -1,0 +1,167 @@
+//! Pairwise selection: two effects at once, scored together before either is fitted.
+//!
+//! Where two effects are missing, each alone may explain little, and the best single effect may be neither of
+//! them. The score test of both together, from one run with all candidates attached, finds them.
+
+use crate::base::index::FastSet;
+
+use super::candidate_fit::CandidateFits;
+use super::hypothesis::Hypothesis;
+use super::linearise::{Linearisation, Linearised};
+use super::rank::{Candidate, Scored};
+use super::result::Diagnosis;
+use super::revise::{accept_first_better, is_resolved};
+use super::search::Search;
+use super::study::Study;
+
+/// Adds two effects at once if one leaves something to explain.
+pub fn pairwise_selection(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let ranking = diagnosis.rankings.first().cloned().unwrap_or_default();
+    if !is_resolved(search, &diagnosis.after) && search.may_continue() {
+        pairwise_selection_from(search, diagnosis, &diagnosis.before.clone(), &ranking);
+    }
+}
+
+/// The same from a hypothesis without effects. `ranking`: the scores of single effects there.
+pub fn pairwise_selection_from(
+    search: &Search<'_>,
+    diagnosis: &mut Diagnosis,
+    from: &Hypothesis,
+    ranking: &[Scored],
+) {
+    let proposals = pairs(search, from, ranking);
+    let hypotheses = CandidateFits { search, from, proposals: &proposals, depth: 0 }.run();
+    if diagnosis.pairs.is_empty() {
+        diagnosis.pairs = proposals;
+    }
+    accept_first_better(search, diagnosis, hypotheses);
+}
+
+/// An effect at a place with a shape, and the candidates that it consists of.
+struct Member<'a> {
+    scored: &'a Scored,
+    /// The best shape of the same effect at the same place.
+    best: &'a Scored,
+    /// Position of the effect and place in the ranking.
+    number: usize,
+    candidates: Vec<usize>,
+}
+
+/// Two members and their joint score.
+struct Pair {
+    members: [usize; 2],
+    amplitudes: Vec<f64>,
+    bic_gain: f64,
+}
+
+/// The most promising pairs of effects, best first. `ranking`: the scores of single effects.
+pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -> Vec<Vec<Scored>> {
+    let (study, policy) = (search.study, search.policy());
+    let (candidates, members) = members(study, ranking);
+    search.note(&format!("scoring pairs of {} effects", members.len()));
+    let linearisation = Linearisation::new(study, hypothesis, &candidates, policy.score_instants);
+    let all: Vec<usize> = (0..candidates.len()).collect();
+    let Some(linearised) = linearisation.with(&all) else { return Vec::new() };
+    let mut all = scored(search, hypothesis, &members, &linearised);
+    all.sort_by(|a, b| b.bic_gain.total_cmp(&a.bic_gain));
+    let mut used = vec![0; ranking.len()];
+    let mut known = FastSet::default();
+    let mut best = Vec::new();
+    for Pair { members: [i, j], amplitudes, bic_gain } in all {
+        let (first, second) = (&members[i], &members[j]);
+        let numbers = [first.number, second.number];
+        let is_used_up = |n: &usize| used[*n] == policy.pairs_per_member;
+        if best.len() == policy.fitted_pairs || numbers.iter().any(is_used_up) {
+            continue;
+        }
+        if !known.insert(numbers) {
+            continue;
+        }
+        numbers.iter().for_each(|n| used[*n] += 1);
+        let per_place = study.effects[first.scored.effect].amplitudes.len();
+        let (of_first, of_second) = amplitudes.split_at(first.candidates.len() * per_place);
+        let both = [first.proposal(bic_gain, of_first), second.proposal(bic_gain, of_second)];
+        let share = 100.0 * bic_gain / hypothesis.train.total();
+        let [a, b] = [0, 1].map(|k| study.label(both[k].effect, &both[k].place));
+        search.note(&format!("  score {share:5.1} %  {a} and {b}"));
+        best.push(both.into());
+    }
+    best
+}
+
+impl Member<'_> {
+    /// The member as part of a proposal, with the promise of the pair and its own amplitudes. Its other
+    /// shapes are those that score best alone.
+    fn proposal(&self, gain: f64, amplitudes: &[f64]) -> Scored {
+        let others = match std::ptr::eq(self.scored, self.best) {
+            true => self.best.others.clone(),
+            false => vec![Scored { others: Vec::new(), ..self.best.clone() }],
+        };
+        Scored { gain, amplitudes: amplitudes.to_vec(), others, ..self.scored.clone() }
+    }
+}
+
+/// All pairs whose score outweighs their amplitudes.
+fn scored(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    members: &[Member<'_>],
+    linearised: &Linearised,
+) -> Vec<Pair> {
+    let penalty = (hypothesis.train.count() as f64).ln();
+    let mut pairs = Vec::new();
+    for (j, second) in members.iter().enumerate() {
+        for (i, first) in members[..j].iter().enumerate() {
+            if first.number == second.number
+                || first.candidates.iter().any(|c| second.candidates.contains(c))
+            {
+                continue;
+            }
+            let both = [first, second].map(|m| (m.scored.effect, m.candidates.as_slice()));
+            if let Some(score) = linearised.score(search.study, &both) {
+                let bic_gain = score.gain - penalty * score.amplitudes.len() as f64;
+                if bic_gain > search.policy().evidence {
+                    pairs.push(Pair { members: [i, j], amplitudes: score.amplitudes, bic_gain });
+                }
+            }
+        }
+    }
+    pairs
+}
+
+/// The members of pairs, with all shapes, and the candidates that they consist of. Free curves are left out.
+fn members<'a>(study: &Study, ranking: &'a [Scored]) -> (Vec<Candidate>, Vec<Member<'a>>) {
+    let mut candidates: Vec<Candidate> = Vec::new();
+    let mut members = Vec::new();
+    for (number, best) in ranking.iter().enumerate() {
+        let effect = &study.effects[best.effect];
+        if study.is_curve(best.effect) {
+            continue;
+        }
+        for scored in std::iter::once(best).chain(&best.others) {
+            let places = scored.place.members();
+            // An effect that is built into a component exists once, with one shape.
+            let clash = |c: &Candidate| {
+                let here = c.effect == scored.effect && places.contains(&c.place);
+                effect.built_in && here && c.shape != scored.shape
+            };
+            let is_full = candidates.len() >= study.policy.pair_candidates;
+            if is_full || candidates.iter().any(clash) {
+                continue;
+            }
+            let mut own = Vec::new();
+            for place in places {
+                let same = |c: &Candidate| {
+                    c.effect == scored.effect && c.place == place && c.shape == scored.shape
+                };
+                own.push(candidates.iter().position(same).unwrap_or_else(|| {
+                    let (effect, shape) = (scored.effect, scored.shape.clone());
+                    candidates.push(Candidate { effect, place, number: 0, shape });
+                    candidates.len() - 1
+                }));
+            }
+            members.push(Member { scored, best, number, candidates: own });
+        }
+    }
+    (candidates, members)
+}

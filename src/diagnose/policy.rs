@@ -1,0 +1,149 @@
+//! The choices of the search for missing effects that are not derived from theory: limits, thresholds and
+//! stopping rules.
+//!
+//! All of them stand here with their unit and their consequence. Sums of squares are in units of the
+//! sensors' noise; a *reduced* sum is divided by the degrees of freedom and near 1 where the model explains
+//! the data. A *share* is a part of the sum of squares that is left to explain.
+
+use crate::calibrate::policy::FitPolicy;
+use crate::numeric::least_squares::Stopping;
+
+/// Choices of a search for missing effects.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SearchPolicy {
+    /// Rules of the fits.
+    pub fit: FitPolicy,
+
+    /// Reduced sum of the training recordings below which nothing is left to explain. Default 1.03.
+    /// Smaller values search for effects in drift and rounding.
+    pub resolved_train: f64,
+    /// The same for recordings that were never fitted. Default 1.1.
+    pub resolved_validation: f64,
+    /// Share of the excess of the validation sum over 1 that effects must explain for the verdict
+    /// `effect_found`, unless they explain everything. Default 0.9.
+    pub explained_share: f64,
+    /// Reduced sum above which the verdict is `unexplained` even then. Default 3.
+    pub explained_limit: f64,
+    /// Decrease of the Bayesian information criterion that counts as evidence. Default 30, well above what
+    /// the best of hundreds of places reaches by chance. Smaller values find weaker effects, and false ones.
+    pub evidence: f64,
+
+    /// Places in one model of a score test. Default 48. More places per model cost fewer runs, each of
+    /// which propagates more derivatives.
+    pub batch: usize,
+    /// Instants of recordings for a score test or a short fit. Default 10 000.
+    pub score_instants: usize,
+    /// Instants that suffice to preselect candidates for that test. Default 3000.
+    pub preselection_instants: usize,
+    /// Candidates that are preselected. Default 64. With at most twice as many there is no preselection.
+    pub preselected: usize,
+
+    /// Effects that forward selection adds at most. Default 5.
+    pub max_effects: usize,
+    /// Of these, the effects that are searched for while anything is left to explain. Default 2.
+    pub usual_effects: usize,
+    /// Reduced sum above which further effects are searched for. Default 2.
+    pub many_effects_above: f64,
+    /// Share that each of these further effects must promise, and explain. Default 0.1.
+    pub notable_share: f64,
+    /// Places that are fitted after a score test. Default 5.
+    pub fitted_places: usize,
+    /// Steps of all fits after which no further fit begins. Default 1000.
+    pub max_steps: u64,
+    /// An effect whose amplitudes are all within this many standard errors of zero is a candidate for
+    /// elimination. Default 10.
+    pub weak_below: f64,
+    /// If nothing explains the data, the calibration is repeated thoroughly; it escaped a local minimum if
+    /// its sum of squares is below this share of the quick one. Default 0.7.
+    pub escaped_share: f64,
+
+    /// When a short fit stops. Default: a predicted decrease of 1e-3 of the sum, or 10 steps.
+    pub short_fit: Stopping,
+    /// Shares of the promised amplitudes that are tried as the start of a short fit, since the score is
+    /// linear and overshoots. Default 1, 0.5, 0.2, 0.07, 0.02.
+    pub start_shares: [f64; 5],
+    /// Short fits that are continued to convergence. Default 3.
+    pub long_fits: usize,
+    /// A short fit is continued only if its excess over 1 is within this factor of the least. Default 2.
+    pub long_fit_factor: f64,
+    /// A fit explains most of the excess if it leaves less than this share of it. Default 0.5.
+    pub most_share: f64,
+    /// Excess of the validation sum over 1 that marks a fit which explains most as a possible local
+    /// minimum. Default 0.1.
+    pub local_minimum_above: f64,
+    /// Other shape parameters from which such a fit is started again. Default 2.
+    pub other_shapes: usize,
+    /// If a pair of effects leaves nothing to explain, pairs are still fitted whose promise is lower by at
+    /// most this share. Default 0.01.
+    pub pair_margin: f64,
+
+    /// Effects with at least this many amplitudes are free curves rather than laws. Default 4.
+    pub curve_amplitudes: usize,
+    /// A law is preferred to a free curve if it explains this share of what the curve explains. Default 0.95.
+    pub law_share: f64,
+    /// But not if its sum of squares exceeds that of the curve by this factor. Default 5.
+    pub law_factor: f64,
+    /// If the curve leaves nothing to explain, the excess of the law over 1 must be below this. Default 0.1.
+    pub law_excess: f64,
+
+    /// Candidates from which pairs are formed. Default 400. The number of pairs grows with its square.
+    pub pair_candidates: usize,
+    /// Pairs that are fitted. Default 8.
+    pub fitted_pairs: usize,
+    /// Of these, pairs that share an effect at a place. Default 3.
+    pub pairs_per_member: usize,
+
+    /// Rounds of swapping effects. Default 3.
+    pub swap_rounds: usize,
+    /// Alternatives to a single law that are fitted. Default 3.
+    pub alternatives: usize,
+    /// Share of the law's own promise that an alternative must promise. Default 0.7.
+    pub alternative_share: f64,
+    /// Excess, as a share of the excess without effects, up to which an alternative is fitted to
+    /// convergence after a short fit. Default 0.2.
+    pub alternative_excess: f64,
+}
+
+impl Default for SearchPolicy {
+    fn default() -> Self {
+        SearchPolicy {
+            fit: FitPolicy::default(),
+            resolved_train: 1.03,
+            resolved_validation: 1.1,
+            explained_share: 0.9,
+            explained_limit: 3.0,
+            evidence: 30.0,
+            batch: 48,
+            score_instants: 10_000,
+            preselection_instants: 3_000,
+            preselected: 64,
+            max_effects: 5,
+            usual_effects: 2,
+            many_effects_above: 2.0,
+            notable_share: 0.1,
+            fitted_places: 5,
+            max_steps: 1000,
+            weak_below: 10.0,
+            escaped_share: 0.7,
+            short_fit: Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 },
+            start_shares: [1.0, 0.5, 0.2, 0.07, 0.02],
+            long_fits: 3,
+            long_fit_factor: 2.0,
+            most_share: 0.5,
+            local_minimum_above: 0.1,
+            other_shapes: 2,
+            pair_margin: 0.01,
+            curve_amplitudes: 4,
+            law_share: 0.95,
+            law_factor: 5.0,
+            law_excess: 0.1,
+            pair_candidates: 400,
+            fitted_pairs: 8,
+            pairs_per_member: 3,
+            swap_rounds: 3,
+            alternatives: 3,
+            alternative_share: 0.7,
+            alternative_excess: 0.2,
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The workflow of a diagnosis, from a plan file to a verdict and an amended model.
+//!
+//! Any front end can call [`run`]: it prints nothing, reads no environment and never ends the process.
+//! Diagnostics accumulate in the [`Session`], progress goes to the [`Observer`].
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use crate::calibrate::observer::{Event, Observer};
+use crate::calibrate::problem::{Problem, record_signals};
+use crate::calibrate::run::{CalibrationError, check_start, inputs, read};
+use crate::driver::compile::{CompileError, Session};
+
+use super::amended_model::{AmendedModel, amended};
+use super::balance::{Balance, Profile, balances, contributions};
+use super::catalogue::{Effect, Packages, catalogue, unknowns};
+use super::policy::SearchPolicy;
+use super::result::{Diagnosis, Verdict};
+use super::search::diagnose;
+use super::study::{DiagnosisError, Study};
+
+/// The package of the shipped effects.
+const SHIPPED_EFFECTS: &str = "Effects";
+
+/// What to diagnose, and how.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The plan file.
+    pub plan: PathBuf,
+    /// Folder of the recordings; the plan's own if not given.
+    pub data: Option<PathBuf>,
+    /// Folder of further effects.
+    pub effects: Option<PathBuf>,
+    /// The value of `MODELICAPATH`.
+    pub modelica_path: Option<OsString>,
+    /// Limits, thresholds and stopping rules.
+    pub policy: SearchPolicy,
+}
+
+/// A finished diagnosis.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The study.
+    pub study: Study,
+    /// The result of the search.
+    pub diagnosis: Diagnosis,
+    /// The balances of the model without effects, if they were examined.
+    pub balances: Vec<Balance>,
+    /// The contribution of the first effect, recording by recording, if balances were examined.
+    pub contributions: Vec<Profile>,
+    /// The source of the model's file.
+    pub original: String,
+    /// The amended model, if an effect was found.
+    pub amended: Option<AmendedModel>,
+    /// The diagnosis was not cancelled.
+    pub complete: bool,
+}
+
+impl Outcome {
+    /// The verdict.
+    pub fn verdict(&self) -> Verdict {
+        self.diagnosis.verdict(&self.study.policy)
+    }
+}
+
+/// Why a run has no outcome.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The plan, the recordings or the model are wrong, or the start cannot be simulated.
+    #[error(transparent)]
+    Setup(#[from] CalibrationError),
+    /// The search cannot begin.
+    #[error(transparent)]
+    Search(#[from] DiagnosisError),
+}
+
+impl From<CompileError> for RunError {
+    fn from(error: CompileError) -> Self {
+        RunError::Setup(error.into())
+    }
+}
+
+/// Diagnoses the model of a plan.
+pub fn run(
+    request: &Request,
+    session: &mut Session,
+    observer: &dyn Observer,
+) -> Result<Outcome, RunError> {
+    let (study, unknowns) = prepare(request, session)?;
+    let original = read(&study.plan.model)?;
+    observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
+    let diagnosis = diagnose(&study, observer)?;
+    let complete = !observer.is_cancelled();
+    let (mut all, mut contributed) = (Vec::new(), Vec::new());
+    if complete && diagnosis.verdict(&study.policy) != Verdict::Complete {
+        all = balances(&study, &unknowns, &diagnosis.before);
+        contributed = contributions(&study, &unknowns, &diagnosis.after);
+        observer.event(&Event::Note(&format!("{} balances examined", all.len())));
+    }
+    let amended = amended(&study, &diagnosis, &original);
+    let (balances, contributions) = (all, contributed);
+    Ok(Outcome { study, diagnosis, balances, contributions, original, amended, complete })
+}
+
+/// Reads and checks everything before the search: the study, and the unknown inflows for balances.
+fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effect>), RunError> {
+    let (plan, data) = inputs(&request.plan, request.data.as_deref(), session)?;
+    let mut compiled = plan.request(request.modelica_path.clone());
+    compiled.folders.extend(request.effects.clone());
+    let (mut flat, inventory) = session.flatten_with_inventory(&compiled)?;
+    let variables: Vec<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
+    let units: Vec<(String, String)> =
+        flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
+    let (base, experiment) = (flat.name.clone(), flat.experiment);
+    session.drive(&mut flat, &compiled.recorded)?;
+    let mut program = session.compile_flat(flat, compiled.form)?;
+    record_signals(&mut program, &plan);
+    let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
+    check_start(&problem.ok_or(CompileError::Request)?).map_err(CalibrationError::from)?;
+    let mut packages = vec![SHIPPED_EFFECTS.to_owned()];
+    if request.effects.is_some() {
+        // The folder of the user is itself a top level.
+        packages.push(String::new());
+    }
+    let packages = Packages { request: &compiled, names: &packages };
+    let effects = catalogue(session, &packages, &inventory, &units);
+    let unknowns = unknowns(session, &packages);
+    let (request, policy) = (compiled, request.policy.clone());
+    let study =
+        Study { plan, request, data, base, experiment, effects, inventory, variables, policy };
+    Ok((study, unknowns))
+}

@@ -1,0 +1,86 @@
+//! The model under examination, and its programs with effects attached.
+
+use crate::calibrate::data::Data;
+use crate::calibrate::plan::Plan;
+use crate::calibrate::problem::record_also;
+use crate::driver::compile::{CompileError, Request, Session};
+use crate::flatten::inventory::Inventory;
+use crate::ir::flat::Experiment;
+use crate::ir::program::Program;
+
+use super::catalogue::Effect;
+use super::model_source::{Attached, Extension};
+use super::place::Place;
+use super::policy::SearchPolicy;
+
+/// Name of the generated model that has effects attached.
+const TRIAL_MODEL: &str = "Trial";
+
+/// A model, its recordings and the effects that it may lack.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// The plan.
+    pub plan: Plan,
+    /// How its model is compiled.
+    pub request: Request,
+    /// The recordings.
+    pub data: Data,
+    /// Full name of the model.
+    pub base: String,
+    /// The experiment annotation of the model.
+    pub experiment: Experiment,
+    /// The catalogue.
+    pub effects: Vec<Effect>,
+    /// The components of the model and their connections.
+    pub inventory: Inventory,
+    /// Names of its variables.
+    pub variables: Vec<String>,
+    /// Limits, thresholds and stopping rules.
+    pub policy: SearchPolicy,
+}
+
+/// Why there is no diagnosis.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum DiagnosisError {
+    /// The model cannot be compiled.
+    #[error(transparent)]
+    Model(#[from] CompileError),
+    /// The model cannot be simulated under the conditions of the recordings.
+    #[error("the model cannot be simulated under the conditions of the recordings")]
+    Simulation,
+}
+
+impl Study {
+    /// An effect and its place, for messages.
+    pub fn label(&self, effect: usize, place: &Place) -> String {
+        format!("{} at {}", self.effects[effect].class, place.at.join(", "))
+    }
+
+    /// True for an effect that is a free curve rather than a law with few parameters.
+    pub fn is_curve(&self, effect: usize) -> bool {
+        self.effects[effect].amplitudes.len() >= self.policy.curve_amplitudes
+    }
+
+    /// Compiles the model with effects attached; the program records the signals of the plan and `others`.
+    pub fn compile(
+        &self,
+        plan: &Plan,
+        attached: &[Attached<'_>],
+        others: &[String],
+    ) -> Result<(Session, Program), DiagnosisError> {
+        let mut session = Session::default();
+        let mut request = self.request.clone();
+        if !attached.is_empty() {
+            let trial = Extension { name: TRIAL_MODEL, base: &self.base, ..Extension::default() };
+            request.appended = Some(trial.source(attached));
+            request.model = Some(TRIAL_MODEL.to_owned());
+        }
+        let mut program = session.compile(&request)?;
+        if !attached.is_empty() {
+            // The experiment annotation is not inherited.
+            program.blocks.dae.experiment = self.experiment;
+        }
+        record_also(&mut program, plan, others);
+        Ok((session, program))
+    }
+}
