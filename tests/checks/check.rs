@@ -2,49 +2,13 @@
 
 use std::path::Path;
 
-use super::door::Scratch;
+use super::door::{Scratch, suite_model};
 use super::program::mocc;
 
-const SEVERAL: &str = "tests/suite/check/several.mo";
+const SEVERAL: &str = "check/classes/several_problems";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// What `mocc check` says of a text of the suite, under a snapshot; it ends with the given status.
-fn checked(name: &str, status: i32) -> String {
-    let file = format!("tests/suite/check/{name}.mo");
-    let ended = mocc(root(), &["check", &file]);
-    assert_eq!(ended.status, status);
-    let text = std::fs::read_to_string(root().join(file)).expect("a file");
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("../suite/check");
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    settings.bind(|| insta::assert_snapshot!(name, format!("{text}----\n{}", ended.err)));
-    ended.err
-}
-
-#[test]
-fn all_problems_of_a_file_come_at_once_and_in_order() {
-    let said = checked("several", 1);
-    for right in ["Resistor", "Open", "OnlyInside"] {
-        assert!(!said.contains(right), "{right}: {said}");
-    }
-}
-
-#[test]
-fn functions_that_nothing_calls_are_read() {
-    let said = checked("uncalled", 1);
-    assert!(said.contains("`gian` is not declared") && said.contains("y := x + \"one\""), "{said}");
-    assert!(!said.contains("v[3]"), "{said}");
-}
-
-#[test]
-fn names_that_hide_others_and_modifications_without_effect_are_warned_of() {
-    let said = checked("doubtful", 0);
-    let count = |what: &str| said.matches(what).count();
-    assert_eq!((count("MO0270"), count("MO0271"), count("MO0272")), (6, 1, 2), "{said}");
 }
 
 /// What an expression was some time ago is one unknown more, and one equation.
@@ -59,7 +23,9 @@ fn a_component_that_delays_is_balanced() {
 
 #[test]
 fn the_same_as_json() {
-    let ended = mocc(root(), &["check", SEVERAL, "--json"]);
+    let folder = Scratch::new();
+    folder.file("several.mo", &suite_model(SEVERAL));
+    let ended = mocc(folder.path(), &["check", "several.mo", "--json"]);
     assert_eq!((ended.status, ended.err.as_str()), (1, ""));
     let all: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
     let all = all.as_array().expect("a list");
@@ -74,7 +40,7 @@ fn the_same_as_json() {
         "{found:?}"
     );
     let undeclared = &all[2];
-    assert_eq!(undeclared["file"], SEVERAL);
+    assert_eq!(undeclared["file"], "several.mo");
     assert_eq!(undeclared["column"], 14);
     assert_eq!(undeclared["end"], serde_json::json!({ "line": 31, "column": 15 }));
     assert_eq!(undeclared["severity"], "error");
@@ -183,9 +149,11 @@ fn buses_that_lead_out_are_written_outside() {
 
 #[test]
 fn one_model_and_what_is_not_there() {
-    let one = mocc(root(), &["check", SEVERAL, "--model", "Several.Resistor"]);
+    let folder = Scratch::new();
+    folder.file("several.mo", &suite_model(SEVERAL));
+    let one = mocc(folder.path(), &["check", "several.mo", "--model", "Several.Resistor"]);
     assert_eq!(one.status, 0, "{}", one.err);
-    let none = mocc(root(), &["check", SEVERAL, "--model", "Several.Resistr"]);
+    let none = mocc(folder.path(), &["check", "several.mo", "--model", "Several.Resistr"]);
     assert_eq!(none.status, 1);
     assert!(none.err.contains("MO0104"), "{}", none.err);
     assert_eq!(mocc(root(), &["check", "nowhere.mo"]).status, 2);
@@ -193,16 +161,11 @@ fn one_model_and_what_is_not_there() {
 
 #[test]
 fn units_that_do_not_match_are_warnings_or_errors() {
-    const UNITS: &str = "tests/suite/check/units.mo";
-    let ended = mocc(root(), &["check", UNITS]);
+    let folder = Scratch::new();
+    folder.file("units.mo", &suite_model("check/units/equations_whose_units_differ"));
+    let ended = mocc(folder.path(), &["check", "units.mo"]);
     assert_eq!(ended.status, 0, "{}", ended.err);
-    let text = std::fs::read_to_string(root().join(UNITS)).expect("a file");
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("../suite/check");
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    settings.bind(|| insta::assert_snapshot!("units", format!("{text}----\n{}", ended.err)));
-    let strict = mocc(root(), &["check", UNITS, "--units=error", "--json"]);
+    let strict = mocc(folder.path(), &["check", "units.mo", "--units=error", "--json"]);
     assert_eq!(strict.status, 1);
     let all: serde_json::Value = serde_json::from_str(&strict.out).expect("JSON");
     let lines: Vec<(&str, u64)> = all
@@ -213,13 +176,4 @@ fn units_that_do_not_match_are_warnings_or_errors() {
         .collect();
     // The share, the force, the speed taken for a pressure, and the exponent; nothing of what is right.
     assert_eq!(lines, [("error", 14), ("error", 20), ("error", 50), ("error", 55)]);
-}
-
-#[test]
-fn values_beyond_their_bounds_are_warned_of() {
-    let said = checked("bounds", 0);
-    for beyond in ["`bore` is -0.01, below its `min` of 0", "`seals` is 12, above its `max` of 8"] {
-        assert!(said.contains(beyond), "{said}");
-    }
-    assert!(!said.contains("`land`"), "{said}");
 }

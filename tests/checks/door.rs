@@ -37,6 +37,14 @@ impl Case {
         let file = scratch.file("model.mo", text);
         Case { _scratch: Some(scratch), ..Case::file(file) }
     }
+    /// A case of the suite by its `stage/topic/case`.
+    pub fn suite(name: &str) -> Case {
+        Case::text(&suite_model(name))
+    }
+    /// An example by its path, or a case of the suite.
+    pub fn named(name: &str) -> Case {
+        if name.starts_with("examples/") { Case::file(name) } else { Case::suite(name) }
+    }
     /// A model of the file by its full name, instead of the last.
     pub fn model(mut self, name: impl Into<String>) -> Case {
         self.request.model = Some(name.into());
@@ -238,6 +246,15 @@ impl Drop for Scratch {
 /// A text of this repository, by its path from the root.
 pub fn text_of(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect(path)
+}
+
+/// The model of a case of the suite, by its `stage/topic/case`.
+pub fn suite_model(name: &str) -> String {
+    let mut parts = name.split('/');
+    let [stage, topic, case] = [(); 3].map(|()| parts.next().expect("stage/topic/case"));
+    let cases = super::suite::case::read(stage, topic).unwrap_or_else(|why| panic!("{why}"));
+    let found = cases.into_iter().find(|c| c.name == case);
+    found.unwrap_or_else(|| panic!("there is no case `{name}`")).model
 }
 
 /// What tests read from a trajectory. Names that are not there panic.

@@ -1,17 +1,18 @@
 //! `mocc fmt`: order, and nothing else.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use mocc::base::source::FileId;
 use mocc::format::format;
 
-use super::door::{Case, Scratch, text_of};
+use super::door::{Case, Scratch, suite_model};
 use super::program::mocc;
+use super::suite::case::{cases, stages};
 
-/// Files with texts of models.
-fn texts() -> Vec<PathBuf> {
+/// Examples, libraries and models of the suite, with their names.
+fn sources() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut folders = ["examples", "lib", "tests/suite"].map(|f| root.join(f)).to_vec();
+    let mut folders = ["examples", "lib"].map(|f| root.join(f)).to_vec();
     let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {
@@ -19,11 +20,17 @@ fn texts() -> Vec<PathBuf> {
             if path.is_dir() {
                 folders.push(path);
             } else if path.extension().is_some_and(|e| e == "mo" || e == "mol") {
-                found.push(path);
+                let name = path.strip_prefix(root).expect("below the root").to_string_lossy();
+                let text = std::fs::read_to_string(&path).expect("a model");
+                found.push((name.replace('\\', "/"), text));
             }
         }
     }
     found.sort();
+    for stage in stages() {
+        let cases = cases(&stage).unwrap_or_else(|why| panic!("{why}"));
+        found.extend(cases.into_iter().map(|c| (c.full_name(), c.model)));
+    }
     found
 }
 
@@ -34,10 +41,9 @@ fn ordered(text: &str) -> Option<String> {
 #[test]
 fn a_formatted_text_stays_as_it_is() {
     let mut count = 0;
-    for path in texts() {
-        let text = std::fs::read_to_string(&path).expect("a text");
+    for (name, text) in sources() {
         let Some(once) = ordered(&text) else { continue };
-        assert_eq!(ordered(&once).as_deref(), Some(once.as_str()), "{}", path.display());
+        assert_eq!(ordered(&once).as_deref(), Some(once.as_str()), "{name}");
         count += 1;
     }
     assert!(count > 150, "{count}");
@@ -45,13 +51,8 @@ fn a_formatted_text_stays_as_it_is() {
 
 #[test]
 fn all_forms() {
-    let text = text_of("tests/suite/format/forms.mo");
-    let once = ordered(&text).expect("no syntax errors");
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("../suite/format");
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    settings.bind(|| insta::assert_snapshot!("forms", once));
+    let once = ordered(&suite_model("format/forms/all_forms")).expect("no syntax errors");
+    insta::assert_snapshot!("all_forms", once);
     // Indentation destroyed is indentation restored.
     let flush: String = once.lines().map(|l| format!("{}\n", l.trim_start())).collect();
     let again = ordered(&flush).expect("the same tokens");
@@ -63,15 +64,13 @@ fn all_forms() {
 #[test]
 fn the_meaning_stays() {
     let mut compared = 0;
-    for path in texts() {
-        let text = std::fs::read_to_string(&path).expect("a text");
-        // Examples and models that are to be flattened; the others have no meaning, or need their package.
-        let shown = path.to_string_lossy().replace('\\', "/");
-        if !(shown.contains("/examples/") || shown.contains("/suite/flatten/")) {
-            continue;
-        }
+    // Examples and models that are to be flattened; the others have no meaning, or need their package.
+    let cases = cases("flatten").unwrap_or_else(|why| panic!("{why}"));
+    let flat = cases.into_iter().filter(|c| c.shows_flat).map(|c| (c.full_name(), c.model));
+    let examples = sources().into_iter().filter(|(name, _)| name.starts_with("examples/"));
+    for (name, text) in examples.chain(flat) {
         let once = ordered(&text).expect("no syntax errors");
-        assert_eq!(Case::text(&once).flat(), Case::text(&text).flat(), "{shown}");
+        assert_eq!(Case::text(&once).flat(), Case::text(&text).flat(), "{name}");
         compared += 1;
     }
     assert!(compared >= 15, "{compared}");

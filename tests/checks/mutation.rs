@@ -14,6 +14,7 @@ use mocc::base::render::{Style, render_all};
 use mocc::driver::compile::{Request, Session};
 
 use super::door::Scratch;
+use super::suite::case::{cases, stages};
 
 /// Nobody waits longer for an answer, not even on a busy machine and without optimisation.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -84,7 +85,7 @@ fn chain(n: usize, link: impl Fn(usize) -> String) -> String {
 }
 
 fn answered(numbers: std::ops::Range<u64>) {
-    let texts = texts();
+    let texts = sources();
     let words: Vec<Vec<&str>> = texts.iter().map(|t| tokens(t)).collect();
     let scratch = Scratch::new();
     for number in numbers {
@@ -124,21 +125,20 @@ fn answer(file: PathBuf) -> Result<(), String> {
 }
 
 /// All models of the suite and the examples, in order of their names.
-fn texts() -> Vec<String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders =
-        ["suite/check", "suite/diagnostics", "suite/flatten", "suite/structure", "suite/format"];
-    let folders = folders.map(|f| root.join("tests").join(f));
-    let mut files: Vec<PathBuf> = folders
-        .iter()
-        .chain([&root.join("examples")])
-        .flat_map(|folder| std::fs::read_dir(folder).expect("a folder").flatten())
+fn sources() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("a folder")
+        .flatten()
         .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|e| e == "mo" || e == "mol"))
+        .filter(|path| path.extension().is_some_and(|e| e == "mol"))
         .collect();
     files.sort();
-    assert!(files.len() > 50);
-    files.iter().map(|f| std::fs::read_to_string(f).expect("a text")).collect()
+    let examples = files.iter().map(|f| std::fs::read_to_string(f).expect("a model"));
+    let cases = stages().into_iter().flat_map(|s| cases(&s).unwrap_or_else(|why| panic!("{why}")));
+    let sources: Vec<String> = cases.map(|c| c.model).chain(examples).collect();
+    assert!(sources.len() > 100);
+    sources
 }
 
 /// Words, numbers, signs and the space between them.

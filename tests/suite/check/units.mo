@@ -1,3 +1,7 @@
+//@ case equations_whose_units_differ
+//@ expect accepted
+//@ check
+//@ used by check.rs
 // What `mocc check` says of units: the equation, both units, and where they are declared.
 package Units
   model Tank

@@ -1,3 +1,5 @@
+//@ case loops_and_slices
+//@ snapshot flat
 // Loops, slices and element-wise modifications become scalars.
 model Rod
   parameter Integer n = 3;
@@ -12,3 +14,5 @@ equation
   der(T[2:n - 1]) = q[1:n - 2] - q[2:n - 1];
   der(T[n]) = q[n - 1];
 end Rod;
+//@ expect flat has 3 "der("
+//@ expect flat has 3 "fixed = true"

@@ -1,3 +1,5 @@
+//@ case one_node_and_one_open_end
+//@ snapshot flat
 // A node of two: the potentials are equal, the flows add up to zero, and an open end carries none.
 model Node
   connector Pin
@@ -20,3 +22,121 @@ model Node
 equation
   connect(a.p, source.p);
 end Node;
+//@ expect flat has 3 " = 0.0;"
+//@ expect a.p.i, source.p.i = 2, -2
+
+//@ case mismatched_connectors
+model Mixed
+  Translational.Mass mass(m = 1);
+  Pneumatics.Volume  tank(V_0 = 1);
+equation
+  //@ error[MO0230] 3-33
+  connect(mass.flange, tank.port);
+end Mixed;
+
+//@ case not_a_connector
+model Mixed
+  Translational.Mass  mass(m = 1);
+  Translational.Fixed wall;
+equation
+  //@ error[MO0230] 11-14
+  connect(mass, wall.flange);
+end Mixed;
+
+//@ case not_plug_compatible
+package P
+  connector Signal = input Real;
+  connector Pin
+    Real v;
+    flow Real i;
+  end Pin;
+  connector Half
+    input Real v;
+    output Real i;
+  end Half;
+  model Part
+    Pin p;
+    Half h;
+  equation
+    p.v = 2*p.i;
+    h.i = h.v;
+  end Part;
+  model Top
+    Part one;
+    Part two;
+    Real x = 1;
+    Real y;
+  equation
+    //@ error[MO0230] 5-25
+    connect(one.p, two.h);
+    //@ error[MO0230] 13
+    connect(x, y);
+    if time > 0.5 then
+      //@ error[MO0231] 7-27
+      connect(one.p, two.p);
+    end if;
+  end Top;
+end P;
+
+//@ case restrictions
+package Restrictions
+  connector Input = input Real;
+  connector Output = output Real;
+  connector Pin
+    Real v;
+    flow Real i;
+  end Pin;
+  connector Plug
+    parameter Integer phases = 3;
+    constant Real frequency = 50;
+    Real v;
+    flow Real i;
+  end Plug;
+  connector Socket
+    Integer phases;
+    constant Real frequency = 50;
+    Real v;
+    flow Real i;
+  end Socket;
+  connector Signal
+    Real e;
+    flow Real f;
+    input Real u;
+  end Signal;
+
+  model Source
+    Output y = 1;
+  end Source;
+  model Sink
+    Input u;
+  end Sink;
+  model Outlet
+    Plug plug(v = 1);
+  end Outlet;
+  model Device
+    Plug plug(frequency = 60);
+  end Device;
+  model Adapter
+    Socket socket(phases = 3);
+  end Adapter;
+
+  model System
+    Source source, other;
+    Sink sink;
+    Outlet outlet;
+    Device device;
+    Adapter adapter;
+    //@ error[MO0228] 18-20
+    constant Pin pin;
+    //@ error[MO0228] 18-23
+    input Signal signal(e = 1, u = 2);
+  equation
+    //@ error[MO0246] 5-29
+    connect(source.y, sink.u);
+    connect(sink.u, other.y);
+    //@ error[MO0230] 5-37
+    connect(outlet.plug, device.plug);
+    //@ error[MO0230] 5-40
+    connect(outlet.plug, adapter.socket);
+  end System;
+end Restrictions;

@@ -1,3 +1,5 @@
+//@ case buses
+//@ snapshot flat
 // A bus that begins empty: what stands on it comes from what is connected, from either end.
 package Buses
   connector RealOutput = output Real;
@@ -63,3 +65,90 @@ package Buses
     connect(middle.pin, right.p);
   end System;
 end Buses;
+//@ expect flat lacks "unused"
+//@ expect flat lacks ".list[1]"
+//@ expect sinks[1].u[1], sinks[1].u[2], sinks[1].deep = 3, 7, 3
+//@ expect sinks[2].u[1], sinks[2].u[2], sinks[2].deep = 3, 7, 3
+// Ohm's law and Kirchhoff's, across the bus.
+//@ expect left.p.i, right.p.i = 5, -5
+
+//@ case bus_undeclared
+model M
+  expandable connector Bus
+  end Bus;
+  Bus a, b;
+equation
+  //@ error[MO0242] 13-17
+  //@ error[MO0242] 22-26
+  connect(a.speed, b.speed);
+end M;
+
+//@ case bus_mixed
+model M
+  expandable connector Bus
+    //@ error[MO0243] 14
+    Real x = 1;
+    //@ error[MO0243] 15
+    flow Real f;
+    Real unused;
+  end Bus;
+  connector Pin
+    Real v;
+    flow Real i;
+  end Pin;
+  Bus bus;
+  Pin pin;
+  Real y;
+equation
+  pin.v = 1;
+  //@ error[MO0230] 3-19
+  connect(bus, pin);
+  //@ error[MO0217] 7-16
+  y = bus.unused;
+end M;
+
+//@ case bus_without_source
+model M
+  expandable connector Bus
+  end Bus;
+  connector RealInput = input Real;
+  connector RealOutput = output Real;
+  model Gauge
+    RealInput u;
+  end Gauge;
+  model Sink
+    Bus bus;
+    Gauge speed;
+    Gauge force;
+  equation
+    //@ error[MO0244] 5-31
+    connect(bus.speed, speed.u);
+    connect(bus.force, force.u);
+  end Sink;
+  model Source
+    RealOutput y = time;
+  end Source;
+  Sink sink;
+  Bus bus;
+  Source source;
+equation
+  connect(source.y, bus.force);
+  connect(bus, sink.bus);
+end M;
+
+//@ case bus_in_itself
+// A bus that is connected with a part of itself would have buses in buses without an end.
+model Car
+  expandable connector Bus
+  end Bus;
+  connector RealOutput = output Real;
+  model Source
+    RealOutput y = time;
+  end Source;
+  Bus bus;
+  Source source;
+equation
+  //@ error[MO0276] 3-26
+  connect(bus, bus.inside);
+  connect(source.y, bus.speed);
+end Car;

@@ -1,3 +1,6 @@
+//@ case base_classes
+//@ run tolerance=1e-9
+//@ snapshot flat
 // `extends` with a modification, a redeclared model, a final value, an enumeration and a condition.
 package P
   type Kind = enumeration(Dry, Wet);
@@ -20,3 +23,5 @@ package P
     extends Base(final m = 2, redeclare model Drag = Linear(d = 4));
   end Body;
 end P;
+//@ expect flat lacks "wetness"
+//@ expect v = exp(-2) abs 1e-8

@@ -1,3 +1,6 @@
+//@ case counted_at_run_time
+//@ run stop=1
+//@ snapshot flat
 // A loop that only a run can count becomes a function; a record as a whole replaces what its class says; a
 // constructor knows what extends its class; two when-statements of one algorithm.
 package Loops
@@ -42,3 +45,10 @@ package Loops
     end when;
   end Example;
 end Loops;
+// The loop is in a function, and the model calls it.
+//@ expect flat has 2 "while"
+//@ expect flat has 1 "end while"
+//@ expect flat has 3 "function0_1"
+//@ expect r = sqrt(3) abs 1e-12
+//@ expect rods[1].m, rods[2].m = 23400
+//@ expect plain.m, last = 9, 1

@@ -1,3 +1,6 @@
+//@ case operator_records
+//@ run stop=2
+//@ snapshot flat
 // An operator record: overloaded operators, its constructor beside a number, and sums of arrays.
 package Numbers
   operator record Dual
@@ -58,3 +61,7 @@ package Numbers
     z = sum({-x, x*x, Dual(time)});
   end Derivative;
 end Numbers;
+//@ expect flat lacks "Dual"
+// x^2 + 2 x - 5 and 2 x + 2 at 3; -x + x^2 + t and 2 x - 1.
+//@ expect y.value, y.slope = 10, 8
+//@ expect z.value, z.slope = 8, 5

@@ -1,3 +1,6 @@
+//@ case what_is_allowed
+//@ run stop=1
+//@ snapshot flat
 // What is allowed beside what `diagnostics` refuses: redeclarations, class extensions, lookup, records.
 package Rules
   // A constant that a package gives to what it inherits.
@@ -125,3 +128,14 @@ package Rules
     assert(limited <= 1, "never said");
   end Test;
 end Rules;
+// A flow outside of connectors has no second equation.
+//@ expect flat lacks "q = 0"
+//@ expect body.mass, body.weight = 2, 6
+//@ expect n = 3
+//@ expect seen[1:7] = 6, 7, 8, 9, 5, 2, 4
+//@ expect t, around.user.y = 14, 9
+//@ expect data.x, data.y = 1, 2
+//@ expect short.x, short.y = 5, 11
+//@ expect first, v = 5, 2
+//@ expect q, right = 3, 1
+//@ expect limited = 1 abs 1e-9

@@ -1,3 +1,6 @@
+//@ case components_of_one_class
+//@ used by stages.rs
+//@ snapshot flat
 // Components of one class beside each other, modified and not.
 package Siblings
   package Water

@@ -1,3 +1,6 @@
+//@ case values_slopes_and_jumps
+//@ run stop=3 tolerance=1e-9
+//@ snapshot flat
 // Tables of an external object, as the library of tables declares it: values, slopes, and jumps in time.
 package Tables
   type Smoothness = enumeration(Linear, Akima, Constant, FritschButland, Steffen, ModifiedAkima);
@@ -73,3 +76,10 @@ package Tables
     der(sum) = drive;
   end Spring;
 end Tables;
+// The value of the curve, that of the course, and its next event.
+//@ expect flat has 2 "table("
+//@ expect flat has 1 "nextTimeEvent("
+// Between the points -1 and 1 the spring is linear with stiffness 2; the course rises from 0.5 s
+// to 1 in 1 s, jumps to 3 and stays: 0.5 + 1.5 * 3.
+//@ expect x = 0.5*cos(sqrt(2)*3) abs 1e-7
+//@ expect sum = 5 abs 1e-7

@@ -1,3 +1,5 @@
+//@ case all_forms
+//@ used by format.rs
 within ;
 // A file that nobody has looked after.
 package   Forms   "All forms that lines can take"

@@ -1,3 +1,6 @@
+//@ case parameters_of_zero
+//@ run stop=1 tolerance=1e-9
+//@ snapshot structure
 // Parameters that are 0 in the text: a shorted resistor, iron losses that are switched off, and no mass.
 // What they make vanish determines nothing, and the index is that of the circuit without it.
 model Vanishing
@@ -26,3 +29,11 @@ equation
     force = 0;
   end if;
 end Vanishing;
+// v and u are one node, and so one state.
+//@ expect structure has 1 "states (1): v"
+//@ expect structure lacks "core"
+//@ expect u = exp(-1) abs 1e-7
+//@ expect core, speed = 0, 2
+// With its resistance the node is two: u' = -u - (v - u) = -v, v' = (v - u) - v = -u.
+//@ run set="R=1" stop=1 tolerance=1e-9
+//@ expect v = cosh(1) abs 1e-7

@@ -1,9 +1,0 @@
-// status: 3
-// error[MO0911] 7:3
-model Relay
-  Real x(start = 0.5, fixed = true);
-  Real u;
-equation
-  u = if x > 0 then -1 else if x < 0 then 1 else 2;
-  der(x) = u;
-end Relay;

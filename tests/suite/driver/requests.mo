@@ -1,0 +1,76 @@
+//@ case no_such_model
+//@ run model=Tanks.Larg
+//@ error[MO0104] nowhere
+package Tanks
+  model Large
+    Real x = 1;
+  end Large;
+end Tanks;
+
+//@ case only_partial_models
+//@ error[MO0104] 1
+partial model Law
+  Real v;
+  Real f;
+end Law;
+
+//@ case unknown_override
+//@ run set=mas=2
+//@ status 2
+//@ error[MO0241] nowhere
+model Body
+  parameter Real mass = 1;
+  Real v(start = 1);
+equation
+  mass*der(v) = -v;
+end Body;
+
+//@ case override_of_a_variable
+//@ run set=v=2
+//@ status 2
+//@ error[MO0241] nowhere
+model Body
+  parameter Real mass = 1;
+  Real v(start = 1);
+equation
+  mass*der(v) = -v;
+end Body;
+
+//@ case override_of_a_final
+//@ run set=body.mass=2
+//@ status 2
+//@ error[MO0209] at --set:1:16
+model Body
+  parameter Real mass = 1;
+  Real v(start = 1);
+equation
+  mass*der(v) = -v;
+end Body;
+model Two
+  Body body(final mass = 3);
+end Two;
+
+//@ case override_of_wrong_type
+//@ error[MO0202] at --set:1:21-25
+//@ run set=closed=5 set=kind=Kind.Steel
+//@ status 2
+//@ error[MO0212] at --set:1:16
+model Body
+  type Kind = enumeration(Oak, Ash);
+  parameter Boolean closed = true;
+  parameter Kind kind = Kind.Oak;
+  Real v(start = 1);
+equation
+  der(v) = if closed and kind == Kind.Oak then -v else v;
+end Body;
+
+//@ case override_without_value
+//@ run set=mass
+//@ status 2
+//@ error[MO0240] nowhere
+model Body
+  parameter Real mass = 1;
+  Real v(start = 1);
+equation
+  mass*der(v) = -v;
+end Body;

@@ -1,0 +1,73 @@
+//@ case variability_of_bindings
+model Bindings
+  parameter Real p = 1;
+  //@ error[MO0268] 23
+  constant Real c = 2*p;
+  Real x = time;
+  //@ error[MO0268] 22-26
+  parameter Real q = x + 1;
+  parameter Real r = p + c;
+  constant Integer n = size({p, p}, 1);
+  //@ error[MO0248] 21
+  discrete Real d = 1;
+  //@ error[MO0212] 16-21
+  Real slope = der(d);
+  parameter Integer k = 3;
+  //@ error[MO0212] 15-20
+  Real rate = der(k);
+end Bindings;
+
+//@ case events_need_discrete_variables
+model Discrete
+  function above
+    input Real x;
+    output Boolean y;
+  algorithm
+    y := x > 0.5;
+  end above;
+  record Level
+    Real x;
+    //@ error[MO0247] 20-26
+    Boolean high = x > 0.5;
+  end Level;
+  Boolean event = time > 0.5;
+  //@ error[MO0247] 21-31
+  Boolean through = above(time);
+  Level filled = Level(time);
+  Boolean quiet;
+  //@ error[MO0248] 24
+  discrete Real held = 1;
+equation
+  quiet = noEvent(time > 0.7);
+end Discrete;
+
+//@ case string_that_changes
+// Texts are compared at events; that of what changes between them is good for messages only.
+model Gauge
+  Real p(start = 1, fixed = true);
+  Integer n = if time > 0.5 then 2 else 1;
+  //@ error[MO0268] 28-45
+  parameter String shown = "p = " + String(p);
+  Boolean low = "n = " + String(n) == "n = 1";
+  //@ error[MO0247] 19-34
+  Boolean whole = String(p) == "1";
+equation
+  der(p) = -p;
+  assert(p < 2, shown + " is too much after " + String(time) + " s");
+end Gauge;
+
+//@ case attributes_that_change
+// Attributes are as constant as parameters.
+model Changing
+  //@ error[MO0274] 18
+  Real x(start = x);
+  //@ error[MO0274] 34
+  //@ error[MO0274] 43-46
+  Real y(fixed = true, nominal = x, min = time);
+  Real z(start = p);
+  parameter Real p = 2;
+equation
+  der(x) = -1;
+  der(y) = x;
+  der(z) = x;
+end Changing;

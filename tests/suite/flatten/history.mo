@@ -1,0 +1,59 @@
+//@ case spatial_distribution
+//@ snapshot flat
+// What is carried along a line, there and back, and a delay that changes.
+model Carried
+  Real x(start = 0, fixed = true) "how far everything has moved";
+  Real v = 0.4*cos(time);
+  Real left = 10 + time;
+  Real right = -time;
+  Real at_left;
+  Real at_right;
+  Real T = 0.5 + 0.25*sin(2*time);
+  Real step = if time < 1 then 0 else 1 + time;
+  Real late = delay(step, T, 1);
+  Real slow = delay(sin(5*time), T, 1);
+equation
+  der(x) = v;
+  (at_left, at_right) = spatialDistribution(left, right, x, v >= 0, {0, 0.5, 0.5, 1}, {0, 1, 3, 4});
+end Carried;
+//@ expect flat has 2 "delay("
+//@ expect flat has 2 "spatialDistribution("
+// By characteristics: what began on the line; what came in by the same end at pi - t; what began
+// there again; what came in by this end at 3 pi - t.
+//@ run stop=1 tolerance=1e-9 also=flat
+//@ expect at_right = 4 - 0.8*sin(1) abs 2e-6
+//@ run stop=3 tolerance=1e-9 also=flat
+//@ expect at_left = 10 + pi - 3 abs 2e-6
+//@ run stop=4 tolerance=1e-9 also=flat
+//@ expect at_left = -0.8*sin(4) abs 2e-6
+//@ run stop=6 tolerance=1e-9 also=flat
+//@ expect at_right = 6 - 3*pi abs 2e-6
+//@ let then = 2 - 0.5 - 0.25*sin(4)
+//@ run stop=2 tolerance=1e-9 also=flat
+//@ expect late = 1 + then abs 2e-6
+//@ expect slow = sin(5*then) abs 2e-6
+// Before the jump has come.
+//@ run stop=1.5 tolerance=1e-9 also=flat
+//@ expect late = 0
+
+//@ case delay
+//@ run stop=2 tolerance=1e-9
+//@ snapshot flat
+// What was, some time ago: of a smooth course, of a jump, and around a loop.
+model Delays
+  parameter Real T = 0.3;
+  Real x(start = 1, fixed = true);
+  Real late = delay(sin(time), T);
+  Real step = if time < 1 then 0 else 2;
+  Real later = delay(step, T);
+  Real sum(start = 0, fixed = true);
+equation
+  // x' = -x(t - 1) with x = 1 before: by the method of steps 1 - t, and then t^2/2 - 2 t + 3/2.
+  der(x) = -delay(x, 1.0);
+  der(sum) = later;
+end Delays;
+//@ expect flat has 3 "delay("
+//@ expect late = sin(1.7) abs 1e-6
+// The method of steps: t^2/2 - 2 t + 3/2 from 1 to 2. The jump to 2 comes out at 1.3.
+//@ expect x = -0.5 abs 1e-8
+//@ expect sum = 1.4 abs 1e-8

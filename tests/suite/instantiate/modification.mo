@@ -1,0 +1,103 @@
+//@ case unknown_modifier
+model Shaft
+  //@ error[MO0203] 27-30
+  Translational.Mass mass(mass = 1);
+end Shaft;
+
+//@ case misspelt_modifier
+model Misspelt
+  //@ error[MO0203] 34-40
+  Translational.Mass mass(m = 1, v_strat = 2);
+  //@ error[MO0203] 40-44
+  Translational.Spring spring(c = 100, s_rl0 = 0.1);
+  //@ error[MO0201] 17-23
+  Translational.Damper2 damper;
+equation
+  connect(mass.flange, spring.flange_a);
+end Misspelt;
+
+//@ case unknown_attribute
+model Start
+  //@ error[MO0203] 10-14
+  Real x(begin = 1);
+equation
+  der(x) = -x;
+end Start;
+
+//@ case wrong_type_modifier
+model Switch
+  //@ error[MO0212] 25-27
+  parameter Integer n = 2.5;
+  //@ error[MO0212] 30
+  parameter Boolean closed = 1;
+  Real x = n;
+end Switch;
+
+//@ case missing_each
+model Chain
+  //@ error[MO0215] 34-39
+  Translational.Mass mass[3](m = {1, 2});
+  //@ error[MO0215] 40
+  Translational.Mass more[3](s_start = 1);
+end Chain;
+
+//@ case too_many_values
+model Chain
+  //@ error[MO0215] 34-42
+  Translational.Mass mass[2](m = {1, 2, 3});
+  //@ error[MO0215] 52-60
+  Translational.Mass more[2](each m = 1, s_start = {0, 1, 2});
+  Translational.Mass fine[2](m = {1, 2}, s(start = {0, 1}));
+end Chain;
+
+//@ case modified_twice
+package Modified
+  type Angle = Real(final unit = "rad", displayUnit = "deg");
+  model Part
+    parameter Real gain = 1;
+    parameter Real offset = 0;
+  end Part;
+  replaceable model Exchangeable
+    Real x = 1;
+  end Exchangeable;
+  model Extended
+    //@ error[MO0262] 13-24
+    extends Exchangeable;
+  end Extended;
+  //@ error[MO0227] 13-17
+  connector Mixed
+    extends Real;
+    Real more = 1;
+  end Mixed;
+  model Same
+    model Inner
+      Real x = 1;
+    end Inner;
+  end Same;
+  model Twice
+    extends Same;
+    //@ error[MO0204] 11-15
+    model Inner
+      Real x = 2;
+    end Inner;
+  end Twice;
+  model Whole
+    Part part;
+    replaceable model Chosen = Exchangeable;
+  end Whole;
+  model Test
+    //@ error[MO0264] 37-44
+    Part part(gain = 2, offset = 1, gain = 3);
+    //@ error[MO0264] 37-44
+    //@ error[MO0264] 95-101
+    Whole whole(part.gain = 2, part(gain = 3, offset = 1), part(offset(min = 0)), part.offset(min = 1));
+    //@ error[MO0264] 82-87
+    Whole other(redeclare replaceable model Chosen = Same.Inner, redeclare model Chosen = Twice.Inner);
+    //@ error[MO0209] 22-26
+    Angle phi(unit = "deg") = 1;
+    Angle psi(displayUnit = "rad") = 1;
+    Extended extended;
+    Mixed mixed;
+    Twice twice;
+  end Test;
+end Modified;

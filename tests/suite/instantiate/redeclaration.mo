@@ -1,0 +1,147 @@
+//@ case unknown_element
+model Slider
+  model Rubber = Friction.Coulomb(F_Coulomb = 1);
+  //@ error[MO0203] 76-85
+  Seals.SingleSeal seal(contact = Seals.Contact.CloseOnly, redeclare model FrictonLaw = Rubber);
+end Slider;
+
+//@ case not_replaceable
+package Shop
+  model Law
+    input Real v;
+    output Real f = v;
+  end Law;
+  model Quadratic
+    extends Law(f = v*v);
+  end Quadratic;
+  model Holder
+    replaceable model Open = Law;
+    model Closed = Law;
+    replaceable Law open;
+    Law closed;
+  end Holder;
+  model Locked = Holder(redeclare model Open = Quadratic);
+  model Fine
+    Holder a(redeclare model Open = Quadratic, redeclare Quadratic open(v = 1), closed(v = 1));
+    // The type that it has may be written again.
+    Holder b(redeclare Law closed(v = 2), open(v = 1));
+  end Fine;
+  model Machine
+    Fine fine;
+    // A class, a component, and a class that an inner redeclaration has closed.
+    //@ error[MO0224] 30-35
+    Holder c(redeclare model Closed = Quadratic, open(v = 1), closed(v = 1));
+    //@ error[MO0224] 34-39
+    Holder d(redeclare Quadratic closed(v = 1), open(v = 1));
+    //@ error[MO0224] 30-33
+    Locked e(redeclare model Open = Law, open(v = 1), closed(v = 1));
+  end Machine;
+end Shop;
+
+//@ case closed_elements
+package Closed
+  model Base
+    final replaceable Real fixed_part = 2;
+    replaceable constant Real number = 1;
+    replaceable Real level = 3;
+  protected
+    replaceable model Inside
+      Real x = 1;
+    end Inside;
+  end Base;
+
+  model Derived
+    extends Base;
+    //@ error[MO0224] 20-29
+    redeclare Real fixed_part = 3;
+    //@ error[MO0224] 20-25
+    redeclare Real number = 2;
+    //@ error[MO0224] 21-26
+    redeclare model Inside
+      Real x = 2;
+    end Inside;
+  protected
+    //@ error[MO0224] 20-24
+    redeclare Real level = 4;
+  end Derived;
+
+  model Small
+    Real x = 1;
+  end Small;
+
+  model Large
+    Real x = 2;
+    Real y = 3;
+  end Large;
+
+  model Open
+    replaceable Large part constrainedby Small;
+  end Open;
+
+  model Narrow
+    extends Open(replaceable Large part constrainedby Large);
+  end Narrow;
+
+  model Wrong
+    //@ error[MO0225] 23-26
+    replaceable Small part constrainedby Large;
+  end Wrong;
+
+  type Pair = Real[2];
+  model Vector
+    replaceable type Item = Pair;
+    Item item = {1, 2};
+  end Vector;
+
+  model Test
+    Derived derived;
+    Open open(redeclare Small part);
+    //@ error[MO0225] 35-38
+    Narrow narrow(redeclare Small part);
+    Wrong wrong;
+    //@ error[MO0225] 34-37
+    Vector vector(redeclare type Item = Real);
+  end Test;
+end Closed;
+
+//@ case not_a_subtype
+// Translational.Mass does not fit `constrainedby Friction.Law`.
+model Slider
+  //@ error[MO0225] 76-86
+  Seals.SingleSeal seal(contact = Seals.Contact.CloseOnly, redeclare model FrictionLaw = Translational.Mass(m = 1));
+end Slider;
+
+//@ case beyond_the_constraint
+package P
+  model Small
+    Real x = 1;
+  end Small;
+  model Large
+    extends Small;
+    Real y = 2;
+  end Large;
+  model Holder
+    replaceable Large part constrainedby Large;
+    replaceable constant Real k = 1;
+  end Holder;
+  model Wider
+    //@ error[MO0225] 38-41
+    extends Holder(replaceable Large part constrainedby Small);
+  end Wider;
+  model Changed
+    //@ error[MO0224] 29
+    Holder h(redeclare Real k = 2);
+  end Changed;
+  type Row = Real[3];
+  type Matrix = Real[2, 3];
+  model Rows
+    //@ error[MO0225] 22
+    replaceable type T = Row[2] constrainedby Matrix;
+    T x = {{1, 2, 3}, {4, 5, 6}};
+  end Rows;
+  model Top
+    Wider w;
+    Changed c;
+    Rows r;
+  end Top;
+end P;

@@ -1,0 +1,106 @@
+//@ case during_the_run
+//@ status 3
+model Heater
+  Real T(start = 300, fixed = true);
+equation
+  der(T) = 100;
+  //@ error[MO0912] 3-74
+  assert(T < 350, "Heater: the temperature leaves the range of the table");
+end Heater;
+
+//@ case in_a_component
+//@ error[MO0912] at lib/Pneumatics/PartialRestriction.mo:16:3-91
+//@ status 3
+model Valve
+  Pneumatics.Source      supply(p = 7e5);
+  Pneumatics.Restriction line(C = 1e-9, b = 1.3);
+  Pneumatics.Volume      vessel(V_0 = 1e-3);
+equation
+  connect(supply.port, line.port_a);
+  connect(line.port_b, vessel.port);
+end Valve;
+
+//@ case in_an_initial_algorithm
+//@ status 3
+// What an initial section asserts is checked at the start, when initialisation has found the values.
+model Filled
+  Real p(start = 1);
+initial equation
+  p^2 = 2;
+initial algorithm
+  //@ error[MO0912] 3-86
+  assert(p > 2, "the volume begins with " + String(p, significantDigits = 4) + " bar");
+equation
+  der(p) = -p;
+end Filled;
+
+//@ case before_initialization
+//@ status 3
+// The assertion comes before the equation that has no solution for this parameter.
+model Root
+  parameter Real p = -4;
+  Real x(start = 1);
+equation
+  //@ error[MO0912] 3-42
+  assert(p >= 0, "p must not be negative");
+  x^2 = p;
+end Root;
+
+//@ case in_a_loop
+//@ status 3
+// What is asserted in a loop whose length only a run knows.
+model Newton
+  function root
+    input Real a;
+    output Real x = 1;
+  protected
+    Integer turns = 0;
+  algorithm
+    while abs(x*x - a) > 1e-12 loop
+      turns := turns + 1;
+      //@ error[MO0906] 7-64
+      assert(turns < 4, "no root of " + String(a) + " is found");
+      x := (x + a/x)/2;
+    end while;
+  end root;
+  Real y = root(4 + time);
+  annotation(experiment(StopTime = 3));
+end Newton;
+
+//@ case in_a_recursion
+//@ status 3
+// What a function asserts that calls itself, with a text that the run puts together.
+model Halves
+  function steps
+    input Real x;
+    input Integer most;
+    output Integer n = 0;
+  algorithm
+    //@ error[MO0906] 5-50
+    assert(most > 0, "no end at x = " + String(x));
+    if abs(x) > 0.1 then
+      n := 1 + steps(x/2, most - 1);
+    end if;
+  end steps;
+  Integer n(start = 0, fixed = true);
+equation
+  when {initial(), sample(0.5, 0.5)} then
+    n = noEvent(steps(1 + 7*time, 3));
+  end when;
+end Halves;
+
+//@ case subscript_out_of_range
+//@ status 3
+// A subscript that only a run knows leaves the array.
+model Gearbox
+  parameter Real ratios[3] = {4, 2, 1};
+  discrete Integer gear(start = 1, fixed = true);
+  Real ratio;
+equation
+  //@ error[MO0912] 18-21
+  ratio = ratios[gear];
+  when sample(1, 1) then
+    gear = pre(gear) + 1;
+  end when;
+  annotation(experiment(StopTime = 10));
+end Gearbox;
