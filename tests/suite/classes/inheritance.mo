@@ -66,3 +66,118 @@ package P
     Both both(x = 1, y = 2);
   end Top;
 end P;
+
+//@ case experiment_of_a_base_class
+model Base
+  Real x = time;
+  annotation(experiment(StopTime = 3, Interval = 0.5));
+end Base;
+model Between
+  extends Base;
+end Between;
+model Derived
+  extends Between;
+end Derived;
+//@ expect x = 3
+//@ expect events = 0
+//@ expect rows = 7
+
+//@ case constants_of_the_derived_package
+// Elements that a package inherits see the constants and classes of that package.
+package Media
+  partial package PM
+    constant String mediumName = "unusable";
+    constant String names[:] = {mediumName};
+    constant Real refX[nX] = fill(1/nX, nX);
+    final constant Integer nS = size(names, 1);
+    constant Integer nX = nS;
+    constant Boolean fixedX = false;
+    constant Boolean explicit;
+    constant Integer nXi = if fixedX then 0 else nS - 1;
+    replaceable record State
+      Real p;
+      Real X[nX](start = refX);
+    end State;
+    replaceable partial function setState
+      input Real p;
+      input Real X[:] = refX;
+      output State s;
+    end setState;
+    replaceable partial function density
+      input State s;
+      output Real d;
+    end density;
+    replaceable partial model Base
+      Real p; 
+      Real Xi[nXi];
+      Real X[nX](start = refX);
+      State state;
+    equation
+      Xi = X[1:nXi];
+      X[nX] = 1 - sum(Xi);
+    end Base;
+  end PM;
+  package Air
+    extends PM(names = {"N2", "O2", "Ar"}, refX = {0.7,0.2,0.1}, explicit = true, mediumName="air");
+    redeclare function extends setState
+    algorithm
+      s := State(p = p, X = X);
+    end setState;
+    redeclare function extends density
+    algorithm
+      d := if explicit then s.p*sum(s.X) else 0;
+    end density;
+    redeclare model extends Base
+    equation
+      state = setState(p, X);
+    end Base;
+  end Air;
+  package Water
+    extends PM(explicit = false);
+    redeclare function extends setState
+    algorithm
+      s := State(p = p, X = X);
+    end setState;
+    redeclare function extends density
+    algorithm
+      d := if explicit then 0 else s.p*2;
+    end density;
+  end Water;
+  partial model Test
+    replaceable package Medium = PM;
+    Real d = Medium.density(Medium.setState(3));
+    Medium.State state = Medium.setState(2 + time);
+  end Test;
+  model T1
+    extends Test(redeclare package Medium = Air);
+    Medium.Base medium(p = 1, Xi = Medium.refX[1:Medium.nXi], X(start=Medium.refX));
+  end T1;
+  model T2
+    extends Test(redeclare package Medium = Water);
+  end T2;
+end Media;
+//@ run model=Media.T1
+//@ expect state.X[1:3] = 0.7, 0.2, 0.1
+//@ expect medium.state.X[1:2] = 0.7, 0.2
+//@ expect d = 3 rel 1e-12
+//@ run model=Media.T2
+//@ expect d, state.X[1], state.p = 6, 1, 3
+
+//@ case short_classes_inherited_twice
+// The same short class inherited twice is one, whatever its description.
+package Flow
+  package Medium constant Real d = 1; end Medium;
+  package Water extends Medium(d = 1000); end Water;
+  partial model In replaceable package M = Medium; Real m; end In;
+  partial model Out
+    replaceable package M = Medium "what flows" annotation (choicesAllMatching = true);
+    Real m "mass";
+  end Out;
+  model Pipe
+    extends In(redeclare package M = Water);
+    extends Out(redeclare package M = Water);
+  equation
+    m = M.d*time;
+  end Pipe;
+end Flow;
+//@ expect m = 1000

@@ -146,3 +146,70 @@ model NamesOfPredefinedTypes
   Real Boolean = 2;
   ExternalObject x;
 end NamesOfPredefinedTypes;
+
+//@ case functions_hide_predefined_ones
+//@ run model=Hiding.Test
+package Hiding
+  function sum
+    input Real u[:];
+    output Real y = 42;
+  algorithm
+  end sum;
+  function abs
+    input Real u;
+    output Real y;
+  algorithm
+    y := 10 + .abs(u);
+  end abs;
+  package Deeper
+    function matrix
+      input Real u;
+      output Real y;
+    algorithm
+      y := abs(u) + 1;
+    end matrix;
+  end Deeper;
+  model Test
+    function max
+      input Real a;
+      input Real b;
+      output Real y;
+    algorithm
+      y := a;
+    end max;
+    function scalar = Deeper.matrix;
+    import Hiding.Deeper.matrix;
+    Real s = sum({1, 2});
+    Real m = matrix(-1);
+    Real a = max(1, 2);
+    Real f = scalar(-2);
+    Real p = .sum({1, 2}) + min(1, 2) + product({2, 3});
+  end Test;
+end Hiding;
+//@ expect s, m, a, f, p = 42, 12, 1, 13, 10
+
+//@ case qualified_imports_come_first
+package P
+  package A
+    constant Real k = 2;
+    constant Real only = 7;
+  end A;
+  package B
+    constant Real k = 4;
+  end B;
+  model Named
+    import P.A.*;
+    import P.B.k;
+    Real y = k + only;
+  end Named;
+  model Own
+    import P.A.*;
+    Real k = 10;
+    Real y = k;
+  end Own;
+  model Top
+    Named named;
+    Own own;
+  end Top;
+end P;
+//@ expect named.y, own.y = 11, 10

@@ -140,3 +140,34 @@ package Restrictions
     connect(outlet.plug, adapter.socket);
   end System;
 end Restrictions;
+
+//@ case cardinality
+// Connections count from both sides.
+model Count
+  connector Pin
+    Real v;
+    flow Real i;
+  end Pin;
+  model Inside
+    Pin p;
+  equation
+    p.v = 1 + p.i;
+  end Inside;
+  model Part
+    Pin p, q;
+    Integer n = cardinality(p);
+    Integer none = cardinality(q);
+    Inside x;
+  equation
+    connect(x.p, p);
+    if cardinality(q) == 0 then
+      q.v = 5;
+    end if;
+  end Part;
+  Part a, b, c;
+equation
+  connect(a.p, b.p);
+  connect(c.p, b.p);
+end Count;
+//@ expect a.n, b.n, c.n = 2, 3, 2
+//@ expect a.none, b.q.v = 0, 5

@@ -67,3 +67,79 @@ package P
     Reader reader;
   end Top;
 end P;
+
+//@ case modified_inner
+// Records, `inner` and `outer`, and constants of packages.
+package P
+  constant Real g = 9.81;
+  record Point
+    Real x;
+    Real y;
+  end Point;
+  model World
+    parameter Real scale = 2;
+  end World;
+  model Part
+    outer World world;
+    Real weight = world.scale*g;
+  end Part;
+  model Top
+    inner World world(scale = 3);
+    Part part[2];
+    Point p = Point(time, 2*time);
+    Real r = p.x + p.y;
+  end Top;
+end P;
+//@ expect part[2].weight = 29.43 rel 1e-15
+//@ expect r = 3 rel 1e-15
+
+//@ case inner_outer_component
+// The gain of each level is that of the level above times its own.
+package P
+  model Leaf
+    outer Real gain;
+    Real y = gain;
+  end Leaf;
+  model Level
+    parameter Real own = 3;
+    inner outer Real gain = own*gain;
+    Leaf leaf;
+    Real seen = gain;
+  end Level;
+  model Top
+    inner Real gain = 5;
+    Level level;
+    Leaf leaf;
+  end Top;
+end P;
+//@ expect level.leaf.y, level.seen, leaf.y = 15, 5, 5
+
+//@ case automatic_inner
+package P
+  model World
+    parameter Real g = 9.81;
+    Real weight = 2*g;
+  end World;
+  model Body
+    outer World world;
+    Real f = world.weight;
+  end Body;
+  model Top
+    Body one;
+    Body two;
+  end Top;
+end P;
+//@ expect one.f, two.f, world.weight = 2*9.81
+
+//@ case outer_constant_of_a_package
+model Top
+  model Part
+    package Data
+      outer constant Integer n;
+    end Data;
+    Integer y = 2*Data.n;
+  end Part;
+  inner constant Integer n = 21;
+  Part part;
+end Top;
+//@ expect part.y = 42

@@ -101,3 +101,28 @@ package Modified
     Twice twice;
   end Test;
 end Modified;
+
+//@ case the_outermost_wins
+package P
+  model Base
+    parameter Real a = 1;
+    parameter Real b = 10*a;
+    Real x = a + b;
+  end Base;
+  model Middle
+    extends Base(a = 2);
+  end Middle;
+  model Holder
+    Middle one(b = 5);
+    Middle two;
+    Middle many[2](a = {7, 8}, each b = 1);
+  end Holder;
+  model Top
+    Holder h(one(a = 3));
+  end Top;
+end P;
+//@ run
+//@ expect h.one.x, h.two.x = 8, 22
+//@ expect h.many[1].x, h.many[2].x = 8, 9
+//@ run set=h.one.a=4 set=h.many[2].b=2
+//@ expect h.one.x, h.many[2].x = 9, 10

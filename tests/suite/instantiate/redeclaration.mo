@@ -145,3 +145,96 @@ package P
     Rows r;
   end Top;
 end P;
+
+//@ case replaceable_models
+package P
+partial model Law
+  input Real v;
+  Real f;
+end Law;
+model Linear
+  extends Law;
+  parameter Real d = 1;
+equation
+  f = d*v;
+end Linear;
+model Square
+  extends Law;
+equation
+  f = v*abs(v);
+end Square;
+model Body
+  replaceable model Drag = Linear constrainedby Law;
+  Drag drag(v = v);
+  Real v(start = 1, fixed = true);
+equation
+  der(v) = -drag.f;
+  annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+end Body;
+  model A = Body;
+  model B = Body(redeclare model Drag = Square);
+  model C = Body(redeclare model Drag = Linear(d = 2));
+end P;
+//@ run model=P.A
+//@ expect v = exp(-1) rel 1e-7
+//@ run model=P.B
+//@ expect v = 0.5 rel 1e-7
+//@ run model=P.C
+//@ expect v = exp(-2) rel 1e-7
+
+//@ case inner_and_condition_are_kept
+package P
+  connector Port
+    Real e;
+    flow Real f;
+  end Port;
+  model Load
+    parameter Real r = 1;
+    Port p;
+  equation
+    p.e = r*p.f;
+  end Load;
+  model Other
+    extends Load(r = 5);
+  end Other;
+  model Source
+    Port p;
+  equation
+    p.e = 10;
+  end Source;
+  model Reader
+    outer Real level;
+    Real y = level;
+  end Reader;
+  model Machine
+    parameter Boolean loaded = false;
+    replaceable Load load if loaded;
+    inner replaceable Real level;
+    Reader reader;
+    Source source;
+  equation
+    connect(source.p, load.p);
+    level = 3;
+  end Machine;
+  model Top
+    Machine idle(redeclare Other load, redeclare Real level);
+    Machine busy(loaded = true, redeclare Other load);
+  end Top;
+end P;
+// 10 on 5, where there is a load.
+//@ expect idle.source.p.f, busy.source.p.f = 0, -2
+//@ expect idle.reader.y = 3
+
+//@ case open_enumeration
+package P
+  model Chooser
+    replaceable type Kind = enumeration(:);
+    parameter Kind kind;
+    Integer number = Integer(kind);
+  end Chooser;
+  model Top
+    type Colour = enumeration(red, green, blue);
+    Chooser c(redeclare type Kind = Colour, kind = Colour.blue);
+  end Top;
+end P;
+//@ expect c.number = 3

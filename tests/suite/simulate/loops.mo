@@ -19,3 +19,87 @@ equation
   b = not c;
   c = b;
 end Twice;
+
+//@ case dependent_equations
+// A ring of differences says two things in three equations: the level stays open, the rest is right.
+model Ring
+  //@ warning[MO0918] 8
+  Real a;
+  Real b;
+  Real c;
+  Real x(start = 0, fixed = true);
+equation
+  a - b = sin(time);
+  b - c = cos(time);
+  c - a = -sin(time) - cos(time);
+  der(x) = a - c;
+  annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+end Ring;
+//@ expect a - b = sin(1) rel 1e-12
+//@ expect b - c = cos(1) rel 1e-12
+//@ expect x = 1 - cos(1) + sin(1) rel 1e-8
+//@ expect messages has "at time 0 s nothing determines `a`"
+
+//@ case coefficients_that_vanish
+// A winding at an angle: of its two components one vanishes, at 0 exactly, at pi/2 by rounding.
+model Winding
+  parameter Real angle = 0;
+  parameter Real n[2] = 5*{cos(angle), sin(angle)};
+  Real phi[2];
+  Real i(start = 0, fixed = true);
+  Real u = exp(-time);
+equation
+  phi = n*i/25;
+  u = n*der(phi);
+  annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+end Winding;
+//@ run set=angle=0
+//@ expect i = 1 - exp(-1) rel 1e-8
+//@ run set=angle=1
+//@ expect i = 1 - exp(-1) rel 1e-8
+//@ run set=angle=1.5707963267948966
+//@ expect i = 1 - exp(-1) rel 1e-8
+//@ run set=angle=3.141592653589793
+//@ expect i = 1 - exp(-1) rel 1e-8
+
+//@ case ideal_switches
+// Two switches in opposite directions, one of them closed: what is left of the voltage across them is
+// 1e-9 of the current, and must not be the rounding of the voltages beside it.
+model Pair
+  Real i(start = 1e-3, fixed = true);
+  Real left = 100*cos(time);
+  Real right;
+  Real s1;
+  Real s2;
+  Real i1;
+  Real i2;
+  Real v1;
+  Real v2;
+  Boolean off = time > 10;
+equation
+  v1 = left - right;
+  v2 = right - left;
+  v1 = s1*(if off then 1 else 1e-9);
+  i1 = s1*(if off then 1e-9 else 1);
+  v2 = s2*(if not off then 1 else 1e-9);
+  i2 = s2*(if not off then 1e-9 else 1);
+  i = i1 - i2;
+  der(i) = -i;
+end Pair;
+// The other switch takes 1e-18 of it.
+//@ expect i1, s1 = i rel 1e-15
+
+//@ case kepler
+// E - e sin(E) = M, checked by inserting the solution; the loop is torn to one unknown.
+model Kepler
+  parameter Real e = 0.6;
+  Real M = 2*time;
+  Real E(start = 0);
+  Real r;
+equation
+  E = M + e*sin(E);
+  r = 1 - e*cos(E);
+  annotation(experiment(StopTime = 6));
+end Kepler;
+//@ expect each E - 0.6*sin(E) = 2*time abs 1e-9
+//@ expect E at pi/2 = pi abs 0.02

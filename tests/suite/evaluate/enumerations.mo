@@ -1,0 +1,31 @@
+//@ case order_and_subscripts
+model Gears
+  type Gear = enumeration(First, Second, Third);
+  parameter Gear gear = Gear.Second;
+  parameter Real ratio[Gear] = {3.5, 2.1, 1.4};
+  Real i = ratio[gear];
+  Boolean low = gear < Gear.Third;
+  Integer number = Integer(gear);
+end Gears;
+//@ run
+//@ expect i, low, number = 2.1, 1, 2
+//@ run set=gear=Gear.Third
+//@ expect i, low, number = 1.4, 0, 3
+
+//@ case least_and_greatest
+//@ run interval=0.1
+// Booleans and enumerations have an order (section 10.3.4).
+model Least
+  type E = enumeration(a, b, c);
+  Boolean b[3] = {time > 0.25, time > 0.75, true};
+  Boolean all = min(b), any = max(b), both = min(b[1], b[2]), none = max({false, false});
+  E e[2] = {if time > 0.5 then E.c else E.a, E.b};
+  E low = min(e), high = max(e), other = max(e[1], E.a);
+end Least;
+//@ expect all at 0.2, 0.5, 0.6, 0.9 = 0, 0, 0, 1
+//@ expect each any = 1
+//@ expect both at 0.2, 0.5, 0.6, 0.9 = 0, 0, 0, 1
+//@ expect each none = 0
+//@ expect low at 0.2, 0.4, 0.6, 0.9 = 1, 1, 2, 2
+//@ expect high at 0.2, 0.4, 0.6, 0.9 = 2, 2, 3, 3
+//@ expect other at 0.2, 0.4, 0.6, 0.9 = 1, 1, 3, 3

@@ -1,0 +1,212 @@
+//@ case break_in_a_model
+//@ run stop=2
+model First
+  Real x[3] = {time, 2*time, 5*time};
+  Integer first;
+  Integer seen;
+algorithm
+  first := 0;
+  seen := 0;
+  for k in 1:3 loop
+    if x[k] > 1.5 then
+      first := k;
+      break;
+    else
+      seen := seen + 1;
+    end if;
+  end for;
+end First;
+//@ expect first at 0.2, 0.5, 1, 2 = 0, 3, 2, 1
+//@ expect seen at 0.2, 0.5, 1, 2 = 3, 2, 1, 0
+
+//@ case break_in_one_branch
+model Branches
+  function f
+    input Real x;
+    output Real y = 0;
+  algorithm
+    for k in 1:4 loop
+      if x > 0 then
+        if k > 2 then
+          break;
+        end if;
+        y := y + 1;
+      else
+        y := y + 10;
+      end if;
+    end for;
+    if x > 5 then
+      if y > 1 then
+        return;
+      end if;
+    end if;
+    y := y + 100;
+  end f;
+  Real below = f(-1 - time);
+  Real above = f(1 + time);
+  Real far = f(6 + time);
+end Branches;
+//@ expect below, above, far = 140, 102, 2
+
+//@ case ranges_known_at_run_time
+//@ run stop=1.5 interval=0.25 also=flat
+model Loops
+  function total
+    input Integer n;
+    input Real x;
+    output Real s = 0;
+    output Integer squares = 0;
+  protected
+    Real v[5] = {1, 2, 3, 4, 5};
+  algorithm
+    for i in 1:n, j in 1:i loop
+      s := s + x*i*j;
+      if i == j then
+        squares := squares + 1;
+        v[i] := 0;
+      end if;
+    end for;
+    for k in 5:-1:n loop
+      if v[k] < 0.5 then
+        break;
+      end if;
+      s := s + v[k];
+    end for;
+    for r in 0:0.1*x:0.3*x loop
+      s := s + r;
+    end for;
+  end total;
+  function first
+    input Real x[:];
+    input Real limit;
+    input Integer n;
+    output Integer at = 0;
+  algorithm
+    for i in 1:n loop
+      if x[i] > limit then
+        at := i;
+        return;
+      end if;
+    end for;
+    at := -1;
+  end first;
+  discrete Integer n(start = 1, fixed = true);
+  Real s;
+  Real squares;
+  Real at;
+  Integer m;
+  Integer w[4];
+equation
+  (s, squares) = total(n, 2*time);
+  at = first({1, 2, 3, 4}, 2.5, n);
+  when sample(0.5, 0.5) then
+    n = pre(n) + 1;
+  end when;
+algorithm
+  m := 0;
+  for i in 2:2:n loop
+    m := m + i;
+    w[i] := i;
+  end for;
+end Loops;
+// With x = 2 t: x (1 + 2 + 4) for two rows, 5 + 4 + 3 after them, and 0.6 x.
+//@ expect s, squares, at, m, w[2], w[4] at 0.75 = 23.4, 2, -1, 2, 2, 0 rel 1e-12
+//@ expect s, squares, at, m, w[2], w[4] at 1.25 = 73, 3, 3, 2, 2, 0 rel 1e-12
+//@ expect m, w[4] = 6, 4
+
+//@ case branches_that_are_not_taken
+//@ run stop=0.9 interval=0.1
+// A loop that would never end is not run where its branch is not taken: in an equation, in an assertion, and
+// in the loop of another function.
+model Doublings
+  function doublings
+    input Real x;
+    output Real n = 0;
+  protected
+    Real z = x;
+  algorithm
+    while z < 1 loop
+      z := 2*z;
+      n := n + 1;
+    end while;
+  end doublings;
+  function total
+    input Real x[2];
+    input Integer turns;
+    output Real sum = 0;
+  protected
+    Integer k = 0;
+  algorithm
+    while k < turns loop
+      sum := sum + (if x[1] > 0 then doublings(x[1]) else 100) + (if x[2] > 0 then doublings(x[2]) else 10);
+      k := k + 1;
+    end while;
+  end total;
+  Real x = time - 0.5;
+  Real s(start = 0, fixed = true);
+  Integer turns = if time > 2 then 4 else 3;
+  Real n = if x > 0 then doublings(x) else -1;
+  Real sums = total({x, 0.25}, turns);
+equation
+  der(s) = if noEvent(x > 0) then 1 + 0*doublings(x) else 0;
+  assert(noEvent(x <= 0 or doublings(x) < 1000), "too small");
+end Doublings;
+//@ expect n, sums at 0.2 = -1, 306
+// 0.4 is doubled twice, 0.25 too.
+//@ expect n, sums = 2, 12
+//@ expect s = 0.4 rel 1e-6
+
+//@ case break_and_return_in_nested_loops
+// How often a number can be halved, the next one that is made of twos and threes, and the first square
+// above it: loops in loops, left by `break` and `return`, whose length is known at run time.
+package P
+  function evened
+    input Integer from;
+    output Integer n;
+  protected
+    Integer rest;
+  algorithm
+    n := from;
+    while true loop
+      rest := n;
+      while mod(rest, 2) == 0 loop
+        rest := div(rest, 2);
+      end while;
+      while mod(rest, 3) == 0 loop
+        rest := div(rest, 3);
+      end while;
+      if rest <= 1 then
+        break;
+      end if;
+      n := n + 1;
+    end while;
+  end evened;
+  function square
+    input Integer above;
+    output Integer root;
+  algorithm
+    root := 0;
+    if above < 0 then
+      return;
+    end if;
+    while root < 1000 loop
+      root := root + 1;
+      if root*root > above then
+        return;
+      end if;
+    end while;
+    root := -1;
+  end square;
+  model Top
+    Integer k = 37 + integer(10*time);
+    Integer n = evened(k);
+    Integer r = square(k);
+    Integer none = square(-k);
+    Integer beyond = square(2000000 + k);
+  end Top;
+end P;
+//@ run stop=0.5
+//@ expect k, n, r at start = 37, 48, 7
+//@ expect none, beyond at start = 0, -1
+//@ run stop=1.25
+//@ expect k, n, r = 49, 54, 8

@@ -1,0 +1,139 @@
+//@ case sampled_counter
+model Counter
+  Integer n(start = 0, fixed = true);
+  Real last(start = -1, fixed = true);
+equation
+  when sample(0.1, 0.25) then
+    n = pre(n) + 1;
+    last = time;
+  end when;
+  annotation(experiment(StopTime = 2));
+end Counter;
+// 0.1, 0.35, ... 1.85
+//@ expect n = 8
+//@ expect last = 1.85 rel 1e-14
+//@ expect n at 0.849, 0.85 = 3, 4
+//@ expect events = 8
+
+//@ case thermostat
+// Heating towards 30, cooling towards 10, both with 1 s; between 18 and 22 a period takes
+// ln(12/8) both ways.
+model Thermostat
+  Real T(start = 18, fixed = true);
+  Boolean on(start = true, fixed = true);
+  Integer switches(start = 0, fixed = true);
+equation
+  der(T) = (if on then 30 else 10) - T;
+  when T > 22 then
+    on = false;
+  elsewhen T < 18 then
+    on = true;
+  end when;
+  when change(on) then
+    switches = pre(switches) + 1;
+  end when;
+  annotation(experiment(StopTime = 4, Tolerance = 1e-9));
+end Thermostat;
+//@ let half = log(1.5)
+//@ expect events "T > 22.0 became true" = 5 at half*(2*k - 1) rel 1e-7
+//@ expect events "T < 18.0 became true" = 4 at half*2*k rel 1e-7
+//@ expect switches = 9
+
+//@ case the_first_branch_of_elsewhen
+model Both
+  Integer which(start = 0, fixed = true);
+equation
+  when time >= 1 then
+    which = 1;
+  elsewhen time >= 1 then
+    which = 2;
+  elsewhen time >= 2 then
+    which = 3;
+  end when;
+  annotation(experiment(StopTime = 3));
+end Both;
+//@ expect which at 0.99, 1, 3 = 0, 1, 3
+
+//@ case event_iteration
+model Cascade
+  Boolean a(start = false, fixed = true);
+  Integer n(start = 0, fixed = true);
+  Integer m(start = 0, fixed = true);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1;
+  when x >= 0.5 then
+    a = true;
+    reinit(x, 2);
+  end when;
+  when {a, x > 1.5} then
+    n = pre(n) + 1;
+  end when;
+  when edge(a) then
+    m = pre(m) + 1;
+  end when;
+  annotation(experiment(StopTime = 1));
+end Cascade;
+// Two relations at one instant, in two rows: a jump of x, and each clause active once per cause.
+//@ expect events = 2 at 0.5 abs 1e-9
+//@ expect event[1] = event[2]
+//@ expect rows = 2 where time == event[1]
+//@ expect x = 2.5 rel 1e-9
+//@ expect m, n = 1, 2
+
+//@ case switched_equations
+// Exact: rises with slope 2 to 1, then decays.
+model Switched
+  Real x(start = 0, fixed = true);
+  Boolean charging;
+  Real u;
+equation
+  charging = time < 0.5;
+  if charging then
+    der(x) = 2;
+    u = x;
+  else
+    u = -x;
+    der(x) = u;
+  end if;
+  annotation(experiment(StopTime = 1.5, Tolerance = 1e-9));
+end Switched;
+//@ expect x at 0.5 = 1 rel 1e-9
+//@ expect x = exp(-1) rel 1e-7
+//@ expect events "time < 0.5 became false" = 1 at 0.5
+
+//@ case terminate
+model Fall
+  Real h(start = 5, fixed = true);
+equation
+  der(h) = -2;
+  when h < 1 then
+    terminate("landed");
+  end when;
+  annotation(experiment(StopTime = 10));
+end Fall;
+//@ expect time = 2 rel 1e-9
+
+//@ case clock_from_initialization
+//@ run stop=1 tolerance=1e-9
+// The mean of a sine over each of its periods is 0, whatever the time at which the run begins.
+model Mean
+  parameter Real f = 5;
+  parameter Real t_0(fixed = false);
+  Real u = 2 + sin(2*3.141592653589793*f*time);
+  Real x(start = 0, fixed = true);
+  discrete Real y(start = 0, fixed = true);
+  discrete Real n(start = 0, fixed = true);
+initial equation
+  t_0 = time + 0.05;
+equation
+  der(x) = u;
+  when sample(t_0 + 1/f, 1/f) then
+    y = f*pre(x);
+    n = pre(n) + 1;
+    reinit(x, 0);
+  end when;
+end Mean;
+//@ expect n = 4
+//@ expect y = 2 abs 1e-7
+//@ expect events = 4 at 0.25, 0.45, 0.65, 0.85 abs 1e-12
