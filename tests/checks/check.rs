@@ -77,29 +77,7 @@ fn examples_and_library_have_no_problems() {
 #[test]
 fn components_of_libraries_have_no_problems() {
     let folder = Scratch::new();
-    folder.file(
-        "source.mo",
-        "block Source
-             connector RealInput = input Real;
-             connector RealOutput = output Real;
-             parameter Boolean constant_amplitude = false;
-             parameter Boolean ideal(start = true);
-             RealInput amplitude if not constant_amplitude;
-             RealOutput y;
-             Real loss;
-           protected
-             RealInput inner_amplitude;
-           equation
-             connect(amplitude, inner_amplitude);
-             if constant_amplitude then
-               inner_amplitude = 1;
-             end if;
-             if ideal then
-               loss = 0;
-             end if;
-             y = inner_amplitude*time - loss;
-           end Source;",
-    );
+    folder.file("source.mo", &suite_model("check/classes/protected_inputs_and_open_parameters"));
     let ended = mocc(folder.path(), &["check", "source.mo"]);
     assert_eq!((ended.status, ended.err.as_str()), (0, ""));
 }
@@ -108,33 +86,7 @@ fn components_of_libraries_have_no_problems() {
 #[test]
 fn buses_that_lead_out_are_written_outside() {
     let folder = Scratch::new();
-    folder.file(
-        "buses.mo",
-        "package Buses
-           connector In = input Real;
-           connector Out = output Real;
-           expandable connector Sub end Sub;
-           expandable connector Bus Sub sub; end Bus;
-           block Gain In u; Out y = 2*u; end Gain;
-           block Reader
-             Bus bus;
-             Gain g, h;
-           equation
-             connect(bus.speed, g.u);
-             connect(bus.sub.force, h.u);
-           end Reader;
-           block Two Reader r; Bus bus; equation connect(bus, r.bus); end Two;
-           block Hidden
-             Bus bus;
-             Gain g;
-           protected
-             Bus inside;
-           equation
-             connect(inside.speed, g.u);
-           end Hidden;
-           model Alone Reader r; end Alone;
-         end Buses;",
-    );
+    folder.file("buses.mo", &suite_model("check/classes/buses_that_lead_out"));
     let ended = mocc(folder.path(), &["check", "buses.mo", "--json"]);
     let all: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
     let said: Vec<&str> = all

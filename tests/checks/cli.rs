@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mocc::io::csv::read_csv;
 
-use super::door::{Case, Reading, Scratch};
+use super::door::{Case, Reading, Scratch, suite_model};
 use super::program::{command, mocc};
 
 /// A model with a parameter of each type and an array whose size is one.
@@ -176,13 +176,7 @@ fn stop_interval_tolerance_and_model() {
 #[test]
 fn modes() {
     let folder = Scratch::new();
-    let text = "model Loop
-      Real x(start = 1, fixed = true);
-      Real z(start = 0.5);
-    equation
-      z ^ 3 + z = 0.625 * x;
-      der(x) = -z;
-    end Loop;";
+    let text = &suite_model("driver/requests/loop");
     folder.file("loop.mo", text);
     let part = ["simulate", "loop.mo", "--tolerance", "1e-9"];
     let mut ends = Vec::new();

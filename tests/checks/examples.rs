@@ -101,37 +101,6 @@ fn the_functional_unit_keeps_its_air() {
 }
 
 #[test]
-fn coulomb_friction_stops_a_body_after_m_v2_over_2f() {
-    let text = "model Slide
-      Seals.MassWithStopAndFriction body(m = 0.03, s_max = 1, v_start = 2,
-        mode_start = Translational.Motion.Forward,
-        redeclare model FrictionLaw = Friction.Coulomb(F_Coulomb = 7));
-    end Slide;";
-    let run = Case::text(text).stop(0.1).run();
-    assert_close(run.last("body.s"), 0.03 * 2.0 * 2.0 / (2.0 * 7.0), 1e-9);
-    assert_close(run.times_of("v_along")[0], 0.03 * 2.0 / 7.0, 1e-9);
-}
-
-/// Isothermal: p V stays, and at rest the piston bears the load.
-#[test]
-fn a_closed_air_spring_settles_where_it_bears_the_load() {
-    let text = "model Rest
-      Translational.Mass   body(m = 0.03);
-      Pneumatics.AirSpring spring(p_supply = 3e5, C = 0, V_dead = 1e-6, A = 2e-4, s_empty = -5e-3);
-      Effects.ViscousDrag  drag(d = 20);
-      Translational.Force  load(f = -60);
-    equation
-      connect(spring.flange, body.flange);
-      connect(drag.flange, body.flange);
-      connect(load.flange, body.flange);
-    end Rest;";
-    let run = Case::text(text).stop(0.5).tolerance(1e-9).run();
-    let (p_1, v_1) = (3e5, 1e-6 + 2e-4 * 5e-3);
-    let p_2 = 1e5 + 60.0 / 2e-4;
-    assert_close(run.last("body.s"), (p_1 * v_1 / p_2 - v_1) / 2e-4, 1e-6);
-}
-
-#[test]
 fn valves_do_what_their_symbols_say() {
     let open = Case::file("examples/valve22.mol").run();
     assert!(
@@ -150,4 +119,34 @@ fn valves_do_what_their_symbols_say() {
     assert!(centred.at("s", 0.14).abs() < 0.1e-3, "back in the middle");
     // Closed centre: port 4 keeps its pressure, port 2 stays vented.
     assert!(centred.at("p4", 0.14) > 6.9e5 && centred.at("p2", 0.14) < 1.01e5);
+}
+
+#[test]
+fn a_ball_bounces_at_the_times_of_the_closed_form() {
+    let run = Case::file("examples/bouncing_ball.mol").run();
+    let (g, h_0, e) = (9.81, 1.0, 0.8_f64);
+    let t_1 = f64::sqrt(2.0 * h_0 / g);
+    let impacts = run.times_of("h <= 0.0 became true");
+    assert_eq!(impacts.len(), 6);
+    let mut exact = t_1;
+    for (k, t) in impacts.iter().enumerate() {
+        assert_close(*t, exact, 1e-9);
+        assert_eq!(run.at("impacts", *t), (k + 1) as f64);
+        exact += 2.0 * t_1 * e.powi(k as i32 + 1);
+    }
+}
+
+#[test]
+fn a_slider_sticks_and_slips() {
+    let run = Case::file("examples/stick_slip.mol").run();
+    let leaves = run.times_of("> slider.f_static became true");
+    let rests = run.times_of("slider.v_along < 0.0 became true");
+    assert_close(leaves[0], 10.0 / (500.0 * 0.1), 1e-9);
+    assert_eq!((leaves.len(), rests.len()), (5, 5));
+    for k in 1..leaves.len() {
+        assert!(leaves[k - 1] < rests[k - 1] && rests[k - 1] < leaves[k]);
+        assert_close(leaves[k] - leaves[k - 1], leaves[1] - leaves[0], 1e-6);
+    }
+    let (locked, v) = (run.of("slider.locked"), run.of("slider.v"));
+    assert!(locked.iter().zip(v).all(|(locked, v)| *locked == 0.0 || *v == 0.0));
 }

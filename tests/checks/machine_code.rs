@@ -9,8 +9,7 @@ use mocc::runtime::machine::Machine;
 use mocc::simulate::initialization::initialise;
 use mocc::simulate::settings::Settings;
 
-use super::door::Case;
-use super::recursion::INTEGRAL;
+use super::door::{Case, suite_model};
 
 /// The bits, where what is not a number is one value: Rust leaves its sign and payload open.
 fn bits(memory: &[f64]) -> Vec<u64> {
@@ -84,64 +83,22 @@ fn examples_run_equally() {
 /// Loops, branches, assertions and calls of calls; the Jacobian needs their derivatives.
 #[test]
 fn functions_run_equally() {
-    let text = "function root
-        input Real a;
-        output Real x;
-        algorithm
-        assert(a > -1, \"out of range\");
-        x := 1 + a;
-        for k in 1:4 loop
-        x := x - (x*x - (1 + a))/(2*x);
-        end for;
-        end root;
-        function twice
-        input Real a;
-        output Real b;
-        output Real c;
-        algorithm
-        b := root(a) + root(a*a);
-        c := if b > 2 then min(b, 5) else max(-b, a^3);
-        end twice;
-        model M
-        Real x(start = 1, fixed = true);
-        Real y(start = 0.2, fixed = true);
-        Real b;
-        Real c;
-        equation
-        (b, c) = twice(abs(x) + y);
-        der(x) = -b*x;
-        der(y) = c - 3*y;
-        annotation(experiment(StopTime = 1));
-        end M;";
+    let text = &suite_model("runtime/machine_code/functions");
     compare(&Case::text(text), "functions");
 }
 
 /// Torn blocks, linear and nonlinear, and a mixed one.
 #[test]
 fn blocks_run_equally() {
-    let text = "model M
-        Real x(start = 1, fixed = true);
-        Real u(start = 1);
-        Real v(start = 1);
-        Real p;
-        Real q;
-        Real r;
-        Boolean high(start = false, fixed = true);
-        equation
-        der(x) = -u + (if high then 0.1 else 0);
-        u^3 + v = x;
-        v^3 - u = x*x;
-        p + q + r = x;
-        p - 2*q = time;
-        q + sin(time)*r = 1;
-        high = u > 0.5;
-        annotation(experiment(StopTime = 2));
-        end M;";
+    let text = &suite_model("runtime/machine_code/blocks");
     compare(&Case::text(text), "blocks");
 }
 
 /// Calls of functions that call themselves stand between the pieces of machine code.
 #[test]
 fn functions_that_call_themselves_run_equally() {
-    compare(&Case::text(INTEGRAL).model("P.Decay").stop(1.0), "recursion");
+    compare(
+        &Case::suite("evaluate/recursion/adaptive_integral").model("P.Decay").stop(1.0),
+        "recursion",
+    );
 }

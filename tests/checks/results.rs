@@ -6,7 +6,7 @@ use std::path::Path;
 use mocc::io::csv::read_csv;
 use mocc::ir::trajectory::Trajectory;
 
-use super::door::{Reading, Scratch};
+use super::door::{Reading, Scratch, suite_model};
 use super::program::mocc;
 
 /// Aliases, a negative one, a constant, a parameter of initialisation, events, and each type.
@@ -212,17 +212,7 @@ fn an_impact_is_one_event() {
 #[test]
 fn a_relation_that_is_seen_to_turn_back_is_two_events() {
     let folder = Scratch::new();
-    let model = "model Ball
-      Real h(start = 1, fixed = true);
-      Real v(start = 0, fixed = true);
-      Boolean touches(start = false, fixed = true) = h <= 0;
-    equation
-      der(h) = v;
-      der(v) = -9.81;
-      when touches then
-        reinit(v, -0.8*pre(v));
-      end when;
-    end Ball;";
+    let model = &suite_model("simulate/events/ball_results");
     folder.file("ball.mo", model);
     let arguments = ["simulate", "ball.mo", "--stop", "0.6", "--events", "--output", "run.csv"];
     let ended = mocc(folder.path(), &arguments);
@@ -239,14 +229,7 @@ fn an_interrupted_run_leaves_valid_files() {
 
     let folder = Scratch::new();
     // Years of an oscillator: no machine gets to the end of it.
-    let model = "model Long
-      Real x(start = 1, fixed = true);
-      Real v(start = 0, fixed = true);
-    equation
-      der(x) = v;
-      der(v) = -x;
-      annotation(experiment(StopTime = 1e9, Interval = 1e3));
-    end Long;";
+    let model = &suite_model("simulate/events/long_results");
     folder.file("long.mo", model);
     for output in ["run.csv", "run.mat", "run.parquet"] {
         let path = folder.path().join(output);

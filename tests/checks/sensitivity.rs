@@ -1,7 +1,7 @@
 //! Derivatives of runs by parameters and start values: against closed forms, and for the valve
 //! against differences of whole runs.
 
-use super::door::{Case, Differentiated, Reading};
+use super::door::{Case, Differentiated, Reading, assert_close, suite_model};
 
 /// Compares the derivatives of a column by an input with a closed form at every row.
 #[track_caller]
@@ -30,13 +30,7 @@ fn agrees(
 
 #[test]
 fn decay_by_its_rate_and_its_start() {
-    let text = "model Decay
-      parameter Real k = 2;
-      Real x(start = 3, fixed = true);
-      Real y = x ^ 2;
-    equation
-      der(x) = -k * x;
-    end Decay;";
+    let text = &suite_model("sensitivity/closed_forms/decay");
     let run =
         Case::text(text).stop(1.5).tolerance(1e-9).compile().differentiate(&["k", "start(x)"]);
     agrees(&run, 0, "x", |t| -3.0 * t * (-2.0 * t).exp(), 1e-7);
@@ -48,21 +42,7 @@ fn decay_by_its_rate_and_its_start() {
 /// `h = v1 (t - t1) - g (t - t1)^2 / 2`.
 #[test]
 fn a_ball_by_drop_restitution_and_gravity() {
-    let text = "model Ball
-      parameter Real g = 9.81;
-      parameter Real e = 0.8;
-      parameter Real h0 = 1;
-      Real h(start = h0, fixed = true);
-      Real v(start = 0, fixed = true);
-      Integer bounces(start = 0, fixed = true);
-    equation
-      der(h) = v;
-      der(v) = -g;
-      when h <= 0 then
-        reinit(v, -e * pre(v));
-        bounces = pre(bounces) + 1;
-      end when;
-    end Ball;";
+    let text = &suite_model("sensitivity/events/bouncing_ball");
     let run = Case::text(text).stop(1.0).tolerance(1e-9).compile().differentiate(&["h0", "e", "g"]);
     assert_eq!(run.trajectory.last("bounces"), 1.0);
     let (g, e, h0) = (9.81f64, 0.8, 1.0);
@@ -87,21 +67,7 @@ fn a_ball_by_drop_restitution_and_gravity() {
 /// A mass slows down by Coulomb friction until it sticks: `s = m v0^2 / (2 F)` at the end.
 #[test]
 fn a_mass_that_comes_to_rest_by_friction() {
-    let text = "model Slide
-      parameter Real m = 2;
-      parameter Real F = 3;
-      parameter Real v0 = 1.5;
-      Real s(start = 0, fixed = true);
-      Real v(start = v0, fixed = true);
-      Boolean stuck(start = false, fixed = true);
-    equation
-      der(s) = v;
-      m * der(v) = if stuck then 0 else -F;
-      when v <= 0 then
-        stuck = true;
-        reinit(v, 0);
-      end when;
-    end Slide;";
+    let text = &suite_model("sensitivity/events/friction_stops_a_mass");
     let run = Case::text(text).stop(2.0).tolerance(1e-9).compile().differentiate(&["m", "F", "v0"]);
     let (m, f, v0): (f64, f64, f64) = (2.0, 3.0, 1.5);
     let end = |input| *run.by(input, "s").last().unwrap();
@@ -116,21 +82,7 @@ fn a_mass_that_comes_to_rest_by_friction() {
 /// that grows by `a` at each tick of a clock: `y' = n a`.
 #[test]
 fn switching_times_and_clocks_by_their_parameters() {
-    let text = "model Timed
-      parameter Real T = 0.7;
-      parameter Real first = 0.25;
-      parameter Real period = 0.5;
-      parameter Real a = 2;
-      Real x(start = 0, fixed = true);
-      Real y(start = 0, fixed = true);
-      discrete Real u(start = 0, fixed = true);
-    equation
-      der(x) = if time < T then 1 else -1;
-      der(y) = u;
-      when sample(first, period) then
-        u = pre(u) + a;
-      end when;
-    end Timed;";
+    let text = &suite_model("sensitivity/events/switching_times_and_clocks");
     let inputs = ["T", "first", "period", "a"];
     let run = Case::text(text).stop(1.6).tolerance(1e-9).compile().differentiate(&inputs);
     agrees(&run, 0, "x", |t| if t < 0.7 { 0.0 } else { 2.0 }, 1e-9);
@@ -147,29 +99,7 @@ fn switching_times_and_clocks_by_their_parameters() {
 /// `dz = (a dx + x da) / (3 z^2 + 1)`; compared with a fine difference of closed relations at the end.
 #[test]
 fn a_nonlinear_loop_and_a_function() {
-    let text = "package P
-      function half
-        input Real u;
-        output Real y;
-      protected
-        Real sum;
-      algorithm
-        sum := 0;
-        for i in 1:20 loop
-          sum := sum + u * 0.5 ^ (i + 1);
-        end for;
-        y := sum;
-      end half;
-      model Loop
-        parameter Real a = 2;
-        Real x(start = 1, fixed = true);
-        Real z(start = 0.5);
-        Real h = half(x);
-      equation
-        z ^ 3 + z = a * x;
-        der(x) = -z;
-      end Loop;
-    end P;";
+    let text = &suite_model("sensitivity/closed_forms/nonlinear_loop_and_function");
     let mut case = Case::text(text).stop(1.0).tolerance(1e-10).compile();
     let run = case.differentiate(&["a", "start(x)"]);
     for column in ["x", "z"] {
@@ -248,20 +178,7 @@ fn the_valve_by_eight_of_its_parameters() {
 /// it is left smoothly when `u` reaches one. `z' = u` adds up what the relay does.
 #[test]
 fn a_relay_that_slides_and_leaves() {
-    let text = "model Relay
-      parameter Real c = 0.2;
-      parameter Real r = 0.5;
-      parameter Real k = 1;
-      parameter Real b = 0.3;
-      parameter Real d = 0.1;
-      parameter Real y0 = 0.8;
-      Real y(start = y0, fixed = true);
-      Real z(start = 0, fixed = true);
-      Real u = if y - b * time > d then 1 else -1;
-    equation
-      der(y) = c + r * time - k * u;
-      der(z) = u;
-    end Relay;";
+    let text = &suite_model("sensitivity/sliding/relay_on_a_line");
     let inputs = ["c", "r", "k", "b", "d", "y0"];
     let run = Case::text(text).stop(3.5).tolerance(1e-9).compile().differentiate(&inputs);
     let exact = |p: [f64; 6], t: f64| {
@@ -320,20 +237,7 @@ fn a_relay_that_slides_and_leaves() {
 /// `w + m c / k`: the surface is curved, and its gradient moves along.
 #[test]
 fn a_relay_on_a_circle() {
-    let text = "model Circle
-      parameter Real c = 0.4;
-      parameter Real k = 1;
-      parameter Real w = 2;
-      parameter Real m = 0.5;
-      parameter Real R = 1.5;
-      parameter Real r0 = 2;
-      Real x(start = r0, fixed = true);
-      Real y(start = 0, fixed = true);
-      Real u = if x ^ 2 + y ^ 2 > R ^ 2 then 1 else -1;
-    equation
-      der(x) = x * (c - k * u) - y * (w + m * u);
-      der(y) = y * (c - k * u) + x * (w + m * u);
-    end Circle;";
+    let text = &suite_model("sensitivity/sliding/relay_on_a_circle");
     let inputs = ["c", "k", "w", "m", "R", "r0"];
     let run = Case::text(text).stop(2.0).tolerance(1e-9).compile().differentiate(&inputs);
     let at_end = |p: [f64; 6]| {
@@ -365,22 +269,7 @@ fn a_relay_on_a_circle() {
 /// at `x = h`, an instant that moves with `v`, the flow that the relay holds changes from `c` to `e`.
 #[test]
 fn an_event_while_a_relay_slides() {
-    let text = "model Twice
-      parameter Real c = 0.2;
-      parameter Real e = -0.4;
-      parameter Real k = 1;
-      parameter Real d = 0.1;
-      parameter Real v = 0.7;
-      parameter Real h = 0.9;
-      Real x(start = 0, fixed = true);
-      Real y(start = 0.5, fixed = true);
-      Real z(start = 0, fixed = true);
-      Real u = if y > d then 1 else -1;
-    equation
-      der(x) = v;
-      der(y) = (if x > h then e else c) - k * u;
-      der(z) = u;
-    end Twice;";
+    let text = &suite_model("sensitivity/sliding/event_while_sliding");
     let inputs = ["c", "e", "k", "d", "v", "h"];
     let run = Case::text(text).stop(2.0).tolerance(1e-9).compile().differentiate(&inputs);
     let at_end = |p: [f64; 6]| {
@@ -404,5 +293,25 @@ fn an_event_while_a_relay_slides() {
         );
         let (y, on_d) = (*run.by(input, "y").last().unwrap(), f64::from(*name == "d"));
         assert!((y - on_d).abs() < 1e-6, "d y / d {name}: {y}");
+    }
+}
+
+/// The rule is differentiated with the steps that it takes.
+#[test]
+fn an_integral_is_as_fine_as_it_must_be() {
+    let case = Case::suite("evaluate/recursion/adaptive_integral")
+        .model("P.Decay")
+        .stop(3.0)
+        .tolerance(1e-8);
+    let run = case.compile().differentiate(&["k"]);
+    let trajectory = &run.trajectory;
+    let rate = 1.0 - (-2.0f64).exp();
+    for (row, t) in trajectory.time.iter().enumerate() {
+        let k = 1.0 + t;
+        assert_close(trajectory.of("y")[row], 1.0 - (-2.0 * k).exp(), 1e-9);
+        assert_close(trajectory.of("x")[row], (-rate * t).exp(), 1e-6);
+        assert!((run.by(0, "y")[row] - 2.0 * (-2.0 * k).exp()).abs() < 1e-7);
+        let slope = -2.0 * (-2.0f64).exp() * t * (-rate * t).exp();
+        assert!((run.by(0, "x")[row] - slope).abs() < 1e-6);
     }
 }

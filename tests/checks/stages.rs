@@ -2,7 +2,7 @@
 
 use mocc::ir::trajectory::Trajectory;
 
-use super::door::{Case, Reading, Scratch, assert_close, text_of};
+use super::door::{Case, Reading, Scratch, assert_close, suite_model, text_of};
 use super::program::mocc;
 
 /// Models whose results the properties below compare.
@@ -44,32 +44,7 @@ fn the_flat_text_is_the_same_model() {
 /// more than 3^30 leaves.
 #[test]
 fn what_expressions_share_stays_short_as_text() {
-    let original = Case::text(
-        "model Shared
-           function mixed
-             input Real x;
-             output Real y;
-           algorithm
-             y := x;
-             for k in 1:30 loop
-               y := (sin(y) + y/(2 + cos(y)))/1.5;
-             end for;
-           end mixed;
-           Real x(start = 1, fixed = true);
-           Real root;
-           discrete Real held(start = 0, fixed = true);
-           discrete Real kept(start = 0.5, fixed = true);
-         equation
-           der(x) = -mixed(x) - x;
-           // No root where its branch is not taken.
-           root = if x > 0.5 then mixed(sqrt(x - 0.5))
-                  elseif x > 0.3 then 1 else mixed(sqrt(0.5 - x));
-           when sample(0.1, 0.1) then
-             held = mixed(pre(held) + x);
-             kept = if x > 0.6 then mixed(sqrt(x - 0.6)) + pre(kept) else pre(kept);
-           end when;
-         end Shared;",
-    );
+    let original = Case::suite("flatten/print/shared_expressions");
     let text = original.flat();
     assert!(text.contains("'$shared") && text.len() < 100_000, "{}", text.len());
     let (a, b) = (original.stop(1.0).run(), Case::text(&text).stop(1.0).run());
@@ -85,37 +60,8 @@ fn what_expressions_share_stays_short_as_text() {
 #[test]
 fn conditions_of_functions_as_text() {
     let model = |steps: usize| {
-        format!(
-            "model Settled
-               function settled
-                 input Real x;
-                 output Real y;
-               protected
-                 Boolean high;
-                 Integer phase;
-               algorithm
-                 y := x;
-                 high := x > 0.2;
-                 phase := 1;
-                 for k in 1:{steps} loop
-                   high := if high then y*y + sin(y) > 0.1*k - 2 else y*y + cos(y) > 0.9;
-                   phase := if high and phase < 3 then phase + 1
-                            elseif y > phase/4 then 2 else 1;
-                   if high then
-                     // No logarithm where its branch is not taken.
-                     y := log(1 + y*y)/phase + y/2;
-                   elseif y < 0.3 then
-                     y := sqrt(0.3 - y) + y/(2 + phase);
-                   end if;
-                 end for;
-               end settled;
-               Real x(start = 1, fixed = true);
-               Real y;
-             equation
-               der(x) = -x;
-               y = settled(x);
-             end Settled;"
-        )
+        let text = suite_model("flatten/print/conditions_of_functions");
+        text.replace("steps = 3", &format!("steps = {steps}"))
     };
     let original = Case::text(&model(3));
     let text = original.flat();

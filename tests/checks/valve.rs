@@ -1,6 +1,6 @@
 //! What the paper says about the valve, over whole series, and that no set of parameters breaks it.
 
-use super::door::assert_close;
+use super::door::{assert_close, suite_model};
 use super::sweep::{Table, sweep, table};
 
 const VALVE: &str = "examples/valve52.mol";
@@ -121,15 +121,7 @@ fn the_simplest_spool_agrees_with_closed_forms() {
         table(text, &all).of("x")[0]
     };
     // Coulomb friction alone: v_0^2 m/(2 F).
-    let coasting = "model Coasting
-  model Rubber = Friction.Stribeck(F_Coulomb = 7, F_Stribeck = 0, F_prop = 0, f_exp = 6);
-  Seals.MassWithStopAndFriction spool(m = 0.030, s_min = -1, s_max = 1, s_start = 0, v_start = 0.8,
-    mode_start = Translational.Motion.Forward, redeclare model FrictionLaw = Rubber);
-  Translational.Force none(f = 0);
-equation
-  connect(none.flange, spool.flange);
-  annotation(experiment(StopTime = 0.01));
-end Coasting;";
+    let coasting = &suite_model("library/friction/coasting_valve");
     assert_close(
         measured(coasting, &[], "x = final(spool.s)"),
         0.8 * 0.8 * 0.030 / (2.0 * 7.0),
@@ -138,17 +130,7 @@ end Coasting;";
     assert_close(measured(coasting, &[], "x = when(spool.body.locked)"), 0.8 * 0.030 / 7.0, 1e-6);
 
     // Two closed air springs: A_1 (p_1 V_1/(V_1 + A_1 s) - p_a) = A_2 (p_2 V_2/(V_2 - A_2 s) - p_a).
-    let balance = "model Balance
-  model Rubber = Friction.Stribeck(F_Coulomb = 0, F_Stribeck = 0, F_prop = 20, f_exp = 6);
-  Seals.MassWithStopAndFriction spool(m = 0.030, s_min = -5e-3, s_max = 5e-3, s_start = 0,
-    mode_start = Translational.Motion.Forward, redeclare model FrictionLaw = Rubber);
-  Pneumatics.AirSpring drive(p_supply = 4e5, C = 0, V_dead = 0.9e-6, A = 2.01e-4);
-  Pneumatics.AirSpring back(p_supply = 7e5, C = 0, V_dead = 1.6e-6, A = 1.13e-4, direction = -1);
-equation
-  connect(drive.flange, spool.flange);
-  connect(back.flange, spool.flange);
-  annotation(experiment(StopTime = 0.5));
-end Balance;";
+    let balance = &suite_model("library/friction/balance_of_forces");
     let (a_1, v_1, p_1): (f64, f64, f64) = (2.01e-4, 0.9e-6, 4e5);
     let (a_2, v_2, p_2): (f64, f64, f64) = (1.13e-4, 1.6e-6, 7e5);
     let force = |s: f64| {

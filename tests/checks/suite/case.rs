@@ -63,7 +63,12 @@ impl TestCase {
         self.readers.is_empty() || self.expectations() > 0
     }
 
-    fn add(&mut self, line: usize, directive: Directive, next: Option<usize>) -> Result<(), String> {
+    fn add(
+        &mut self,
+        line: usize,
+        directive: Directive,
+        next: Option<usize>,
+    ) -> Result<(), String> {
         match directive {
             Directive::Run(verb, options) => match self.runs.as_mut_slice() {
                 [only] if only.claims.is_empty() && !only.options.given => {

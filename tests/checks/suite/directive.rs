@@ -15,7 +15,10 @@ pub enum Directive {
     },
     Expect(Claim),
     Let(String, Function),
-    Snapshot { flat: bool, structure: bool },
+    Snapshot {
+        flat: bool,
+        structure: bool,
+    },
     UsedBy(String),
 }
 
@@ -275,7 +278,8 @@ fn claim(text: &str) -> Result<Claim, String> {
         ("messages", Printed::Messages),
     ];
     for (word, what) in made {
-        if text.starts_with(&format!("{word} has ")) || text.starts_with(&format!("{word} lacks ")) {
+        if text.starts_with(&format!("{word} has ")) || text.starts_with(&format!("{word} lacks "))
+        {
             parser.next();
             return contains(what, parser);
         }

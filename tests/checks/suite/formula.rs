@@ -184,9 +184,8 @@ pub enum Token {
     Sign(&'static str),
 }
 
-const SIGNS: [&str; 18] = [
-    "==", "<>", "<=", ">=", "<", ">", "=", "+", "-", "*", "/", "^", "(", ")", ",", ":", "[", "]",
-];
+const SIGNS: [&str; 18] =
+    ["==", "<>", "<=", ">=", "<", ">", "=", "+", "-", "*", "/", "^", "(", ")", ",", ":", "[", "]"];
 
 /// Takes a directive apart.
 pub fn tokens(text: &str) -> Result<Vec<Token>, String> {
@@ -195,9 +194,11 @@ pub fn tokens(text: &str) -> Result<Vec<Token>, String> {
     while let Some(first) = rest.chars().next() {
         let length = if first.is_ascii_digit() {
             let length = number(rest);
-            out.push(Token::Number(rest[..length].parse().map_err(|_| {
-                format!("`{}` is not a number", &rest[..length])
-            })?));
+            out.push(Token::Number(
+                rest[..length]
+                    .parse()
+                    .map_err(|_| format!("`{}` is not a number", &rest[..length]))?,
+            ));
             length
         } else if first == '"' {
             let end = rest[1..].find('"').ok_or("a string has no end")? + 1;

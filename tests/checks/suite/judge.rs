@@ -6,7 +6,7 @@ use mocc::base::diag::{Diagnostic, Severity};
 use mocc::base::render::{Style, render, render_all};
 use mocc::base::source::SourceMap;
 use mocc::driver::compile::{Request, Session, Wrong};
-use mocc::ir::program::Form;
+use mocc::ir::program::SystemForm;
 use mocc::ir::trajectory::Trajectory;
 use mocc::simulate::failure::FailureKind;
 use mocc::simulate::run::simulate;
@@ -75,7 +75,7 @@ fn make(case: &TestCase, run: &Run, model: &str, scratch: &Scratch) -> Made {
     let is_flat = !std::ptr::eq(model, case.model.as_str());
     let name = if is_flat { "flat.mo".to_string() } else { format!("{}.mo", case.topic) };
     let file = scratch.file(&name, model);
-    let form = if options.implicit { Form::Implicit } else { Form::Reduced };
+    let form = if options.implicit { SystemForm::Dae } else { SystemForm::Ode };
     let request = match is_flat {
         true => Request { file: Some(file), form, ..Request::default() },
         false => Request {
@@ -307,25 +307,18 @@ fn contained(made: &Made, what: Printed, count: Option<usize>, text: &str) -> Op
     (!good).then(|| format!("`{text}` occurs {found} times instead of {expected} in\n{printed}"))
 }
 
-fn of_trajectory(
-    case: &TestCase,
-    trajectory: &Trajectory,
-    claim: &Claim,
-    wrong: &mut Vec<String>,
-) {
+fn of_trajectory(case: &TestCase, trajectory: &Trajectory, claim: &Claim, wrong: &mut Vec<String>) {
     let judged = match claim {
         Claim::Values { found, rows, relation, expected, tolerance } => {
             let compare = Comparison { case, trajectory, relation, tolerance: *tolerance };
             compare.values(found, rows, expected, wrong)
         }
         Claim::Events { what, count, times, tolerance } => {
-            let compare =
-                Comparison { case, trajectory, relation: "=", tolerance: *tolerance };
+            let compare = Comparison { case, trajectory, relation: "=", tolerance: *tolerance };
             compare.events(what, *count, times, wrong)
         }
         Claim::Rows { relation, count, condition } => {
-            let compare =
-                Comparison { case, trajectory, relation, tolerance: Tolerance::Exact };
+            let compare = Comparison { case, trajectory, relation, tolerance: Tolerance::Exact };
             compare.rows(*count, condition.as_ref(), wrong)
         }
         Claim::Column { name, present } => {
@@ -462,7 +455,9 @@ impl Comparison<'_> {
     fn off(&self, found: f64, wanted: f64) -> String {
         match self.tolerance {
             Tolerance::Exact => String::new(),
-            Tolerance::Absolute(t) => format!(" (off by {:.1e}, not {t:e})", (found - wanted).abs()),
+            Tolerance::Absolute(t) => {
+                format!(" (off by {:.1e}, not {t:e})", (found - wanted).abs())
+            }
             Tolerance::Relative(t) => {
                 let off = (found - wanted).abs() / wanted.abs().max(f64::MIN_POSITIVE);
                 format!(" (off by {off:.1e} of it, not {t:e})")
@@ -524,7 +519,11 @@ impl Comparison<'_> {
             let wanted = formula.evaluate(Scope::new(&self.case.functions, &none))?;
             if !self.agrees(event.time, wanted) {
                 let off = self.off(event.time, wanted);
-                wrong.push(format!("event {} is at {} instead of {wanted}{off}", k + 1, event.time));
+                wrong.push(format!(
+                    "event {} is at {} instead of {wanted}{off}",
+                    k + 1,
+                    event.time
+                ));
             }
         }
         Ok(())

@@ -27,7 +27,10 @@ macro_rules! stages {
     };
 }
 
-stages! { check classes driver evaluate flatten format instantiate lower parse rules simulate structure }
+stages! {
+    check classes driver evaluate external flatten format instantiate library lower parse rules runtime
+    sensitivity simulate structure
+}
 
 fn run(stage: &str) {
     let filter = std::env::var("MOCC_CASE").unwrap_or_default();
@@ -96,7 +99,10 @@ fn readers_of_models_are_there() {
                 let file = root().join("tests/checks").join(reader);
                 let text = std::fs::read_to_string(&file).unwrap_or_default();
                 let (file, line, name) = (&case.file, case.line, &case.name);
-                assert!(text.contains(&format!("{name}\"")), "{file}:{line}: {reader} has no {name}");
+                assert!(
+                    text.contains(&format!("{name}\"")),
+                    "{file}:{line}: {reader} has no {name}"
+                );
             }
         }
     }

@@ -94,3 +94,53 @@ package Uncalled
   end Idle;
 end Uncalled;
 //@ expect messages lacks "v[3]"
+
+//@ case protected_inputs_and_open_parameters
+//@ used by check.rs
+block Source
+  connector RealInput = input Real;
+  connector RealOutput = output Real;
+  parameter Boolean constant_amplitude = false;
+  parameter Boolean ideal(start = true);
+  RealInput amplitude if not constant_amplitude;
+  RealOutput y;
+  Real loss;
+protected
+  RealInput inner_amplitude;
+equation
+  connect(amplitude, inner_amplitude);
+  if constant_amplitude then
+    inner_amplitude = 1;
+  end if;
+  if ideal then
+    loss = 0;
+  end if;
+  y = inner_amplitude*time - loss;
+end Source;
+
+//@ case buses_that_lead_out
+//@ used by check.rs
+package Buses
+  connector In = input Real;
+  connector Out = output Real;
+  expandable connector Sub end Sub;
+  expandable connector Bus Sub sub; end Bus;
+  block Gain In u; Out y = 2*u; end Gain;
+  block Reader
+    Bus bus;
+    Gain g, h;
+  equation
+    connect(bus.speed, g.u);
+    connect(bus.sub.force, h.u);
+  end Reader;
+  block Two Reader r; Bus bus; equation connect(bus, r.bus); end Two;
+  block Hidden
+    Bus bus;
+    Gain g;
+  protected
+    Bus inside;
+  equation
+    connect(inside.speed, g.u);
+  end Hidden;
+  model Alone Reader r; end Alone;
+end Buses;

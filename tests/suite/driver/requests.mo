@@ -74,3 +74,13 @@ model Body
 equation
   mass*der(v) = -v;
 end Body;
+
+//@ case loop
+//@ used by cli.rs
+model Loop
+  Real x(start = 1, fixed = true);
+  Real z(start = 0.5);
+equation
+  z ^ 3 + z = 0.625 * x;
+  der(x) = -z;
+end Loop;

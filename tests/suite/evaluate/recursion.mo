@@ -101,7 +101,7 @@ end P;
 
 //@ case adaptive_integral
 //@ run model=P.Decay stop=3 tolerance=1e-8
-//@ used by recursion.rs
+//@ used by sensitivity.rs
 //@ used by machine_code.rs
 // Simpson's rule by halves, of a function with an argument given: as fine as it must be, which depends on
 // that argument.

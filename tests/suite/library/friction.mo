@@ -53,3 +53,41 @@ end Bristles;
 //@ expect body.s = 0.05/1e5 rel 0.15
 // The first reversal of the speed, after which it moves freely.
 //@ expect events = 1
+
+//@ case coulomb_friction_stops_a_mass
+//@ run stop=0.1
+// A body comes to rest after m v^2/(2 F).
+model Slide
+  Seals.MassWithStopAndFriction body(m = 0.03, s_max = 1, v_start = 2,
+    mode_start = Translational.Motion.Forward,
+    redeclare model FrictionLaw = Friction.Coulomb(F_Coulomb = 7));
+end Slide;
+//@ expect body.s = 0.03*2*2/(2*7) rel 1e-9
+//@ expect event[1] = 0.03*2/7 rel 1e-9
+//@ expect events "v_along" at 0.03*2/7 + (if k == 1 then 0 else 1) rel 1
+
+//@ case coasting_valve
+//@ used by valve.rs
+model Coasting
+  model Rubber = Friction.Stribeck(F_Coulomb = 7, F_Stribeck = 0, F_prop = 0, f_exp = 6);
+  Seals.MassWithStopAndFriction spool(m = 0.030, s_min = -1, s_max = 1, s_start = 0, v_start = 0.8,
+    mode_start = Translational.Motion.Forward, redeclare model FrictionLaw = Rubber);
+  Translational.Force none(f = 0);
+equation
+  connect(none.flange, spool.flange);
+  annotation(experiment(StopTime = 0.01));
+end Coasting;
+
+//@ case balance_of_forces
+//@ used by valve.rs
+model Balance
+  model Rubber = Friction.Stribeck(F_Coulomb = 0, F_Stribeck = 0, F_prop = 20, f_exp = 6);
+  Seals.MassWithStopAndFriction spool(m = 0.030, s_min = -5e-3, s_max = 5e-3, s_start = 0,
+    mode_start = Translational.Motion.Forward, redeclare model FrictionLaw = Rubber);
+  Pneumatics.AirSpring drive(p_supply = 4e5, C = 0, V_dead = 0.9e-6, A = 2.01e-4);
+  Pneumatics.AirSpring back(p_supply = 7e5, C = 0, V_dead = 1.6e-6, A = 1.13e-4, direction = -1);
+equation
+  connect(drive.flange, spool.flange);
+  connect(back.flange, spool.flange);
+  annotation(experiment(StopTime = 0.5));
+end Balance;

@@ -137,3 +137,54 @@ end Mean;
 //@ expect n = 4
 //@ expect y = 2 abs 1e-7
 //@ expect events = 4 at 0.25, 0.45, 0.65, 0.85 abs 1e-12
+
+//@ case sampled_pi_controller
+//@ run stop=3.05 interval=0.05 tolerance=1e-10
+// The plant `x' = u - x` under `u = K e + I` at multiples of `T`: by the exact map of a period,
+// `x := a x + (1 - a) u` with `a = exp(-T)`.
+model Controlled
+  parameter Real K = 2, Ki = 3, T = 0.1, r = 1;
+  Real x(start = 0, fixed = true);
+  discrete Real i(start = 0, fixed = true);
+  discrete Real u(start = 0, fixed = true);
+equation
+  der(x) = u - x;
+  when sample(0, T) then
+    i = pre(i) + Ki*T*(r - x);
+    u = K*(r - x) + i;
+  end when;
+end Controlled;
+//@ let a = exp(-0.1)
+//@ let output(x, i) = 2*(1 - x) + i
+//@ let next(x, i) = a*x + (1 - a)*output(x, i)
+//@ let sampled(n, x, i) = if n == 0 then x else sampled(n - 1, next(x, i), i + 0.3*(1 - next(x, i)))
+//@ let held(n, x, i) = if n == 0 then output(x, i) else held(n - 1, next(x, i), i + 0.3*(1 - next(x, i)))
+//@ let tick = floor(10*time + 0.5)
+//@ expect each x = sampled(tick, 0, 0.3) where abs(10*time - tick) < 1e-6 abs 1e-8
+//@ expect each u = held(floor(10*time), 0, 0.3) where abs(10*time - tick) > 0.1 abs 1e-8
+//@ expect rows >= 30 where abs(10*time - tick) > 0.1
+
+//@ case ball_results
+//@ used by results.rs
+model Ball
+  Real h(start = 1, fixed = true);
+  Real v(start = 0, fixed = true);
+  Boolean touches(start = false, fixed = true) = h <= 0;
+equation
+  der(h) = v;
+  der(v) = -9.81;
+  when touches then
+    reinit(v, -0.8*pre(v));
+  end when;
+end Ball;
+
+//@ case long_results
+//@ used by results.rs
+model Long
+  Real x(start = 1, fixed = true);
+  Real v(start = 0, fixed = true);
+equation
+  der(x) = v;
+  der(v) = -x;
+  annotation(experiment(StopTime = 1e9, Interval = 1e3));
+end Long;

@@ -1,3 +1,6 @@
+//@ case squeezing_mechanism
+// F. Mazzia, C. Magherini, *Test Set for Initial Value Problem Solvers* (2008), Andrews' squeezing mechanism: seven
+// bodies in three loops, of index 3 as it is written; published at the end of 0.03 s.
 model SqueezingMechanism "Andrews' squeezing mechanism of the test set for initial value problems, of index 3"
   // Seven bodies in a plane, three closed loops; q holds the angles beta, Theta, gamma, Phi, delta, Omega, epsilon.
   constant Real m[7] = {0.04325, 0.00365, 0.02373, 0.00706, 0.07050, 0.00706, 0.05498} "Masses";
@@ -63,3 +66,49 @@ equation
       0, 0, 0, -zf*cos(q[6] + q[7]), -zf*cos(q[6] + q[7]) - u*sin(q[7])];
   annotation(experiment(StopTime = 0.03, Tolerance = 1e-8));
 end SqueezingMechanism;
+//@ expect q[1] = 0.1581077119629904e2 rel 1e-8
+//@ expect q[2] = -0.1575637105984298e2 rel 1e-8
+//@ expect q[3] = 0.4082224013073101e-1 rel 1e-8
+//@ expect q[4] = -0.5347301163226948 rel 1e-8
+//@ expect q[5] = 0.5244099658805304 rel 1e-8
+//@ expect q[6] = 0.5347301163226948 rel 1e-8
+//@ expect q[7] = 0.1048080741042263e1 rel 1e-8
+
+//@ case elastic_beam
+//@ run tolerance=1e-7
+// F. Mazzia, C. Magherini, *Test Set for Initial Value Problem Solvers* (2008), beam; the problem is (1.10) in
+// section IV.1 of Hairer & Wanner II, with 40 elements; published at the end of 5 s.
+model Beam "The clamped elastic beam of the test set for initial value problems, 80 states"
+  constant Integer n = 40;
+  Real theta[n](each start = 0, each fixed = true);
+  Real omega[n](each start = 0, each fixed = true);
+  Real phi = if time < 3.14159265358979323846 then 1.5*sin(time)^2 else 0;
+  Real v[n];
+  Real w[n];
+  Real u[n];
+  Real c[n-1];
+  Real d[n-1];
+equation
+  for l in 1:n loop
+    v[l] = n^4*((if l == 1 then -theta[1] else theta[max(l-1,1)]) - 2*theta[l] + theta[min(l+1, n)])
+      + n^2*(cos(theta[l])*phi + sin(theta[l])*phi);
+  end for;
+  for l in 1:n-1 loop
+    c[l] = cos(theta[l] - theta[l+1]);
+    d[l] = sin(theta[l] - theta[l+1]);
+  end for;
+  for l in 1:n loop
+    w[l] = (if l < n then -d[min(l, n-1)]*v[min(l+1, n)] else 0) + (if l > 1 then d[max(l-1,1)]*v[max(l-1,1)] else 0) + omega[l]^2;
+    w[l] = (if l == 1 then 1 elseif l == n then 3 else 2)*u[l]
+      - (if l < n then c[min(l,n-1)]*u[min(l+1,n)] else 0) - (if l > 1 then c[max(l-1,1)]*u[max(l-1,1)] else 0);
+    der(omega[l]) = (if l == 1 then 1 elseif l == n then 3 else 2)*v[l]
+      - (if l < n then c[min(l,n-1)]*v[min(l+1,n)] else 0) - (if l > 1 then c[max(l-1,1)]*v[max(l-1,1)] else 0)
+      + (if l < n then -d[min(l, n-1)]*u[min(l+1, n)] else 0) + (if l > 1 then d[max(l-1,1)]*u[max(l-1,1)] else 0);
+    der(theta[l]) = omega[l];
+  end for;
+  annotation(experiment(StopTime = 5, Tolerance = 1e-6));
+end Beam;
+//@ expect theta[1] = -0.5792366591285007e-2 rel 1e-6
+//@ expect theta[2] = -0.1695298550721735e-1 rel 1e-6
+//@ expect theta[3] = -0.2769103312973094e-1 rel 1e-6
+//@ expect theta[4] = -0.3800815655879158e-1 rel 1e-6

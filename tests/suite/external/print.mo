@@ -1,0 +1,25 @@
+//@ case values_at_run_time
+//@ used by native.rs
+model Printing
+  function print
+    input String string;
+    input String fileName = "";
+  external "C" ModelicaInternal_print(string, fileName);
+  end print;
+  Real x(start = 0, fixed = true);
+  Integer n(start = 0, fixed = true);
+initial algorithm
+  print("begins at " + String(x));
+equation
+  der(x) = 2;
+  when sample(0.25, 0.5) then
+    n = pre(n) + 1;
+    print(String(n) + ": " + String(x, format = "6.3f") + " " + String(n > 1));
+  end when;
+  when terminal() then
+    print("ends at " + String(x, significantDigits = 3), "log.txt");
+  end when;
+  when time > 0.6 then
+    assert(x < 1, "x has become " + String(x), level = AssertionLevel.warning);
+  end when;
+end Printing;
