@@ -11,16 +11,6 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What an expression was some time ago is one unknown more, and one equation.
-#[test]
-fn a_component_that_delays_is_balanced() {
-    let scratch = Scratch::new();
-    let text = "block D input Real u; output Real y; equation y = delay(u, 0.1); end D;";
-    let file = scratch.file("delay.mo", text);
-    let ended = mocc(root(), &["check", file.to_str().expect("UTF-8")]);
-    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
-}
-
 #[test]
 fn the_same_as_json() {
     let folder = Scratch::new();
@@ -71,32 +61,6 @@ fn examples_and_library_have_no_problems() {
             all.as_array().expect("a list").iter().filter(|p| p["severity"] == "error").collect();
         assert!(ended.status == 0 && errors.is_empty(), "{file}: {errors:#?}");
     }
-}
-
-/// What is protected is no input from outside; a parameter without a value decides by its start value.
-#[test]
-fn components_of_libraries_have_no_problems() {
-    let folder = Scratch::new();
-    folder.file("source.mo", &suite_model("check/classes/protected_inputs_and_open_parameters"));
-    let ended = mocc(folder.path(), &["check", "source.mo"]);
-    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
-}
-
-/// What surrounds a component may write to the buses that lead out of it, and to no others.
-#[test]
-fn buses_that_lead_out_are_written_outside() {
-    let folder = Scratch::new();
-    folder.file("buses.mo", &suite_model("check/classes/buses_that_lead_out"));
-    let ended = mocc(folder.path(), &["check", "buses.mo", "--json"]);
-    let all: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
-    let said: Vec<&str> = all
-        .as_array()
-        .expect("a list")
-        .iter()
-        .filter_map(|p| p["message"].as_str()?.strip_prefix("nothing gives `"))
-        .map(|rest| rest.split('`').next().unwrap_or_default())
-        .collect();
-    assert_eq!(said, ["r.bus.speed", "r.bus.sub.force", "inside.speed"], "{}", ended.out);
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn has_equalities(flat: &FlatModel) -> bool {
 
 /// The name of the constant that holds a table.
 fn table_name(k: usize) -> String {
-    format!("'$table_name{}'", k + 1)
+    format!("'$table{}'", k + 1)
 }
 
 /// The name of the variable that holds the value at a reader of a transport line.

@@ -96,7 +96,9 @@ end Uncalled;
 //@ expect messages lacks "v[3]"
 
 //@ case protected_inputs_and_open_parameters
-//@ used by check.rs
+//@ check
+//@ expect accepted
+// Protected elements are no inputs; a parameter without a value decides by its start value.
 block Source
   connector RealInput = input Real;
   connector RealOutput = output Real;
@@ -119,7 +121,8 @@ equation
 end Source;
 
 //@ case buses_that_lead_out
-//@ used by check.rs
+//@ check
+// The surroundings of a component may write to the buses that lead out of it, and to no others.
 package Buses
   connector In = input Real;
   connector Out = output Real;
@@ -130,7 +133,9 @@ package Buses
     Bus bus;
     Gain g, h;
   equation
+    //@ error[MO0244] 5-27
     connect(bus.speed, g.u);
+    //@ error[MO0244] 5-31
     connect(bus.sub.force, h.u);
   end Reader;
   block Two Reader r; Bus bus; equation connect(bus, r.bus); end Two;
@@ -140,7 +145,19 @@ package Buses
   protected
     Bus inside;
   equation
+    //@ error[MO0244] 5-30
     connect(inside.speed, g.u);
   end Hidden;
   model Alone Reader r; end Alone;
 end Buses;
+
+//@ case delay
+//@ check
+// A delayed expression is one unknown more, and one equation.
+block D
+  input Real u;
+  output Real y;
+equation
+  y = delay(u, 0.1);
+end D;
+//@ expect accepted

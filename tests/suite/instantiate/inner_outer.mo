@@ -121,6 +121,7 @@ package P
     Real weight = 2*g;
   end World;
   model Body
+    //@ warning[MO0206] 17-21
     outer World world;
     Real f = world.weight;
   end Body;

@@ -64,7 +64,6 @@ model Slide
 end Slide;
 //@ expect body.s = 0.03*2*2/(2*7) rel 1e-9
 //@ expect event[1] = 0.03*2/7 rel 1e-9
-//@ expect events "v_along" at 0.03*2/7 + (if k == 1 then 0 else 1) rel 1
 
 //@ case coasting_valve
 //@ used by valve.rs

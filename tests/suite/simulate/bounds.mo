@@ -4,9 +4,12 @@
 model Tank
   type Level = Real(min = 0);
   parameter Real area(min = 0.1, max = 10) = 1;
+  //@ warning[MO0919] 18-23
   parameter Real outlet(max = area) = 2*area;
   Level h(start = 1, fixed = true);
+  //@ warning[MO0919] 8-12
   Real empty(max = 0.5) = 1 - h;
+  //@ warning[MO0919] 8-12
   Real depth(min = -0.75, max = 1) = -h;
   Real other(min = -1) = sin(10*time);
 equation
@@ -20,10 +23,12 @@ end Tank;
 //@ run stop=3 interval=0.5 set=area=20 set=outlet=1
 model Tank
   type Level = Real(min = 0);
+  //@ warning[MO0919] 18-21
   parameter Real area(min = 0.1, max = 10) = 1;
   parameter Real outlet(max = area) = 2*area;
   Level h(start = 1, fixed = true);
   Real empty(max = 0.5) = 1 - h;
+  //@ warning[MO0919] 8-12
   Real depth(min = -0.75, max = 1) = -h;
   Real other(min = -1) = sin(10*time);
 equation

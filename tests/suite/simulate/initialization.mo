@@ -96,7 +96,7 @@ end Far;
 model Far
   Real x(start = 1);
 equation
-  //@ error[MO0904] 3
+  //@ error[MO0904] 3-19
   0 = x^4 - 2*x + 2;
 end Far;
 
@@ -140,6 +140,7 @@ end Bounded;
 //@ run stop=0.1
 // `min` and `max` do not make a solution beyond them impossible.
 model Beyond
+  //@ warning[MO0919] 8
   Real x(start = 1, max = 1.5);
 equation
   x^3 = 8;

@@ -23,13 +23,13 @@ end Twice;
 //@ case dependent_equations
 // A ring of differences says two things in three equations: the level stays open, the rest is right.
 model Ring
-  //@ warning[MO0918] 8
   Real a;
   Real b;
   Real c;
   Real x(start = 0, fixed = true);
 equation
   a - b = sin(time);
+  //@ warning[MO0918] 3-19
   b - c = cos(time);
   c - a = -sin(time) - cos(time);
   der(x) = a - c;

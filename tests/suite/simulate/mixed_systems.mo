@@ -56,6 +56,7 @@ equation
   annotation(experiment(StopTime = 1, Tolerance = 1e-8));
 end Multivibrator;
 // The linear part of the amplifier shifts the thresholds by 15/V0.
+//@ let tau = 0.1/(2*log(3))
 //@ let threshold = 7.5 - 15/15000
 //@ let first = tau*log(14/(15 - threshold))
 //@ let half = tau*log((15 + threshold)/(15 - threshold))

@@ -34,8 +34,8 @@ model Joined
   Real c;
   Real d;
 initial equation
+  //@ error[MO0408] 3-7
   a = 0;
-  //@ error[MO0408] 3
   c = 1;
 equation
   der(a) + der(c) = 2;
