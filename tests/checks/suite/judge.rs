@@ -139,7 +139,8 @@ fn make(case: &TestCase, run: &Run, model: &str, scratch: &Scratch) -> Made {
     if needs(case, run, Printed::Structure) && !is_flat {
         let mut session = Session::default();
         if let Ok(blocks) = session.flatten(&request).and_then(|flat| session.sort(flat)) {
-            made.structure = mocc::structure::print::print(&blocks, &session.sources);
+            let text = mocc::structure::print::print(&blocks, &session.sources);
+            made.structure = text.replace(&folder, "");
         }
     }
     made
