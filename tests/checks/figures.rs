@@ -57,6 +57,6 @@ fn what_a_table_does_not_have_is_said() {
         said(&["--x", "t: time", "--y", "x: b"]).contains("no table has the columns of a panel")
     );
     assert!(said(&["--x", "t: time", "--y", "x: sin(time)"]).contains("are supported"));
-    assert!(said(&["--x", "t: time", "--y", "time"]).contains("TEXT: FORMULA"));
+    assert!(said(&["--x", "t: time", "--y", "time"]).contains("LABEL: FORMULA"));
     assert!(said(&["--x", "t: time", "--y", "x: 1 +"]).contains("is not a formula"));
 }
