@@ -5,7 +5,7 @@ use std::fmt::Write;
 use mocc::base::diag::{Diagnostic, Severity};
 use mocc::base::render::{Style, render, render_all};
 use mocc::base::source::SourceMap;
-use mocc::driver::compile::{Request, Session, Wrong};
+use mocc::driver::compile::{CompileError, Request, Session};
 use mocc::ir::program::SystemForm;
 use mocc::ir::trajectory::Trajectory;
 use mocc::simulate::failure::FailureKind;
@@ -118,8 +118,8 @@ fn make(case: &TestCase, run: &Run, model: &str, scratch: &Scratch) -> Made {
     };
     match outcome {
         Ok(()) => {}
-        Err(Wrong::Model) => made.status = 1,
-        Err(Wrong::Request) => made.status = 2,
+        Err(CompileError::Model) => made.status = 1,
+        Err(CompileError::Request) => made.status = 2,
     }
     made.messages = render_all(&session.problems, &session.sources, Style::Plain);
     for warning in &warnings {
