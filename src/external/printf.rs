@@ -1,28 +1,28 @@
-//! Numbers as texts in the manner of C's `printf` (C17, section 7.21.6.1), as `String(...)` of the
-//! specification wants them (section 3.7.3.1).
+//! Formats numbers like `printf` of C (C17, section 7.21.6.1), for `String(...)` (Modelica specification
+//! 3.6, section 3.7.1).
 
-/// The form of a number as a text.
+/// Format of a number.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Form {
     /// Significant digits of a Real.
     pub digits: u16,
-    /// Characters at least.
+    /// Minimum number of characters.
     pub width: u16,
-    /// What is shorter stands at the left.
+    /// Left-justified.
     pub left: bool,
-    /// A format as in C, which counts more than the digits.
+    /// A C format string, which takes precedence over `digits`.
     pub format: Option<&'static str>,
 }
 
 impl Default for Form {
-    /// As section 3.7.3.1 of the specification says.
+    /// The defaults of `String(...)`.
     fn default() -> Self {
         Form { digits: 6, width: 0, left: true, format: None }
     }
 }
 
 impl Form {
-    /// The text of a number, which may be a whole one; `None` if the form is none of numbers.
+    /// Formats a number, as an Integer if `whole`; `None` if the format string is invalid.
     pub fn of(self, x: f64, whole: bool) -> Option<String> {
         let text = match self.format {
             Some(format) => formatted(x, format)?,
@@ -33,14 +33,14 @@ impl Form {
         Some(self.padded(text))
     }
 
-    /// At least as long as the form says.
+    /// Pads a text to the minimum width.
     pub fn padded(self, text: String) -> String {
         let width = usize::from(self.width);
         if self.left { format!("{text:<width$}") } else { format!("{text:>width$}") }
     }
 }
 
-/// A number in the form of C's `%.<digits>g`.
+/// Formats a number like `%.<digits>g` of C.
 pub fn general(x: f64, digits: usize) -> String {
     let digits = digits.max(1);
     if x == 0.0 {
@@ -61,7 +61,7 @@ pub fn general(x: f64, digits: usize) -> String {
     trimmed(&format!("{x:.places$}"))
 }
 
-/// A number in a format such as `2.6f`, `-10.3e` or `.4g`; `None` if it is no such format.
+/// Formats a number by a format string such as `2.6f`, `-10.3e` or `.4g`; `None` if it is invalid.
 pub fn formatted(x: f64, format: &str) -> Option<String> {
     let format = format.strip_prefix('%').unwrap_or(format);
     let kind = format.chars().last().filter(|c| c.is_ascii_alphabetic())?;
@@ -92,7 +92,7 @@ pub fn formatted(x: f64, format: &str) -> Option<String> {
     Some(if left { format!("{text:<width$}") } else { format!("{text:>width$}") })
 }
 
-/// Mantissa with `places` digits behind the point, and exponent of ten.
+/// Mantissa with `places` decimals, and decimal exponent.
 fn scientific(x: f64, places: usize) -> (String, i32) {
     let text = format!("{x:.places$e}");
     match text.split_once('e') {
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_written_as_c_writes_them() {
+    fn numbers_are_formatted_as_in_c() {
         // From the C standard's rules for `%g`, `%f` and `%e` (C17, section 7.21.6.1).
         assert_eq!(general(111.222, 6), "111.222");
         assert_eq!(general(std::f64::consts::PI, 4), "3.142");

@@ -1,15 +1,15 @@
-//! Arithmetic of words of 64 bits that are held as two whole numbers of 32 bits, the lower half first, as
-//! random number generators of libraries hold their states.
+//! Arithmetic of 64-bit words that are split into two 32-bit Integers, the lower half first: the state of
+//! the random number generators of the Modelica Standard Library.
 //!
-//! In come halves as floats, each in the range of signed numbers of 32 bits; out goes a half again, or
-//! a fraction between 0 and 1. All is exact and wraps around.
+//! In: halves as floats in the range of signed 32-bit integers. Out: a half, or a fraction between 0 and
+//! 1. All operations are exact and wrap around.
 
-/// Which half of a word.
+/// A half of a word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Half {
-    /// The 32 bits of less weight.
+    /// The low 32 bits.
     Low,
-    /// The 32 bits of more weight.
+    /// The high 32 bits.
     High,
 }
 
@@ -20,15 +20,15 @@ pub enum Operation {
     Xor,
     /// Sum of two halves.
     Add,
-    /// What the sum of two lower halves carries: 0 or 1.
+    /// The carry of the sum of two lower halves: 0 or 1.
     Carry,
-    /// A half of a word (low, high) that is shifted to the left.
+    /// A half of a word (low, high) shifted to the left.
     ShiftLeft(u32, Half),
-    /// A half of a word (low, high) that is shifted to the right.
+    /// A half of a word (low, high) shifted to the right.
     ShiftRight(u32, Half),
     /// A half of a word (low, high) multiplied by this.
     Times(u64, Half),
-    /// A word (low, high), read as a signed number, as a fraction: from 0 to 1.
+    /// A word (low, high), interpreted as a signed integer, as a fraction from 0 to 1.
     Fraction,
 }
 
@@ -48,13 +48,13 @@ impl Operation {
         }
     }
 
-    /// True if the value is a whole number.
+    /// True if the value is an integer.
     pub fn is_whole(self) -> bool {
         self != Operation::Fraction
     }
 }
 
-/// The bits of a half. What is no number of 32 bits loses what is too much.
+/// The bits of a half; numbers beyond 32 bits are truncated.
 fn bits(x: f64) -> u32 {
     x as i64 as u32
 }
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_make_the_operations_of_whole_words() {
+    fn operations_on_halves_agree_with_those_on_words() {
         let (x, y) = (0xF123_4567_89AB_CDEF_u64, 0x8FED_CBA9_F765_4321_u64);
         let ((a, b), (c, d)) = (halves(x), halves(y));
         let apply = |f: &dyn Fn(Half) -> Operation| {

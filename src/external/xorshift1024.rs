@@ -1,16 +1,16 @@
-//! The numbers that a random number generator draws one after the other, each by its number.
+//! The random number generator xorshift1024*, with access by index.
 
 use std::sync::Mutex;
 
 /// Words of the state of xorshift1024*.
 const WORDS: usize = 16;
 
-/// How far ahead of what was drawn a number may be asked for.
+/// Maximum distance of a requested index from the numbers generated so far.
 const AHEAD: usize = 1 << 20;
 
-/// The stream of xorshift1024* from a state on. *S. Vigna, An experimental exploration of Marsaglia's
-/// xorshift generators, scrambled, ACM TOMS 42 (2016).* What was drawn is kept, so that a run may ask for a
-/// number as often as it likes.
+/// The sequence of xorshift1024* from a state on. *S. Vigna, An experimental exploration of Marsaglia's
+/// xorshift generators, scrambled, ACM TOMS 42 (2016).* Generated numbers are cached, so that a run may
+/// read each any number of times.
 #[derive(Debug)]
 pub struct Stream {
     seed: [u64; WORDS],
@@ -26,14 +26,14 @@ struct Drawn {
 }
 
 impl Stream {
-    /// From the words of a state and the number of the word that was drawn last.
+    /// From the words of a state and the index of the last generated word.
     pub fn new(seed: [u64; WORDS], last: usize) -> Self {
         let first = last % WORDS;
         let drawn = Drawn { state: seed, at: first, numbers: Vec::new() };
         Stream { seed, first, drawn: Mutex::new(drawn) }
     }
 
-    /// The number `k`, counted from 1, between 0 and 1; NaN if `k` is far beyond what was drawn.
+    /// Number `k`, counted from 1, between 0 and 1; NaN if `k` is far beyond the numbers generated so far.
     pub fn number(&self, k: f64) -> f64 {
         let mut drawn = self.drawn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let k = k.max(1.0) as usize;
@@ -76,9 +76,9 @@ impl PartialEq for Stream {
 mod tests {
     use super::*;
 
-    /// The first words by the published algorithm, computed step by step from a state of small numbers.
+    /// The first words of the published algorithm, from a state of small numbers.
     #[test]
-    fn numbers_are_the_same_however_often_they_are_asked_for() {
+    fn numbers_are_reproducible() {
         let seed: [u64; WORDS] = std::array::from_fn(|k| k as u64 + 1);
         let stream = Stream::new(seed, 0);
         let third = stream.number(3.0);

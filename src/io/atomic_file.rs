@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all: written to a temporary sibling, renamed at the end.
+//! Atomic files: written to a temporary sibling that is renamed at the end.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use thiserror::Error;
 
-/// Why a file was not written; the target is then as it was before.
+/// Why a file was not written; the target is unchanged.
 #[derive(Error, Debug)]
 pub enum WriteError {
     /// The target is a directory or a device; renaming over it would destroy it.
@@ -16,12 +16,12 @@ pub enum WriteError {
         /// The target.
         path: PathBuf,
     },
-    /// No temporary file could be made beside the target.
+    /// No temporary file could be created next to the target.
     #[error("cannot create {}: {source}", path.display())]
     Create {
         /// The target.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// Writing failed, for example because the disk is full.
@@ -29,7 +29,7 @@ pub enum WriteError {
     Write {
         /// The target.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The finished file could not take the target's name.
@@ -37,12 +37,12 @@ pub enum WriteError {
     Replace {
         /// The target.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
 }
 
-/// A file under construction. Dropped without [`AtomicFile::finish`] it leaves nothing behind.
+/// A file under construction. Dropped without [`AtomicFile::finish`] it is removed.
 #[derive(Debug)]
 pub struct AtomicFile {
     out: BufWriter<File>,
@@ -75,7 +75,7 @@ impl AtomicFile {
         }
         Ok(AtomicFile { out: BufWriter::with_capacity(1 << 16, file), temporary, target })
     }
-    /// Gives the file its name; from here on it is visible, replacing an older one in one step.
+    /// Gives the file its name, atomically replacing an older one.
     pub fn finish(self) -> Result<(), WriteError> {
         let AtomicFile { mut out, mut temporary, target } = self;
         if let Err(source) = out.flush() {
@@ -90,8 +90,7 @@ impl AtomicFile {
             Err(source) => Err(WriteError::Replace { path: target, source }),
         }
     }
-    /// Overwrites bytes that were written before, `at` bytes from the begin; what is written next
-    /// goes to the end again.
+    /// Overwrites earlier bytes at the offset `at`; subsequent writes go to the end again.
     pub fn patch(&mut self, at: u64, bytes: &[u8]) -> io::Result<()> {
         let end = self.out.stream_position()?;
         self.out.seek(SeekFrom::Start(at))?;
@@ -99,7 +98,7 @@ impl AtomicFile {
         self.out.seek(SeekFrom::Start(end))?;
         Ok(())
     }
-    /// An error of writing, with the name of this file.
+    /// A write error with the name of this file.
     pub fn failed(&self, source: io::Error) -> WriteError {
         WriteError::Write { path: self.target.clone(), source }
     }
@@ -114,14 +113,14 @@ impl Write for AtomicFile {
     }
 }
 
-/// Writes `bytes` to `path`, whole or not at all.
+/// Writes `bytes` to `path` atomically.
 pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError> {
     let mut file = AtomicFile::create(path)?;
     file.write_all(bytes).map_err(|source| file.failed(source))?;
     file.finish()
 }
 
-/// Makes a folder for results, with those around it; one that is there is fine.
+/// Creates a folder for results and its parents, unless it exists.
 pub fn create_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     fs::create_dir_all(path)
@@ -143,7 +142,7 @@ impl Temporary {
             let count = COUNT.fetch_add(1, Ordering::Relaxed);
             let path = target.with_file_name(format!(".mocc-{}-{count}.part", std::process::id()));
             match OpenOptions::new().write(true).create_new(true).open(&path) {
-                // Left by a run that was killed and had the same process id.
+                // Left over from a killed process with the same id.
                 Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(e) => return Err(e),
                 Ok(file) => return Ok((file, Temporary { path, renamed: false })),
@@ -155,13 +154,13 @@ impl Temporary {
 impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.renamed {
-            // Nothing can be done about a failure here; the file has a telling name.
+            // A failure cannot be handled here; the name shows what the file is.
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Adds a line to a file, which is made if there is none.
+/// Appends a line to a file, which is created if necessary.
 pub fn append(path: &Path, line: &str) -> io::Result<()> {
     let mut file = OpenOptions::new().append(true).create(true).open(path)?;
     writeln!(file, "{line}")
@@ -210,7 +209,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_patch_changes_what_stands_before() {
+    fn a_patch_overwrites_earlier_bytes() {
         let dir = Scratch::new("patched");
         let mut file = AtomicFile::create(dir.path("out.bin")).unwrap();
         file.write_all(b"count: 0000; ").unwrap();
@@ -221,7 +220,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn an_older_file_stays_until_the_new_one_is_whole() {
+    fn an_older_file_remains_until_the_new_one_is_complete() {
         let dir = Scratch::new("older");
         let target = dir.path("out.csv");
         write_file(&target, b"older").unwrap();
@@ -236,7 +235,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn directories_are_refused_and_missing_ones_named() {
+    fn directories_are_rejected_and_missing_ones_named() {
         let dir = Scratch::new("refused");
         fs::create_dir(dir.path("inner")).unwrap();
         let error = write_file(dir.path("inner"), b"").unwrap_err();
@@ -248,7 +247,7 @@ pub(crate) mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_and_permissions_survive_and_devices_are_refused() {
+    fn links_and_permissions_survive_and_devices_are_rejected() {
         use std::os::unix::fs::{PermissionsExt, symlink};
         let dir = Scratch::new("links");
         write_file(dir.path("real"), b"1").unwrap();

@@ -1,5 +1,5 @@
-//! Tables as CSV (RFC 4180), to the bit: what is written reads back as the same numbers.
-//! Sole user of `csv` (reading) and `zmij` (number to text).
+//! CSV tables (RFC 4180). Written numbers read back exactly. Sole user of `csv` (reading) and `zmij`
+//! (printing numbers).
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::ir::trajectory::{Column, Kind, Trajectory};
 /// Why a table was not written.
 #[derive(Error, Debug)]
 pub enum TableError {
-    /// A value is NaN or infinite, which a table of results never holds.
+    /// A value is NaN or infinite, which results never contain.
     #[error("`{name}` is {value} at time {time} s")]
     NotFinite {
         /// The column, or `time`.
@@ -33,7 +33,7 @@ pub enum TableError {
         /// Time of the row, s.
         time: f64,
     },
-    /// A value of a column of whole numbers is none, or too large for the format.
+    /// A value of an Integer column is not an integer, or too large for the format.
     #[error("`{name}` is {value} at time {time} s, which is not a whole number of 64 bits")]
     NotWhole {
         /// The column.
@@ -51,10 +51,10 @@ pub enum TableError {
         /// The number.
         count: usize,
     },
-    /// The output took no more bytes.
+    /// Writing failed.
     #[error("cannot write the table: {0}")]
     Output(#[from] io::Error),
-    /// The file could not be made.
+    /// The file could not be created.
     #[error(transparent)]
     File(#[from] WriteError),
 }
@@ -64,28 +64,28 @@ pub struct TableWriter<W: Write> {
     out: W,
     /// Header names with `time` in front.
     names: Vec<String>,
-    /// True where the values are whole numbers by declaration.
+    /// True for columns of Booleans and Integers.
     whole: Vec<bool>,
-    /// The row being made and the one before it.
+    /// The current row and the previous one.
     row: Row,
     before: Row,
 }
 
-/// One row as text. Neighbours that are like the ones above them are copied as one piece of text:
-/// much of a run stands still, and copying is many times faster than formatting.
+/// A formatted row. Runs of values that equal those of the previous row are copied as text: many
+/// variables of a run are constant, and copying is many times faster than formatting.
 struct Row {
     text: Vec<u8>,
     /// The bits of each value.
     bits: Vec<u64>,
-    /// Where each value's text ends.
+    /// End of the text of each value.
     ends: Vec<usize>,
 }
 
-/// Longest text of an f64 (`-2.2250738585072014e-308`) with its comma.
+/// Maximum length of an f64 (`-2.2250738585072014e-308`) with its comma.
 const LONGEST: usize = 25;
 
 impl<W: Write> TableWriter<W> {
-    /// Writes the header `time,NAME,...` and makes room for one row.
+    /// Writes the header `time,NAME,...` and allocates one row.
     pub fn new(mut out: W, columns: &[Column]) -> Result<Self, TableError> {
         let mut header = String::from("time");
         for column in columns {
@@ -111,21 +111,21 @@ impl<W: Write> TableWriter<W> {
             before: row(),
         })
     }
-    /// Writes one row; `values` in the order of the columns. A refused row leaves no bytes.
+    /// Writes one row; `values` in the order of the columns. A rejected row writes nothing.
     pub fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
         let (found, expected) = (values.len(), self.names.len() - 1);
         if found != expected {
             return Err(TableError::RowLength { found, expected, time });
         }
         self.format(time, values)?;
-        // The last comma stays in the text, so that copying from it is the same everywhere.
+        // The trailing comma is kept in the buffer, so that all values can be copied alike.
         let text = &self.row.text;
         self.out.write_all(&text[..text.len() - 1])?;
         self.out.write_all(b"\n")?;
         std::mem::swap(&mut self.row, &mut self.before);
         Ok(())
     }
-    /// Hands the output back, flushed.
+    /// Flushes and returns the output.
     pub fn finish(mut self) -> Result<W, TableError> {
         self.out.flush()?;
         Ok(self.out)
@@ -141,7 +141,7 @@ impl<W: Write> TableWriter<W> {
         let before = &self.before;
         let mut i = 0;
         while i < bits.len() {
-            // Only finite values come into `before`, so what is like them is finite.
+            // `before` contains only finite values, so equal values are finite.
             let same = bits[i..].iter().zip(before.bits.iter().skip(i)).take_while(|(a, b)| a == b);
             let next = i + same.count();
             if next > i {
@@ -175,7 +175,7 @@ impl ResultWriter for TableWriter<AtomicFile> {
     }
 }
 
-/// Writes the whole run to `path`; see [`AtomicFile`].
+/// Writes a trajectory to `path`; see [`AtomicFile`].
 pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), TableError> {
     let file = AtomicFile::create(path)?;
     let mut table = TableWriter::new(file, &trajectory.columns)?;
@@ -190,9 +190,8 @@ pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), 
     Ok(())
 }
 
-/// Whole numbers below 2^53 plainly where the column is whole, otherwise the shortest text that
-/// reads back as the same value. A negative zero keeps its sign, but for whole numbers, which have
-/// one zero only.
+/// Prints integers below 2^53 without a point if the column is `whole`, otherwise the shortest text that
+/// reads back as the same value. A negative zero keeps its sign, except in columns of integers.
 pub(crate) fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let value = if whole { value + 0.0 } else { value };
@@ -203,7 +202,7 @@ pub(crate) fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
     text.extend_from_slice(digits.as_bytes());
 }
 
-/// Quotes what holds a comma, a quote or a line break, doubling quotes.
+/// Appends a name, quoted if it contains a comma, a quote or a line break.
 pub(crate) fn push_quoted(header: &mut String, name: &str) {
     if name.contains([',', '"', '\n', '\r']) {
         header.push('"');
@@ -214,7 +213,7 @@ pub(crate) fn push_quoted(header: &mut String, name: &str) {
     }
 }
 
-/// Why a table could not be read; every place counts from 1.
+/// Why a table could not be read; positions count from 1.
 #[derive(Error, Debug)]
 pub enum ReadError {
     /// The file cannot be opened or read.
@@ -222,10 +221,10 @@ pub enum ReadError {
     Open {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Not a table: a broken quotation or text that is not UTF-8.
+    /// Not a table: unbalanced quotes or invalid UTF-8.
     #[error("{}:{line}: not a table: {what}", path.display())]
     Syntax {
         /// The file.
@@ -241,7 +240,7 @@ pub enum ReadError {
         /// The file.
         path: PathBuf,
     },
-    /// Two columns have one name, or one has none.
+    /// Two columns have the same name, or a column has none.
     #[error("{}:1: column {column}: {what}", path.display())]
     Name {
         /// The file.
@@ -251,7 +250,7 @@ pub enum ReadError {
         /// What is wrong.
         what: String,
     },
-    /// A line is not as long as the header.
+    /// A line has more or fewer fields than the header.
     #[error("{}:{line}: {found} fields, but the header names {expected}", path.display())]
     FieldCount {
         /// The file.
@@ -291,9 +290,8 @@ pub enum ReadError {
     },
 }
 
-/// Reads a table: a header with names, then numbers; the first column is the time in s, whatever
-/// its name. Units are not in a table, so the columns have none, and all count as continuous.
-/// Spaces around fields and a byte order mark are skipped.
+/// Reads a table of numbers with a header; the first column is the time in s, whatever its name. The
+/// columns have no units and count as continuous. Spaces around fields and a byte order mark are skipped.
 pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
     let path = path.as_ref();
     let at = || path.to_path_buf();
@@ -317,10 +315,10 @@ pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
     Ok(run)
 }
 
-/// A table as text.
+/// A table of strings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TextTable {
-    /// Names of the columns, each another.
+    /// Names of the columns, all different.
     pub names: Vec<String>,
     /// Lines with their numbers, counted from 1, each as long as `names`.
     pub rows: Vec<(u64, Vec<String>)>,
@@ -333,8 +331,8 @@ impl TextTable {
     }
 }
 
-/// Reads a table: a header with names, then fields of any text. Spaces around fields and a byte order
-/// mark are skipped. Fields are separated by commas; by semicolons or tabs if the header has no comma.
+/// Reads a table of strings with a header. Spaces around fields and a byte order mark are skipped. Fields
+/// are separated by commas, or by semicolons or tabs if the header has no comma.
 pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
     let path = path.as_ref();
     let at = || path.to_path_buf();
@@ -375,7 +373,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
     Ok(TextTable { names, rows })
 }
 
-/// Counts lines as far as records were read.
+/// Counts lines up to the current record.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -383,8 +381,8 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// The line of a record, not before that of the last one. `csv` takes empty lines before a record
-    /// for its beginning.
+    /// The line of a record; records must come in order. `csv` includes preceding empty lines in the
+    /// position of a record.
     fn of(&mut self, record: &csv::StringRecord) -> u64 {
         let bytes = self.bytes;
         let start = record.position().map_or(0, |p| p.byte() as usize).min(bytes.len());
@@ -396,13 +394,13 @@ impl Lines<'_> {
     }
 }
 
-/// What separates the fields.
+/// The field separator.
 fn delimiter(bytes: &[u8]) -> u8 {
     let header = bytes.split(|b| *b == b'\n').next().unwrap_or(bytes);
     [b',', b';', b'\t'].into_iter().find(|d| header.contains(d)).unwrap_or(b',')
 }
 
-/// Every column has a name of its own.
+/// Checks that all columns have different names.
 fn check_names(names: &[String], path: &Path) -> Result<(), ReadError> {
     for (i, name) in names.iter().enumerate() {
         let what = if name.is_empty() {

@@ -1,7 +1,8 @@
-//! Lines of a long piece of work, kept as they come, so that it goes on where it stopped.
+//! Journals: files with the results of a long task, line by line, so that an interrupted task can be
+//! resumed.
 //!
-//! The first line says what the work is, by a fingerprint. A line that was cut off when the process was killed is
-//! dropped. While a process works on it, the file is locked.
+//! The first line identifies the task by a fingerprint. A line that was truncated because the process was
+//! killed is dropped. The file is locked while a process uses it.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
@@ -9,10 +10,10 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Begin of the first line.
+/// Start of the first line.
 const HEAD: &str = "mocc journal 1 ";
 
-/// Why a journal can not be used.
+/// Why a journal cannot be used.
 #[derive(Error, Debug)]
 pub enum JournalError {
     /// Reading or writing failed.
@@ -20,10 +21,10 @@ pub enum JournalError {
     File {
         /// The journal.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Another process works on it.
+    /// Another process uses it.
     #[error("{} is in use by another process", path.display())]
     InUse {
         /// The journal.
@@ -40,17 +41,17 @@ pub struct Journal {
     pub lines: u64,
 }
 
-/// What stands under the name of a journal.
+/// Result of opening a journal.
 #[derive(Debug)]
 pub enum Found {
-    /// The journal of this work, new or from before.
+    /// The journal of this task, new or existing.
     Ours(Journal),
-    /// That of another work.
+    /// The journal of another task.
     Other,
 }
 
 impl Journal {
-    /// Opens the journal of the work with this fingerprint, or begins it.
+    /// Opens or creates the journal of the task with this fingerprint.
     pub fn open(path: &Path, fingerprint: u64) -> Result<Found, JournalError> {
         let failed = |source| JournalError::File { path: path.to_path_buf(), source };
         let options =
@@ -60,7 +61,7 @@ impl Journal {
             Err(TryLockError::WouldBlock) => {
                 return Err(JournalError::InUse { path: path.to_path_buf() });
             }
-            // Where the file system knows no locks, there is none.
+            // Continue without a lock if the file system does not support it.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
         let head = format!("{HEAD}{fingerprint:016x}\n");
@@ -84,16 +85,16 @@ impl Journal {
         Ok(Found::Ours(Journal { file, path: path.to_path_buf(), lines }))
     }
 
-    /// Adds a line, which must not hold a line break.
+    /// Appends a line, which must not contain a line break.
     pub fn push(&mut self, line: &str) -> Result<(), JournalError> {
-        // In one piece: another process may read along.
+        // With a single write: another process may be reading.
         let written = self.file.write_all(format!("{line}\n").as_bytes());
         written.map_err(|source| self.failed(source))?;
         self.lines += 1;
         Ok(())
     }
 
-    /// Calls `visit` with every line, in order, until it says no.
+    /// Calls `visit` with every line, in order, until it returns false.
     pub fn for_each(&mut self, mut visit: impl FnMut(&str) -> bool) -> Result<(), JournalError> {
         let failed = |source| JournalError::File { path: self.path.clone(), source };
         self.file.seek(SeekFrom::Start(0)).map_err(failed)?;
@@ -106,7 +107,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Removes the file: the work is done.
+    /// Removes the file after the task is complete.
     pub fn remove(self) -> Result<(), JournalError> {
         remove(&self.path)
     }
@@ -116,7 +117,7 @@ impl Journal {
     }
 }
 
-/// Removes a journal, if there is one.
+/// Removes a journal if it exists.
 pub fn remove(path: &Path) -> Result<(), JournalError> {
     match fs::remove_file(path) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => {
@@ -126,12 +127,12 @@ pub fn remove(path: &Path) -> Result<(), JournalError> {
     }
 }
 
-/// Whether anything has this name.
+/// True if a file or folder with this name exists.
 pub fn exists(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// A fingerprint of texts and their order: FNV-1a of 64 bits (Fowler, Noll, Vo; RFC 9923).
+/// A fingerprint of a sequence of strings: 64-bit FNV-1a (Fowler, Noll, Vo; RFC 9923).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Fingerprint(pub u64);
 
@@ -142,9 +143,9 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
-    /// Takes a text.
+    /// Adds a string.
     pub fn add(&mut self, text: &str) {
-        // The length tells `ab`, `c` from `a`, `bc`.
+        // The length distinguishes `ab`, `c` from `a`, `bc`.
         for byte in text.len().to_le_bytes().iter().chain(text.as_bytes()) {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_stay_and_what_was_cut_off_goes() {
+    fn complete_lines_remain_and_truncated_ones_are_dropped() {
         let dir = Scratch::new("journal");
         let path = dir.path("work");
         let mut journal = ours(&path, 7);
@@ -191,18 +192,18 @@ mod tests {
     }
 
     #[test]
-    fn another_work_is_told_apart() {
+    fn another_task_is_recognized() {
         let dir = Scratch::new("other");
         drop(ours(&dir.path("work"), 7));
         assert!(matches!(Journal::open(&dir.path("work"), 8), Ok(Found::Other)));
-        // What a process left that was killed before it had written the first line.
+        // Left over from a process that was killed before the first line was complete.
         fs::write(dir.path("cut"), "mocc jour").unwrap();
         assert_eq!(ours(&dir.path("cut"), 8).lines, 0);
     }
 
-    /// Published values for the empty text and for single letters hold without the length in front.
+    /// The published value for the empty string.
     #[test]
-    fn fingerprints_tell_texts_apart() {
+    fn fingerprints_depend_on_string_boundaries() {
         let of = |texts: &[&str]| {
             let mut f = Fingerprint::default();
             texts.iter().for_each(|t| f.add(t));

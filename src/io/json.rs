@@ -1,18 +1,18 @@
-//! JSON, as text. Sole user of `serde_json`.
+//! Builds and prints JSON. Sole user of `serde_json`.
 
 use serde_json::{Map, Number, Value};
 
-/// A value on its way to a text. Objects keep their order in the alphabet of their keys.
+/// A JSON value. The members of objects are sorted by key.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Json(Value);
 
 impl Json {
-    /// A number; `null` if it is not finite, for which JSON has no text.
+    /// A number; `null` if it is not finite, which JSON cannot represent.
     pub fn number(x: f64) -> Json {
         Json(Number::from_f64(x).map_or(Value::Null, Value::Number))
     }
 
-    /// Nothing.
+    /// `null`.
     pub fn null() -> Json {
         Json(Value::Null)
     }
@@ -22,39 +22,39 @@ impl Json {
         Json(Value::from(n))
     }
 
-    /// True or false.
+    /// A Boolean.
     pub fn flag(flag: bool) -> Json {
         Json(Value::Bool(flag))
     }
 
-    /// A text.
+    /// A string.
     pub fn text(text: impl Into<String>) -> Json {
         Json(Value::String(text.into()))
     }
 
-    /// A list.
+    /// An array.
     pub fn list(items: impl IntoIterator<Item = Json>) -> Json {
         Json(Value::Array(items.into_iter().map(|j| j.0).collect()))
     }
 
-    /// A list of numbers.
+    /// An array of numbers.
     pub fn numbers(numbers: &[f64]) -> Json {
         Json::list(numbers.iter().map(|x| Json::number(*x)))
     }
 
-    /// Values by name.
+    /// An object.
     pub fn object<K: Into<String>>(members: impl IntoIterator<Item = (K, Json)>) -> Json {
         let members: Map<String, Value> =
             members.into_iter().map(|(key, value)| (key.into(), value.0)).collect();
         Json(Value::Object(members))
     }
 
-    /// The text in one line.
+    /// Prints the value in one line.
     pub fn compact(&self) -> String {
         self.0.to_string()
     }
 
-    /// The text, indented, with a line end.
+    /// Prints the value with indentation and a final line end.
     pub fn pretty(&self) -> String {
         format!("{:#}\n", self.0)
     }
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_json_cannot_say_is_null() {
+    fn numbers_that_are_not_finite_become_null() {
         let numbers = Json::numbers(&[0.1, f64::INFINITY, f64::NAN, -2e-300]);
         let all = Json::object([("x", numbers), ("says \"so\"", Json::text("a\nb"))]);
         let text = all.pretty();

@@ -1,10 +1,9 @@
-//! Results as Dymola and OpenModelica write them: six matrices in a MATLAB file of level 4.
+//! Results in the format of Dymola and OpenModelica: six matrices in a MATLAB file of level 4.
 //!
-//! `Aclass` names the layout; `name` and `description` hold a text per variable; `dataInfo` says for
-//! each in which matrix it lies and in which row; `data_1` has two instants (begin and end) for what
-//! is constant, `data_2` all instants for what moves. Everything is transposed (`binTrans`): an
-//! instant is a column, so that it can be appended when it comes. The number of columns stands in a
-//! header, which is patched at the end.
+//! `Aclass` names the layout; `name` and `description` hold a string per variable; `dataInfo` gives the
+//! matrix and row of each variable; `data_1` has two instants (start and end) for constant variables,
+//! `data_2` all instants for the others. Everything is transposed (`binTrans`): an instant is a column,
+//! so that it can be appended. The number of columns is in a header, which is patched at the end.
 //!
 //! Sources: MAT-File Format, The MathWorks, chapter on level 4; Dymola User Manual, volume 1,
 //! section "Saving and restoring results"; what DyMat and scipy read.
@@ -16,14 +15,14 @@ use super::csv::TableError;
 use super::results::{ResultWriter, check};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant};
 
-/// Doubles, little endian, as the first word of a matrix says it: digits M, O, P, T.
+/// Type of a matrix of doubles, little endian: digits M, O, P, T of its first word.
 const DOUBLE: i32 = 0;
-/// Whole numbers of 32 bits.
+/// Type of a matrix of 32-bit integers.
 const INTEGER: i32 = 20;
-/// Bytes that are text.
+/// Type of a matrix of characters.
 const TEXT: i32 = 51;
 
-/// Where the number of columns stands in the header of a matrix, in bytes.
+/// Offset of the number of columns in the header of a matrix, in bytes.
 const COLUMNS_AT: u64 = 8;
 
 /// Writes results row by row; allocates nothing after the first one.
@@ -34,17 +33,17 @@ pub struct MatWriter {
     columns: Vec<Column>,
     column_storage: Vec<ColumnStorage>,
     constants: Vec<Constant>,
-    /// The columns that lie in `data_2`.
+    /// The columns in `data_2`.
     moving: Vec<usize>,
     rows: usize,
-    /// Where the end time stands in `data_1`, and where `data_2` begins.
+    /// Offsets of the end time in `data_1`, and of `data_2`.
     end_at: u64,
     data_at: u64,
     bytes: Vec<u8>,
 }
 
 impl MatWriter {
-    /// A file of these columns, one course each.
+    /// A file with these columns.
     pub fn new(out: AtomicFile, columns: &[Column], column_storage: &[ColumnStorage]) -> Self {
         let own = |k: &usize| column_storage.get(*k).is_none_or(|c| *c == ColumnStorage::Own);
         MatWriter {
@@ -61,7 +60,7 @@ impl MatWriter {
         }
     }
 
-    /// All matrices before the instants, and the header of those.
+    /// Writes all matrices before the instants, and the header of `data_2`.
     fn begin(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
         let mut names = vec!["time".to_owned()];
         let mut descriptions = vec!["Time in [s]".to_owned()];
@@ -93,12 +92,12 @@ impl MatWriter {
         }
         let class = ["Atrajectory", "1.1", "", "binTrans"];
         let width = class.iter().map(|t| t.len()).max().unwrap_or(0);
-        // This one matrix is not transposed: a text is a row.
+        // This matrix is not transposed: a string is a row.
         let text = |j: usize| class.map(|t| t.as_bytes().get(j).copied().unwrap_or(b' '));
         let class_bytes: Vec<u8> = (0..width).flat_map(text).collect();
         self.matrix("Aclass", TEXT, class.len(), width, &class_bytes)?;
-        self.texts("name", &names)?;
-        self.texts("description", &descriptions)?;
+        self.strings("name", &names)?;
+        self.strings("description", &descriptions)?;
         let places_bytes: Vec<u8> =
             places.iter().flatten().flat_map(|word| word.to_le_bytes()).collect();
         self.matrix("dataInfo", INTEGER, 4, places.len(), &places_bytes)?;
@@ -110,8 +109,8 @@ impl MatWriter {
         self.matrix("data_2", DOUBLE, self.moving.len() + 1, 0, &[])
     }
 
-    /// Texts of one length, filled up by blanks, one per column.
-    fn texts(&mut self, name: &str, texts: &[String]) -> Result<(), TableError> {
+    /// Writes strings of equal length, padded with blanks, one per column.
+    fn strings(&mut self, name: &str, texts: &[String]) -> Result<(), TableError> {
         let height = texts.iter().map(String::len).max().unwrap_or(0);
         let mut bytes = vec![b' '; height * texts.len()];
         for (place, text) in bytes.chunks_mut(height.max(1)).zip(texts) {
@@ -120,7 +119,7 @@ impl MatWriter {
         self.matrix(name, TEXT, height, texts.len(), &bytes)
     }
 
-    /// A header and the data, column by column.
+    /// Writes a header and the data, column by column.
     fn matrix(
         &mut self,
         name: &str,
@@ -177,7 +176,7 @@ impl ResultWriter for MatWriter {
     }
 }
 
-/// The comment of a variable with its units, as Dymola writes it: `Pressure [Pa|bar]`.
+/// The description of a variable with its units in the style of Dymola: `Pressure [Pa|bar]`.
 fn description(column: &Column) -> String {
     let Column { unit, display_unit, description, .. } = column;
     let text = description.replace(['\n', '\r', '\t'], " ");
@@ -191,7 +190,7 @@ fn description(column: &Column) -> String {
     if text.is_empty() { units } else { format!("{text} {units}") }
 }
 
-/// A number that the format holds in 32 bits.
+/// Converts a count to the 32-bit integers of the format.
 fn count(what: &'static str, count: usize) -> Result<i32, TableError> {
     i32::try_from(count).map_err(|_| TableError::TooLarge { what, count })
 }

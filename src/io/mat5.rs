@@ -1,5 +1,5 @@
-//! MAT files of level 5, as versions 5 to 7 of MATLAB write them ("MAT-File Format", The MathWorks): elements
-//! with a tag of kind and length, some of them compressed, that hold matrices of numbers.
+//! Reads MAT files of level 5, written by versions 5 to 7 of MATLAB ("MAT-File Format", The MathWorks):
+//! tagged elements, possibly compressed, that contain matrices of numbers.
 
 use std::io::Read;
 
@@ -9,15 +9,15 @@ use super::matrix_file::Matrix;
 
 /// Bytes before the first element.
 const HEAD: usize = 128;
-/// No matrix unfolds to more bytes.
+/// Maximum size of a decompressed matrix, bytes.
 const LIMIT: u64 = 1 << 32;
 
-/// Kinds of elements.
+/// Types of elements.
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
-/// The class of matrices of structures.
+/// Array class of structures.
 const STRUCTURE: u32 = 2;
-/// Classes of matrices that hold numbers: double, single, and whole numbers of 8 to 64 bits.
+/// Array classes of numbers: double, single, and integers of 8 to 64 bits.
 const NUMBERS: std::ops::RangeInclusive<u32> = 6..=15;
 
 /// An element of a file, or a part of one.
@@ -26,7 +26,7 @@ struct Element<'a> {
     data: &'a [u8],
 }
 
-/// The matrix of that name; an error says why there is none.
+/// The matrix with this name; the error is a message.
 pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
     if bytes.starts_with(b"MATLAB 7.3") {
         return Err(
@@ -58,7 +58,7 @@ pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
     Err(format!("there is no matrix `{name}` in it"))
 }
 
-/// Takes the next element; what follows begins at a multiple of 8 bytes.
+/// Takes the next element; the following one is aligned to 8 bytes.
 fn next<'a>(rest: &mut &'a [u8]) -> Result<Element<'a>, String> {
     let broken = || "this MAT file ends too early".to_string();
     let bytes = *rest;
@@ -69,7 +69,7 @@ fn next<'a>(rest: &mut &'a [u8]) -> Result<Element<'a>, String> {
     let first = word(0)?;
     let (kind, begin, length) = match first >> 16 {
         0 => (first, 8, word(1)? as usize),
-        // Up to four bytes stand within the tag.
+        // Up to four bytes of data are stored in the tag.
         short => (first & 0xFFFF, 4, short as usize),
     };
     let end = begin + length;
@@ -96,8 +96,8 @@ fn named(mut parts: &[u8], name: &str) -> Result<Option<Matrix>, String> {
     content(parts, class, &sizes, name).map(Some)
 }
 
-/// The matrix in a field of a structure: its names stand first, each in as many bytes, then the fields,
-/// which have no names of their own.
+/// The matrix in a field of a structure: first the names of all fields, with equal lengths, then the
+/// fields, which have empty names.
 fn in_structure(mut parts: &[u8], path: &str) -> Result<Option<Matrix>, String> {
     let (wanted, inner) = match path.split_once('.') {
         Some((wanted, inner)) => (wanted, Some(inner)),
@@ -124,7 +124,7 @@ fn in_structure(mut parts: &[u8], path: &str) -> Result<Option<Matrix>, String> 
     Ok(None)
 }
 
-/// The numbers of a matrix, whose sizes were read.
+/// Reads the numbers of a matrix with known sizes.
 fn content(mut parts: &[u8], class: u32, sizes: &[f64], name: &str) -> Result<Matrix, String> {
     let &[rows, columns] = sizes else {
         return Err(format!("`{name}` has {} dimensions instead of 2", sizes.len()));
@@ -145,7 +145,7 @@ fn content(mut parts: &[u8], class: u32, sizes: &[f64], name: &str) -> Result<Ma
     Ok(Matrix { rows, columns, elements })
 }
 
-/// Numbers are stored in the smallest kind that holds them.
+/// Reads numbers, which are stored in the smallest type that represents them.
 fn numbers(element: &Element<'_>) -> Result<Vec<f64>, String> {
     fn each<const N: usize>(data: &[u8], number: fn([u8; N]) -> f64) -> Vec<f64> {
         data.chunks_exact(N).map(|b| number(b.try_into().unwrap_or([0; N]))).collect()
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(matrix(&bytes, "b").unwrap_err(), "there is no matrix `b` in it");
     }
 
-    /// A structure of one element; its fields have no names of their own.
+    /// A structure with one element; its fields have empty names.
     fn structure(name: &str, fields: &[(&str, Vec<u8>)]) -> Vec<u8> {
         const LENGTH: usize = 8;
         let mut names = Vec::new();
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_off_is_refused() {
+    fn truncated_files_are_rejected() {
         let bytes = file(&[whole(&[2, 2], "a", &element(2, &[1, 2, 3, 4]))]);
         for length in HEAD + 1..bytes.len() {
             assert!(matrix(&bytes[..length], "a").is_err(), "{length} bytes");

@@ -1,8 +1,8 @@
-//! Matrices in files of data: bytes to numbers.
+//! Reads matrices from data files.
 //!
-//! *Texts:* a first line `#1`, then for each matrix `double NAME(ROWS, COLUMNS)` or `float ...` and its
-//! numbers row by row, separated by blanks, commas, semicolons or tabs; `#` begins a comment.
-//! *Binary:* MAT of levels 4 and 5, with whole matrices of numbers.
+//! *Text:* a first line `#1`, then for each matrix `double NAME(ROWS, COLUMNS)` or `float ...` and its
+//! numbers row by row, separated by blanks, commas, semicolons or tabs; `#` starts a comment.
+//! *Binary:* MAT of levels 4 and 5, with full matrices of numbers.
 
 /// A matrix, row by row.
 #[derive(Clone, PartialEq, Debug)]
@@ -16,7 +16,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// A column, counted from 1; an error says why there is none.
+    /// A column, counted from 1; the error is a message.
     pub fn column(&self, k: usize) -> Result<Vec<f64>, String> {
         if k < 1 || k > self.columns {
             return Err(format!(
@@ -28,7 +28,7 @@ impl Matrix {
     }
 }
 
-/// The matrix of that name; an error says why there is none.
+/// The matrix with this name; the error is a message.
 pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if bytes.starts_with(b"#1") {
@@ -68,7 +68,7 @@ fn in_text(text: &str, name: &str) -> Result<Matrix, String> {
     Err(format!("`{name}` has {} numbers instead of {wanted}", elements.len()))
 }
 
-/// The sizes that a line declares for a matrix of that name.
+/// The sizes of the matrix with this name, if a line declares it.
 fn declared(line: &str, name: &str) -> Option<(usize, usize)> {
     let rest = line.strip_prefix("double").or_else(|| line.strip_prefix("float"))?.trim_start();
     let sizes = rest.strip_prefix(name)?.trim_start().strip_prefix('(')?;
@@ -76,7 +76,7 @@ fn declared(line: &str, name: &str) -> Option<(usize, usize)> {
     Some((rows.trim().parse().ok()?, columns.trim().parse().ok()?))
 }
 
-/// Length of the head of a matrix: five whole numbers of 32 bits.
+/// Length of the header of a matrix: five 32-bit integers.
 const HEAD: usize = 20;
 
 fn in_mat(mut bytes: &[u8], name: &str) -> Result<Matrix, String> {
@@ -89,7 +89,7 @@ fn in_mat(mut bytes: &[u8], name: &str) -> Result<Matrix, String> {
         };
         let (kind, rows, columns, imaginary, length) =
             (field(0), field(1), field(2), field(3), field(4));
-        // Thousands: the order of bytes; tens: the kind of numbers.
+        // Thousands: byte order; tens: type of the numbers.
         let size = match (kind / 1000, kind / 10 % 10) {
             (0, 0) => 8,
             (0, 1 | 2) => 4,
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_hold_several_matrices() {
+    fn text_files_contain_several_matrices() {
         let text = "#1\n# a comment\ndouble first(1,2)\n1 2\nfloat other( 2, 2 ) # sizes\n1, 2.5;\n-3\t4e1\n";
         let other = matrix(text.as_bytes(), "other").unwrap();
         assert_eq!(other, Matrix { rows: 2, columns: 2, elements: vec![1.0, 2.5, -3.0, 40.0] });
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn mat_files_hold_matrices_column_by_column() {
+    fn mat_files_contain_matrices_in_column_major_order() {
         let mut bytes = Vec::new();
         for (name, values) in [("x", vec![9.0]), ("table", vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])] {
             let rows = if values.len() == 1 { 1_u32 } else { 2 };

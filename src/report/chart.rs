@@ -1,5 +1,5 @@
-//! Charts of tables: curves over anything, several runs in one panel, and two groups of them side by side with
-//! the same axes, such as what was measured and what the model says. As SVG or PNG.
+//! Charts of tables as SVG or PNG: curves over any column, several runs in one panel, and groups of runs
+//! side by side with common axes, such as measurements and simulations.
 
 use std::path::Path;
 
@@ -13,35 +13,35 @@ use super::plot::{
 /// A chart.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Chart {
-    /// Line at the top.
+    /// Title.
     pub title: String,
-    /// From left to right; they share all axes.
+    /// Groups from left to right, with common axes.
     pub groups: Vec<Group>,
-    /// Texts of the vertical axes, from top to bottom, with their units.
+    /// Labels of the vertical axes with units, from top to bottom.
     pub panels: Vec<String>,
-    /// Text of the horizontal axis, with its unit.
+    /// Label of the horizontal axis with unit.
     pub across: String,
-    /// The horizontal axis is logarithmic: places that are not positive are left out.
+    /// The horizontal axis is logarithmic; points at nonpositive positions are omitted.
     pub logarithmic: bool,
 }
 
-/// Curves that stand together.
+/// A group of curves.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Group {
-    /// Line above them.
+    /// Heading.
     pub heading: String,
-    /// The curves, each with one colour in all panels.
+    /// The runs, each with the same colour in all panels.
     pub series: Vec<Series>,
 }
 
 /// One run.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Series {
-    /// What it is called.
+    /// Legend entry.
     pub label: String,
-    /// Places on the horizontal axis.
+    /// Positions on the horizontal axis.
     pub x: Vec<f64>,
-    /// For each panel a value at each place, if the run has it there; NaN where there is none.
+    /// For each panel the values at these positions, if the run has any; NaN for missing values.
     pub y: Vec<Option<Vec<f64>>>,
 }
 
@@ -52,14 +52,14 @@ const LINE: f64 = 19.0;
 const PANEL: f64 = 170.0;
 const FOOT: f64 = 48.0;
 const GAP: f64 = 26.0;
-/// Room above and below the curves, as part of their extent.
+/// Padding above and below the curves, as a fraction of their extent.
 const ROOM: f64 = 0.05;
-/// A curve with so few points shows them.
-const FEW: usize = 40;
-/// Half the width of a point.
+/// Maximum number of points that are marked on a curve.
+const MAX_MARKED_POINTS: usize = 40;
+/// Half the width of a marked point.
 const POINT: f64 = 2.2;
 
-/// Draws a chart to `path`; whole or not at all.
+/// Draws a chart to `path` atomically.
 pub fn chart(chart: &Chart, path: &Path) -> Result<(), PlotError> {
     let size = (WIDTH, chart.height());
     write(path, size, || on_canvas(size, |canvas| Drawing::new(chart)?.draw(canvas)))
@@ -71,13 +71,13 @@ impl Chart {
         (HEAD + self.head() + panels + FOOT) as u32
     }
 
-    /// Height of headings and legends.
+    /// Height of headings and legends, px.
     fn head(&self) -> f64 {
         let lines = self.groups.iter().map(|g| legend(g, self.width_of_group()).1).max();
         LINE * (self.headings() + lines.unwrap_or(0) as f64) + 8.0
     }
 
-    /// Lines of headings.
+    /// Number of lines for headings.
     fn headings(&self) -> f64 {
         if self.groups.iter().any(|g| !g.heading.is_empty()) { 1.0 } else { 0.0 }
     }
@@ -92,7 +92,7 @@ impl Chart {
     }
 }
 
-/// Places of the entries of a legend, from its left end: x and line; and the number of lines.
+/// Positions of the legend entries from the left end (x, line), and the number of lines.
 fn legend(group: &Group, width: f64) -> (Vec<(f64, usize)>, usize) {
     let (mut x, mut line) = (0.0, 0);
     let mut places = Vec::new();
@@ -112,9 +112,9 @@ fn legend(group: &Group, width: f64) -> (Vec<(f64, usize)>, usize) {
 
 struct Drawing<'a> {
     chart: &'a Chart,
-    /// Ends of the horizontal axis, as it is drawn.
+    /// Range of the horizontal axis, in drawn coordinates.
     across: (f64, f64),
-    /// Ends of the vertical axes.
+    /// Ranges of the vertical axes.
     up: Vec<(f64, f64)>,
 }
 
@@ -127,7 +127,7 @@ impl<'a> Drawing<'a> {
             .ok_or(PlotError::Empty("no table has what the horizontal axis shows"))?;
         let mut up = Vec::new();
         for panel in 0..chart.panels.len() {
-            // What stands outside of the horizontal axis does not count.
+            // Ignore points outside of the horizontal axis.
             let of = |s: &'a Series| {
                 let places = s.x.iter().map(|x| chart.place(*x));
                 places.zip(s.y[panel].iter().flatten()).filter(|(x, _)| x.is_finite())
@@ -210,7 +210,7 @@ impl<'a> Drawing<'a> {
                 .filter(|(x, y)| x.is_finite() && y.is_finite())
                 .map(|(x, y)| (x_of(x), y_of(y)))
                 .collect();
-            if points.len() <= FEW {
+            if points.len() <= MAX_MARKED_POINTS {
                 for (x, y) in &points {
                     let mut stroke = curve_stroke(k);
                     stroke.width = 2.0 * POINT;
@@ -223,7 +223,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// Least and greatest, apart from each other: a constant is shown with zero.
+/// Minimum and maximum; for a constant, the range from zero.
 fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
@@ -236,11 +236,11 @@ fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     }
 }
 
-/// Points of a curve without those that the eye can not tell from the line through their neighbours.
+/// Simplifies a curve: drops points that are visually on the line through their neighbours.
 ///
 /// U. Ramer 1972, D. H. Douglas and T. K. Peucker 1973.
 fn thinned(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
-    /// Distance that is not seen, px.
+    /// Invisible distance, px.
     const UNSEEN: f64 = 0.15;
     let mut kept = vec![false; points.len()];
     let mut open = vec![(0, points.len().saturating_sub(1))];
@@ -251,7 +251,7 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
         let length = dx.hypot(dy);
         let distance = |p: &(f64, f64)| {
             let (px, py) = (p.0 - from.0, p.1 - from.1);
-            // A curve may come back to where it began.
+            // A closed curve starts and ends at the same point.
             let along = if length > 0.0 { (px * dx + py * dy) / (length * length) } else { 0.0 };
             let along = along.clamp(0.0, 1.0);
             (px - along * dx).hypot(py - along * dy)
@@ -314,14 +314,14 @@ mod tests {
     }
 
     #[test]
-    fn nothing_to_draw_is_said() {
+    fn empty_charts_are_errors() {
         let mut chart = two_groups();
         chart.groups[1].series.clear();
         assert!(matches!(Drawing::new(&chart), Err(PlotError::Empty(_))));
     }
 
     #[test]
-    fn straight_parts_need_two_points_and_corners_stay() {
+    fn straight_segments_keep_two_points_and_corners_remain() {
         let points: Vec<(f64, f64)> = (0..100)
             .map(|i| (f64::from(i), if i < 50 { 0.0 } else { f64::from(i - 49) }))
             .collect();

@@ -1,18 +1,18 @@
-//! The blocks of a model as a graph in the DOT language of Graphviz.
+//! Prints the block graph of a model in the DOT language of Graphviz.
 
 use std::fmt::Write;
 
 use super::plot::layout::shortened;
 use crate::ir::diagram::{Diagram, DiagramBlock, SolutionMethod};
 
-/// So many equations of a block are written into its node.
+/// Maximum number of equations in the label of a node.
 const MOST_LINES: usize = 12;
-/// Longest text of an equation in a node, px at [`SIZE`].
+/// Maximum width of an equation in a node, px at [`SIZE`].
 const LONGEST: f64 = 420.0;
 const SIZE: f64 = 12.0;
 
-/// A node for each block with its equations, numbered in order; an edge from each block to those
-/// that read it.
+/// Prints a node for each block with its equations, numbered in order, and an edge from each block to
+/// those that read it.
 pub fn dot(diagram: &Diagram) -> String {
     let mut out = String::from("digraph blocks {\n");
     let title = format!("{}, {}", diagram.model, diagram.phase);
@@ -71,7 +71,7 @@ fn fill(method: SolutionMethod) -> &'static str {
     }
 }
 
-/// A string of the language; line ends align to the left.
+/// A quoted string; line ends align to the left.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
@@ -93,7 +93,7 @@ mod tests {
     use crate::ir::diagram::DiagramLine;
 
     #[test]
-    fn blocks_are_nodes_and_readings_are_edges() {
+    fn blocks_are_nodes_and_dependencies_are_edges() {
         let line = |unknown: &str, equation: &str, torn, reads: &[usize]| DiagramLine {
             unknown: unknown.into(),
             equation: equation.into(),

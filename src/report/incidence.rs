@@ -1,9 +1,9 @@
-//! The blocks of a model as a picture: the incidence matrix in block lower triangular order, as SVG.
+//! Draws the incidence matrix of a model in block lower triangular form as SVG.
 //!
-//! A row is an equation, a column an unknown, both in the order in which they are solved; a mark says
-//! that the equation reads the unknown. Blocks lie on the diagonal and nothing lies above them: I. S.
+//! Rows are equations, columns are unknowns, both in the order of solution; a mark means that the
+//! equation reads the unknown. Blocks are on the diagonal, and there are no marks above them: I. S.
 //! Duff, A. M. Erisman, J. K. Reid, *Direct Methods for Sparse Matrices*, 2nd ed. 2017, chapter 6.
-//! Within a block the tearing variables come last, so that what they close stands right and below.
+//! Within a block the tearing variables come last, so that their border is right and below.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -12,31 +12,31 @@ use super::plot::layout::{shortened, text_width};
 use super::raster::FAMILY;
 use crate::ir::diagram::{Diagram, DiagramBlock, SolutionMethod};
 
-/// Side of a cell in a small system, and side of the matrix where cells get smaller, px.
+/// Size of a cell in a small system, and maximum size of the matrix, px.
 const CELL: f64 = 18.0;
 const LARGEST: f64 = 1600.0;
-/// So many lines lie between two guides, for the eye to follow a row or a column.
+/// Number of rows or columns between two guide lines.
 const GUIDE: usize = 5;
-/// Up to so many lines the equations are written beside the matrix.
+/// Maximum number of rows for which equations are printed next to the matrix.
 const MOST_EQUATIONS: usize = 60;
-/// Height of a line of names, and their size, px.
+/// Line height and font size of names, px.
 const LINE: f64 = 12.5;
 const TEXT: f64 = 11.0;
 const TITLE: f64 = 17.0;
-/// Room for names and equations, px.
+/// Maximum width of names and equations, px.
 const LONGEST_NAME: f64 = 190.0;
 const LONGEST_EQUATION: f64 = 420.0;
 const MARGIN: f64 = 20.0;
 const GAP: f64 = 8.0;
 const HEAD: f64 = 66.0;
-/// Names above the matrix lean by this angle, degrees.
+/// Angle of the names above the matrix, degrees.
 const LEAN: f64 = 55.0;
 
 const INK: &str = "#333333";
 const READ: &str = "#8a8f96";
 const TORN: &str = "#b3003c";
 
-/// Colours of a method: of the area of a block, and of its diagonal.
+/// Colours of a solution method: area and diagonal of its blocks.
 fn colours(method: SolutionMethod) -> (&'static str, &'static str) {
     match method {
         SolutionMethod::Explicit => ("#f2f2f2", "#5b6470"),
@@ -58,7 +58,7 @@ pub fn svg(diagram: &Diagram) -> String {
     out
 }
 
-/// The places; lengths in px.
+/// The layout; lengths in px.
 struct Picture<'a> {
     diagram: &'a Diagram,
     cell: f64,
@@ -66,7 +66,7 @@ struct Picture<'a> {
     top: f64,
     width: f64,
     height: f64,
-    /// Lines that are named: all, or as many as have room.
+    /// Labelled rows: all, or as many as fit.
     named: Vec<usize>,
     equations: bool,
 }
@@ -80,7 +80,7 @@ impl<'a> Picture<'a> {
         let widest =
             |texts: &mut dyn Iterator<Item = f64>, most: f64| texts.fold(0.0, f64::max).min(most);
         let names = &mut named.iter().map(|&k| text_width(&diagram.lines[k].unknown, TEXT));
-        // The mark of a tearing variable stands before its name.
+        // The mark of a tearing variable precedes its name.
         let name = widest(names, LONGEST_NAME) + TEXT;
         let (sine, cosine) = LEAN.to_radians().sin_cos();
         let equations = n <= MOST_EQUATIONS;
@@ -92,7 +92,7 @@ impl<'a> Picture<'a> {
         };
         let left = MARGIN + name + GAP;
         let top = HEAD + name * sine + GAP;
-        // The last leaning name reaches beyond the matrix.
+        // The last slanted name extends beyond the matrix.
         let right = equation.max(name * cosine);
         Picture {
             diagram,
@@ -106,12 +106,12 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Where line `k` begins.
+    /// Start of row `k`.
     fn at(&self, k: usize) -> f64 {
         self.cell * k as f64
     }
 
-    /// Title and legend.
+    /// Draws title and legend.
     fn head(&self, out: &mut String) {
         let (width, height) = (self.width, self.height);
         let _ = writeln!(
@@ -188,7 +188,7 @@ impl<'a> Picture<'a> {
         entry(out, &read, "reads");
     }
 
-    /// The frame, and the areas of the blocks.
+    /// Draws the frame and the areas of the blocks.
     fn areas(&self, out: &mut String) {
         let (left, top) = (self.left, self.top);
         let side = self.at(self.diagram.lines.len());
@@ -207,7 +207,7 @@ impl<'a> Picture<'a> {
             let _ = writeln!(out, "<path d=\"{guides}\" fill=\"none\" stroke=\"#ececec\"/>");
         }
         for (k, part) in self.diagram.parts.iter().enumerate() {
-            // One equation in a large system is a mark on the diagonal and no area.
+            // In a large system a single equation is only a mark on the diagonal.
             if part.size == 1 && self.cell < 4.0 {
                 continue;
             }
@@ -222,7 +222,7 @@ impl<'a> Picture<'a> {
                 escaped(&self.about(k, part))
             );
         }
-        // Rows and columns of tearing variables, within their block.
+        // Rows and columns of tearing variables within their block.
         for part in self.diagram.parts.iter().filter(|p| p.method != SolutionMethod::Explicit) {
             let (from, side) = (self.at(part.first), self.at(part.size));
             for k in part.first..part.first + part.size {
@@ -242,7 +242,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// What the tip of a block says.
+    /// The tooltip of a block.
     fn about(&self, k: usize, part: &DiagramBlock) -> String {
         let lines = &self.diagram.lines[part.first..part.first + part.size];
         match (part.method, lines) {
@@ -256,9 +256,9 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// What is read, and the diagonal.
+    /// Draws the marks and the diagonal.
     fn marks(&self, out: &mut String) {
-        // Cells much smaller than a pixel are drawn once per pixel.
+        // Draw at most one mark per pixel.
         let grain = self.cell.max(1.0);
         let place = |k: usize| ((self.at(k) + 0.5 * self.cell) / grain) as u32;
         let side = if self.cell >= 6.0 { 0.45 * self.cell } else { (0.8 * self.cell).max(1.0) };
@@ -295,7 +295,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Names left of the rows and above the columns, and the equations right of the rows.
+    /// Draws names left of the rows and above the columns, and equations right of the rows.
     fn names(&self, out: &mut String) {
         let side = self.at(self.diagram.lines.len());
         for &k in &self.named {
@@ -330,8 +330,8 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// The lines that are named: where there is no room for all, first the tearing variables, then the
-/// first lines of blocks that are solved together, then the others, each if its neighbours leave room.
+/// The labelled rows. If not all fit: first the tearing variables, then the first rows of simultaneous
+/// blocks, then the others, each if its neighbours leave enough space.
 fn named(diagram: &Diagram, cell: f64) -> Vec<usize> {
     let n = diagram.lines.len();
     if cell >= LINE {
@@ -358,7 +358,7 @@ fn diamond(x: f64, y: f64, radius: f64) -> String {
     )
 }
 
-/// A text in XML, which has no way to write control characters.
+/// Escapes a string for XML, which cannot represent control characters.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -379,7 +379,7 @@ mod tests {
     use super::*;
     use crate::ir::diagram::DiagramLine;
 
-    /// A chain of explicit lines with a system of three at the end.
+    /// A chain of explicit equations with a system of three at the end.
     fn chain(n: usize) -> Diagram {
         let line = |k: usize| DiagramLine {
             unknown: format!("part[{k}].x<&>"),
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_system_names_every_line() {
+    fn a_small_system_labels_every_row() {
         let picture = svg(&chain(10));
         assert_eq!(picture.matches("part[4].x&lt;&amp;&gt;").count(), 2);
         assert!(picture.contains("Chain, between events: 10 unknowns in 8 blocks"));

@@ -1,6 +1,6 @@
-//! Texts of models in HTML and SVG, where they must not be taken for markup.
+//! Escapes strings of models for HTML and SVG.
 
-/// A text with the signs of markup replaced; right between tags and in attributes in double quotes.
+/// Escapes a string for text content and for attributes in double quotes.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -10,7 +10,7 @@ pub fn escaped(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            // Neither HTML nor SVG can hold other control characters.
+            // HTML and SVG cannot represent other control characters.
             c if c.is_control() && !matches!(c, '\n' | '\t') => out.push('\u{fffd}'),
             c => out.push(c),
         }
@@ -18,7 +18,7 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-/// JSON for a `<script>` element: nothing in it can end the element or begin a comment.
+/// Escapes JSON for a `<script>` element, so that it cannot end the element or start a comment.
 pub fn in_script(json: &str) -> String {
     json.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
 }

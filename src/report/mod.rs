@@ -1,8 +1,9 @@
-//! From a run to files: tables and pictures.
+//! Pictures and pages.
 //!
-//! In comes a [`Trajectory`](crate::ir::trajectory::Trajectory), or row after row of one; out go
-//! results as CSV, Parquet or MAT ([`results::Results`]) and a picture in SVG or PNG
-//! ([`plot::plot`]). Every file is written whole or not at all ([`write`](mod@write)).
+//! In: a [`Trajectory`](crate::ir::trajectory::Trajectory), a [`Diagram`](crate::ir::diagram::Diagram) or
+//! an [`Assembly`](crate::ir::assembly::Assembly). Out: plots ([`plot`], [`mod@chart`]) and schematics
+//! ([`schematic`]) as SVG or PNG, graphs ([`mod@dot`], [`incidence`]), and HTML pages ([`page`]). Every
+//! file appears complete or not at all.
 
 pub mod chart;
 pub mod dot;

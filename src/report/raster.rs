@@ -1,5 +1,5 @@
-//! SVG to PNG with the typeface in the binary: the same picture on a machine without fonts.
-//! Sole user of `resvg`.
+//! Renders SVG to PNG with an embedded typeface, so that pictures do not depend on installed fonts. Sole
+//! user of `resvg`.
 
 use std::sync::Arc;
 
@@ -12,8 +12,8 @@ pub const FAMILY: &str = "Inter";
 const REGULAR: &[u8] = include_bytes!("font/Inter-Regular.otf");
 const SEMI_BOLD: &[u8] = include_bytes!("font/Inter-SemiBold.otf");
 
-/// The picture as the bytes of a PNG file, `scale` pixels per unit of length of the SVG.
-/// The error says what was wrong; with pictures made by this crate that is a bug.
+/// Renders a PNG file with `scale` pixels per unit of length of the SVG. An error for pictures of this
+/// crate is a bug.
 pub fn png(svg: &str, scale: u32) -> Result<Vec<u8>, String> {
     let mut fonts = Database::new();
     fonts.load_font_data(REGULAR.to_vec());
@@ -51,7 +51,7 @@ mod tests {
         let regular = dark_pixels("valve", "normal");
         assert!(regular > 50, "{regular}");
         assert!(dark_pixels("valve", "bold") > regular * 5 / 4);
-        // A subset is easily one letter short: the signs that units and numbers need.
+        // The symbols of units and numbers must be in the font subset.
         for sign in "µ·°Ω²³⁻⁶−×Äß".chars() {
             assert!(dark_pixels(&sign.to_string(), "normal") > 2, "{sign}");
         }

@@ -1,18 +1,18 @@
-//! From SI values to the numbers an engineer wants to read: bar, mm, ms.
+//! Display units: converts SI values to units that engineers read, such as bar, mm, ms.
 
-/// How values are shown: `shown = si / size - zero`, in `unit`.
+/// Conversion to a display unit: `shown = si / size - zero`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Scale {
-    /// What one shown unit is in SI units.
+    /// One display unit in SI units.
     pub size: f64,
-    /// The shown unit's zero, in shown units from the SI zero; 273.15 for °C, otherwise 0.
+    /// Offset of the zero, in display units: 273.15 for °C, otherwise 0.
     pub zero: f64,
-    /// The unit as text to print, such as `m³/s` or `10⁻³ m²`; empty for plain numbers.
+    /// The printed unit, such as `m³/s` or `10⁻³ m²`; empty for plain numbers.
     pub unit: String,
 }
 
 impl Scale {
-    /// The value as shown.
+    /// The value in display units.
     pub fn shown(&self, si: f64) -> f64 {
         si / self.size - self.zero
     }
@@ -21,9 +21,9 @@ impl Scale {
     }
 }
 
-/// The scale for values in the SI unit `unit`, the largest of magnitude `largest`.
-/// A `display_unit` that is known to convert is obeyed; without one the numbers are brought
-/// between 1 and 1000 where the unit allows.
+/// Chooses the display unit for values in the SI unit `unit`, the largest of magnitude `largest`. A known
+/// `display_unit` is used as it is; without one the numbers are scaled to between 1 and 1000 if the unit
+/// allows.
 pub fn choose(unit: &str, display_unit: &str, largest: f64) -> Scale {
     if let Some(scale) = declared(unit, display_unit) {
         return scale;
@@ -36,12 +36,12 @@ pub fn choose(unit: &str, display_unit: &str, largest: f64) -> Scale {
     automatic(unit, largest)
 }
 
-/// What the quantity of an SI unit is called; empty for units of several quantities.
+/// The name of the quantity of an SI unit; empty if it is ambiguous.
 pub fn quantity(unit: &str) -> &'static str {
     QUANTITIES.iter().find(|(si, _)| *si == unit).map_or("", |(_, name)| name)
 }
 
-/// The unit in print: powers raised, a true multiplication dot, signs for degrees and ohm.
+/// The typeset unit: raised exponents, multiplication dots, symbols for degrees and ohm.
 pub fn pretty(unit: &str) -> String {
     let word = |word: &str| match word {
         "1" => String::new(),
@@ -59,7 +59,7 @@ pub fn pretty(unit: &str) -> String {
     }
 }
 
-/// Shown units in use that are no SI prefix: (SI unit, display unit, size in SI, zero).
+/// Display units other than SI prefixes: (SI unit, display unit, size in SI, zero).
 const CONVERSIONS: &[(&str, &str, f64, f64)] = &[
     ("Pa", "bar", 1e5, 0.0),
     ("Pa", "mbar", 1e2, 0.0),
@@ -81,8 +81,8 @@ const CONVERSIONS: &[(&str, &str, f64, f64)] = &[
     ("", "%", 0.01, 0.0),
 ];
 
-/// Customs stronger than the prefixes: (SI unit, largest magnitude below, shown unit, its size).
-/// The first row that fits decides.
+/// Customary units that take precedence over prefixes: (SI unit, bound of the largest magnitude, display
+/// unit, its size). The first matching row applies.
 const CUSTOMARY: &[(&str, f64, &str, f64)] = &[
     ("Pa", 1.0, "Pa", 1.0),
     ("Pa", 1e4, "mbar", 1e2),
@@ -124,7 +124,7 @@ const QUANTITIES: &[(&str, &str)] = &[
     ("Hz", "frequency"),
 ];
 
-/// SI prefixes by exponent; `h` and `da` are not in use with units.
+/// SI prefixes by exponent, without the uncommon `h` and `da`.
 const PREFIXES: &[(i32, &str)] = &[
     (-12, "p"),
     (-9, "n"),
@@ -138,11 +138,11 @@ const PREFIXES: &[(i32, &str)] = &[
     (9, "G"),
 ];
 
-/// Symbols that take a prefix when a unit begins with them.
+/// Symbols that take a prefix at the start of a unit.
 const PREFIXABLE: &[&str] =
     &["m", "g", "N", "Pa", "J", "W", "V", "A", "Ohm", "Hz", "F", "H", "T", "Wb", "C", "mol"];
 
-/// The scale a model asked for, if the conversion is known.
+/// The display unit declared by the model, if the conversion is known.
 fn declared(unit: &str, display_unit: &str) -> Option<Scale> {
     if display_unit.is_empty() {
         return None;
@@ -163,11 +163,11 @@ fn declared(unit: &str, display_unit: &str) -> Option<Scale> {
         .map(|(exponent, _)| Scale::of(10_f64.powi(exponent * power) / base, display_unit))
 }
 
-/// A prefix where the unit takes one, otherwise a power of ten before the unit.
+/// A prefix if the unit takes one, otherwise a power of ten in front of the unit.
 fn automatic(unit: &str, largest: f64) -> Scale {
     let (base, rest) = in_grams(unit);
     if takes_prefix(rest) && power_of_first(rest) == 1 {
-        // The largest prefix a unit of mass takes is the kilo of kg.
+        // Units of mass take no larger prefix than the kilo of kg.
         let (own, top) = if base == 1.0 { (0, 9) } else { (3, 3) };
         let exponent = engineering_exponent(largest * base).unwrap_or(own).clamp(-12, top);
         let prefix = PREFIXES.iter().find(|(e, _)| *e == exponent).map_or("", |(_, p)| p);
@@ -184,7 +184,7 @@ fn automatic(unit: &str, largest: f64) -> Scale {
     }
 }
 
-/// The kilogram is the one SI unit with a prefix: (grams per SI unit, unit in grams).
+/// Replaces the kilogram, the only SI base unit with a prefix: (grams per SI unit, unit in grams).
 fn in_grams(unit: &str) -> (f64, &str) {
     match unit.strip_prefix("kg") {
         Some(_) => (1e3, &unit[1..]),
@@ -192,27 +192,27 @@ fn in_grams(unit: &str) -> (f64, &str) {
     }
 }
 
-/// Whether a unit begins with a symbol that takes a prefix.
+/// True if a unit starts with a symbol that takes a prefix.
 fn takes_prefix(unit: &str) -> bool {
     let first = unit.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(unit.len());
     PREFIXABLE.contains(&&unit[..first])
 }
 
-/// The power of a unit's first symbol: 2 for `m2/s`.
+/// The exponent of the first symbol of a unit: 2 for `m2/s`.
 fn power_of_first(unit: &str) -> i32 {
     let rest = unit.trim_start_matches(|c: char| c.is_ascii_alphabetic());
     let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '-').unwrap_or(rest.len());
     rest[..digits].parse().unwrap_or(1)
 }
 
-/// The multiple of three that brings `largest` between 1 and 1000; none for zero.
+/// The multiple of three that scales `largest` to between 1 and 1000; `None` for zero.
 fn engineering_exponent(largest: f64) -> Option<i32> {
-    // A hair of tolerance, so that 0.001 counts as 1e-3.
+    // A small tolerance, so that 0.001 counts as 1e-3.
     let power = (largest.abs().log10() + 1e-9).floor();
     power.is_finite().then(|| 3 * (power / 3.0).floor() as i32)
 }
 
-/// One character of a unit in print.
+/// The typeset form of a character of a unit.
 fn printed(c: char) -> char {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     match c {
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wish_of_the_model_comes_first() {
+    fn the_display_unit_of_the_model_takes_precedence() {
         assert_eq!(shown("Pa", "bar", 100.0), "0.001000 bar");
         assert_eq!(shown("Pa", "kPa", 700_000.0), "700.000000 kPa");
         assert_eq!(shown("Pa", "Pa", 700_000.0), "700000.000000 Pa");
@@ -269,12 +269,12 @@ mod tests {
         assert_eq!(shown("m2", "cm2", 1.0), "10000.000000 cm²");
         assert_eq!(shown("kg/s", "g/s", 2e-3), "2.000000 g/s");
         assert_eq!(shown("m", "mm", 2.0), "2000.000000 mm");
-        // Not known to convert: as without a wish.
+        // Unknown display units are ignored.
         assert_eq!(shown("m", "furlong", 2.0), "2.000000 m");
     }
 
     #[test]
-    fn units_in_print() {
+    fn units_are_typeset() {
         assert_eq!(pretty("kg.m2/s3"), "kg·m²/s³");
         assert_eq!(pretty("s-1"), "s⁻¹");
         assert_eq!(pretty("1/s"), "1/s");

@@ -1,9 +1,9 @@
-//! A function of one number through points.
+//! Interpolation of a function of one argument.
 
 use super::{Extrapolation, interval};
 use crate::numeric::hermite::{Smoothness, hermite, polynomial, slopes};
 
-/// A function of one number, given by points, with its derivatives.
+/// A piecewise polynomial through points, with its derivatives.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Curve {
     x: Vec<f64>,
@@ -15,8 +15,8 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Through points whose abscissae rise. One point gives a constant; `None` without points, with
-    /// abscissae that do not rise, and with numbers that are not finite.
+    /// Interpolates points with increasing abscissae. A single point gives a constant; `None` if there are
+    /// no points, if the abscissae do not increase, or if a number is not finite.
     pub fn new(
         x: &[f64],
         y: &[f64],
@@ -41,7 +41,7 @@ impl Curve {
         };
         let end_slopes = match (n, smoothness) {
             (1, _) => [0.0; 2],
-            // Through the two outermost points, as with lines.
+            // The line through the two outermost points.
             (_, Smoothness::Constant) => [secant(0), secant(n - 2)],
             _ => {
                 let last = &pieces[n - 2];
@@ -52,12 +52,12 @@ impl Curve {
         Some(Curve { x: x.to_vec(), pieces, last: y[n - 1], end_slopes, extrapolation })
     }
 
-    /// The least and the greatest abscissa.
+    /// The minimum and the maximum abscissa.
     pub fn range(&self) -> (f64, f64) {
         (self.x[0], self.x[self.x.len() - 1])
     }
 
-    /// What happens beyond the points.
+    /// Extrapolation beyond the points.
     pub fn extrapolation(&self) -> Extrapolation {
         self.extrapolation
     }
@@ -75,7 +75,7 @@ impl Curve {
         if inside < first {
             return self.beyond(self.pieces[0][0], self.end_slopes[0], u - first, order);
         }
-        // The last point itself belongs to the last interval, except where pieces are level.
+        // The last point belongs to the last interval, except for piecewise constant curves.
         let level = inside == last && self.pieces.last().is_some_and(|p| p[0] != self.last);
         if inside > last || (level && self.extrapolation != Extrapolation::Periodic && order == 0) {
             return self.beyond(self.last, self.end_slopes[1], u - last, order);
@@ -84,7 +84,7 @@ impl Curve {
         polynomial(&self.pieces[i], inside - self.x[i], order)
     }
 
-    /// As [`Curve::at`] an instant before `u`: where a jump is, its beginning.
+    /// As [`Curve::at`], but the left limit at `u`.
     pub fn before(&self, u: f64, order: u8) -> f64 {
         let at = self.x.iter().position(|x| *x == u);
         match at {
@@ -104,7 +104,7 @@ impl Curve {
     }
 }
 
-/// `u` moved by whole periods into `[first, last)`.
+/// `u` shifted by a multiple of the period into `[first, last)`.
 pub fn wrapped(u: f64, first: f64, last: f64) -> f64 {
     let period = last - first;
     if (first..last).contains(&u) || period <= 0.0 {
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn every_curve_meets_its_points() {
+    fn every_curve_interpolates_its_points() {
         for smoothness in ALL {
             let c = curve(smoothness, Extrapolation::Hold);
             for (x, y) in X.iter().zip(Y) {
@@ -173,12 +173,12 @@ mod tests {
         assert_eq!(line(Extrapolation::Linear).at(-1.0, 0), -2.0);
         assert_eq!(line(Extrapolation::Periodic).at(5.5, 0), 1.0);
         assert_eq!(line(Extrapolation::Periodic).at(-4.5, 0), 1.0);
-        // Lines through the outermost points also where pieces are level.
+        // Lines through the outermost points also for piecewise constant curves.
         assert_eq!(curve(Smoothness::Constant, Extrapolation::Linear).at(6.0, 0), 5.0);
     }
 
     #[test]
-    fn splines_are_smooth_where_periods_meet() {
+    fn splines_are_smooth_at_period_boundaries() {
         let y = [1.0, 2.0, 1.0, 0.5, 1.0];
         for smoothness in [Smoothness::Akima, Smoothness::Steffen, Smoothness::ModifiedAkima] {
             let c = Curve::new(&X, &y, smoothness, Extrapolation::Periodic).unwrap();
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn one_point_is_a_constant_and_none_is_nothing() {
+    fn one_point_is_a_constant_and_none_is_rejected() {
         let one = Curve::new(&[2.0], &[7.0], Smoothness::Akima, Extrapolation::Linear).unwrap();
         assert_eq!((one.at(-9.0, 0), one.at(9.0, 1)), (7.0, 0.0));
         assert!(Curve::new(&[], &[], Smoothness::Linear, Extrapolation::Hold).is_none());

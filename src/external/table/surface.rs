@@ -1,6 +1,6 @@
-//! A function of two numbers, given on a grid.
+//! Interpolation of a function of two arguments on a grid.
 //!
-//! The smooth one is made of bicubic Hermite polynomials with the partial derivatives of H. Akima,
+//! Smooth interpolation uses bicubic Hermite polynomials with the partial derivatives of H. Akima,
 //! "A method of bivariate interpolation and smooth surface fitting based on local procedures",
 //! Comm. ACM 17 (1974) 18-20.
 
@@ -8,25 +8,25 @@ use super::curve::wrapped;
 use super::{Extrapolation, interval};
 use crate::numeric::hermite::{Smoothness, extended, hermite, weights};
 
-/// A function of two numbers with its derivatives.
+/// A piecewise polynomial of two arguments, with its derivatives.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Surface {
     x: Vec<f64>,
     y: Vec<f64>,
     /// For each cell of the grid, row by row, the coefficients of `dx^i dy^j`, row by row.
     cells: Vec<[f64; 16]>,
-    /// The same for what goes on beyond the grid, where that is another function: constant segments go on
+    /// The coefficients for extrapolation if they differ: piecewise constant surfaces are extrapolated
     /// linearly.
     beyond: Option<Vec<[f64; 16]>>,
-    /// In which directions there was one point only: nothing changes along them.
+    /// Directions with a single point, along which the function is constant.
     level: [bool; 2],
     extrapolation: Extrapolation,
 }
 
 impl Surface {
-    /// On the grid `x` times `y` with values `z`, row by row. `None` without points, with abscissae
-    /// that do not rise, with numbers that are not finite, and for a smoothness other than linear,
-    /// Akima's and constant.
+    /// Interpolates values `z` on the grid `x` times `y`, row by row. `None` if there are no points, if the
+    /// abscissae do not increase, if a number is not finite, or for a smoothness other than linear, Akima
+    /// and constant.
     pub fn new(
         x: &[f64],
         y: &[f64],
@@ -42,7 +42,7 @@ impl Surface {
         if x.windows(2).chain(y.windows(2)).any(|p| p[0] >= p[1]) {
             return None;
         }
-        // A single row or column is as if it stood there twice.
+        // A single row or column is duplicated.
         if m == 1 {
             let twice = [z, z].concat();
             let x = [x[0], x[0] + 1.0];
@@ -81,12 +81,12 @@ impl Surface {
         })
     }
 
-    /// The least and the greatest first abscissa, the least and the greatest second one.
+    /// The ranges of the first and the second argument.
     pub fn range(&self) -> [(f64, f64); 2] {
         [&self.x, &self.y].map(|a| (a[0], a[a.len() - 1]))
     }
 
-    /// What happens beyond the grid.
+    /// Extrapolation beyond the grid.
     pub fn extrapolation(&self) -> Extrapolation {
         self.extrapolation
     }
@@ -94,8 +94,8 @@ impl Surface {
     /// The partial derivative of these orders at `(u, v)`; the value for orders 0.
     pub fn at(&self, u: f64, v: f64, orders: (u8, u8)) -> f64 {
         let [x, y] = self.range();
-        let (u, du) = self.inside(u, x);
-        let (v, dv) = self.inside(v, y);
+        let (u, du) = self.clamped(u, x);
+        let (v, dv) = self.clamped(v, y);
         let (i, j) = (interval(&self.x, u), interval(&self.y, v));
         let cells = match &self.beyond {
             Some(beyond) if du.is_some() && !self.level[0] || dv.is_some() && !self.level[1] => {
@@ -105,7 +105,7 @@ impl Surface {
         };
         let cell = &cells[i * (self.y.len() - 1) + j];
         let (p, q) = (u - self.x[i], v - self.y[j]);
-        // Beyond the grid a tangent goes on in each direction, or the value does.
+        // Beyond the grid, extrapolate by the tangent or the value in each direction.
         let along = |order: u8, beyond: Option<f64>| -> [(u8, f64); 2] {
             match beyond {
                 None => [(order, 1.0), (order, 0.0)],
@@ -130,8 +130,8 @@ impl Surface {
         sum
     }
 
-    /// An argument moved to the range, and how far it was beyond.
-    fn inside(&self, u: f64, (first, last): (f64, f64)) -> (f64, Option<f64>) {
+    /// An argument clamped to the range, and its distance from the range.
+    fn clamped(&self, u: f64, (first, last): (f64, f64)) -> (f64, Option<f64>) {
         match self.extrapolation {
             Extrapolation::Periodic => (wrapped(u, first, last), None),
             _ if u < first => (first, Some(u - first)),
@@ -175,7 +175,7 @@ impl Grid<'_> {
         cell
     }
 
-    /// Hermite in `y` on both sides of the cell, for values and slopes by `x`, then Hermite in `x`.
+    /// Hermite interpolation in `y` on both sides of the cell, for values and `x` slopes, then in `x`.
     fn bicubic(&self, i: usize, j: usize, p: &Partials) -> [f64; 16] {
         let (hx, hy) = (self.x[i + 1] - self.x[i], self.y[j + 1] - self.y[j]);
         let at = |i: usize, j: usize| i * self.y.len() + j;
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_product_of_lines_is_met_everywhere() {
+    fn a_bilinear_function_is_reproduced() {
         let f = |x: f64, y: f64| (1.0 + 2.0 * x) * (3.0 - y);
         for s in [Smoothness::Linear, Smoothness::Akima] {
             let surface = sampled(f, s, Extrapolation::Linear);
@@ -278,9 +278,9 @@ mod tests {
         }
     }
 
-    /// Squares in steps: beyond the grid the last line goes on. One column is as good as two.
+    /// A piecewise constant surface is extrapolated linearly. One column is equivalent to two equal ones.
     #[test]
-    fn steps_go_on_as_lines() {
+    fn steps_are_extrapolated_linearly() {
         let x = [2.0, 3.0, 4.0];
         let steps = |y: &[f64], z: &[f64]| {
             Surface::new(&x, y, z, Smoothness::Constant, Extrapolation::Linear).unwrap()

@@ -1,18 +1,17 @@
-//! A function of time through points, which jumps where a time stands twice.
+//! Interpolation of a function of time, with jumps at repeated times.
 //!
-//! Between two jumps it is a [`Curve`] of its own. The instants at which a simulation is to stop are
-//! those of the points, or of the jumps, or none.
+//! Between two jumps it is a separate [`Curve`]. Time events are at all points, at jumps only, or nowhere.
 
 use super::Extrapolation;
 use super::curve::{Curve, wrapped};
 use crate::numeric::hermite::Smoothness;
 
-/// At which instants there are events.
+/// The instants of time events.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Stops {
     /// At every point.
     Always,
-    /// Where it jumps.
+    /// At jumps.
     AtJumps,
     /// Nowhere.
     Never,
@@ -21,32 +20,32 @@ pub enum Stops {
 /// A function of time.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TimeTable {
-    /// From jump to jump.
+    /// The curves between jumps.
     parts: Vec<Curve>,
-    /// Instants of events, rising, before they are shifted.
+    /// Instants of events, increasing, before the shift.
     stops: Vec<f64>,
     range: (f64, f64),
     extrapolation: Extrapolation,
-    /// It is 0 before this time, s.
+    /// The function is 0 before this time, s.
     start: f64,
-    /// Times of the table are later by this, s.
+    /// Shift of the times of the table, s.
     shift: f64,
 }
 
-/// How a table lies in time.
+/// Position of a table in time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Placing {
-    /// It is 0 before this time, s.
+    /// The function is 0 before this time, s.
     pub start: f64,
-    /// Times of the table are later by this, s.
+    /// Shift of the times of the table, s.
     pub shift: f64,
-    /// Where events are.
+    /// Instants of events.
     pub stops: Stops,
 }
 
 impl TimeTable {
-    /// Through points whose times do not fall. `None` where [`Curve::new`] gives none, or where a
-    /// time stands three times.
+    /// Interpolates points with nondecreasing times. `None` if [`Curve::new`] rejects the points, or if a
+    /// time occurs three times.
     pub fn new(
         t: &[f64],
         y: &[f64],
@@ -65,7 +64,7 @@ impl TimeTable {
         let lone = bounds.len() == 2;
         let mut parts = Vec::with_capacity(bounds.len() - 1);
         for b in bounds.windows(2) {
-            // What lies beyond a part but the outermost ones is never asked for.
+            // Only the outermost curves are extrapolated.
             let beyond = if lone || extrapolation != Extrapolation::Periodic {
                 extrapolation
             } else {
@@ -86,20 +85,20 @@ impl TimeTable {
         Some(TimeTable { parts, stops, range: (t[0], t[n - 1]), extrapolation, start, shift })
     }
 
-    /// The first and the last time of the table, s, not shifted.
+    /// The first and the last time of the table, s, without the shift.
     pub fn range(&self) -> (f64, f64) {
         self.range
     }
 
-    /// The derivative of this order at time `t`, s, if the next event is at `next`: until then jumps
-    /// have not happened.
+    /// The derivative of this order at time `t`, s. Jumps from the next event, at `next`, on have not
+    /// happened yet.
     pub fn at(&self, t: f64, next: f64, order: u8) -> f64 {
         let slack = slack(t);
         let held = t + slack >= next;
         if t + slack < self.start || (held && next <= self.start) {
             return 0.0;
         }
-        // Rounding of the time of an event must not lead to its other side.
+        // Rounding of the event time must not select the wrong side.
         let table_time = if held { next } else { t } - self.shift;
         let inside = match self.extrapolation {
             Extrapolation::Periodic => wrapped(table_time, self.range.0, self.range.1),
@@ -119,7 +118,7 @@ impl TimeTable {
         part.unwrap_or(&self.parts[0]).at(snapped, order)
     }
 
-    /// The time of the first event after `t`, s; the greatest number if there is none.
+    /// The time of the first event after `t`, s; the largest finite number if there is none.
     pub fn next_stop(&self, t: f64) -> f64 {
         let slack = slack(t);
         if t + slack < self.start {
@@ -141,7 +140,7 @@ impl TimeTable {
         next.unwrap_or(f64::MAX)
     }
 
-    /// A time of the table that is this time but for rounding, or the time itself.
+    /// The time of the table that equals `t` up to rounding, else `t` itself.
     fn snapped(&self, t: f64, slack: f64) -> f64 {
         let k = self.stops.partition_point(|s| *s < t - slack);
         match self.stops.get(k) {
@@ -155,7 +154,7 @@ fn near(a: f64, b: f64, slack: f64) -> bool {
     (a - b).abs() <= slack
 }
 
-/// The rounding that a scaled and shifted time may have gone through, s.
+/// Rounding error of a scaled and shifted time, s.
 fn slack(t: f64) -> f64 {
     8.0 * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE)
 }
@@ -216,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn level_pieces_change_at_their_points() {
+    fn constant_segments_change_at_their_points() {
         let c = TimeTable::new(
             &[0.0, 1.0, 2.0],
             &[3.0, 4.0, 5.0],

@@ -1,11 +1,9 @@
-//! Results as Apache Parquet: a column per variable with its type, in groups of rows. Sole user of
-//! `parquet`.
+//! Results as Apache Parquet: a typed column per variable, in row groups. Sole user of `parquet`.
 //!
-//! Reals are DOUBLE, Booleans BOOLEAN, Integers and enumerations INT64 (here an Integer is a double,
-//! which holds more than 32 bits). What a type does not say stands in the metadata of the file as
-//! JSON: `columns` has unit and description of each column, `parameters` the values that do not move.
-//! Memory is that of one group of rows, and of the file's own index: some hundred bytes per column
-//! and group, which the format wants at the end.
+//! Reals are DOUBLE, Booleans BOOLEAN, Integers and enumerations INT64 (mocc represents an Integer by a
+//! double, which exceeds 32 bits). The metadata of the file contains JSON: `columns` with the unit and
+//! description of each column, `parameters` with the values of constants. Memory use is one row group,
+//! and the index of the file: some hundred bytes per column and group, written at the end.
 //!
 //! Source: Apache Parquet format, version 2.
 
@@ -28,11 +26,11 @@ use super::csv::TableError;
 use super::results::{ResultWriter, check};
 use crate::ir::trajectory::{Column, Constant, Kind};
 
-/// Values in a group of rows, 64 MiB of them; wide tables have shorter groups.
+/// Number of values in a row group (64 MiB); wide tables have fewer rows per group.
 const GROUP_VALUES: usize = 1 << 23;
-/// Rows in a group, at most and at least: below that the index outgrows the data.
+/// Minimum and maximum number of rows in a group; with fewer rows the index outgrows the data.
 const GROUP_ROWS: (usize, usize) = (512, 1 << 16);
-/// A column with more different values than fit in here is written as it is, bytes.
+/// Maximum size of the dictionary of a column, bytes; larger ones are not dictionary-encoded.
 const DICTIONARY: usize = 1 << 16;
 
 impl From<ParquetError> for TableError {
@@ -55,13 +53,13 @@ pub struct ParquetWriter {
     /// The values of the group, column by column.
     values: Vec<Vec<f64>>,
     rows_of_group: usize,
-    /// What the column under way is converted to.
+    /// Buffers for converted columns.
     whole: Vec<i64>,
     truths: Vec<bool>,
 }
 
 impl ParquetWriter {
-    /// A file of these columns.
+    /// A file with these columns.
     pub fn new(out: AtomicFile, columns: &[Column]) -> Result<Self, TableError> {
         let field = |name: &str, physical| {
             let field = Type::primitive_type_builder(name, physical);
@@ -89,11 +87,11 @@ impl ParquetWriter {
             truths: Vec::new(),
         };
         let of = |c: &Column| (c.name.clone(), attributes(c, None));
-        writer.tell("columns", &columns.iter().map(of).collect::<Vec<_>>());
+        writer.add_metadata("columns", &columns.iter().map(of).collect::<Vec<_>>());
         Ok(writer)
     }
 
-    /// Writes the group of rows.
+    /// Writes the row group.
     fn flush(&mut self) -> Result<(), TableError> {
         if self.time.is_empty() {
             return Ok(());
@@ -128,7 +126,7 @@ impl ParquetWriter {
     }
 
     /// Adds an object to the metadata of the file.
-    fn tell(&mut self, key: &str, entries: &[(String, String)]) {
+    fn add_metadata(&mut self, key: &str, entries: &[(String, String)]) {
         let mut text = String::from("{");
         for (at, (name, value)) in entries.iter().enumerate() {
             text.push_str(if at == 0 { "" } else { "," });
@@ -144,7 +142,7 @@ impl ParquetWriter {
 impl ResultWriter for ParquetWriter {
     fn constants(&mut self, constants: Vec<Constant>) {
         let of = |c: &Constant| (c.column.name.clone(), attributes(&c.column, Some(c.value)));
-        self.tell("parameters", &constants.iter().map(of).collect::<Vec<_>>());
+        self.add_metadata("parameters", &constants.iter().map(of).collect::<Vec<_>>());
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
@@ -191,7 +189,7 @@ fn whole(name: &str, value: f64, time: f64) -> Result<i64, TableError> {
     }
 }
 
-/// What the type of a column does not say, as a JSON object.
+/// Unit, description and value of a column as a JSON object.
 fn attributes(column: &Column, value: Option<f64>) -> String {
     let mut text = String::from("{");
     if let Some(value) = value.filter(|v| v.is_finite()) {
@@ -288,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_whole_number_is_refused() {
+    fn integer_columns_reject_other_numbers() {
         let dir = Scratch::new("parquet-whole");
         let column = Column { kind: Kind::Integer, ..Column::new("n", "") };
         for value in [0.5, 1e300] {

@@ -1,4 +1,4 @@
-//! Rows of numbers and texts, some missing, as Parquet: optional columns, units in the metadata `columns`.
+//! Record tables as Parquet: optional columns, with units in the metadata `columns`.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::io::csv::TableError;
 use crate::io::records::{Cell, Field, RecordError, RecordWriter, Type};
 use crate::ir::trajectory::Column;
 
-/// Rows in a group.
+/// Number of rows in a group.
 const GROUP_ROWS: usize = 1 << 14;
 
 /// Writes rows, a group at a time.
@@ -29,7 +29,7 @@ pub struct RecordsWriter {
 }
 
 impl RecordsWriter {
-    /// A file of these columns.
+    /// A file with these columns.
     pub fn new(out: AtomicFile, fields: &[Field]) -> Result<Self, TableError> {
         let field = |field: &Field| {
             let physical = match field.ty {
@@ -71,7 +71,7 @@ impl RecordsWriter {
         }
         let mut group = self.out.next_row_group()?;
         for (field, cells) in self.fields.iter().zip(&mut self.cells) {
-            // 1 where there is a value.
+            // Definition level: 1 for a value, 0 for a missing one.
             let levels: Vec<i16> = cells.iter().map(|c| i16::from(*c != Cell::Missing)).collect();
             let levels = Some(levels.as_slice());
             let Some(mut column) = group.next_column()? else { return Err(mismatch(&field.name)) };

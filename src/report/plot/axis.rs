@@ -1,4 +1,4 @@
-//! The axes of a picture: unit, range and marks that suit the curves.
+//! Axes: chooses unit, range and tick marks for the curves.
 
 use super::figure::{Panel, PlotError, find};
 use super::layout::PanelText;
@@ -6,18 +6,18 @@ use super::ticks::{Ticks, ticks};
 use crate::ir::trajectory::{Column, Kind, Trajectory};
 use crate::report::scale::{self, Scale};
 
-/// A range in shown units.
+/// A range in display units.
 pub struct Axis {
-    /// From SI to the shown unit.
+    /// Conversion from SI to the display unit.
     pub scale: Scale,
-    /// Lower end, shown.
+    /// Lower end in display units.
     pub low: f64,
-    /// Upper end, shown.
+    /// Upper end in display units.
     pub high: f64,
 }
 
 impl Axis {
-    /// From the first to the last time, s; from 0 to 0 without any.
+    /// The time axis from the first to the last time, s; from 0 to 0 without rows.
     pub fn of_time(time: &[f64]) -> Self {
         let (first, last) =
             (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
@@ -25,25 +25,25 @@ impl Axis {
         let (low, high) = widened(scale.shown(first), scale.shown(last));
         Axis { scale, low, high }
     }
-    /// The part of the way from the low to the high end, for an SI value.
+    /// The relative position of an SI value between the ends.
     pub fn part(&self, si: f64) -> f64 {
         self.part_of_shown(self.scale.shown(si))
     }
-    /// The part of the way from the low to the high end, for a shown value.
+    /// The relative position of a displayed value between the ends.
     pub fn part_of_shown(&self, shown: f64) -> f64 {
         (shown - self.low) / (self.high - self.low)
     }
-    /// Marks of a time axis of this length, px.
+    /// Tick marks of a time axis of this length, px.
     pub fn time_ticks(&self, length: f64) -> Ticks {
         ticks(self.low, self.high, (length / TIME_SPACING) as usize)
     }
 }
 
-/// The vertical axis of a panel and what is drawn over it.
+/// The vertical axis of a panel and its curves.
 pub struct PanelAxis<'a> {
     /// The range.
     pub axis: Axis,
-    /// Boolean or Integer where all curves are, otherwise continuous.
+    /// Boolean or Integer if all curves are, otherwise continuous.
     pub kind: Kind,
     /// The quantity; may be empty.
     pub label: &'a str,
@@ -52,7 +52,7 @@ pub struct PanelAxis<'a> {
 }
 
 impl<'a> PanelAxis<'a> {
-    /// Chooses unit and range for the curves of `panel`.
+    /// Chooses the unit and range for the curves of `panel`.
     pub fn new(trajectory: &'a Trajectory, panel: &'a Panel) -> Result<Self, PlotError> {
         let columns = &trajectory.columns;
         let chosen: Vec<&Column> =
@@ -69,7 +69,7 @@ impl<'a> PanelAxis<'a> {
         let values = || curves.iter().flat_map(|(_, values)| values.iter().copied());
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
-        // Curves that wish for different units get the unit that suits the numbers.
+        // If the curves have different display units, choose one by the numbers.
         let agreed = chosen.iter().all(|c| c.display_unit == first.display_unit);
         let wish = if agreed { first.display_unit.as_str() } else { "" };
         let scale = scale::choose(&first.unit, wish, low.abs().max(high.abs()));
@@ -89,7 +89,7 @@ impl<'a> PanelAxis<'a> {
         let axis = Axis { scale, low: low - room, high: high + room };
         Ok(PanelAxis { axis, kind, label: &panel.label, curves })
     }
-    /// What is written at the panel.
+    /// The label of the panel.
     pub fn text(&self) -> PanelText {
         let axis = match (self.label, self.axis.scale.unit.as_str()) {
             ("", "") => if self.kind == Kind::Boolean { "state" } else { "value" }.to_owned(),
@@ -103,7 +103,7 @@ impl<'a> PanelAxis<'a> {
             low: self.kind == Kind::Boolean,
         }
     }
-    /// Marks of the axis at this height, px.
+    /// Tick marks of an axis of this height, px.
     pub fn ticks(&self, height: f64) -> Ticks {
         match self.kind {
             Kind::Boolean => Ticks {
@@ -119,7 +119,7 @@ impl<'a> PanelAxis<'a> {
     }
 }
 
-/// Bounds with an extent, also around a constant; noise below what a solver can mean is none.
+/// Bounds with a positive extent, also for a constant; variation of the size of solver errors is ignored.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let largest = low.abs().max(high.abs());
     if high - low > 1e-9 * largest {
@@ -131,11 +131,11 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     }
 }
 
-/// About the distance of marks at the time axis, px.
+/// Approximate distance of tick marks of the time axis, px.
 const TIME_SPACING: f64 = 90.0;
-/// About the distance of marks at a vertical axis, px.
+/// Approximate distance of tick marks of a vertical axis, px.
 const VALUE_SPACING: f64 = 36.0;
-/// Room above and below the curves, as part of their extent.
+/// Padding above and below the curves, as a fraction of their extent.
 const ROOM: f64 = 0.06;
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! Fewer points with the same picture: of all points in one pixel column only the first, the
+//! Decimates curves without changing the picture: of all points in a pixel column only the first, the
 //! lowest, the highest, the last and both sides of the highest jump are kept.
 
-/// The most points that stay of one pixel column.
+/// Maximum number of points kept per pixel column.
 pub const PER_COLUMN: usize = 6;
 
 /// Positions to draw of the curve `x`, `y` (equally long, `x` not decreasing), ascending.
-/// `columns` is the number of pixel columns; a curve of up to [`PER_COLUMN`] points each stays whole.
+/// `columns` is the number of pixel columns; up to [`PER_COLUMN`] points each are all kept.
 pub fn decimate(x: &[f64], y: &[f64], columns: usize) -> Vec<usize> {
     let rows = x.len().min(y.len());
     let columns = columns.max(1);
@@ -43,8 +43,8 @@ pub fn decimate(x: &[f64], y: &[f64], columns: usize) -> Vec<usize> {
     kept
 }
 
-/// Drops repeated points and points inside a straight horizontal or vertical run; exact on the
-/// integer grid of a picture.
+/// Drops repeated points, and points within horizontal or vertical lines; exact on the integer grid of a
+/// picture.
 pub fn merge_straight(points: impl IntoIterator<Item = (i32, i32)>) -> Vec<(i32, i32)> {
     let mut kept: Vec<(i32, i32)> = Vec::new();
     for point in points {

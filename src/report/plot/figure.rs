@@ -1,4 +1,4 @@
-//! What a picture shows: panels of curves, and why there may be no picture.
+//! Specification of a plot, and plotting errors.
 
 use std::path::PathBuf;
 
@@ -9,39 +9,39 @@ use crate::io::atomic_file::WriteError;
 use crate::ir::trajectory::{Column, Fault, Kind, position};
 use crate::report::scale;
 
-/// What a picture shows.
+/// Specification of a plot.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PlotSpec {
-    /// Line at the top; may be empty.
+    /// Title; may be empty.
     pub title: String,
-    /// From top to bottom.
+    /// Panels from top to bottom.
     pub panels: Vec<Panel>,
     /// Width, px; a PNG has [`PNG_SCALE`](super::PNG_SCALE) pixels for each.
     pub width: u32,
     /// Height, px; a PNG has [`PNG_SCALE`](super::PNG_SCALE) pixels for each.
     pub height: u32,
-    /// Whether faint vertical lines mark the events.
+    /// Mark events by faint vertical lines.
     pub events: bool,
 }
 
 /// Curves over one vertical axis.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Panel {
-    /// Names of the columns, all of one unit; spaces do not count.
+    /// Names of the columns, all with the same unit; spaces are ignored.
     pub curves: Vec<String>,
     /// The quantity, such as `pressure`; the unit is added. May be empty.
     pub label: String,
 }
 
-/// Why there is no picture.
+/// Why a plot could not be drawn.
 #[derive(Error, Debug)]
 pub enum PlotError {
-    /// Nothing is called so.
+    /// There is no such column.
     #[error("there is no variable `{name}` in the result{}", suggestion(near))]
     UnknownCurve {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// A column of a similar name.
+        /// A column with a similar name.
         near: Option<String>,
     },
     /// Two curves of one panel have different units.
@@ -60,28 +60,28 @@ pub enum PlotError {
         "{width} x {height} px is too small for this picture; it needs {needed} px of height and some 250 px of width"
     )]
     TooSmall {
-        /// Width asked for, px.
+        /// Requested width, px.
         width: u32,
-        /// Height asked for, px.
+        /// Requested height, px.
         height: u32,
-        /// Least height at this width, px.
+        /// Minimum height at this width, px.
         needed: u32,
     },
-    /// More than a viewer, or the memory, is made for.
+    /// Larger than viewers or the memory can handle.
     #[error("{width} x {height} px is too large for a picture")]
     TooLarge {
-        /// Width asked for, px.
+        /// Requested width, px.
         width: u32,
-        /// Height asked for, px.
+        /// Requested height, px.
         height: u32,
     },
-    /// The file name does not say what to draw.
+    /// The extension of the file is not that of a picture format.
     #[error("{}: a picture's name ends in .svg or .png", path.display())]
     Extension {
         /// The file.
         path: PathBuf,
     },
-    /// The result breaks its contract, which is a bug.
+    /// The result violates its invariants, which is a bug.
     #[error("the result is broken: {0}")]
     Broken(#[from] Fault),
     /// The picture could not be drawn, which is a bug.
@@ -93,14 +93,14 @@ pub enum PlotError {
 }
 
 impl PlotSpec {
-    /// A picture of the usual size: 960 px wide, as high as the panels need.
+    /// A plot of the default size: 960 px wide, as high as the panels need.
     pub fn new(title: impl Into<String>, panels: Vec<Panel>) -> Self {
         let height = 110 + 190 * panels.len() as u32;
         PlotSpec { title: title.into(), panels, width: 960, height, events: false }
     }
 }
 
-/// One panel per unit for these variables, in the order in which the units come first.
+/// Groups variables into one panel per unit, in order of the first occurrence of each unit.
 /// Booleans, Integers and Reals never share a panel.
 pub fn panels_for(names: &[&str], columns: &[Column]) -> Result<Vec<Panel>, PlotError> {
     let mut groups: Vec<((&str, Kind), Panel)> = Vec::new();

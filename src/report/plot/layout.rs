@@ -1,55 +1,55 @@
-//! Where things go in a picture; lengths in px from the upper left corner.
+//! Layout of a plot; lengths in px from the upper left corner.
 
-/// What the layout must know of a panel.
+/// Labels of a panel that determine its layout.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PanelText {
-    /// The text at the vertical axis.
+    /// The label of the vertical axis.
     pub axis: String,
     /// The names of the curves.
     pub legend: Vec<String>,
-    /// True for a panel that needs little height, such as one of Booleans.
+    /// The panel needs little height, such as one of Booleans.
     pub low: bool,
 }
 
-/// The places of a whole picture.
+/// The layout of a whole plot.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Layout {
     /// Left end of all panels.
     pub left: f64,
     /// Right end of all panels.
     pub right: f64,
-    /// Middle of the line of the title.
+    /// Vertical middle of the title.
     pub title: f64,
     /// The panels from top to bottom.
     pub panels: Vec<PanelPlace>,
-    /// Middle of the line of the numbers at the time axis.
+    /// Vertical middle of the numbers at the time axis.
     pub time_numbers: f64,
-    /// Middle of the line of the text at the time axis.
+    /// Vertical middle of the label of the time axis.
     pub time_axis: f64,
 }
 
-/// The places of one panel.
+/// The layout of one panel.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PanelPlace {
-    /// Upper end of the curves' area.
+    /// Upper end of the plot area.
     pub top: f64,
-    /// Lower end of the curves' area.
+    /// Lower end of the plot area.
     pub bottom: f64,
-    /// Middle of the line of the axis text, which begins at [`Layout::left`].
+    /// Vertical middle of the axis label, which starts at [`Layout::left`].
     pub axis: f64,
-    /// Left end and middle of the line of each legend entry: a stroke of [`SWATCH`], then the name.
+    /// Left end and vertical middle of each legend entry: a stroke of length [`SWATCH`], then the name.
     pub legend: Vec<(f64, f64)>,
 }
 
-/// Size of the title.
+/// Font size of the title.
 pub const TITLE_SIZE: f64 = 17.0;
-/// Size of axis texts and legends.
+/// Font size of axis labels and legends.
 pub const TEXT_SIZE: f64 = 13.0;
-/// Size of the numbers at the axes.
+/// Font size of the numbers at the axes.
 pub const NUMBER_SIZE: f64 = 12.5;
 /// Length of the stroke in front of a legend entry.
 pub const SWATCH: f64 = 18.0;
-/// From the end of that stroke to the name.
+/// Distance from the end of that stroke to the name.
 pub const SWATCH_GAP: f64 = 6.0;
 
 const MARGIN: f64 = 20.0;
@@ -61,11 +61,11 @@ const NUMBER_GAP: f64 = 8.0;
 const ENTRY_GAP: f64 = 20.0;
 const FOOT: f64 = 48.0;
 const LEAST_PANEL: f64 = 48.0;
-/// Height of a low panel as part of another one's.
+/// Height of a low panel relative to others.
 const LOW: f64 = 0.4;
 
-/// Divides a picture among a title (if `titled`) and panels. `numbers` is the width of the widest
-/// number at a vertical axis. The error is the height that would be enough.
+/// Divides a plot into a title (if `titled`) and panels. `numbers` is the width of the widest number at a
+/// vertical axis. The error is the required height.
 pub fn layout(
     (width, height): (f64, f64),
     titled: bool,
@@ -106,8 +106,8 @@ pub fn layout(
     })
 }
 
-/// Width of a text in the embedded typeface; other typefaces come close. A little too much for
-/// letters outside ASCII.
+/// Width of a text in the embedded typeface; other typefaces are similar. Slightly overestimated for
+/// characters outside ASCII.
 pub fn text_width(text: &str, size: f64) -> f64 {
     let advance = |c: char| {
         let i = (c as usize).wrapping_sub(' ' as usize);
@@ -116,8 +116,7 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     size * text.chars().map(advance).sum::<f64>()
 }
 
-/// The text, or as much of its two ends as fits into `room` px; the end of a dotted name says more
-/// than its middle.
+/// Shortens a text to `room` px by omitting its middle: the end of a dotted name is more informative.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     const CUT: &str = "...";
     if text_width(text, size) <= room {
@@ -142,7 +141,7 @@ pub fn shortened(text: &str, size: f64, room: f64) -> String {
     best
 }
 
-/// Advances of the printable ASCII characters from the space on, in percent of the size.
+/// Advance widths of the printable ASCII characters from the space on, in percent of the font size.
 #[rustfmt::skip]
 const ADVANCES: [u8; 95] = [
     28, 28, 40, 63, 64, 81, 64, 22, 36, 36, 50, 66, 28, 46, 28, 36, 62, 46, 61, 64, 64, 61, 62, 57,
@@ -151,14 +150,14 @@ const ADVANCES: [u8; 95] = [
     59, 24, 24, 54, 24, 87, 59, 60, 61, 61, 37, 52, 36, 58, 56, 81, 54, 56, 54, 36, 33, 36, 66,
 ];
 
-/// The lines above a panel, relative to their upper end.
+/// The header of a panel, relative to its upper end.
 struct Header {
     height: f64,
     legend: Vec<(f64, f64)>,
 }
 
-/// The legend stands right of the axis text, at the right end; where it is too long for that, in
-/// a line of its own below the text, or in several as a table.
+/// Places the legend at the right end of the line of the axis label; if it does not fit, in a separate
+/// line below, or as a table of several lines.
 fn header(text: &PanelText, left: f64, right: f64) -> Header {
     let widths: Vec<f64> = text
         .legend
@@ -174,7 +173,7 @@ fn header(text: &PanelText, left: f64, right: f64) -> Header {
     let mut legend = Vec::with_capacity(widths.len());
     for own in widths {
         let width = if one_line { own } else { widest };
-        // The first entry of a line stays there however long it is.
+        // The first entry of a line stays there regardless of its length.
         if x > left && x + width - ENTRY_GAP > right + 1e-6 {
             (x, line) = (left, line + 1.0);
         }

@@ -1,6 +1,7 @@
-//! Pictures of a run: panels above each other over one time axis, as SVG or PNG.
-//! Sole user of `plotters`, as the surface to draw on: its own charts know neither panels over
-//! one axis nor units, and its coordinates are whole numbers, so a unit here is a tenth of a px.
+//! Plots of a run as SVG or PNG: stacked panels over a common time axis.
+//!
+//! Sole user of `plotters`, as a drawing surface: its charts support neither stacked panels nor units.
+//! Its coordinates are integers, so one unit is a tenth of a px here.
 
 pub mod axis;
 pub mod decimate;
@@ -25,12 +26,12 @@ use super::raster;
 use crate::io::atomic_file::write_file;
 use crate::ir::trajectory::{Kind, Trajectory};
 
-/// Pixels of a PNG per px of the picture, so that it is sharp on today's screens.
+/// Pixels of a PNG per px, for high-resolution screens.
 const PNG_SCALE: u32 = 2;
-/// Axis texts and names of curves are cut to this part of the width.
+/// Maximum width of labels and legend entries, as a fraction of the width.
 const LONGEST_TEXT: f64 = 0.75;
 
-/// Draws `spec` to `path`, as SVG or PNG by its extension; whole or not at all.
+/// Draws `spec` to `path` atomically, as SVG or PNG by its extension.
 pub fn plot(
     trajectory: &Trajectory,
     spec: &PlotSpec,
@@ -39,7 +40,7 @@ pub fn plot(
     write(path.as_ref(), (spec.width, spec.height), || svg(trajectory, spec))
 }
 
-/// Writes a picture of this size in px, as SVG or PNG by the extension; whole or not at all.
+/// Writes a picture of this size in px atomically, as SVG or PNG by the extension.
 pub(super) fn write(
     path: &Path,
     (width, height): (u32, u32),
@@ -59,8 +60,8 @@ pub(super) fn write(
     Ok(write_file(path, &bytes)?)
 }
 
-/// The picture as SVG. Text stays text; a long run is thinned to what the eye can see, so the
-/// size is bounded.
+/// Draws the plot as SVG. Text remains text; curves are decimated to the visible resolution, so the size
+/// is bounded.
 pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError> {
     trajectory.verify()?;
     if trajectory.rows() == 0 {
@@ -113,7 +114,7 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
     })
 }
 
-/// What `draw` leaves on a white surface of this size in px, as SVG.
+/// Calls `draw` with a white canvas of this size in px; returns the SVG.
 pub(super) fn on_canvas(
     (width, height): (u32, u32),
     draw: impl FnOnce(&mut Canvas<'_>) -> Result<(), PlotError>,
@@ -124,7 +125,7 @@ pub(super) fn on_canvas(
     canvas.background(extent)?;
     draw(&mut canvas)?;
     drop(canvas);
-    // The inner drawing counts in tenths of a px; the outer frame makes px of them.
+    // The inner drawing is in tenths of a px; the outer frame scales it.
     Ok(format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
          viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n{drawing}</svg>\n",
@@ -134,19 +135,19 @@ pub(super) fn on_canvas(
 
 /// Units of the drawing per px.
 pub(super) const TENTHS: f64 = 10.0;
-/// Greatest width and height, px.
+/// Maximum width and height, px.
 const MOST_LENGTH: u32 = 20_000;
-/// Greatest area of a PNG, px: a quarter of a gigabyte while it is drawn.
+/// Maximum area of a PNG, px: a quarter of a gigabyte during drawing.
 const MOST_AREA: u64 = 16_000_000;
-/// Least width of the curves' area, px.
+/// Minimum width of the plot area, px.
 const LEAST_WIDTH: f64 = 150.0;
-/// Points of all curves together; at about ten bytes each the picture stays below 300 kB.
+/// Maximum number of points of all curves; at about ten bytes each a plot is smaller than 300 kB.
 const POINTS: usize = 20_000;
-/// Event lines closer than this on average hide the curves and are left out, px.
+/// Average distance of event lines below which they are omitted, because they would hide the curves, px.
 const EVENT_SPACING: f64 = 12.0;
 
-/// The colours of Okabe and Ito (2008), which also colour-blind readers tell apart; those that
-/// differ most first, the pale yellow last.
+/// The colours of Okabe and Ito (2008), which colour-blind readers can distinguish; those that differ
+/// most first, the pale yellow last.
 pub(super) const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -161,9 +162,9 @@ pub(super) const GRID: Stroke = Stroke { colour: RGBColor(232, 232, 232), width:
 pub(super) const BASE: Stroke = Stroke { colour: RGBColor(140, 140, 140), width: 1.0 };
 const EVENT: Stroke = Stroke { colour: RGBColor(190, 205, 222), width: 1.0 };
 const CURVE_WIDTH: f64 = 1.8;
-/// From one Boolean curve of a panel up to the next, px.
+/// Vertical offset between the Boolean curves of a panel, px.
 const BOOLEAN_STEP: f64 = 2.4;
-/// Width of the curves once the colours begin anew.
+/// Width of the curves when colours are reused.
 const REPEATED_WIDTH: f64 = 1.0;
 
 pub(super) const TITLE: Lettering = Lettering {
@@ -185,8 +186,8 @@ pub(super) const NUMBER: Lettering = Lettering {
     at: HPos::Right,
 };
 
-/// The layout and the marks of each vertical axis. How wide the numbers are depends on how high
-/// the panels are, but not the other way round; so the first layout tells the heights.
+/// The layout and the tick marks of each vertical axis. The width of the numbers depends on the heights
+/// of the panels but not vice versa, so a first layout determines the heights.
 fn arrange(
     size: (f64, f64),
     titled: bool,
@@ -204,7 +205,7 @@ fn arrange(
     Ok((layout::layout(size, titled, numbers, texts)?, marks))
 }
 
-/// What all panels share.
+/// Common properties of all panels.
 struct Frame<'a> {
     trajectory: &'a Trajectory,
     times: &'a Axis,
@@ -215,12 +216,12 @@ impl Frame<'_> {
     fn x(&self, time: f64) -> f64 {
         self.layout.left + self.times.part(time) * (self.layout.right - self.layout.left)
     }
-    /// Where a mark of the time axis stands.
+    /// Position of a tick mark of the time axis.
     fn mark(&self, shown: f64) -> f64 {
         let part = self.times.part_of_shown(shown);
         self.layout.left + part * (self.layout.right - self.layout.left)
     }
-    /// The places of the event lines; none where they would hide the curves.
+    /// Positions of the event lines; none if they would hide the curves.
     fn instants(&self) -> Vec<f64> {
         let inside = 0.0..=1.0;
         let events = self.trajectory.events.iter();
@@ -268,7 +269,7 @@ impl Frame<'_> {
             (points / PER_COLUMN).clamp(8, (self.layout.right - self.layout.left) as usize);
         let height = place.bottom - place.top;
         for (i, (_, values)) in panel.curves.iter().enumerate() {
-            // Booleans have only two heights: side by side, none hides another.
+            // Booleans have only two values: an offset keeps them from hiding each other.
             let beside = if panel.kind == Kind::Boolean { i as f64 * BOOLEAN_STEP } else { 0.0 };
             let kept = decimate(time, values, columns).into_iter();
             let path = merge_straight(kept.map(|row| {
@@ -312,13 +313,13 @@ pub(super) fn curve_stroke(i: usize) -> Stroke {
     Stroke { colour: PALETTE[i % PALETTE.len()], width }
 }
 
-/// A line's colour and width in px.
+/// Colour and width of a line, px.
 pub(super) struct Stroke {
     pub(super) colour: RGBColor,
     pub(super) width: f64,
 }
 
-/// A text's size in px, colour, weight, and which end of it stands at its place.
+/// Font size in px, colour, weight and anchor of a text.
 #[derive(Clone, Copy)]
 pub(super) struct Lettering {
     size: f64,
@@ -327,13 +328,13 @@ pub(super) struct Lettering {
     at: HPos,
 }
 
-/// The surface: px in, tenths of a px out.
+/// The drawing surface: converts px to tenths of a px.
 pub(super) struct Canvas<'a> {
     svg: SVGBackend<'a>,
 }
 
 impl Lettering {
-    /// The same with its middle at its place.
+    /// The same, anchored at its middle.
     pub(super) fn centred(self) -> Self {
         Lettering { at: HPos::Center, ..self }
     }
@@ -366,9 +367,9 @@ impl Canvas<'_> {
         place: (f64, f64),
         lettering: &Lettering,
     ) -> Result<(), PlotError> {
-        // XML has no way to write control characters.
+        // XML cannot represent control characters.
         let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        // `plotters` divides the size it is given by this.
+        // `plotters` divides the given size by this.
         let size = lettering.size * TENTHS * 1.24;
         let weight = if lettering.bold { FontStyle::Bold } else { FontStyle::Normal };
         let font = FontDesc::new(FontFamily::Name(FAMILIES), size, weight);
@@ -379,10 +380,10 @@ impl Canvas<'_> {
     }
 }
 
-/// The embedded typeface where it is installed or the picture becomes a PNG, else its like.
+/// The embedded typeface if it is installed or the picture is rendered to PNG, else a similar one.
 const FAMILIES: &str = "Inter, Helvetica, Arial, sans-serif";
 
-/// Coordinates as the surface counts them.
+/// Coordinates of the surface.
 pub(super) fn tenths((x, y): (f64, f64)) -> (i32, i32) {
     ((x * TENTHS).round() as i32, (y * TENTHS).round() as i32)
 }
@@ -398,7 +399,7 @@ mod tests {
     use crate::io::atomic_file::tests::Scratch;
     use crate::ir::trajectory::{Column, Event};
 
-    /// A damped swing of a piston that hits a stop, with `rows` rows and an event in the middle.
+    /// A damped oscillation of a piston that hits a stop, with `rows` rows and an event in the middle.
     fn run(rows: usize) -> Trajectory {
         let open = Column { kind: Kind::Boolean, ..Column::new("valve.open", "") };
         let columns = vec![Column::new("chamber[1,2].p", "Pa"), Column::new("piston.s", "m"), open];
@@ -420,7 +421,7 @@ mod tests {
         PlotSpec::new("A <valve> & more", panels_for(&names, &run.columns).unwrap())
     }
 
-    /// The points of each polyline that has the colour of a first curve, legend strokes left out.
+    /// The points of each polyline in the colour of a first curve, without legend strokes.
     fn first_curves(svg: &str) -> Vec<Vec<(i32, i32)>> {
         let colour = "stroke=\"#0072B2\"";
         let points = |line: &str| -> Vec<(i32, i32)> {

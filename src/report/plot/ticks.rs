@@ -1,6 +1,6 @@
-//! Round numbers along an axis.
+//! Tick marks at round numbers.
 
-/// Marks at round values within a range.
+/// Tick marks at round values within a range.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ticks {
     /// The marks, ascending, all within the range.
@@ -10,7 +10,7 @@ pub struct Ticks {
 }
 
 /// About `wanted` marks in `low..=high`, at multiples of 1, 2 or 5 times a power of ten.
-/// Without extent (or with bounds that are not finite) there is one mark, at `low`.
+/// An empty range (or one that is not finite) has one mark, at `low`.
 pub fn ticks(low: f64, high: f64, wanted: usize) -> Ticks {
     let step = round_step((high - low) / wanted.max(1) as f64);
     // Beyond 2^53 steps from zero the multiples are no longer distinct numbers.
@@ -18,7 +18,7 @@ pub fn ticks(low: f64, high: f64, wanted: usize) -> Ticks {
     if !(step > 0.0 && step.is_finite() && countable(low) && countable(high)) {
         return Ticks { values: vec![low], labels: vec![label(low, 0)] };
     }
-    // A bound that misses a multiple by rounding only still gets its mark.
+    // A bound that misses a multiple by a rounding error still gets its mark.
     let slack = 1e-9;
     let first = (low / step - slack).ceil() as i64;
     let last = (high / step + slack).floor() as i64;
@@ -47,10 +47,10 @@ pub fn decades(low: f64, high: f64) -> Ticks {
     Ticks { values: powers.clone().map(f64::from).collect(), labels: powers.map(label).collect() }
 }
 
-/// Of 1, 2, 5 times a power of ten the one with the ratio to `rough` nearest to one.
+/// The number among 1, 2, 5 times a power of ten with the ratio to `rough` closest to one.
 fn round_step(rough: f64) -> f64 {
     let power = 10_f64.powf(rough.log10().floor());
-    // The digits change at the geometric means of their neighbours.
+    // The boundaries are the geometric means of adjacent numbers.
     let digit = match rough / power {
         r if r < 2_f64.sqrt() => 1.0,
         r if r < 10_f64.sqrt() => 2.0,
@@ -60,7 +60,7 @@ fn round_step(rough: f64) -> f64 {
     digit * power
 }
 
-/// With a true minus sign, and none before zero.
+/// Uses a typographic minus sign, and none for zero.
 fn label(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value.abs());
     let zero = text.chars().all(|c| matches!(c, '0' | '.'));

@@ -1,4 +1,4 @@
-//! A picture of components as SVG: boxes, lines by what goes through them, a legend.
+//! Draws a layout as SVG: boxes, lines coloured by physical domain, and a legend.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ const INK: &str = "#1a1a1a";
 const FAINT: &str = "#5b6470";
 /// Height of the legend, px.
 const LEGEND: f64 = 26.0;
-/// Half of the side of a connector.
+/// Half the size of a connector.
 const PORT: f64 = 3.5;
 
 /// Colour of lines.
@@ -28,8 +28,8 @@ pub fn colour(domain: Domain) -> &'static str {
     }
 }
 
-/// Draws the picture; `note` says more about a component, and `place` where a link is written. What can
-/// be opened is marked.
+/// Draws a picture; `note` gives the tooltip of a component, and `place` the source position of a link.
+/// Components with contents are marked.
 pub fn svg(
     picture: &Picture,
     assembly: &Assembly,
@@ -77,7 +77,8 @@ fn lines(
         }
         let dash = if first.connect { "" } else { " stroke-dasharray=\"5 3\"" };
         let kind = if first.connect { "connect" } else { "reads" };
-        let texts: Vec<String> = line.links.iter().map(|k| told(assembly, *k, place(*k))).collect();
+        let texts: Vec<String> =
+            line.links.iter().map(|k| link_tooltip(assembly, *k, place(*k))).collect();
         let _ = writeln!(
             out,
             "<g class=\"wire {kind} {}\"><path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"{dash} stroke-linejoin=\"round\"/>\
@@ -93,8 +94,8 @@ fn lines(
     }
 }
 
-/// What a link says, with its place.
-fn told(assembly: &Assembly, link: usize, place: String) -> String {
+/// The tooltip of a link with its source position.
+fn link_tooltip(assembly: &Assembly, link: usize, place: String) -> String {
     let l = &assembly.links[link];
     let end = |k: usize| {
         let e = &l.ends[k];
@@ -157,7 +158,7 @@ fn part(
     let name = escaped(&shortened(assembly.short(shape.part), NAME_SIZE * 1.06, w - 12.0));
     let middle = x + 0.5 * w;
     if h < 34.0 {
-        // A bar: one line of text.
+        // A bar has one line of text.
         let class = escaped(class);
         let _ = writeln!(
             out,
@@ -177,7 +178,7 @@ fn part(
     out.push_str("</g>\n");
 }
 
-/// Squares where lines meet boxes, triangles where something is read.
+/// Draws squares at connectors, and triangles at inputs.
 fn terminals(picture: &Picture, assembly: &Assembly, out: &mut String) {
     for line in &picture.lines {
         let link = &assembly.links[line.links[0]];

@@ -1,15 +1,15 @@
-//! Which part stands in which layer: breadth first from the part with most lines.
+//! Assigns parts to layers by breadth-first search from the part with most lines.
 
 use crate::ir::assembly::{Assembly, Link};
 use crate::report::plot::layout::text_width;
 
-/// Lines at one connector from which on its part is a bar.
+/// Number of lines at one connector from which on its part is a bar.
 const BAR: usize = 4;
-/// Height of a box and of the holder's own connectors, px.
+/// Height of a box, of a connector of the enclosing component, and of a bar, px.
 pub const HEIGHT: f64 = 40.0;
 const PIN_HEIGHT: f64 = 24.0;
 const BAR_HEIGHT: f64 = 30.0;
-/// Least and greatest width of a box, px.
+/// Minimum and maximum width of a box, px.
 const NARROW: f64 = 66.0;
 const WIDE: f64 = 132.0;
 /// Size of the name in a box.
@@ -17,59 +17,59 @@ pub const NAME_SIZE: f64 = 12.5;
 /// Size of the class in a box.
 pub const CLASS_SIZE: f64 = 10.5;
 
-/// A part, one of the holder's own connectors, or a place where a long line passes a layer.
+/// A part, a connector of the enclosing component, or a dummy node where a long line passes a layer.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// The component; none where a line passes.
+    /// The component; `None` for a dummy node.
     pub part: Option<usize>,
-    /// The connector of the holder.
+    /// The connector of the enclosing component.
     pub pin: Option<String>,
-    /// Spans all its lines.
+    /// A bar that spans all its lines.
     pub bar: bool,
-    /// Counted from the hub.
+    /// Layer, counted from the hub.
     pub layer: usize,
-    /// Along the layer, and across it.
+    /// Size along the layer and across it.
     pub size: [f64; 2],
-    /// Its middle along the layer.
+    /// Position of its middle along the layer.
     pub at: f64,
 }
 
-/// A part of a line between neighbouring layers, or within one.
+/// A segment of a line between adjacent layers or within one.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// The line.
     pub wire: usize,
     /// Nodes, the lower layer first.
     pub nodes: [usize; 2],
-    /// Connectors at these nodes; empty where a line passes.
+    /// Connectors at these nodes; empty for dummy nodes.
     pub ports: [String; 2],
 }
 
 /// A line.
 #[derive(Clone, Debug)]
 pub struct Wire {
-    /// The links that it stands for.
+    /// The links that it represents.
     pub links: Vec<usize>,
-    /// Its pieces from the first end on; true if it runs through a piece from the lower node.
+    /// Its segments from the first end on; true if it runs upwards through a segment.
     pub pieces: Vec<(usize, bool)>,
 }
 
-/// What one component holds, in layers.
+/// The contents of a component in layers.
 #[derive(Clone, Debug)]
 pub struct Graph {
     /// All nodes.
     pub nodes: Vec<Node>,
     /// All lines.
     pub wires: Vec<Wire>,
-    /// Their pieces.
+    /// Their segments.
     pub pieces: Vec<Piece>,
     /// Nodes of each layer in order.
     pub layers: Vec<Vec<usize>>,
-    /// Layers stand side by side, for chains; otherwise the first is the lowest.
+    /// Layers are side by side, for chains; otherwise the first one is at the bottom.
     pub sideways: bool,
 }
 
-/// A line between nodes, before it is cut.
+/// A line between nodes, before it is split into segments.
 struct Edge {
     links: Vec<usize>,
     nodes: [usize; 2],
@@ -77,7 +77,7 @@ struct Edge {
 }
 
 impl Graph {
-    /// The parts in layers, those of a layer in order of declaration.
+    /// Assigns the parts to layers, each in order of declaration.
     pub fn new(assembly: &Assembly, level: usize, children: &[usize]) -> Graph {
         let mut nodes: Vec<Node> = children
             .iter()
@@ -100,7 +100,7 @@ impl Graph {
         }
         let mut graph =
             Graph { nodes, wires: Vec::new(), pieces: Vec::new(), layers: Vec::new(), sideways };
-        edges.into_iter().for_each(|edge| graph.cut(edge));
+        edges.into_iter().for_each(|edge| graph.split(edge));
         let count = graph.nodes.iter().map(|n| n.layer + 1).max().unwrap_or(0);
         graph.layers = vec![Vec::new(); count];
         for (k, node) in graph.nodes.iter().enumerate() {
@@ -109,8 +109,8 @@ impl Graph {
         graph
     }
 
-    /// Adds a line, with a node in each layer that it passes.
-    fn cut(&mut self, edge: Edge) {
+    /// Adds a line, with a dummy node in each layer that it passes.
+    fn split(&mut self, edge: Edge) {
         let Edge { links, nodes: [a, b], ports: [port_a, port_b] } = edge;
         let wire = self.wires.len();
         let rises = self.nodes[a].layer <= self.nodes[b].layer;
@@ -139,7 +139,7 @@ impl Graph {
         self.wires.push(Wire { links, pieces });
     }
 
-    /// Whether a piece stays within its layer.
+    /// True if a segment is within one layer.
     pub fn is_level(&self, piece: &Piece) -> bool {
         self.nodes[piece.nodes[0]].layer == self.nodes[piece.nodes[1]].layer
     }
@@ -151,18 +151,18 @@ fn width(assembly: &Assembly, part: usize) -> f64 {
     (name.max(text_width(class, CLASS_SIZE)) + 16.0).clamp(NARROW, WIDE).round()
 }
 
-/// The last part of a class's full name.
+/// The last identifier of the full name of a class.
 pub fn class_name(full: &str) -> &str {
     full.rsplit('.').next().unwrap_or(full)
 }
 
-/// The lines of a level; adds the holder's own connectors to the nodes.
+/// The lines of a level; adds the connectors of the enclosing component to the nodes.
 fn edges(assembly: &Assembly, level: usize, nodes: &mut Vec<Node>) -> Vec<Edge> {
     let mut edges: Vec<Edge> = Vec::new();
     for (k, link) in assembly.links.iter().enumerate().filter(|(_, l)| l.holder == level) {
         let ends = [0, 1].map(|i| node_of(link, i, level, nodes));
         let ports = [0, 1].map(|i| link.ends[i].port.clone());
-        // What one part reads of another is one line, however many inputs it feeds.
+        // All inputs that one part reads from another are one line.
         let same = edges
             .iter_mut()
             .find(|e| !link.connect && e.nodes == ends && !assembly.links[e.links[0]].connect);
@@ -186,7 +186,7 @@ fn node_of(link: &Link, end: usize, level: usize, nodes: &mut Vec<Node>) -> usiz
     })
 }
 
-/// Makes bars of parts with many lines at one connector; the part with most lines.
+/// Turns parts with many lines at one connector into bars; returns the part with most lines.
 fn mark_bars(nodes: &mut [Node], edges: &[Edge]) -> usize {
     let mut most = (0, 0);
     for (k, node) in nodes.iter_mut().enumerate() {
@@ -228,7 +228,7 @@ fn distances(count: usize, edges: &[Edge], root: usize, closed: &[bool]) -> Vec<
     found
 }
 
-/// Where a chain begins: the first node that is farthest from its middle.
+/// The end of a chain: the first node that is farthest from its middle.
 fn far_end(nodes: &[Node], edges: &[Edge], middle: usize) -> usize {
     let far = distances(nodes.len(), edges, middle, &vec![false; nodes.len()]);
     let farthest = far.iter().flatten().max().copied();
@@ -238,7 +238,7 @@ fn far_end(nodes: &[Node], edges: &[Edge], middle: usize) -> usize {
 fn assign(nodes: &mut [Node], edges: &[Edge], root: usize) {
     let closed: Vec<bool> = nodes.iter().enumerate().map(|(k, n)| n.bar && k != root).collect();
     let mut layer = distances(nodes.len(), edges, root, &closed);
-    // What hangs together but not with the hub begins beside the hub's neighbours.
+    // Components that are not connected to the hub start next to its neighbours.
     let first = usize::from(nodes[root].bar);
     while let Some(k) = (0..nodes.len()).find(|&k| layer[k].is_none() && !closed[k]) {
         let own = distances(nodes.len(), edges, k, &closed);
@@ -258,8 +258,8 @@ fn assign(nodes: &mut [Node], edges: &[Edge], root: usize) {
         };
         edges.iter().filter_map(other).filter(|&o| !closed[o]).map(|o| nodes[o].layer).collect()
     };
-    // A part beside one of its neighbours, with nothing above, goes up: lines within a layer are harder
-    // to follow.
+    // Move a part up that is in the layer of its neighbour with nothing above: lines within a layer are
+    // harder to follow.
     for _ in 0..3 {
         for k in (0..nodes.len()).filter(|&k| !closed[k]) {
             let (own, around) = (nodes[k].layer, neighbours(k, nodes));

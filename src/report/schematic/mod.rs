@@ -1,13 +1,12 @@
-//! Components and their connections as a picture that follows the connections: SVG.
+//! Draws components and their connections as SVG.
 //!
-//! In comes an [`Assembly`] and one of its components; out goes what that component holds.
-//! Where every part has an `annotation(Placement(...))`, the parts stand where it says. Otherwise they
-//! are laid out in layers around the part that most others are connected to, as with the spool of a
-//! valve: K. Sugiyama, S. Tagawa, M. Toda, "Methods for visual understanding of hierarchical system
-//! structures", IEEE Trans. SMC 11 (1981) 109-125, with lines at right angles in the channels between
-//! the layers: D. N. Deutsch, "A dogleg channel router", DAC 1976. A connector with many lines makes
-//! its part a bar that spans them. Everything is decided by declaration order: equal models give equal
-//! pictures.
+//! In: an [`Assembly`] and one of its components. Out: a picture of the contents of that component. If
+//! every part has an `annotation(Placement(...))`, it determines the layout. Otherwise parts are arranged
+//! in layers around the part with most connections, such as the spool of a valve: K. Sugiyama, S. Tagawa,
+//! M. Toda, "Methods for visual understanding of hierarchical system structures", IEEE Trans. SMC 11
+//! (1981) 109-125, with orthogonal lines in the channels between the layers: D. N. Deutsch, "A dogleg
+//! channel router", DAC 1976. A part with many lines at one connector becomes a bar that spans them. Ties
+//! are broken by declaration order, so equal models give equal pictures.
 
 pub mod draw;
 pub mod layers;
@@ -18,15 +17,15 @@ pub mod route;
 
 use crate::ir::assembly::Assembly;
 
-/// Parts of one level beyond which nothing is drawn: nobody could read it.
+/// Maximum number of parts in a picture; more would be unreadable.
 pub const MOST_PARTS: usize = 250;
 
 /// A box.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Shape {
-    /// The component, or the holder itself for one of its own connectors.
+    /// The component, or the enclosing component for one of its own connectors.
     pub part: usize,
-    /// The connector of the holder, if it is one.
+    /// The connector of the enclosing component, if it is one.
     pub pin: Option<String>,
     /// Left, top, width, height, px.
     pub area: [f64; 4],
@@ -35,13 +34,13 @@ pub struct Shape {
 /// A line; its corners in px.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Line {
-    /// Positions of the links that it draws: one, or all inputs that one part reads of another.
+    /// Positions of the links that it represents: one, or all inputs that one part reads from another.
     pub links: Vec<usize>,
     /// The corners.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Everything in its place, px from the upper left corner.
+/// A complete layout, px from the upper left corner.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Picture {
     /// Width and height.
@@ -50,11 +49,11 @@ pub struct Picture {
     pub shapes: Vec<Shape>,
     /// The lines.
     pub lines: Vec<Line>,
-    /// Where lines of one connector part.
+    /// Junctions of the lines of one connector.
     pub dots: Vec<(usize, [f64; 2])>,
 }
 
-/// The components that `level` holds with their connections; nothing if there are none or too many.
+/// Lays out the components in `level` with their connections; `None` if there are none or too many.
 pub fn picture(assembly: &Assembly, level: usize) -> Option<Picture> {
     let children = assembly.children(level);
     if children.is_empty() || children.len() > MOST_PARTS {
@@ -69,7 +68,7 @@ pub fn picture(assembly: &Assembly, level: usize) -> Option<Picture> {
     Some(route::route(&graph))
 }
 
-/// The order in which parts of `level` stand from left to right, such as seals along a spool.
+/// The order of parts from left to right, such as seals along a spool.
 pub fn sequence(picture: &Picture, parts: &[usize]) -> Vec<usize> {
     let centre = |part: usize| {
         let shape = picture.shapes.iter().find(|s| s.part == part && s.pin.is_none());

@@ -1,23 +1,24 @@
-//! The order within the layers, with few crossings.
+//! Orders the nodes within layers to reduce crossings.
 
 use super::layers::{Graph, Node};
 
-/// Passes over all layers.
+/// Number of passes over all layers.
 const PASSES: usize = 24;
-/// Pieces beyond which there are an eighth of the passes: a picture of so many is read for its parts.
+/// Number of segments from which on only an eighth of the passes is made: crossings matter less in
+/// pictures that large.
 const MANY: usize = 250;
-/// Layers up to this length are tried with every place for every node, longer ones with neighbours
-/// only.
+/// Length of layers up to which every position is tried for every node; in longer layers only adjacent
+/// ones.
 const SHORT: usize = 24;
-/// What a crossing costs, in places of displacement.
+/// Cost of a crossing, in positions of displacement.
 const CROSSING: f64 = 6.0;
-/// What a place costs between two nodes of a layer that are joined.
+/// Cost of each position between two connected nodes of a layer.
 const APART: f64 = 1.5;
 
 /// Orders the nodes of each layer.
 pub fn order(graph: &mut Graph) {
     begin(graph);
-    // What stands on a bar at the bottom stays as the chains put it: that is the order of the machine.
+    // Keep the order of chains on a bar at the bottom: it is the order of the machine.
     let pinned = graph.layers.first().is_some_and(|l| l.iter().any(|&n| graph.nodes[n].bar));
     let is_free = |layer: usize| layer != 1 || !pinned;
     let first = graph.layers.clone();
@@ -38,14 +39,14 @@ pub fn order(graph: &mut Graph) {
     if pinned {
         return;
     }
-    // A picture and its mirror image are equally simple: the one nearer to the order of the text stays.
+    // Of a picture and its mirror image, keep the one closer to the order of declaration.
     let turned: isize = graph.layers.iter().zip(&first).map(|(a, b)| inversions(a, b)).sum();
     if turned > 0 {
         graph.layers.iter_mut().for_each(|layer| layer.reverse());
     }
 }
 
-/// Pairs of a layer that stand the other way round than before, less those that do not.
+/// Number of inverted pairs of a layer minus the number of others.
 fn inversions(after: &[usize], before: &[usize]) -> isize {
     let place = |n: &usize| before.iter().position(|m| m == n);
     let places: Vec<Option<usize>> = after.iter().map(place).collect();
@@ -58,7 +59,7 @@ fn inversions(after: &[usize], before: &[usize]) -> isize {
     sum
 }
 
-/// Exchanges neighbours and lets the layers around follow: what no node can gain by moving alone.
+/// Swaps adjacent nodes and reorders the layers around: improvements that moving single nodes misses.
 fn exchange(graph: &mut Graph, is_free: &dyn Fn(usize) -> bool) {
     let count = graph.layers.len();
     if graph.layers.iter().any(|l| l.len() > SHORT) {
@@ -88,8 +89,9 @@ fn exchange(graph: &mut Graph, is_free: &dyn Fn(usize) -> bool) {
     }
 }
 
-/// The neighbours of a bar in the middle of their row if many stand at one connector, those of its
-/// other connectors to the left and right in turn; other layers below their neighbours.
+/// Initial order: neighbours at a connector of a bar with many of them in the middle of the row, those of
+/// its other connectors alternately to the left and right; other layers by the position of their
+/// neighbours.
 fn begin(graph: &mut Graph) {
     let hub = graph.layers.first().and_then(|l| l.first()).copied();
     if let Some(hub) = hub.filter(|h| graph.nodes[*h].bar && graph.layers.len() > 1) {
@@ -103,8 +105,8 @@ fn begin(graph: &mut Graph) {
         let main = row.iter().find(|(_, p)| size(p) == most).map(|(_, p)| p.clone());
         let (middle, others): (Vec<_>, Vec<_>) =
             row.iter().partition(|(_, p)| Some(p) == main.as_ref());
-        // What is joined with others of the row stands nearer to them than what is not, and comes first:
-        // the piston on the left, the spring on the right.
+        // Nodes connected to others of the row come first and closer to them: the piston on the left, the
+        // spring on the right.
         let shares = |node: usize| {
             row.iter().any(|(other, _)| *other != node && near(graph, hub, node, *other) > 0)
         };
@@ -133,9 +135,8 @@ fn begin(graph: &mut Graph) {
     }
 }
 
-/// The nodes of a row so that those stand side by side that share a neighbour, as seals share the
-/// chamber between them: heaviest pairs first, as long as they make chains. Chains stand where their
-/// nodes stood.
+/// Orders a row so that nodes that share a neighbour are adjacent, like seals that share a chamber:
+/// heaviest pairs first, as long as they form chains. Chains take the positions of their nodes.
 fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
     let hub = graph.layers[0][0];
     let mut pairs: Vec<(usize, usize, usize)> = Vec::new();
@@ -177,8 +178,8 @@ fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
     chains.into_iter().flatten().map(|i| row[i]).collect()
 }
 
-/// How much two nodes of the hub's row belong together: by a line between them, by neighbours that they
-/// share; what they share with many others says less.
+/// Affinity of two nodes in the row of the hub: by a line between them, and by common neighbours, weighted
+/// less if many nodes share them.
 fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
     let around = |node: usize| {
         let other = |p: &super::layers::Piece| match p.nodes {
@@ -186,7 +187,7 @@ fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
             [x, y] if y == node => Some(x),
             _ => None,
         };
-        // A long line leads to where it ends.
+        // Follow a long line to its end.
         let end = |n: usize| {
             if graph.nodes[n].part.is_some() {
                 return n;
@@ -204,7 +205,7 @@ fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
     shared + 16 * of_a.iter().filter(|n| **n == b).count()
 }
 
-/// The place of each node in its layer, from the middle.
+/// The position of each node in its layer, from the middle.
 fn places(graph: &Graph) -> Vec<f64> {
     let mut place = vec![0.0; graph.nodes.len()];
     for layer in &graph.layers {
@@ -215,7 +216,7 @@ fn places(graph: &Graph) -> Vec<f64> {
     place
 }
 
-/// Moves nodes of a layer as long as that makes the picture simpler.
+/// Moves nodes of a layer while this reduces the cost.
 fn improve(graph: &mut Graph, layer: usize) -> bool {
     let count = graph.layers[layer].len();
     let mut best = cost(graph, layer);
@@ -237,7 +238,7 @@ fn improve(graph: &mut Graph, layer: usize) -> bool {
     better
 }
 
-/// Crossings in the channels around a layer, and how far what is joined stands apart.
+/// Cost of a layer: crossings in the adjacent channels, and distances of connected nodes.
 fn cost(graph: &Graph, layer: usize) -> f64 {
     let place = places(graph);
     let bar = |n: usize| graph.nodes[n].bar;
@@ -264,7 +265,7 @@ fn cost(graph: &Graph, layer: usize) -> f64 {
         }
         let (left, right) = (place[a].min(place[b]), place[a].max(place[b]));
         sum += APART * (right - left);
-        // Lines that rise from between the two cross what joins them.
+        // Lines that rise between the two cross their connection.
         let rising = graph.pieces.iter().filter(|q| {
             let at = place[q.nodes[0]];
             graph.nodes[q.nodes[0]].layer == layer && !graph.is_level(q) && left < at && at < right

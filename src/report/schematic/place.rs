@@ -1,18 +1,18 @@
-//! Places along the layers: as straight above each other as the order allows.
+//! Positions nodes along the layers, so that lines are as straight as the order allows.
 
 use super::layers::{Graph, Piece};
 
-/// Distances between neighbours, px.
+/// Minimum distances of boxes and of lines, px.
 const GAP: f64 = 22.0;
 const GAP_OF_LINES: f64 = 16.0;
-/// What is bent by less is made straight, px.
+/// Offset up to which a line is straightened, px.
 const NEARLY: f64 = 26.0;
-/// Rounds over all layers.
+/// Number of passes over all layers.
 const ROUNDS: usize = 60;
-/// How much more a passing line insists on being straight.
+/// Additional weight of the straightness of long lines.
 const STRAIGHT: f64 = 3.0;
 
-/// Sets [`Node::at`](super::layers::Node::at) of all nodes but bars.
+/// Sets [`Node::at`](super::layers::Node::at) of all nodes except bars.
 pub fn place(graph: &mut Graph) {
     for layer in 0..graph.layers.len() {
         let offsets = offsets(graph, layer);
@@ -35,8 +35,8 @@ pub fn place(graph: &mut Graph) {
     }
 }
 
-/// Moves what is nearly straight, if there is room: passing lines below or above what they come from,
-/// and boxes with one line above what it leads to.
+/// Straightens lines that are nearly straight, if there is space: aligns dummy nodes with their
+/// neighbours, and boxes with one line with its other end.
 fn straighten(graph: &mut Graph, layer: usize) {
     for k in 0..graph.layers[layer].len() {
         let node = graph.layers[layer][k];
@@ -68,7 +68,7 @@ fn straighten(graph: &mut Graph, layer: usize) {
     }
 }
 
-/// How far each node of a layer stands from the first if all stand close.
+/// Minimum distance of each node of a layer from the first.
 fn offsets(graph: &Graph, layer: usize) -> Vec<f64> {
     let mut at = 0.0;
     let mut out = Vec::new();
@@ -85,13 +85,13 @@ fn offsets(graph: &Graph, layer: usize) -> Vec<f64> {
     out
 }
 
-/// Brings the nodes of a layer as near to their neighbours as their order allows: least squares with
-/// the order kept, by pooling adjacent violators (Barlow, Bartholomew, Bremner and Brunk 1972).
+/// Moves the nodes of a layer as close to their neighbours as their order allows: isotonic least squares
+/// by pooling adjacent violators (Barlow, Bartholomew, Bremner and Brunk 1972).
 fn settle(graph: &mut Graph, layer: usize) {
     let row = graph.layers[layer].clone();
     let offsets = offsets(graph, layer);
-    let wish: Vec<(f64, f64)> = row.iter().map(|&n| wish(graph, n)).collect();
-    // Blocks of nodes that stand close: sum of weights, weighted sum of wishes, number.
+    let wish: Vec<(f64, f64)> = row.iter().map(|&n| target(graph, n)).collect();
+    // Blocks of adjacent nodes: sum of weights, weighted sum of targets, number.
     let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
     for (k, (at, weight)) in wish.iter().enumerate() {
         blocks.push((*weight, weight * (at - offsets[k]), 1));
@@ -113,8 +113,8 @@ fn settle(graph: &mut Graph, layer: usize) {
     }
 }
 
-/// Where a node would like to stand, and how much.
-fn wish(graph: &Graph, node: usize) -> (f64, f64) {
+/// The preferred position of a node and its weight.
+fn target(graph: &Graph, node: usize) -> (f64, f64) {
     let (mut sum, mut weight) = (0.0, 0.0);
     for piece in graph.pieces.iter().filter(|p| p.nodes.contains(&node) && !graph.is_level(p)) {
         let me = usize::from(piece.nodes[1] == node);
@@ -134,8 +134,8 @@ fn wish(graph: &Graph, node: usize) -> (f64, f64) {
     }
 }
 
-/// Where a piece meets its node, from the node's middle: connectors of one side stand at equal
-/// distances, in the order of what they lead to.
+/// Position where a segment meets its node, from its middle: connectors of one side are equidistant, in
+/// the order of their other ends.
 pub fn terminal(graph: &Graph, piece: &Piece, end: usize) -> f64 {
     let node = piece.nodes[end];
     if graph.nodes[node].part.is_none() {

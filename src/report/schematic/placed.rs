@@ -1,4 +1,4 @@
-//! Parts where their annotations put them.
+//! Layout by `Placement` annotations.
 
 use super::layers::HEIGHT;
 use super::route::{framed, straightened};
@@ -8,7 +8,7 @@ use crate::ir::assembly::Assembly;
 /// Width of the narrowest icon in the picture, px.
 const NARROWEST: f64 = 84.0;
 
-/// The picture, if every component of a level says where it stands.
+/// The picture, if every component of a level has a `Placement`.
 pub fn picture(assembly: &Assembly, level: usize, children: &[usize]) -> Option<Picture> {
     let placements: Vec<[f64; 4]> =
         children.iter().map(|&c| assembly.parts[c].placement).collect::<Option<_>>()?;
@@ -27,7 +27,7 @@ pub fn picture(assembly: &Assembly, level: usize, children: &[usize]) -> Option<
         .zip(&placements)
         .map(|(&part, p)| Shape { part, pin: None, area: area(*p) })
         .collect();
-    // The holder's own connectors have no place: they stand below in a row.
+    // Connectors of the enclosing component have no placement: arrange them in a row below.
     let floor = shapes.iter().map(|s| s.area[1] + s.area[3]).fold(f64::NEG_INFINITY, f64::max);
     let left = shapes.iter().map(|s| s.area[0]).fold(f64::INFINITY, f64::min);
     let mut lines = Vec::new();
@@ -49,7 +49,7 @@ pub fn picture(assembly: &Assembly, level: usize, children: &[usize]) -> Option<
     Some(framed(shapes, lines, Vec::new()))
 }
 
-/// A line with at most two bends between the sides of two boxes that face each other.
+/// A line with at most two bends between the facing sides of two boxes.
 fn elbow(a: [f64; 4], b: [f64; 4]) -> Vec<[f64; 2]> {
     let middle = |s: [f64; 4]| [s[0] + 0.5 * s[2], s[1] + 0.5 * s[3]];
     let (p, q) = (middle(a), middle(b));
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_leave_the_sides_that_face_each_other() {
+    fn lines_connect_facing_sides() {
         let right = elbow([0.0, 0.0, 10.0, 10.0], [30.0, 20.0, 10.0, 10.0]);
         assert_eq!(right, [[10.0, 5.0], [20.0, 5.0], [20.0, 25.0], [30.0, 25.0]]);
         let above = elbow([0.0, 50.0, 10.0, 10.0], [2.0, 0.0, 10.0, 10.0]);

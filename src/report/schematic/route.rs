@@ -1,4 +1,4 @@
-//! Lines at right angles in the channels between the layers.
+//! Routes orthogonal lines in the channels between the layers.
 
 use super::layers::Graph;
 use super::place::terminal;
@@ -7,18 +7,18 @@ use super::{Line, Picture, Shape};
 /// Distance of parallel lines, and of the first from a box, px.
 const TRACK: f64 = 10.0;
 const CLEAR: f64 = 16.0;
-/// What is not farther apart is straight, px.
+/// Offset below which a line is straight, px.
 const SAME: f64 = 0.75;
-/// Around everything, px.
+/// Margin of the picture, px.
 const MARGIN: f64 = 14.0;
-/// How far a bar goes beyond its outermost line.
+/// Distance by which a bar extends beyond its outermost line, px.
 const OVERHANG: f64 = 34.0;
 
 /// Lines of one connector in one channel.
 struct Net {
-    /// Pieces with their ends below and above; ends within the layer below are both below.
+    /// Segments with their lower and upper ends; both ends of a segment within the layer below are lower.
     pieces: Vec<(usize, [f64; 2])>,
-    /// Where lines come from below and from above.
+    /// Positions of lines from below and from above.
     pins: Vec<(f64, bool)>,
     from: f64,
     to: f64,
@@ -31,12 +31,12 @@ impl Net {
     }
 }
 
-/// Turns the layers into a picture.
+/// Converts the layers to a picture.
 pub fn route(graph: &Graph) -> Picture {
     let count = graph.layers.len();
     let ends: Vec<[f64; 2]> = (0..graph.pieces.len()).map(|k| ends(graph, k)).collect();
     let mut channels: Vec<Vec<Net>> = (0..count).map(|layer| nets(graph, layer, &ends)).collect();
-    // From the first layer on: where each begins and ends, and where its tracks lie.
+    // For each layer: start, end, and position of its tracks.
     let mut across = vec![[0.0; 2]; count];
     let mut at = 0.0;
     for layer in 0..count {
@@ -112,7 +112,7 @@ pub fn route(graph: &Graph) -> Picture {
     finish(graph.sideways, total, shapes, lines, raw_dots)
 }
 
-/// Where a piece begins and ends along the layers; at a bar it does as at its other end.
+/// Start and end of a segment along the layers; at a bar it has the position of its other end.
 fn ends(graph: &Graph, k: usize) -> [f64; 2] {
     let piece = &graph.pieces[k];
     let own = [0, 1].map(|i| graph.nodes[piece.nodes[i]].at + terminal(graph, piece, i));
@@ -123,12 +123,12 @@ fn ends(graph: &Graph, k: usize) -> [f64; 2] {
     }
 }
 
-/// Pieces that begin above a layer, those that share a connector together.
+/// Segments that start above a layer, grouped by connector.
 fn nets(graph: &Graph, layer: usize, ends: &[[f64; 2]]) -> Vec<Net> {
     let here: Vec<usize> = (0..graph.pieces.len())
         .filter(|&k| graph.nodes[graph.pieces[k].nodes[0]].layer == layer)
         .collect();
-    // A connector of a node, seen from one side; those of bars are as many as their lines.
+    // A connector of a node on one side; bars have one for each line.
     let key = |k: usize, i: usize| {
         let p = &graph.pieces[k];
         let upper_end = i == 1 && !graph.is_level(p);
@@ -166,12 +166,12 @@ fn nets(graph: &Graph, layer: usize, ends: &[[f64; 2]]) -> Vec<Net> {
     groups.into_iter().map(net).collect()
 }
 
-/// Gives each net that bends a track, counted from the lower layer; the number of tracks.
+/// Assigns a track to each net that bends, counted from the lower layer; returns the number of tracks.
 fn assign_tracks(nets: &mut [Net]) -> usize {
     let mut order: Vec<usize> = (0..nets.len()).filter(|&k| !nets[k].is_straight()).collect();
     order.sort_by(|a, b| nets[*a].from.total_cmp(&nets[*b].from).then(a.cmp(b)));
-    // Cost of `a` below `b`: what of `b` comes from below and of `a` from above crosses the other; two
-    // that would lie on each other count most.
+    // Cost of `a` below `b`: lines of `b` from below and of `a` from above cross the other net; overlaps
+    // cost most.
     let below = |a: &Net, b: &Net| {
         let inside = |n: &Net, u: f64| n.from + SAME < u && u < n.to - SAME;
         let mut cost = 0.0;
@@ -185,7 +185,7 @@ fn assign_tracks(nets: &mut [Net]) -> usize {
         }
         cost
     };
-    // Preferences may go round in a circle: as many passes as a bubble sort needs, and no more.
+    // Preferences may be cyclic: limit the passes to those of a bubble sort.
     for _ in 0..order.len() {
         for i in 1..order.len() {
             let (a, b) = (&nets[order[i - 1]], &nets[order[i]]);
@@ -206,7 +206,7 @@ fn assign_tracks(nets: &mut [Net]) -> usize {
     tracks
 }
 
-/// Where lines part on the track of a net.
+/// Junctions on the track of a net.
 fn junctions(net: &Net) -> Vec<f64> {
     let mut at: Vec<f64> = net.pins.iter().map(|p| p.0).collect();
     at.sort_by(f64::total_cmp);
@@ -220,7 +220,7 @@ fn junctions(net: &Net) -> Vec<f64> {
     at.into_iter().filter(|u| branches(*u) > 2).collect()
 }
 
-/// Without repeated points and points on straight lines.
+/// Drops repeated and collinear points.
 pub(super) fn straightened(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut out: Vec<[f64; 2]> = Vec::new();
     for p in points {
@@ -238,7 +238,7 @@ pub(super) fn straightened(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     out
 }
 
-/// From along and across the layers to right and down, with everything inside.
+/// Converts layer coordinates to picture coordinates.
 fn finish(
     sideways: bool,
     total: f64,
@@ -257,7 +257,7 @@ fn finish(
     framed(shapes, lines, dots)
 }
 
-/// Moves everything to the upper left corner.
+/// Moves everything to the upper left corner, with a margin.
 pub(super) fn framed(
     mut shapes: Vec<Shape>,
     mut lines: Vec<Line>,
