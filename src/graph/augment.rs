@@ -9,8 +9,9 @@ use crate::base::index::{Id, IndexVec};
 
 /// The search for one augmenting path, its work space, and the nodes it reached.
 ///
-/// Nodes reached by a failed search lead nowhere as long as graph and filter stay the same, even
-/// after other searches have succeeded. They are skipped until [`AugmentingSearch::discard_marks`].
+/// Nodes reached by a failed search remain dead ends while the graph and the filter are unchanged,
+/// even after other searches have succeeded. They are skipped until
+/// [`AugmentingSearch::discard_marks`].
 pub struct AugmentingSearch<R: Id = Row, C: Id = Col> {
     row_seen: IndexVec<R, Option<Epoch>>,
     col_seen: IndexVec<C, Option<Epoch>>,
@@ -23,7 +24,7 @@ pub struct AugmentingSearch<R: Id = Row, C: Id = Col> {
 /// Counts calls of [`AugmentingSearch::discard_marks`]; marks of older epochs do not count.
 type Epoch = std::num::NonZeroU32;
 
-/// A row on the path and the position of the edge to try next; the one before it leads on.
+/// A row on the path and the position of the edge to try next; the path follows the previous edge.
 struct PathStep<R> {
     row: R,
     next: usize,

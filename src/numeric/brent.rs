@@ -97,8 +97,8 @@ pub fn vertex(points: [(f64, f64); 3]) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// Brent's own example, section 5.6: the minima between the poles of `sum ((2 i - 5)/(x -
-    /// i^2))^2`.
+    /// Brent's own example, section 5.6: the minima between the poles of
+    /// `sum ((2 i - 5)/(x - i^2))^2`.
     #[test]
     fn minima_of_brents_table() {
         let f = |x: f64| -> f64 {

@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn members_of_a_group_share_no_row() {
         let n = 30;
-        // A fixed scatter: column j meets rows j, 7j + 3 and 11j + 5 modulo n.
+        // A fixed scatter: column j has entries in the rows j, 7j + 3 and 11j + 5 modulo n.
         let entries: Vec<_> =
             (0..n).flat_map(|j| [(j, j), ((7 * j + 3) % n, j), ((11 * j + 5) % n, j)]).collect();
         let pattern = Pattern::from_entries(n, n, &entries);

@@ -343,8 +343,8 @@ mod tests {
         Region { nominal, bounds: None }
     }
 
-    /// `z1^2 + z2^2 = 4, z1 z2 = 1`, solved by `z = ((sqrt 6 + sqrt 2) / 2, (sqrt 6 - sqrt 2) /
-    /// 2)`.
+    /// `z1^2 + z2^2 = 4, z1 z2 = 1`, solved by
+    /// `z = ((sqrt 6 + sqrt 2) / 2, (sqrt 6 - sqrt 2) / 2)`.
     fn circle_meets_hyperbola() -> impl NonlinearSystem {
         equations(
             |z: &[f64], g: &mut [f64]| {

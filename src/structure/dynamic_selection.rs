@@ -3,8 +3,8 @@
 //! S. E. Mattsson, H. Olsson, H. Elmqvist, "Dynamic Selection of States in Dymola", Modelica
 //! Workshop 2000. If the pivots of a choice of dummy derivatives vary, they may vanish: those of a
 //! pendulum in Cartesian coordinates do at its turning points. The states of such constraints
-//! become new variables, `states = selection * candidates` and `der(states) = selection *
-//! der(candidates)`, and the selection is updated during simulation.
+//! become new variables, `states = selection * candidates` and
+//! `der(states) = selection * der(candidates)`, and the selection is updated during simulation.
 
 use super::reduce::ConstraintPivot;
 use crate::base::index::{FastMap, FastSet, IndexVec};

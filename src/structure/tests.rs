@@ -230,7 +230,7 @@ fn pendulum_in_cartesian_coordinates() {
         x^2 + y^2 = L^2;",
     );
     // w and z are names of derivatives, so three equations are left, as in der(der(x)) = T x; those
-    // behind them select the states.
+    // after them select the states.
     assert_eq!(differentiations(&blocks.dae), [0, 0, 2, 0, 0, 0, 0]);
     assert_eq!(blocks.states.len(), 2);
     assert_eq!(blocks.dummies.len(), 0);
@@ -266,7 +266,7 @@ fn rigidly_connected_masses_move_as_one() {
     assert_eq!(states(&blocks), ["s1", "v1"]);
     // Both accelerations and the force depend on each other, linearly, with one torn.
     assert!(kinds(&blocks.continuous).ends_with("l1"), "{}", kinds(&blocks.continuous));
-    // The modeller may want the other mass.
+    // The modeller may prefer the other mass.
     let other = sorted(
         &text
             .replace("Real s2;", "Real s2(stateSelect = prefer);")

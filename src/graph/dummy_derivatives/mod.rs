@@ -157,7 +157,7 @@ impl Chains {
         let mut origin: IndexVec<Row, Row> = reduction.incidence.rows().collect();
         let mut times = IndexVec::filled(0, origin.len());
         let mut constraint = IndexVec::filled(None, origin.len());
-        // A differentiated row has a higher number than the row it comes from.
+        // A differentiated row has a higher number than its origin.
         for (row, &differentiated) in reduction.differentiated.enumerate() {
             if let Some(differentiated) = differentiated {
                 origin[differentiated] = origin[row];
@@ -168,7 +168,7 @@ impl Chains {
         Chains { integral, constraint, origin, times }
     }
 
-    /// How much a column is wanted as a state.
+    /// The priority of a column as a state.
     fn priority(&self, given: &IndexVec<Col, i32>, col: Col) -> i32 {
         std::iter::successors(Some(col), |&col| self.integral[col])
             .find_map(|col| given.get(col).copied())
