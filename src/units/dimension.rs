@@ -1,18 +1,20 @@
 //! Units to dimensions: exponents of the SI base units.
 //!
-//! In: a unit as Modelica writes it, such as `J/(kg.K)` (specification, section 19.1). Scales and offsets
-//! are left aside: `bar` and `Pa` are of one dimension, and so are `degC` and `K`. Plane angles have none.
+//! *In:* a unit expression such as `J/(kg.K)` (Modelica 3.6, section 19.1). Scales and offsets are
+//! ignored: `bar` and `Pa` have the same dimension, and so do `degC` and `K`. Plane angles are
+//! dimensionless.
 
 /// Exponents of kg, m, s, A, K, mol and cd, in twelfths, so that roots stay exact.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Dimension([i32; 7]);
 
-/// What exponents are counted in.
+/// Denominator of the exponents.
 const PARTS: i32 = 12;
 /// Symbols of the base units.
 const BASE: [&str; 7] = ["kg", "m", "s", "A", "K", "mol", "cd"];
 
-/// Symbols with their exponents of kg, m, s, A, K, mol, cd (SI Brochure, 9th ed. 2019, tables 2, 4, 8).
+/// Symbols with their exponents of kg, m, s, A, K, mol, cd (SI Brochure, 9th ed. 2019, tables 2, 4
+/// and 8).
 const SYMBOLS: [(&str, [i32; 7]); 55] = [
     ("g", [1, 0, 0, 0, 0, 0, 0]),
     ("m", [0, 1, 0, 0, 0, 0, 0]),
@@ -71,7 +73,7 @@ const SYMBOLS: [(&str, [i32; 7]); 55] = [
     ("u", [1, 0, 0, 0, 0, 0, 0]),
 ];
 
-/// Names that messages use for dimensions; the first that fits.
+/// Names of dimensions in messages; the first match is used.
 const SHOWN: [&str; 17] = [
     "N", "Pa", "J", "W", "V", "Ohm", "C", "F", "H", "Wb", "T", "S", "m/s", "m/s2", "J/K", "W/K",
     "1/s",
@@ -84,33 +86,33 @@ const PREFIXES: [&str; 21] = [
 ];
 
 impl Dimension {
-    /// Without dimension.
+    /// The dimension of a number.
     pub const ONE: Dimension = Dimension([0; 7]);
-    /// Of time.
+    /// The dimension of time.
     pub const TIME: Dimension = Dimension([0, 0, PARTS, 0, 0, 0, 0]);
 
-    /// The dimension of a unit; `None` if it is not understood.
+    /// The dimension of a unit; `None` if the unit is unknown.
     pub fn of(unit: &str) -> Option<Dimension> {
         let text: Vec<char> = unit.chars().filter(|c| !c.is_whitespace()).collect();
         if text.is_empty() {
             return Some(Dimension::ONE);
         }
-        let mut reader = Reader { text: &text, at: 0 };
-        let found = reader.quotient()?;
-        (reader.at == text.len()).then_some(found)
+        let mut parser = UnitParser { text: &text, at: 0 };
+        let found = parser.quotient()?;
+        (parser.at == text.len()).then_some(found)
     }
 
-    /// Of a product.
+    /// The dimension of a product.
     pub fn times(self, other: Dimension) -> Dimension {
         Dimension(std::array::from_fn(|k| self.0[k] + other.0[k]))
     }
 
-    /// Of a quotient.
+    /// The dimension of a quotient.
     pub fn over(self, other: Dimension) -> Dimension {
         Dimension(std::array::from_fn(|k| self.0[k] - other.0[k]))
     }
 
-    /// Of a power; `None` if the exponents are no twelfths any more.
+    /// The dimension of a power; `None` if an exponent is not a multiple of 1/12.
     pub fn power(self, exponent: f64) -> Option<Dimension> {
         let mut out = [0; 7];
         for (to, from) in out.iter_mut().zip(self.0) {
@@ -152,12 +154,12 @@ impl std::fmt::Display for Dimension {
     }
 }
 
-struct Reader<'a> {
+struct UnitParser<'a> {
     text: &'a [char],
     at: usize,
 }
 
-impl Reader<'_> {
+impl UnitParser<'_> {
     fn next_is(&mut self, wanted: char) -> bool {
         let found = self.text.get(self.at) == Some(&wanted);
         self.at += usize::from(found);
@@ -185,14 +187,14 @@ impl Reader<'_> {
             let inner = self.quotient()?;
             return self.next_is(')').then_some(inner);
         }
-        let begun = self.at;
+        let start = self.at;
         if self.next_is('1') || self.next_is('%') {
             return Some(Dimension::ONE);
         }
         while self.text.get(self.at).is_some_and(|c| c.is_alphabetic()) {
             self.at += 1;
         }
-        let symbol: String = self.text[begun..self.at].iter().collect();
+        let symbol: String = self.text[start..self.at].iter().collect();
         symbol_dimension(&symbol)?.power(self.exponent()?)
     }
 
@@ -213,11 +215,11 @@ impl Reader<'_> {
     }
 
     fn digits(&mut self) -> Option<f64> {
-        let begun = self.at;
+        let start = self.at;
         while self.text.get(self.at).is_some_and(char::is_ascii_digit) {
             self.at += 1;
         }
-        let text: String = self.text[begun..self.at].iter().collect();
+        let text: String = self.text[start..self.at].iter().collect();
         text.parse().ok()
     }
 }
@@ -236,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_are_read_as_modelica_writes_them() {
+    fn unit_expressions_are_parsed() {
         let same = |a: &str, b: &str| {
             assert_eq!(Dimension::of(a), Dimension::of(b), "{a} and {b}");
             assert!(Dimension::of(a).is_some(), "{a}");

@@ -1,12 +1,13 @@
-//! Do the units of a flat model agree? Dimension analysis with inference (specification, chapter 19).
+//! Unit checking: dimensional analysis with inference (Modelica 3.6, chapter 19).
 //!
-//! In: an [`ir::flat`](crate::ir::flat) model. Out: a warning for each equation or binding whose two sides,
-//! or two terms, have different dimensions. Variables without a unit get the one that the equations ask
-//! for; what stays open is compared with nothing. Two passes over the graph in each turn, as many turns as
-//! the longest chain of deductions, but no more than [`MAX_TURNS`].
+//! *In:* an [`ir::flat`](crate::ir::flat) model. *Out:* a warning for each equation or binding
+//! whose two sides, or two terms, have different dimensions. Variables without a unit get the one
+//! that the equations require; dimensions that remain unknown are not compared. Each iteration
+//! makes two passes over the graph; the number of iterations is the length of the longest chain of
+//! inferences, at most [`MAX_ITERATIONS`].
 //!
-//! A number in the text counts as dimensionless factor only where it is plainly one, such as 2 or 0.5:
-//! others may be constants of nature, whose units are lost when constants are folded.
+//! A literal counts as a dimensionless factor only if it is obviously one, such as 2 or 0.5: others
+//! may be physical constants, whose units are lost by constant folding.
 //! *Wand and O'Keefe, Automatic dimensional inference, 1991; Kennedy 1996.*
 
 pub mod dimension;
@@ -20,25 +21,25 @@ use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::{Action, EquationKind, FlatModel};
 use dimension::Dimension;
 
-/// The code of all that is said here.
+/// The code of all warnings of this stage.
 pub const MISMATCH: &str = "MO0320";
 
-/// Turns of deduction at most.
-const MAX_TURNS: usize = 40;
+/// Maximum number of iterations of the inference.
+const MAX_ITERATIONS: usize = 40;
 
-/// Two expressions that must be of one dimension.
-struct Pair {
+/// Two expressions that must have the same dimension.
+struct ComparedPair {
     left: ExprId,
     right: ExprId,
     span: Span,
 }
 
-/// What is known of dimensions.
+/// The dimensions that are known.
 struct Inference<'a> {
     flat: &'a FlatModel,
-    /// Of variables: declared or deduced.
+    /// Dimensions of variables, declared or inferred.
     variables: IndexVec<VarId, Option<Dimension>>,
-    /// Of expressions, in this turn.
+    /// Dimensions of expressions in this iteration.
     expressions: IndexVec<ExprId, Option<Dimension>>,
     changed: bool,
 }
@@ -46,7 +47,7 @@ struct Inference<'a> {
 /// Adds a warning for each mismatch.
 pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
     let mut pairs = pairs(flat);
-    // Where a constant has lost its unit nothing can be said.
+    // Equations with a constant that has lost its unit cannot be checked.
     pairs.retain(|p| !flat.unitless_literals.contains(&p.span));
     let mut known: FastMap<Name, Option<Dimension>> = FastMap::default();
     let variables = flat
@@ -60,31 +61,31 @@ pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
         })
         .collect();
     let mut inference = Inference { flat, variables, expressions: IndexVec::new(), changed: true };
-    for _ in 0..MAX_TURNS {
+    for _ in 0..MAX_ITERATIONS {
         if !std::mem::take(&mut inference.changed) {
             break;
         }
         inference.evaluate();
         for pair in &pairs {
-            inference.deduce(pair);
+            inference.infer(pair);
         }
     }
     inference.evaluate();
-    let mut said: Vec<Diagnostic> = Vec::new();
+    let mut reported: Vec<Diagnostic> = Vec::new();
     for pair in &pairs {
         if let Some(d) = inference.mismatch(pair) {
-            // Elements of arrays and copies of a component say the same.
+            // Report elements of an array and instances of a component only once.
             let same = |o: &Diagnostic| o.primary.0 == d.primary.0;
-            if !said.iter().rev().take(64).any(same) {
-                said.push(d);
+            if !reported.iter().rev().take(64).any(same) {
+                reported.push(d);
             }
         }
     }
-    said.into_iter().for_each(|d| problems.push(d));
+    reported.into_iter().for_each(|d| problems.push(d));
 }
 
-/// Everything that is equated or assigned.
-fn pairs(flat: &mut FlatModel) -> Vec<Pair> {
+/// The two sides of all equations, bindings and assignments.
+fn pairs(flat: &mut FlatModel) -> Vec<ComparedPair> {
     let mut out = Vec::new();
     for v in flat.variables.ids() {
         let variable = &flat.variables[v];
@@ -92,7 +93,7 @@ fn pairs(flat: &mut FlatModel) -> Vec<Pair> {
             && let Some(right) = variable.binding
         {
             let span = variable.span;
-            out.push(Pair { left: flat.read(v), right, span });
+            out.push(ComparedPair { left: flat.read(v), right, span });
         }
     }
     let mut assigned = Vec::new();
@@ -116,28 +117,29 @@ fn pairs(flat: &mut FlatModel) -> Vec<Pair> {
                 assigned.extend(outputs.iter().zip(values).map(|(v, e)| (*v, *e, span)));
             }
             EquationKind::Assert(a) => {
-                out.push(Pair { left: a.condition, right: a.condition, span });
+                out.push(ComparedPair { left: a.condition, right: a.condition, span });
             }
         }
     }
     for (v, right, span) in assigned {
-        out.push(Pair { left: flat.read(v), right, span });
+        out.push(ComparedPair { left: flat.read(v), right, span });
     }
     out
 }
 
-/// `0 = if c then a - b else d - e` has been two equations, each with units of its own.
-fn residuals(g: &Graph, left: ExprId, right: ExprId, span: Span, out: &mut Vec<Pair>) {
+/// Splits `0 = if c then a - b else d - e` into the two equations that it was merged from, whose
+/// units are independent.
+fn residuals(g: &Graph, left: ExprId, right: ExprId, span: Span, out: &mut Vec<ComparedPair>) {
     let mut open = vec![right];
     if g.as_number(left) != Some(0.0) {
-        out.push(Pair { left, right, span });
+        out.push(ComparedPair { left, right, span });
         return;
     }
     while let Some(e) = open.pop() {
         match g.node(e) {
             Node::If(_, a, b) => open.extend([b, a]),
-            Node::Binary(Binary::Sub, a, b) => out.push(Pair { left: a, right: b, span }),
-            _ => out.push(Pair { left, right: e, span }),
+            Node::Binary(Binary::Sub, a, b) => out.push(ComparedPair { left: a, right: b, span }),
+            _ => out.push(ComparedPair { left, right: e, span }),
         }
     }
 }
@@ -180,7 +182,7 @@ impl Inference<'_> {
                 BinaryUnit::Alike | BinaryUnit::Unknown => None,
             },
             Node::If(_, a, b) | Node::Homotopy(a, b) => {
-                // A number beside something with a unit may have any.
+                // A literal in one branch may have the unit of the other branch.
                 let literal = |e| self.graph().as_number(e).is_some();
                 if literal(a) || literal(b) { None } else { known(a).or(known(b)) }
             }
@@ -189,12 +191,13 @@ impl Inference<'_> {
         }
     }
 
-    /// Functions that are called at run time have variables of their own: nothing is known of those.
+    /// The dimension of a variable; unknown for locals of functions that are called at run time.
     fn of_variable(&self, v: VarId) -> Option<Dimension> {
         self.variables.get(v).copied().flatten()
     }
 
-    /// As a factor a plain number has no dimension; as a term it may have any.
+    /// The dimension of a factor: simple literals are dimensionless as factors, but may have any
+    /// dimension as terms.
     fn factor(&self, e: ExprId) -> Option<Dimension> {
         match self.graph().as_number(e) {
             Some(value) => is_plain(value).then_some(Dimension::ONE),
@@ -202,13 +205,13 @@ impl Inference<'_> {
         }
     }
 
-    /// If one side is known and the other is not, what the other must be.
-    fn deduce(&mut self, pair: &Pair) {
+    /// Infers the dimension of one side from the other one.
+    fn infer(&mut self, pair: &ComparedPair) {
         match (self.expressions[pair.left], self.expressions[pair.right]) {
             (Some(d), None) => self.impose(pair.right, d),
             (None, Some(d)) => self.impose(pair.left, d),
             (Some(_), Some(_)) => {
-                // Terms that are still open inside.
+                // Operands may still be unknown.
                 self.impose_inside(pair.left);
                 self.impose_inside(pair.right);
             }
@@ -222,7 +225,7 @@ impl Inference<'_> {
         }
     }
 
-    /// `e` has dimension `d`: so have some of its operands.
+    /// Propagates the dimension `d` of `e` to its operands.
     fn impose(&mut self, e: ExprId, d: Dimension) {
         let mut open = vec![(e, d)];
         let mut steps = 0;
@@ -255,7 +258,7 @@ impl Inference<'_> {
     }
 
     fn set(&mut self, v: VarId, d: Dimension) {
-        // A unit that is written but not understood is not replaced by another one.
+        // A declared unit that is not understood is not overwritten.
         let Some(variable) = self.flat.variables.get(v) else { return };
         if self.variables[v].is_none() && variable.unit.is_empty() && variable.ty == Type::Real {
             self.variables[v] = Some(d);
@@ -263,8 +266,8 @@ impl Inference<'_> {
         }
     }
 
-    /// The first mismatch inside of the two sides, or between them.
-    fn mismatch(&self, pair: &Pair) -> Option<Diagnostic> {
+    /// The first mismatch within the two sides, or between them.
+    fn mismatch(&self, pair: &ComparedPair) -> Option<Diagnostic> {
         let g = self.graph();
         for e in g.postorder([pair.left, pair.right]) {
             match g.node(e) {
@@ -273,28 +276,28 @@ impl Inference<'_> {
                     let alike =
                         matches!(rule, BinaryUnit::Sum | BinaryUnit::Angle | BinaryUnit::Alike);
                     if alike && self.differ(a, b) {
-                        return Some(self.said(a, b, pair.span));
+                        return Some(self.different(a, b, pair.span));
                     }
                     if rule == BinaryUnit::Power
                         && self.expressions[b].is_some_and(|d| d != Dimension::ONE)
                     {
-                        return Some(self.no_number(b, "an exponent", pair.span));
+                        return Some(self.not_dimensionless(b, "an exponent", pair.span));
                     }
                 }
                 Node::If(_, a, b) | Node::Homotopy(a, b) if self.differ(a, b) => {
-                    return Some(self.said(a, b, pair.span));
+                    return Some(self.different(a, b, pair.span));
                 }
                 Node::Unary(op, a)
                     if of_unary(op) == UnaryUnit::Number
                         && self.expressions[a].is_some_and(|d| d != Dimension::ONE) =>
                 {
                     let what = format!("the argument of `{}`", op.name());
-                    return Some(self.no_number(a, &what, pair.span));
+                    return Some(self.not_dimensionless(a, &what, pair.span));
                 }
                 _ => {}
             }
         }
-        self.differ(pair.left, pair.right).then(|| self.said(pair.left, pair.right, pair.span))
+        self.differ(pair.left, pair.right).then(|| self.different(pair.left, pair.right, pair.span))
     }
 
     fn differ(&self, a: ExprId, b: ExprId) -> bool {
@@ -305,7 +308,7 @@ impl Inference<'_> {
         }
     }
 
-    fn said(&self, a: ExprId, b: ExprId, span: Span) -> Diagnostic {
+    fn different(&self, a: ExprId, b: ExprId, span: Span) -> Diagnostic {
         let d = Diagnostic::warning(
             MISMATCH,
             span,
@@ -323,7 +326,7 @@ impl Inference<'_> {
         self.with_places(d, [a, b])
     }
 
-    fn no_number(&self, e: ExprId, what: &str, span: Span) -> Diagnostic {
+    fn not_dimensionless(&self, e: ExprId, what: &str, span: Span) -> Diagnostic {
         let d = Diagnostic::warning(
             MISMATCH,
             span,
@@ -365,7 +368,7 @@ impl Inference<'_> {
         }
     }
 
-    /// The unit as declared if the expression is one variable, else the dimension.
+    /// The declared unit if the expression is a variable, else the dimension.
     fn unit(&self, e: ExprId) -> String {
         if let Node::Var(v) = self.graph().node(e) {
             let unit = self.flat.variables.get(v).map(|x| x.unit);
@@ -377,7 +380,7 @@ impl Inference<'_> {
     }
 }
 
-/// The rule of a unary operator; functions that are made of data give numbers.
+/// The rule of a unary operator; functions defined by data are dimensionless.
 fn of_unary(op: Unary) -> UnaryUnit {
     op.facts().map_or(UnaryUnit::FromAny, |row| row.unit)
 }
@@ -387,13 +390,13 @@ fn of_binary(op: Binary) -> BinaryUnit {
     op.facts().map_or(BinaryUnit::Unknown, |row| row.unit)
 }
 
-/// Numbers that are factors rather than constants of nature: small whole ones, halves, quarters, tenths,
-/// and multiples of pi.
+/// True for numbers that are factors rather than physical constants: small integers, halves,
+/// quarters, tenths, and multiples of pi.
 fn is_plain(value: f64) -> bool {
     let whole = |x: f64| (x - x.round()).abs() < 1e-12 * x.abs().max(1.0) && x.abs() <= 1000.0;
     value != 0.0
         && (whole(value * 4.0) || whole(value * 10.0) || whole(1.0 / value) || {
-            let turns = value / std::f64::consts::PI;
-            whole(turns * 4.0) || whole(1.0 / turns)
+            let half_turns = value / std::f64::consts::PI;
+            whole(half_turns * 4.0) || whole(1.0 / half_turns)
         })
 }
