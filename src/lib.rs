@@ -1,9 +1,9 @@
 //! `mocc`: a compiler and simulator for an equation-based modelling language (a Modelica subset).
 //!
 //! ```text
-//!             text        ast        class definitions  instances       flat          dae         blocks       program
-//!  lib/*.mo ──► parse ───► resolve ◄──► instantiate ◄──► flatten ───► lower ───► structure ───► codegen ──┐
-//!  model.mol                                                                                              ▼
+//!             text      ast          definitions   class tables    values          instances        flat       dae         blocks       program
+//!  lib/*.mo ──► parse ──► resolve ◄──► classes ◄──► evaluate ◄──► instantiate ◄──► flatten ──► lower ──► structure ──► codegen ──┐
+//!  model.mol                                                                                                                     ▼
 //!    cli ──► driver  (calls the row above)      io, report ◄── trajectory ◄── simulate ◄── integrate, runtime
 //! ```
 //!
@@ -37,12 +37,12 @@ pub mod format;
 pub mod resolve;
 // Names to classes, and what classes have after inheritance.
 pub mod classes;
+// The specification's rules that only report.
+pub mod rules;
 // Expressions, functions and algorithms to values.
 pub mod evaluate;
 // Classes and modifications to component instances.
 pub mod instantiate;
-// The specification's rules that only report.
-pub mod rules;
 // Instances to scalar variables and equations.
 pub mod flatten;
 // Unit checking of a flat model.

@@ -4,10 +4,10 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::{ClassGraph, DefinitionRules};
 use crate::base::diag::Problems;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
-use crate::instantiate::Context;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::expr::{EnumId, Enumeration, Type};
 use crate::ir::instance::{
@@ -23,7 +23,7 @@ pub(crate) enum TableState {
     Done(Rc<ClassTable>),
 }
 
-impl Context<'_> {
+impl ClassGraph<'_> {
     pub(crate) fn add_class(
         &mut self,
         body: ClassText,
@@ -97,6 +97,21 @@ impl Context<'_> {
         }
     }
 
+    /// Whether a class is partial, itself or by what it is a short form of (section 4.6.1).
+    pub(crate) fn partial_text(&mut self, mut class: ClassId) -> Option<Arc<ast::Class>> {
+        // A circle of short classes was reported where it is read.
+        for _ in 0..100 {
+            let text = self.text(class)?.clone();
+            if text.partial {
+                return Some(text);
+            }
+            let ClassBody::Short(short) = &text.body else { return None };
+            let scope = self.outside(class);
+            class = self.find_class(&short.base, scope).filter(|base| *base != class)?;
+        }
+        None
+    }
+
     /// Where a modification that stands in the text of `class` reads its names, for an instance of
     /// the class: inside a long class, around a short one.
     pub(crate) fn modification_scope(&self, class: ClassId, instance: InstanceId) -> Scope {
@@ -109,7 +124,7 @@ impl Context<'_> {
     /// The scope around a class: where its base is looked up if it is a short class.
     pub(crate) fn outside(&self, class: ClassId) -> Scope {
         let c = &self.classes[class];
-        Scope { instance: c.holder, class: c.enclosing.unwrap_or(crate::instantiate::ROOT.class) }
+        Scope { instance: c.holder, class: c.enclosing.unwrap_or(super::ROOT.class) }
     }
 
     /// Everything that a class has after inheritance.
@@ -172,7 +187,7 @@ impl Context<'_> {
             ClassText::Written(text) => {
                 let first = !self.is_checked(&text);
                 if first {
-                    self.restrict(&text);
+                    self.check_definition(&text);
                 }
                 self.fill(class, &text, &mut table);
                 let table = Rc::new(table);
@@ -186,6 +201,11 @@ impl Context<'_> {
         let table = Rc::new(table);
         self.tables[class] = TableState::Done(table.clone());
         table
+    }
+
+    /// Whether a definition has been checked already; from now on it has.
+    fn is_checked(&mut self, text: &Arc<ast::Class>) -> bool {
+        !self.checked.insert(Arc::as_ptr(text) as usize)
     }
 
     /// True while the bases of a class are still being found.
@@ -205,7 +225,7 @@ impl Context<'_> {
                     table.broken = true;
                     return;
                 };
-                self.restrict_short(text, base, short.base.span);
+                self.check_short_base(text, base, short.base.span);
                 let layers: Rc<[_]> =
                     short.modification.iter().map(|m| (m.clone(), class)).collect();
                 let inherited = self.base_with_redeclarations(class, base, &short.modification);
@@ -253,11 +273,7 @@ impl Context<'_> {
                 ElementKind::Extends(extends) => {
                     let scope = Scope { instance: self.classes[class].holder, class };
                     let Some(base) = self.class_or_report(&extends.base, scope) else { continue };
-                    if let Some(text) = self.text(class).cloned() {
-                        self.restrict_base(&text, base, extends.base.span);
-                    }
-                    self.check_base(&extends.base, scope);
-                    self.restrict_prefixed_base(class, base, extends.base.span);
+                    self.check_extends(class, base, &extends.base, scope);
                     bases.push(base);
                     let base = self.with_redeclarations(base, own.clone());
                     let base = self.base_with_redeclarations(class, base, &extends.modification);
@@ -295,7 +311,7 @@ impl Context<'_> {
                 }
             }
         }
-        self.restrict_simple(class, table, &bases);
+        self.check_simple_type(class, table, &bases);
         for s in &composition.equations {
             let kind = SectionKind::Equations(s.equations.clone());
             table.sections.push(Section { class, initial: s.initial, kind });

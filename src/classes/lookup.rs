@@ -4,42 +4,42 @@
 use std::rc::Rc;
 
 use super::inheritance::is_class_extends;
+use super::{ClassGraph, ROOT};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::instantiate::{Context, ROOT};
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind, ImportForm};
-use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, InstanceKind, Scope};
+use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, Scope};
 
 /// What a first identifier stands for when it is no component of the instance itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Found {
     /// A class.
     Class(ClassId),
-    /// A component of an enclosing or imported package.
-    Component(InstanceId),
+    /// A component of this enclosing or imported package.
+    Component(ClassId, Name),
 }
 
-impl Context<'_> {
+impl ClassGraph<'_> {
     /// The class of a dotted name, seen from `scope`.
     pub fn find_class(&mut self, path: &ast::Path, scope: Scope) -> Option<ClassId> {
-        let mut trespass = None;
+        let mut violation = None;
         let (first, rest) = path.parts.split_first()?;
         let mut at = if path.global {
             self.member_class(ROOT.class, first.name, ROOT.instance)
         } else {
             match self.find_first(first.name, scope)? {
                 Found::Class(c) => Some(c),
-                Found::Component(_) => None,
+                Found::Component(..) => None,
             }
         }?;
         for part in rest {
             let holder = self.classes[at].holder;
             let inner = self.member_class(at, part.name, holder)?;
-            trespass = trespass.or_else(|| self.access_violation(at, *part));
+            violation = violation.or_else(|| self.access_violation(at, *part));
             at = inner;
         }
-        self.violation = trespass;
+        self.violation = violation;
         Some(at)
     }
 
@@ -68,8 +68,8 @@ impl Context<'_> {
             if let Some(c) = self.member_class(seen_in, wanted, instance) {
                 return Some(Found::Class(c));
             }
-            if !own && let Some(i) = self.package_constant(class, instance, wanted) {
-                return Some(Found::Component(i));
+            if !own && let Some(package) = self.package_constant(class, instance, wanted) {
+                return Some(Found::Component(package, wanted));
             }
             if let Some(found) = self.imported(class, wanted) {
                 return Some(found);
@@ -188,26 +188,36 @@ impl Context<'_> {
             return *id;
         }
         let full_name = self.classes[class].full_name;
-        let id = self.instances.push(crate::instantiate::package_like(class, full_name));
+        let id = self.instances.push(super::package_like(class, full_name));
         self.instances[id].scope = Scope { instance: id, class };
         self.package_instances.insert(class, id);
         id
     }
 
-    /// The constant `wanted` that is seen from a class in `class`, which was found in `instance`: a package
-    /// that extends the one of the text may give it another value.
+    /// The package whose constant `wanted` is seen from a class in `class`, which was found in
+    /// `instance`: a package that extends the enclosing one may give it another value.
     fn package_constant(
         &mut self,
         class: ClassId,
         instance: InstanceId,
         wanted: Name,
-    ) -> Option<InstanceId> {
+    ) -> Option<ClassId> {
         if let Some(derived) = self.extending_package(class, instance, wanted)
-            && let Some(found) = self.package_component(derived, wanted)
+            && self.has_component(derived, wanted)
         {
-            return Some(found);
+            return Some(derived);
         }
-        self.package_component(class, wanted)
+        self.has_component(class, wanted).then_some(class)
+    }
+
+    /// Whether a package has the component `wanted`.
+    pub(crate) fn has_component(&mut self, class: ClassId, wanted: Name) -> bool {
+        if class == ROOT.class || self.table_in_progress(class) {
+            return false;
+        }
+        let table = self.table(class);
+        let entry = table.index.get(&wanted).map(|at| &table.entries[*at]);
+        entry.is_some_and(|e| e.component.is_some())
     }
 
     /// The package that extends the package `class` and in which a class of that was found, if `wanted` is
@@ -233,39 +243,6 @@ impl Context<'_> {
         let same = self.is_text(own.class, entry.class);
         let extends = matches!(&entry.kind, EntryKind::Class(c) if is_class_extends(c));
         (same || entry.element.redeclare || extends).then_some(derived)
-    }
-
-    /// The component `wanted` of a package.
-    pub(crate) fn package_component(&mut self, class: ClassId, wanted: Name) -> Option<InstanceId> {
-        if class == ROOT.class || self.table_in_progress(class) {
-            return None;
-        }
-        let table = self.table(class);
-        let entry = table.index.get(&wanted).map(|at| &table.entries[*at])?;
-        entry.component?;
-        let package = self.package_instance(class);
-        self.child(package, wanted)
-    }
-
-    /// The component `wanted` of an instance.
-    pub fn child(&mut self, parent: InstanceId, wanted: Name) -> Option<InstanceId> {
-        self.complete(parent);
-        let parent = match self.instances[parent].kind {
-            InstanceKind::Outer(inner) => inner,
-            _ => parent,
-        };
-        self.complete(parent);
-        let table = self.table_of(parent);
-        let InstanceKind::Object(children) = &self.instances[parent].kind else { return None };
-        match table.index.get(&wanted) {
-            Some(at) => children.get(table.entries[*at].component?).copied(),
-            // Behind the declared ones stand those that connections have added.
-            None => children
-                .iter()
-                .skip(table.component_count)
-                .find(|c| self.instances[**c].name == wanted)
-                .copied(),
-        }
     }
 
     /// Import clauses of the text of `class` (they are not inherited): those that name what they import
@@ -388,6 +365,6 @@ impl Context<'_> {
         if let Some(c) = self.member_class(class, *last, ROOT.instance) {
             return Some(Found::Class(c));
         }
-        self.package_component(class, *last).map(Found::Component)
+        self.has_component(class, *last).then_some(Found::Component(class, *last))
     }
 }

@@ -3,13 +3,13 @@
 
 use std::rc::Rc;
 
+use super::ClassGraph;
 use crate::base::diag::Diagnostic;
-use crate::instantiate::Context;
 use crate::ir::ast;
 use crate::ir::instance::Scope;
 use crate::ir::modification::{Layer, LayerSource};
 
-impl Context<'_> {
+impl ClassGraph<'_> {
     /// A type is no component of the same class: that is reported. Else the modifications that a local
     /// class has from further outside, outermost first.
     pub(crate) fn check_type_name(&mut self, path: &ast::Path, scope: Scope) -> Option<Vec<Layer>> {

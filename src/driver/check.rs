@@ -8,10 +8,12 @@
 use super::compile::{CompileError, Request, Session, find_in, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::FastSet;
-use crate::instantiate::Context;
+use crate::classes::ClassGraph;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 use crate::resolve::library::Library;
+use crate::rules::{ineffective_modifiers, shadowing};
 
 /// A missing `inner` component: a component checked alone has none.
 const NO_INNER: &str = "MO0206";
@@ -41,7 +43,8 @@ impl Session {
         }
         let Some(file) = file.as_deref().filter(|_| request.model.is_none()) else {
             let mut problems = Problems::new();
-            let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
+            let mut cx =
+                Evaluator::new(ClassGraph::new(&mut self.sources, &mut problems, &mut library));
             if let Ok(class) = model(&mut cx, request, file.as_deref()) {
                 one(cx, class);
             }
@@ -50,26 +53,27 @@ impl Session {
         };
         let runs: FastSet<String> = models(file).into_iter().collect();
         let mut problems = Problems::new();
-        let mut cx = Context::new(&mut self.sources, &mut problems, &mut library);
+        let mut cx =
+            Evaluator::new(ClassGraph::new(&mut self.sources, &mut problems, &mut library));
         let mut found = Vec::new();
         for name in classes(file) {
             let Some(class) = find_in(&mut cx, file, &name) else { continue };
             // For every class: what it extends, and the restrictions of its kind.
             cx.table(class);
-            cx.report_hidden(class);
-            cx.report_each_of_one(class);
+            shadowing::report_shadowed(&mut cx, class);
+            ineffective_modifiers::report_each_of_one(&mut cx, class);
             found.push((name, class));
         }
-        let snapshot = cx.into_snapshot();
+        let snapshot = cx.class_graph.into_snapshot();
         self.problems.extend(problems);
         for (name, class) in found {
             let mut problems = Problems::new();
-            let cx = Context::from_snapshot(
+            let cx = Evaluator::new(ClassGraph::from_snapshot(
                 &mut self.sources,
                 &mut problems,
                 &mut library,
                 snapshot.clone(),
-            );
+            ));
             if runs.contains(&name) {
                 one(cx, class);
             } else if is_function(&cx, class) {
@@ -85,7 +89,7 @@ impl Session {
 }
 
 /// A function with a body that could be called.
-fn is_function(cx: &Context<'_>, class: ClassId) -> bool {
+fn is_function(cx: &Evaluator<'_>, class: ClassId) -> bool {
     let Some(text) = cx.text(class) else { return false };
     let ClassBody::Long(composition) = &text.body else { return false };
     matches!(text.kind, ClassKind::Function { .. })
@@ -96,7 +100,7 @@ fn is_function(cx: &Context<'_>, class: ClassId) -> bool {
 
 /// Checks names and types in a function, for any arguments. Other diagnostics may hold only for the sizes
 /// assumed here, and are dropped.
-fn read(mut cx: Context<'_>, class: ClassId) {
+fn read(mut cx: Evaluator<'_>, class: ClassId) {
     let before: Vec<Diagnostic> = cx.problems.iter().cloned().collect();
     cx.read_function(class);
     let reported: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
@@ -129,7 +133,7 @@ fn classes(file: &ast::File) -> Vec<String> {
 }
 
 /// A component or a system.
-fn one(mut cx: Context<'_>, class: ClassId) {
+fn one(mut cx: Evaluator<'_>, class: ClassId) {
     if is_component(&mut cx, class) {
         component(&mut cx, class);
     } else {
@@ -138,7 +142,7 @@ fn one(mut cx: Context<'_>, class: ClassId) {
 }
 
 /// Whether a class has connectors or inputs, inherited ones too.
-fn is_component(cx: &mut Context<'_>, class: ClassId) -> bool {
+fn is_component(cx: &mut Evaluator<'_>, class: ClassId) -> bool {
     let table = cx.table(class);
     table.entries.iter().any(|entry| {
         let EntryKind::Component(declaration) = &entry.kind else { return false };
@@ -155,11 +159,11 @@ fn is_component(cx: &mut Context<'_>, class: ClassId) -> bool {
     })
 }
 
-fn component(cx: &mut Context<'_>, class: ClassId) {
+fn component(cx: &mut Evaluator<'_>, class: ClassId) {
     let mut balance = None;
     cx.surrounded = true;
     let mut flat = crate::flatten::flatten_with_balance(cx, class, &mut balance);
-    cx.report_modified_absent(class);
+    ineffective_modifiers::report_modified_absent(cx, class);
     if !cx.problems.has_errors() {
         crate::units::check(&mut flat, cx.problems);
         crate::flatten::bounds::check(&flat, cx.problems);
@@ -171,10 +175,10 @@ fn component(cx: &mut Context<'_>, class: ClassId) {
     }
 }
 
-fn whole(mut cx: Context<'_>, class: ClassId) {
+fn whole(mut cx: Evaluator<'_>, class: ClassId) {
     let mut flat = crate::flatten::flatten(&mut cx, class, &[]);
-    cx.report_modified_absent(class);
-    let problems = cx.problems;
+    ineffective_modifiers::report_modified_absent(&mut cx, class);
+    let problems = cx.class_graph.problems;
     if problems.has_errors() {
         return;
     }

@@ -9,8 +9,9 @@ use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::index::FastMap;
 use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
+use crate::classes::{ClassGraph, ROOT};
+use crate::evaluate::Evaluator;
 use crate::flatten::inventory::Inventory;
-use crate::instantiate::{Context, ROOT};
 use crate::ir::assembly::Assembly;
 use crate::ir::ast::{
     self, Argument, ArgumentKind, ClassBody, ClassKind, ElementKind, Modification,
@@ -131,7 +132,7 @@ impl Session {
     fn flatten_by<T>(
         &mut self,
         request: &Request,
-        by: impl FnOnce(&mut Context<'_>, ClassId, &[Rc<ParameterOverride>]) -> T,
+        by: impl FnOnce(&mut Evaluator<'_>, ClassId, &[Rc<ParameterOverride>]) -> T,
     ) -> Result<T, CompileError> {
         let begun = Instant::now();
         let path = request.modelica_path.as_deref();
@@ -150,7 +151,8 @@ impl Session {
         self.times.push(("parse", begun.elapsed()));
 
         let begun = Instant::now();
-        let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
+        let mut cx =
+            Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         let class = model(&mut cx, request, file.as_deref())?;
         let flat = by(&mut cx, class, &settings);
         if self.is_last {
@@ -173,7 +175,8 @@ impl Session {
     pub fn members(&mut self, request: &Request, package: &str) -> Vec<String> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
-        let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
+        let mut cx =
+            Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         if !package.is_empty() && find(&mut cx, package).is_none() {
             return Vec::new();
         }
@@ -188,7 +191,8 @@ impl Session {
     pub fn annotated(&mut self, request: &Request, classes: &[String]) -> Vec<Annotated> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
-        let mut cx = Context::new(&mut self.sources, &mut self.problems, &mut library);
+        let mut cx =
+            Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         let mut out = Vec::new();
         for full in classes.iter().cloned() {
             let Some(class) = find(&mut cx, &full) else { continue };
@@ -300,11 +304,11 @@ impl Session {
     ) -> Result<(Program, Plan), CompileError> {
         let mut read = Measures::default();
         let flat = self.flatten_by(request, |cx, class, settings| {
-            read = Measures::read(measures, cx.sources, cx.problems);
+            read = Measures::read(measures, cx.class_graph.sources, cx.class_graph.problems);
             let base = cx.classes[class].full_name.to_string();
             let annotation = cx.text(class).and_then(|t| t.annotation.clone());
             let file = extended::file(&read, &base, annotation, cx.sources);
-            cx.library.add_file(&file, cx.problems);
+            cx.class_graph.library.add_file(&file, cx.class_graph.problems);
             let extended = find(cx, extended::MODEL).unwrap_or(class);
             let mut flat = crate::flatten::flatten(cx, extended, settings);
             flat.name = base;
@@ -411,7 +415,7 @@ fn unreadable(path: &Path, why: &str) -> Diagnostic {
 
 /// The class of a request.
 pub(super) fn model(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     request: &Request,
     file: Option<&ast::File>,
 ) -> Result<ClassId, CompileError> {
@@ -477,12 +481,12 @@ pub(super) fn model(
 }
 
 /// A class of a file, which may be named without the packages that contain the file.
-pub(super) fn find_in(cx: &mut Context<'_>, file: &ast::File, wanted: &str) -> Option<ClassId> {
+pub(super) fn find_in(cx: &mut Evaluator<'_>, file: &ast::File, wanted: &str) -> Option<ClassId> {
     let full = file.package().and_then(|package| find(cx, &format!("{package}.{wanted}")));
     full.or_else(|| find(cx, wanted))
 }
 
-pub(super) fn find(cx: &mut Context<'_>, full_name: &str) -> Option<ClassId> {
+pub(super) fn find(cx: &mut Evaluator<'_>, full_name: &str) -> Option<ClassId> {
     let mut class = ROOT.class;
     for part in split(full_name) {
         let holder = cx.classes[class].holder;

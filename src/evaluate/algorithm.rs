@@ -2,7 +2,7 @@
 //! it, both branches are run and every variable they touch becomes an `if` expression. Loops run
 //! as often as is known here. (Chapter 11 of the specification.)
 
-use super::Context;
+use super::Evaluator;
 use super::implicit_ranges::Body;
 use super::reference::Selection;
 use super::subscript::{one_by_one, positions};
@@ -41,7 +41,7 @@ impl Exits {
     }
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Runs statements; `None` after an error.
     pub(crate) fn run_statements(&mut self, list: &[Statement], scope: Scope) -> Option<Flow> {
         for s in list {
@@ -130,12 +130,12 @@ impl Context<'_> {
             _ => {}
         }
         let before = self.snapshot();
-        let left = self.evaluation.exits;
+        let left = self.exits;
         let first = self.under(c, |cx| cx.run_statements(body, scope))?;
         let after_first = self.snapshot();
         self.restore(&before);
-        let left_first = self.evaluation.exits;
-        self.evaluation.exits = left;
+        let left_first = self.exits;
+        self.exits = left;
         let not_c = self.graph.not(c);
         let second = self.under(not_c, |cx| cx.run_if(rest, otherwise, scope, span))?;
         self.merge(c, &after_first, span)?;
@@ -143,17 +143,17 @@ impl Context<'_> {
             return Some(first);
         }
         // A branch may leave: what follows counts only where that was not taken.
-        let left_second = self.evaluation.exits;
+        let left_second = self.exits;
         let all = self.graph.boolean(true);
         let leaves = |flow: Flow, kind: Flow, part: Option<ExprId>| {
             if flow == kind { Some(all) } else { part }
         };
-        self.evaluation.exits.broken = self.either(
+        self.exits.broken = self.either(
             c,
             leaves(first, Flow::Break, left_first.broken),
             leaves(second, Flow::Break, left_second.broken),
         );
-        self.evaluation.exits.returned = self.either(
+        self.exits.returned = self.either(
             c,
             leaves(first, Flow::Return, left_first.returned),
             leaves(second, Flow::Return, left_second.returned),
@@ -176,12 +176,12 @@ impl Context<'_> {
     }
 
     fn snapshot(&self) -> (Vec<(Name, Value)>, FastMap<VarId, ExprId>) {
-        (self.evaluation.frames.visible().to_vec(), self.evaluation.assigned.clone())
+        (self.frames.visible().to_vec(), self.assigned.clone())
     }
 
     fn restore(&mut self, saved: &(Vec<(Name, Value)>, FastMap<VarId, ExprId>)) {
-        self.evaluation.frames.restore(&saved.0);
-        self.evaluation.assigned.clone_from(&saved.1);
+        self.frames.restore(&saved.0);
+        self.assigned.clone_from(&saved.1);
     }
 
     /// Every variable becomes `if c then (its value in first) else (its value now)`.
@@ -192,22 +192,22 @@ impl Context<'_> {
         span: Span,
     ) -> Option<()> {
         for (k, (_, value)) in first.0.iter().enumerate() {
-            let now = self.evaluation.frames.visible()[k].1.clone();
+            let now = self.frames.visible()[k].1.clone();
             if *value != now {
                 let merged = self.if_values(c, value.clone(), now, span)?;
-                self.evaluation.frames.visible_mut()[k].1 = merged;
+                self.frames.visible_mut()[k].1 = merged;
             }
         }
         let mut keys: Vec<VarId> = first.1.keys().copied().collect();
-        keys.extend(self.evaluation.assigned.keys().copied());
+        keys.extend(self.assigned.keys().copied());
         keys.sort();
         keys.dedup();
         for v in keys {
             let itself = self.variable_itself(v)?;
             let a = first.1.get(&v).copied().unwrap_or(itself);
-            let b = self.evaluation.assigned.get(&v).copied().unwrap_or(itself);
+            let b = self.assigned.get(&v).copied().unwrap_or(itself);
             let merged = self.graph.if_then_else(c, a, b);
-            self.evaluation.assigned.insert(v, merged);
+            self.assigned.insert(v, merged);
         }
         Some(())
     }
@@ -222,7 +222,7 @@ impl Context<'_> {
             return self.run_statements(body, scope);
         };
         self.in_loop(|cx| {
-            if !cx.evaluation.mode.fold && cx.repeat_for(iterators, body, scope)? {
+            if !cx.mode.fold && cx.repeat_for(iterators, body, scope)? {
                 return Some(Flow::Next);
             }
             for value in cx.values_of(first, scope)? {
@@ -238,18 +238,18 @@ impl Context<'_> {
 
     /// Runs a loop: `break` in it does not leave the loop around it.
     fn in_loop<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let outer = self.evaluation.exits.broken.take();
+        let outer = self.exits.broken.take();
         let result = act(self);
-        self.evaluation.exits.broken = outer;
+        self.exits.broken = outer;
         result
     }
 
     /// Runs something in which no loop and no function was left; what leaves them in it counts no
     /// longer behind it.
     pub(super) fn with_exits_closed<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let outer = std::mem::take(&mut self.evaluation.exits);
+        let outer = std::mem::take(&mut self.exits);
         let result = act(self);
-        self.evaluation.exits = outer;
+        self.exits = outer;
         result
     }
 
@@ -262,7 +262,7 @@ impl Context<'_> {
     ) -> Option<Vec<Value>> {
         if let Some(range) = &iterator.range
             && !matches!(&range.kind, ExprKind::Range { .. })
-            && !self.evaluation.mode.fold
+            && !self.mode.fold
             && !matches!(&range.kind, ExprKind::Ref(r) if self.type_size(r, scope).is_some())
             && let Value::Array(a) = self.evaluate(range, scope)?
             && a.dims.len() == 1
@@ -284,7 +284,7 @@ impl Context<'_> {
     }
 
     fn run_while(&mut self, condition: &Expr, body: &[Statement], scope: Scope) -> Option<Flow> {
-        let before = self.evaluation.exits.returned;
+        let before = self.exits.returned;
         self.in_loop(|cx| cx.iterate(condition, body, scope, before))
     }
 
@@ -299,8 +299,7 @@ impl Context<'_> {
         for _ in 0..MAX_ITERATIONS {
             let c = self.evaluate(condition, scope)?;
             let c = self.truth(&c, condition.span)?;
-            let left =
-                self.evaluation.exits.broken.is_some() || self.evaluation.exits.returned != before;
+            let left = self.exits.broken.is_some() || self.exits.returned != before;
             match self.decided(c) {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
                 Some(Const::Boolean(true)) if !left => {}
@@ -328,20 +327,20 @@ impl Context<'_> {
         scope: Scope,
     ) -> Option<()> {
         let first = target.parts[0].name.name;
-        if let Some(at) = self.evaluation.frames.position(first) {
-            let old = self.evaluation.frames.visible()[at].1.clone();
+        if let Some(at) = self.frames.position(first) {
+            let old = self.frames.visible()[at].1.clone();
             let mut new = self.updated(&old, &target.parts, value, scope, target.span)?;
-            for left in self.evaluation.exits.all() {
+            for left in self.exits.all() {
                 new = self.if_values(left, old.clone(), new, target.span)?;
             }
-            self.evaluation.frames.visible_mut()[at].1 = new;
+            self.frames.visible_mut()[at].1 = new;
             return Some(());
         }
-        if self.evaluation.frames.in_function() {
+        if self.frames.in_function() {
             self.report_unknown_name(first, target.span, scope);
             return None;
         }
-        let mode = self.evaluation.mode.reading();
+        let mode = self.mode.reading();
         let selection = self.with_mode(mode, |cx| cx.select_target(target, scope));
         // Records are taken apart in the order of their fields, as the variables are.
         let mut scalars = Vec::new();

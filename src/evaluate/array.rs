@@ -1,14 +1,14 @@
 //! Built-in functions of arrays: their sizes, how they are made, and what is made of them (section 10.3 of
 //! the specification).
 
-use super::Context;
+use super::Evaluator;
 use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, ExprKind};
 use crate::ir::expr::{Binary, ExprId, Type};
 use crate::ir::instance::Scope;
 
-impl Context<'_> {
+impl Evaluator<'_> {
     pub(super) fn min_max(
         &mut self,
         name: &str,
@@ -50,7 +50,7 @@ impl Context<'_> {
             ExprKind::Ref(r) => r.parts.iter().all(|p| p.subscripts.is_empty()),
             _ => false,
         };
-        let mode = self.evaluation.mode.of_size_argument(whole);
+        let mode = self.mode.of_size_argument(whole);
         let value = self.with_mode(mode, |cx| cx.evaluate(e, scope));
         value.map(|v| v.dims().to_vec())
     }

@@ -1,6 +1,6 @@
 //! Assertions of functions, and the conditions under which what is evaluated counts.
 
-use super::Context;
+use super::Evaluator;
 use super::algorithm::Exits;
 use super::builtin::argument;
 use super::random_draw::Place;
@@ -44,30 +44,30 @@ pub(crate) fn level_of(level: Option<Const>) -> AssertionLevel {
     }
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Evaluates something that counts only where `c` is true.
     pub(crate) fn under<T>(&mut self, c: ExprId, act: impl FnOnce(&mut Self) -> T) -> T {
         if self.graph.as_const(c) == Some(Const::Boolean(true)) {
             return act(self);
         }
-        self.evaluation.assertions.conditions.push(c);
+        self.assertions.conditions.push(c);
         let result = act(self);
-        self.evaluation.assertions.conditions.pop();
+        self.assertions.conditions.pop();
         result
     }
 
     /// Evaluates something as if it stood under no condition.
     pub(super) fn unconditionally<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let around = std::mem::take(&mut self.evaluation.assertions.conditions);
+        let around = std::mem::take(&mut self.assertions.conditions);
         let result = act(self);
-        self.evaluation.assertions.conditions = around;
+        self.assertions.conditions = around;
         result
     }
 
     /// True where what is evaluated never counts.
     pub(super) fn is_unreached(&self) -> bool {
         let never = Some(Const::Boolean(false));
-        self.evaluation.assertions.conditions.iter().any(|c| self.graph.as_const(*c) == never)
+        self.assertions.conditions.iter().any(|c| self.graph.as_const(*c) == never)
     }
 
     /// `assert(condition, message, level)` in a function: decided here, or left to the run.
@@ -103,10 +103,9 @@ impl Context<'_> {
         level: AssertionLevel,
         span: Span,
     ) -> Option<()> {
-        let left = self.evaluation.exits;
-        let always = self.evaluation.random_draws.place != Place::When;
-        let sure =
-            always && self.evaluation.assertions.conditions.is_empty() && left == Exits::default();
+        let left = self.exits;
+        let always = self.random_draws.place != Place::When;
+        let sure = always && self.assertions.conditions.is_empty() && left == Exits::default();
         if sure
             && level == AssertionLevel::Error
             && self.graph.as_const(condition) == Some(Const::Boolean(false))
@@ -119,11 +118,11 @@ impl Context<'_> {
             return None;
         }
         // Asked for its value before the model runs, a function is not yet called by the model.
-        if self.evaluation.mode.is_before_simulation() {
+        if self.mode.is_before_simulation() {
             return Some(());
         }
         let mut condition = condition;
-        for c in self.evaluation.assertions.conditions.clone() {
+        for c in self.assertions.conditions.clone() {
             let off = self.graph.not(c);
             condition = self.graph.or(off, condition);
         }
@@ -133,7 +132,7 @@ impl Context<'_> {
         if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
             return Some(());
         }
-        self.evaluation.assertions.pending.push(Asserted { condition, message, level, span });
+        self.assertions.pending.push(Asserted { condition, message, level, span });
         Some(())
     }
 
@@ -142,8 +141,8 @@ impl Context<'_> {
         &mut self,
         act: impl FnOnce(&mut Self) -> T,
     ) -> (T, Vec<Asserted>) {
-        let before = self.evaluation.assertions.pending.len();
+        let before = self.assertions.pending.len();
         let result = act(self);
-        (result, self.evaluation.assertions.pending.split_off(before))
+        (result, self.assertions.pending.split_off(before))
     }
 }

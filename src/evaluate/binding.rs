@@ -3,7 +3,7 @@
 
 use std::rc::Rc;
 
-use super::Context;
+use super::Evaluator;
 use super::frame::FrameKind;
 use super::function;
 use super::value::Value;
@@ -26,16 +26,16 @@ pub struct ParameterValues {
     bindings: FastMap<(usize, Scope, bool), Option<Value>>,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// The value of a parameter or constant; reported if it has none.
     pub(crate) fn parameter_value(&mut self, id: InstanceId, span: Span) -> Option<Value> {
-        if let Some(known) = self.evaluation.parameters.values.get(&id) {
+        if let Some(known) = self.parameters.values.get(&id) {
             return known.clone();
         }
         // Met again before it has a value, it depends on itself.
-        self.evaluation.parameters.values.insert(id, None);
+        self.parameters.values.insert(id, None);
         let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
-        let mode = self.evaluation.mode.of_parameter(is_constant.then_some(id));
+        let mode = self.mode.of_parameter(is_constant.then_some(id));
         let mut value = self.with_mode(mode, |cx| {
             cx.with_frame(FrameKind::Class, |cx| match cx.binding_value(id) {
                 None if cx.binding(id).is_none() => cx.start_or_children(id, span),
@@ -48,8 +48,8 @@ impl Context<'_> {
             let real = found.each_scalar(&mut |e| self.graph.as_real(e));
             value = Some(real);
         }
-        self.evaluation.parameters.values.insert(id, value.clone());
-        self.evaluation.parameters.structural.push(id);
+        self.parameters.values.insert(id, value.clone());
+        self.parameters.structural.push(id);
         value
     }
 
@@ -87,8 +87,7 @@ impl Context<'_> {
         if let Some(binding) = self.binding(id).filter(|_| !self.outranked(id)) {
             // A record is asked for by each of its fields.
             let record = matches!(self.instances[id].kind, InstanceKind::Object(_));
-            let keep =
-                !binding.subscripts.is_empty() || (record && self.evaluation.assigned.is_empty());
+            let keep = !binding.subscripts.is_empty() || (record && self.assigned.is_empty());
             let value = self.cached(&binding.value, binding.scope, keep, id)?;
             let dims = binding.subscripts.clone();
             if !binding.setting {
@@ -162,9 +161,9 @@ impl Context<'_> {
         keep: bool,
         target: InstanceId,
     ) -> Option<Value> {
-        let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.evaluation.mode.fold);
-        let keep = keep && !self.evaluation.mode.sizes;
-        if keep && let Some(known) = self.evaluation.parameters.bindings.get(&key) {
+        let key = (std::sync::Arc::as_ptr(e) as usize, scope, self.mode.fold);
+        let keep = keep && !self.mode.sizes;
+        if keep && let Some(known) = self.parameters.bindings.get(&key) {
             return known.clone();
         }
         let value = self.with_frame(FrameKind::Class, |cx| match cx.bare_literal(e, target) {
@@ -172,7 +171,7 @@ impl Context<'_> {
             None => cx.evaluate(e, scope),
         });
         if keep {
-            self.evaluation.parameters.bindings.insert(key, value.clone());
+            self.parameters.bindings.insert(key, value.clone());
         }
         value
     }
@@ -198,7 +197,7 @@ impl Context<'_> {
         let message = format!("`{}` has no literal `{wanted}`", ty.name);
         let help = match did_you_mean(&wanted, names.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("it has {}", crate::instantiate::error::listed(&names)),
+            None => format!("it has {}", crate::classes::error::listed(&names)),
         };
         self.problems.push(Diagnostic::error("MO0240", e.span, message).help(help));
         Some(None)

@@ -1,7 +1,7 @@
 //! Built-in operators and functions with function syntax (sections 3.7 and 10.3 of the
 //! specification).
 
-use super::Context;
+use super::Evaluator;
 use super::reference::Selection;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
@@ -104,7 +104,7 @@ pub struct Builtins {
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// A call in an expression.
     pub(crate) fn call(
         &mut self,
@@ -150,14 +150,14 @@ impl Context<'_> {
     /// outside of everything (section 5.3.1).
     fn is_hidden_builtin(&mut self, name: Name, scope: Scope) -> bool {
         let place = (scope.class, name);
-        if self.evaluation.builtins.unshadowed.contains(&place) {
+        if self.builtins.unshadowed.contains(&place) {
             return false;
         }
         let found = self.find_first(name, scope);
         let hidden = matches!(found, Some(Found::Class(c))
             if matches!(self.kind(c), ClassKind::Function { .. }));
         if !hidden && !self.table_in_progress(scope.class) {
-            self.evaluation.builtins.unshadowed.insert(place);
+            self.builtins.unshadowed.insert(place);
         }
         hidden
     }
@@ -175,7 +175,7 @@ impl Context<'_> {
         scope: Scope,
     ) -> Option<ClassId> {
         let (first, rest) = path.parts.split_first()?;
-        if path.global || rest.is_empty() || self.evaluation.frames.in_function() {
+        if path.global || rest.is_empty() || self.frames.in_function() {
             return None;
         }
         let mut holder = self.child(scope.instance, first.name)?;
@@ -183,7 +183,7 @@ impl Context<'_> {
         if let InstanceKind::Outer(inner) = self.instances[holder].kind {
             holder = inner;
         }
-        self.check_conditional(holder, first.span);
+        crate::rules::visibility::check_conditional(self, holder, first.span);
         if matches!(self.instances[holder].kind, InstanceKind::Array { .. })
             || !function.parts[0].subscripts.is_empty()
         {
@@ -458,12 +458,12 @@ impl Context<'_> {
         scope: Scope,
         act: impl Fn(&mut Self, VarId, Type) -> ExprId,
     ) -> Option<Value> {
-        let mode = self.evaluation.mode.unassigned();
+        let mode = self.mode.unassigned();
         let value = self.with_mode(mode, |cx| cx.one(args, span, scope));
         value?.map(|v| self.of_chosen(v.scalar()?, span, &act).map(Value::Scalar))
     }
 
-    /// As [`Context::of_variable`], of a variable or of one among those that a run chooses from.
+    /// As [`Evaluator::of_variable`], of a variable or of one among those that a run chooses from.
     fn of_chosen(
         &mut self,
         e: ExprId,
@@ -565,7 +565,7 @@ impl Context<'_> {
                     );
                     return None;
                 }
-                let Some(counts) = &self.evaluation.builtins.cardinality else {
+                let Some(counts) = &self.builtins.cardinality else {
                     self.unsupported(
                         span,
                         "`cardinality` outside of equations and values of variables",

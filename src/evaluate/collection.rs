@@ -1,7 +1,7 @@
 //! Arrays made of parts, of ranges and of iterators, and what is made of all their elements (chapter 10 of the
 //! specification).
 
-use super::Context;
+use super::Evaluator;
 use super::implicit_ranges::Body;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
@@ -13,7 +13,7 @@ use crate::ir::instance::Scope;
 /// Part of a step by which a range of Reals may miss its bound and still have it as an element.
 pub(super) const MARGIN: f64 = 1e-10;
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// `{a, b}`: parts of one shape under a new first dimension.
     pub(crate) fn stack(&mut self, parts: Vec<Value>, span: Span) -> Option<Value> {
         let Some(first) = parts.first() else {

@@ -2,7 +2,7 @@
 //! chosen among all that may be meant; what is assigned goes to each of them where it is meant, and
 //! leaves it as it was elsewhere.
 
-use super::Context;
+use super::Evaluator;
 use super::reference::Selection;
 use super::subscript::Selector;
 use super::value::Value;
@@ -22,7 +22,7 @@ const DEEP: usize = 64;
 /// A scalar that may be meant, and where it is; `None` for one that always is.
 type Alternative = (Option<ExprId>, VarId);
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// The components that a reference names, for `connect`, `der`, and left sides of equations.
     pub(crate) fn select(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
         let selection = self.select_target(r, scope)?;
@@ -188,9 +188,9 @@ impl Context<'_> {
         v: VarId,
         mut e: ExprId,
     ) -> Option<()> {
-        let before = self.evaluation.assigned.get(&v).copied();
+        let before = self.assigned.get(&v).copied();
         // What comes after `break` leaves a variable as it was.
-        if let (Some(broken), Some(before)) = (self.evaluation.exits.broken, before) {
+        if let (Some(broken), Some(before)) = (self.exits.broken, before) {
             e = self.graph.if_then_else(broken, before, e);
         }
         if let Some(condition) = condition {
@@ -200,13 +200,13 @@ impl Context<'_> {
             };
             e = self.graph.if_then_else(condition, e, before);
         }
-        self.evaluation.assigned.insert(v, e);
+        self.assigned.insert(v, e);
         Some(())
     }
 
     /// A variable, as an expression that stands for what it holds before it is assigned.
     pub(crate) fn variable_itself(&mut self, v: VarId) -> Option<ExprId> {
-        let (id, _) = *self.evaluation.instance_of.get(v.0 as usize)?;
+        let (id, _) = *self.instance_of.get(v.0 as usize)?;
         match self.instances[id].kind {
             InstanceKind::Variable { ty, .. } => Some(self.graph.var(v, ty)),
             _ => None,

@@ -5,7 +5,7 @@
 //! only where no argument makes events. Otherwise each operator that the function adds is closed by
 //! itself, unless its operands change at events only.
 
-use super::Context;
+use super::Evaluator;
 use super::value::Value;
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::ast::Variability;
@@ -35,19 +35,19 @@ pub struct Events {
     pub(super) moving_results: FastSet<ExprId>,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// What is known of each expression so far; operands stand before their users.
     fn note_motions(&mut self) {
-        for k in self.evaluation.events.of_nodes.len()..self.graph.len() {
+        for k in self.events.of_nodes.len()..self.graph.len() {
             let motion = self.motion_of_node(ExprId(k as u32));
-            self.evaluation.events.of_nodes.push(motion);
+            self.events.of_nodes.push(motion);
         }
     }
 
     fn motion_of_node(&self, e: ExprId) -> EventBehaviour {
         let mut all = EventBehaviour::default();
         self.graph.for_each_operand(e, |a| {
-            let of = self.evaluation.events.of_nodes[a.0 as usize];
+            let of = self.events.of_nodes[a.0 as usize];
             all.reads |= of.reads;
             all.moves |= of.moves;
             all.live |= of.live;
@@ -74,7 +74,7 @@ impl Context<'_> {
     }
 
     fn motion(&self, e: ExprId) -> EventBehaviour {
-        self.evaluation.events.of_nodes[e.0 as usize]
+        self.events.of_nodes[e.0 as usize]
     }
 
     /// The operators in arguments that make events.
@@ -174,7 +174,7 @@ impl Context<'_> {
                 moving.push(e);
             }
         });
-        self.evaluation.events.moving_results.extend(moving);
+        self.events.moving_results.extend(moving);
     }
 }
 

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Context;
+use super::Evaluator;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
@@ -50,7 +50,7 @@ pub(super) enum Refusal {
     Wrong(String),
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// True for a class that extends `ExternalObject`.
     pub(crate) fn is_external_object(&mut self, class: ClassId) -> bool {
         self.kind(class) == ClassKind::Class && self.table(class).scalar == Some(Type::String)
@@ -124,7 +124,7 @@ impl Context<'_> {
             }
         };
         for (to, value) in results.into_iter().zip(values) {
-            let locals = self.evaluation.frames.visible_mut();
+            let locals = self.frames.visible_mut();
             let local = locals.iter_mut().find(|(n, _)| *n == to)?;
             local.1 = value;
         }
@@ -132,7 +132,7 @@ impl Context<'_> {
     }
 
     fn local_value(&self, wanted: Name) -> Option<Value> {
-        let locals = self.evaluation.frames.visible();
+        let locals = self.frames.visible();
         locals.iter().find(|(n, _)| *n == wanted).map(|(_, v)| v.clone())
     }
 
@@ -157,8 +157,8 @@ impl Context<'_> {
                 "CombiTable2D" => self.surface(args)?,
                 _ => return Err(Refusal::Unknown),
             };
-            self.evaluation.objects.push(object);
-            let text = format!("{MARK}{}", self.evaluation.objects.len());
+            self.objects.push(object);
+            let text = format!("{MARK}{}", self.objects.len());
             return Ok(vec![Value::Scalar(self.graph.string(&text))]);
         }
         let object = self.object_of(args.first())?;
@@ -271,7 +271,7 @@ impl Context<'_> {
             _ => return Err(Refusal::Wrong("the external object has no value".into())),
         };
         let number = text.strip_prefix(MARK).and_then(|n| n.parse::<usize>().ok());
-        let object = number.and_then(|n| self.evaluation.objects.get(n.checked_sub(1)?));
+        let object = number.and_then(|n| self.objects.get(n.checked_sub(1)?));
         object.cloned().ok_or_else(|| Refusal::Wrong("this is no external object".into()))
     }
 

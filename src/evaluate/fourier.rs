@@ -4,7 +4,7 @@
 //! *J. W. Cooley and J. W. Tukey, An algorithm for the machine calculation of complex Fourier series,
 //! Math. Comp. 19 (1965)*, with a factor for each prime of the length.
 
-use super::Context;
+use super::Evaluator;
 use super::external::Refusal;
 use super::value::Value;
 use crate::base::index::Id;
@@ -15,7 +15,7 @@ use crate::ir::flat::{Function, LocalId, Statement};
 /// A complex number: real and imaginary part.
 type Complex = [ExprId; 2];
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// `ModelicaFFT_kiss_fftr(u, ...)`: whether it could be done (0), and amplitudes and phases of the
     /// lower half of the spectrum, the amplitudes divided by their number.
     pub(super) fn fourier_function(
@@ -31,8 +31,8 @@ impl Context<'_> {
         if u.len() % 2 != 0 {
             return Err(Refusal::Wrong("the number of samples must be even".into()));
         }
-        self.evaluation.loops.functions.push(spectrum(&mut self.graph, u.len(), span));
-        let function = FunctionId::from_usize(self.evaluation.loops.functions.len() - 1);
+        self.loops.functions.push(spectrum(&mut self.class_graph.graph, u.len(), span));
+        let function = FunctionId::from_usize(self.loops.functions.len() - 1);
         let args = self.graph.intern_list(&u);
         let half = u.len() / 2 + 1;
         let mut call = |first: usize| -> Value {

@@ -1,6 +1,6 @@
 //! Frames of local names: iterators, and the variables of a function that is run.
 
-use super::Context;
+use super::Evaluator;
 use super::value::Value;
 use crate::base::name::Name;
 
@@ -72,14 +72,14 @@ impl Frames {
     }
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Runs something in a frame of its own, in which the locals of callers are hidden.
     pub(crate) fn with_frame<T>(&mut self, kind: FrameKind, act: impl FnOnce(&mut Self) -> T) -> T {
-        let frames = &mut self.evaluation.frames;
+        let frames = &mut self.frames;
         let caller = frames.current;
         frames.current = Frame { kind, base: frames.locals.len() };
         let result = act(self);
-        let frames = &mut self.evaluation.frames;
+        let frames = &mut self.frames;
         frames.locals.truncate(frames.current.base);
         frames.current = caller;
         result
@@ -92,9 +92,9 @@ impl Context<'_> {
         value: Value,
         act: impl FnOnce(&mut Self) -> T,
     ) -> T {
-        self.evaluation.frames.declare(name, value);
+        self.frames.declare(name, value);
         let result = act(self);
-        self.evaluation.frames.locals.pop();
+        self.frames.locals.pop();
         result
     }
 
@@ -104,9 +104,9 @@ impl Context<'_> {
         frames: &Frames,
         act: impl FnOnce(&mut Self) -> T,
     ) -> T {
-        let around = std::mem::replace(&mut self.evaluation.frames, frames.clone());
+        let around = std::mem::replace(&mut self.frames, frames.clone());
         let result = act(self);
-        self.evaluation.frames = around;
+        self.frames = around;
         result
     }
 }

@@ -4,7 +4,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::Context;
+use super::Evaluator;
 use super::frame::FrameKind;
 use super::value::{Record, Value};
 use crate::base::diag::Diagnostic;
@@ -23,7 +23,7 @@ pub(super) type Components = [(Entry, Declaration)];
 /// The size of an array whose size nobody says, where a function is only read.
 const OPEN_SIZE: usize = 3;
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Calls a class: a function, a record constructor, or an enumeration by number.
     pub(crate) fn call_class(
         &mut self,
@@ -82,7 +82,7 @@ impl Context<'_> {
         named: Vec<(Ident, Value)>,
         span: Span,
     ) -> Option<Value> {
-        self.check_function(class);
+        crate::rules::statements::check_function(self, class);
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
         if let Some(partial) = self.partial_text(class) {
@@ -119,11 +119,11 @@ impl Context<'_> {
         mut given: Vec<Option<Value>>,
         span: Span,
     ) -> Option<Value> {
-        let left = self.evaluation.exits;
+        let left = self.exits;
         // Where its caller was left before, it is not called.
         let reached = self.neither(left.broken, left.returned);
         // What is called in a function becomes part of it.
-        let outermost = !self.evaluation.frames.in_function();
+        let outermost = !self.frames.in_function();
         self.with_exits_closed(|cx| {
             cx.under(reached, |cx| {
                 cx.open_call(class, left);
@@ -165,7 +165,7 @@ impl Context<'_> {
     /// The value of a condition where one branch only is followed. A function that has called itself must
     /// know whether it will do so again, even if that fixes parameters that are real numbers.
     pub(super) fn decided(&mut self, condition: ExprId) -> Option<Const> {
-        let recurs = match self.evaluation.recursions.calls.split_last() {
+        let recurs = match self.recursions.calls.split_last() {
             Some((last, before)) => before.iter().any(|c| c.class == last.class),
             None => false,
         };
@@ -207,10 +207,7 @@ impl Context<'_> {
                     let message = format!("`{full_name}` has no argument `{}`", name.name);
                     let mut d = Diagnostic::error("MO0219", name.span, message);
                     if !names.is_empty() {
-                        d = d.help(format!(
-                            "it takes {}",
-                            crate::instantiate::error::listed(&names)
-                        ));
+                        d = d.help(format!("it takes {}", crate::classes::error::listed(&names)));
                     }
                     self.problems.push(d);
                     return None;
@@ -262,7 +259,7 @@ impl Context<'_> {
                 Some(v) => results.push(v),
                 None => return Some(None),
             }
-            crate::instantiate::component::advance(&mut subscripts, &dims);
+            super::value::advance(&mut subscripts, &dims);
         }
         Some(Some(Value::array(dims, results)))
     }
@@ -290,25 +287,6 @@ impl Context<'_> {
             zero.for_each_scalar(&mut |e| types.push(self.graph.ty(e)));
         }
         types
-    }
-
-    /// `input` or `output`, as declared or by the type.
-    pub(crate) fn causality(&mut self, entry: &Entry, d: &Declaration) -> Option<Causality> {
-        let clause = d.clause();
-        let fixed = clause.prefix.variability.is_some();
-        if clause.prefix.causality.is_some() || entry.protected || fixed {
-            return clause.prefix.causality;
-        }
-        let scope = self.declaration_scope(entry);
-        let class = self.find_class(&clause.type_name, scope)?;
-        if self.table_in_progress(class) {
-            return None;
-        }
-        self.table(class).prefix.causality
-    }
-
-    fn declaration_scope(&self, entry: &Entry) -> Scope {
-        Scope { instance: self.classes[entry.class].holder, class: entry.class }
     }
 
     /// Whether a value is a number other than 0.
@@ -340,8 +318,8 @@ impl Context<'_> {
             dims.extend(inner.into_iter().map(|size| size.unwrap_or(OPEN_SIZE)));
             let zeros = vec![zero; dims.iter().product()];
             let zero = Value::array(dims, zeros);
-            let graph = &mut self.graph;
-            let symbols = &mut self.evaluation.loops.symbols;
+            let graph = &mut self.class_graph.graph;
+            let symbols = &mut self.loops.symbols;
             let unknown = zero.each_scalar(&mut |e| {
                 *symbols += 1;
                 let ty = graph.ty(e);
@@ -389,9 +367,8 @@ impl Context<'_> {
                 },
             };
             // A number in place of a quantity has its unit, which is not seen any more.
-            self.evaluation.units.unitless_literal |=
-                !is_plain(declaration) && self.is_number(&value);
-            self.evaluation.frames.declare(name, value);
+            self.units.unitless_literal |= !is_plain(declaration) && self.is_number(&value);
+            self.frames.declare(name, value);
         }
         let table = self.table(class);
         if let Some((external, at)) = &table.external {
@@ -412,7 +389,7 @@ impl Context<'_> {
         }
         let mut results = Vec::with_capacity(outputs.len());
         for name in outputs {
-            let locals = self.evaluation.frames.visible();
+            let locals = self.frames.visible();
             let (_, value) = locals.iter().find(|(n, _)| *n == name)?;
             results.push(value.clone());
         }
@@ -436,7 +413,7 @@ impl Context<'_> {
     /// The order in which the variables of a function get their first values: those that others read come
     /// before these, wherever they are declared (section 12.4.4).
     pub(super) fn initial_order(&mut self, class: ClassId, components: &Components) -> Rc<[usize]> {
-        if let Some(known) = self.evaluation.initial_orders.get(&class) {
+        if let Some(known) = self.initial_orders.get(&class) {
             return known.clone();
         }
         let position = |name: Name| components.iter().position(|(e, _)| e.name.name == name);
@@ -450,7 +427,7 @@ impl Context<'_> {
             put_after_what_it_reads(k, &read, &mut met, &mut order);
         }
         let order: Rc<[usize]> = order.into();
-        self.evaluation.initial_orders.insert(class, order.clone());
+        self.initial_orders.insert(class, order.clone());
         order
     }
 

@@ -3,13 +3,13 @@
 
 use std::rc::Rc;
 
-use super::Context;
+use super::Evaluator;
 use super::value::{Partial, Value};
 use crate::base::source::Span;
 use crate::ir::ast::{Causality, ClassKind, Expr, ExprKind, Ident, Path};
 use crate::ir::instance::{ClassId, Scope};
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Calls a function that is a value: with what was bound to its arguments before.
     pub(crate) fn call_value(
         &mut self,
@@ -57,7 +57,7 @@ impl Context<'_> {
                 let first = r.parts.first()?.name.name;
                 let component = !r.global
                     && (self.local(first).is_some()
-                        || !self.evaluation.frames.in_function()
+                        || !self.frames.in_function()
                             && self.child(scope.instance, first).is_some());
                 if component {
                     return self.evaluate(e, scope);

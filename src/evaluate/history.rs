@@ -1,7 +1,7 @@
 //! What expressions were some time ago, and what is carried along a line: `delay` and `spatialDistribution`
 //! (section 3.7.4.2 of the specification).
 
-use super::Context;
+use super::Evaluator;
 use super::builtin::argument;
 use super::random_draw::RandomDraw;
 use super::value::Value;
@@ -60,7 +60,7 @@ pub(crate) struct TransportCall {
     pub span: Span,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// `delay(e, T)`: what `e` was a time `T` ago; a bound on `T` may follow.
     pub(crate) fn delay(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let ([e, time] | [e, time, _]) = args else {
@@ -78,12 +78,12 @@ impl Context<'_> {
             );
             return None;
         }
-        let fixed = self.evaluation.parameters.structural.len();
+        let fixed = self.parameters.structural.len();
         let known = self.parameter_expression(time, true).and_then(Const::number);
         if known != Some(0.0) {
             // Only that there is no delay would be structure.
-            for id in self.evaluation.parameters.structural.split_off(fixed) {
-                self.evaluation.parameters.values.remove(&id);
+            for id in self.parameters.structural.split_off(fixed) {
+                self.parameters.values.remove(&id);
             }
         }
         if known.is_some_and(|t| t < 0.0) {
@@ -94,7 +94,7 @@ impl Context<'_> {
         if let Some(longest) = args.get(2) {
             bound = Some(self.longest_delay(longest, known, scope)?);
         }
-        if known == Some(0.0) || self.evaluation.mode.is_before_simulation() {
+        if known == Some(0.0) || self.mode.is_before_simulation() {
             return Some(value);
         }
         if let Some(bound) = bound.filter(|_| varies) {
@@ -110,7 +110,7 @@ impl Context<'_> {
                 return Some(Value::Scalar(self.varying_delay(value, time, bound, span)));
             }
             let same = |m: &Synthetic| matches!(m, Synthetic::Delay(d) if (d.value, d.time) == (value, time));
-            let known = self.evaluation.history.made.iter().position(same);
+            let known = self.history.made.iter().position(same);
             let v = match known {
                 Some(k) => self.made_variable(k),
                 None => self.make(Synthetic::Delay(DelayCall { value, time, span })),
@@ -121,14 +121,14 @@ impl Context<'_> {
 
     /// A variable after all others.
     pub(crate) fn make(&mut self, made: Synthetic) -> VarId {
-        self.evaluation.history.made.push(made);
-        self.made_variable(self.evaluation.history.made.len() - 1)
+        self.history.made.push(made);
+        self.made_variable(self.history.made.len() - 1)
     }
 
     /// How a variable changes that stands after all others.
     pub(crate) fn made_variability(&self, v: VarId) -> Variability {
-        let after = (v.0 as usize).checked_sub(self.evaluation.instance_of.len());
-        match after.and_then(|k| self.evaluation.history.made.get(k)) {
+        let after = (v.0 as usize).checked_sub(self.instance_of.len());
+        match after.and_then(|k| self.history.made.get(k)) {
             Some(Synthetic::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
             Some(Synthetic::Number(_) | Synthetic::Counter(_)) => Variability::Discrete,
             Some(Synthetic::Delay(_)) | None => Variability::Continuous,
@@ -136,7 +136,7 @@ impl Context<'_> {
     }
 
     fn made_variable(&self, k: usize) -> VarId {
-        VarId((self.evaluation.instance_of.len() + k) as u32)
+        VarId((self.instance_of.len() + k) as u32)
     }
 
     /// The bound on a delay is known before the model runs, and is a bound.
@@ -212,7 +212,7 @@ impl Context<'_> {
         let points = self.points(find(4, "initialPoints"), [0.0, 1.0], scope)?;
         let values = self.points(find(5, "initialValues"), [0.0, 0.0], scope)?;
         self.check_points(&points, &values, find(4, "initialPoints").map_or(span, |e| e.span))?;
-        if self.evaluation.mode.is_before_simulation() {
+        if self.mode.is_before_simulation() {
             return Some(Value::Tuple([Value::Scalar(in0), Value::Scalar(in1)].into()));
         }
         if self.variability(x) <= Variability::Parameter {
@@ -282,7 +282,7 @@ impl Context<'_> {
     /// What a reader of a line reads. Lines that are the same but for their readers are one.
     fn carried(&mut self, mut wanted: TransportCall) -> ExprId {
         let places = std::mem::take(&mut wanted.readers);
-        let lines = &mut self.evaluation.history.lines;
+        let lines = &mut self.history.lines;
         let same = |l: &TransportCall| {
             (&l.ends, &l.entering, &l.initial) == (&wanted.ends, &wanted.entering, &wanted.initial)
         };

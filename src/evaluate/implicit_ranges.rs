@@ -4,7 +4,7 @@
 //! Such an iterator is given the range `1:size(x, k)` as if it had been written. An array over `Boolean`
 //! or an enumeration is given the type itself, so that the iterator has its values.
 
-use super::Context;
+use super::Evaluator;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::name::{Name, name};
@@ -25,7 +25,7 @@ pub(crate) enum Body<'a> {
     Expression(&'a Expr),
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// The iterators with ranges; `None` after an error.
     pub(crate) fn with_ranges(
         &mut self,
@@ -92,7 +92,7 @@ impl Context<'_> {
     /// The enumeration or `Boolean` that dimension `k` of a component of the instance is declared over.
     fn index_type(&mut self, array: &ComponentRef, k: usize, scope: Scope) -> Option<ComponentRef> {
         let [part] = array.parts.as_slice() else { return None };
-        if self.evaluation.frames.in_function() {
+        if self.frames.in_function() {
             return None;
         }
         let id = self.child(scope.instance, part.name.name)?;

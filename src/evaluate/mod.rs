@@ -11,7 +11,9 @@ pub(crate) mod assertion;
 mod binding;
 pub mod builtin;
 mod collection;
+pub mod demand;
 mod dynamic_index;
+mod error;
 mod event_behaviour;
 pub mod external;
 mod fourier;
@@ -36,12 +38,13 @@ mod subscript;
 pub mod value;
 mod variability;
 
+use std::ops::{Deref, DerefMut};
 use std::rc::Rc;
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
-use crate::instantiate::Context;
+use crate::classes::ClassGraph;
 use crate::ir::ast::{self, Expr, ExprKind};
 use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::instance::{ClassId, InstanceId, Scope};
@@ -52,9 +55,11 @@ pub(crate) const MAX_ELEMENTS: usize = 10_000_000;
 /// How many calls of functions may be open at once.
 const MAX_DEPTH: usize = 200;
 
-/// What the evaluator remembers; each part belongs to the file that defines its type.
-#[derive(Default)]
-pub struct State {
+/// Evaluates expressions, and remembers what it found. Each part of its state belongs to the file
+/// that defines the type.
+pub struct Evaluator<'a> {
+    /// Classes, and the component tree.
+    pub class_graph: ClassGraph<'a>,
     /// What names stand for.
     pub(crate) mode: mode::Mode,
     /// Iterators, and the variables of the functions being run.
@@ -91,9 +96,53 @@ pub struct State {
     pub(crate) random_draws: random_draw::RandomDraws,
     /// Built-in functions.
     pub(crate) builtins: builtin::Builtins,
+    /// The model is a component by itself: its surroundings are missing.
+    pub surrounded: bool,
 }
 
-impl Context<'_> {
+impl<'a> Deref for Evaluator<'a> {
+    type Target = ClassGraph<'a>;
+
+    fn deref(&self) -> &ClassGraph<'a> {
+        &self.class_graph
+    }
+}
+
+impl<'a> DerefMut for Evaluator<'a> {
+    fn deref_mut(&mut self) -> &mut ClassGraph<'a> {
+        &mut self.class_graph
+    }
+}
+
+impl<'a> Evaluator<'a> {
+    /// An evaluator over classes of which no component has been evaluated.
+    pub fn new(class_graph: ClassGraph<'a>) -> Self {
+        Evaluator {
+            class_graph,
+            mode: Default::default(),
+            frames: Default::default(),
+            ends: Default::default(),
+            assigned: Default::default(),
+            exits: Default::default(),
+            parameters: Default::default(),
+            units: Default::default(),
+            assertions: Default::default(),
+            recursions: Default::default(),
+            loops: Default::default(),
+            initial_orders: Default::default(),
+            sizing: Default::default(),
+            instance_of: Default::default(),
+            events: Default::default(),
+            objects: Default::default(),
+            history: Default::default(),
+            random_draws: Default::default(),
+            builtins: Default::default(),
+            surrounded: false,
+        }
+    }
+}
+
+impl Evaluator<'_> {
     /// The value of an expression; of a function with several outputs the first. `None` after an error.
     pub fn evaluate(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
         match self.evaluate_outputs(e, scope)? {
@@ -104,7 +153,7 @@ impl Context<'_> {
         }
     }
 
-    /// As [`Context::evaluate`], with all outputs of a function.
+    /// As [`Evaluator::evaluate`], with all outputs of a function.
     pub fn evaluate_outputs(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
         match &e.kind {
             ExprKind::Real(x) => Some(Value::Scalar(self.graph.real(*x))),
@@ -164,8 +213,8 @@ impl Context<'_> {
                 let value = self.evaluate(inner, scope)?;
                 self.subscripted(value, subscripts, scope, e.span)
             }
-            ExprKind::End => match self.evaluation.ends.last() {
-                Some(n) => Some(Value::Scalar(self.graph.integer(*n as i64))),
+            ExprKind::End => match self.ends.last().copied() {
+                Some(n) => Some(Value::Scalar(self.graph.integer(n as i64))),
                 None => {
                     self.error("MO0211", e.span, "`end` stands only in subscripts");
                     None
@@ -213,7 +262,7 @@ impl Context<'_> {
 
     /// The value of an expression that must be known before the model runs; reported if it is not.
     pub fn fold(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
-        let mode = self.evaluation.mode.folding();
+        let mode = self.mode.folding();
         let value = self.with_mode(mode, |cx| cx.evaluate(e, scope));
         let mut known = true;
         let value = value?.each_scalar(&mut |s| match self.parameter_expression(s, true) {

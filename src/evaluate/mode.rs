@@ -1,12 +1,12 @@
 //! The mode of the evaluator: what names stand for while an expression is evaluated.
 
-use super::Context;
+use super::Evaluator;
 use crate::ir::instance::InstanceId;
 
 /// What names stand for, and which of them may be read.
 ///
 /// By default a variable stands for itself, or for the value that the algorithm being run has
-/// assigned to it. [`Context::with_mode`] changes the mode for one evaluation.
+/// assigned to it. [`Evaluator::with_mode`] changes the mode for one evaluation.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Mode {
     /// Parameters stand for their values; anything known only at run time is an error.
@@ -66,12 +66,12 @@ impl Mode {
     }
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Evaluates in another mode.
     pub(crate) fn with_mode<T>(&mut self, mode: Mode, act: impl FnOnce(&mut Self) -> T) -> T {
-        let around = std::mem::replace(&mut self.evaluation.mode, mode);
+        let around = std::mem::replace(&mut self.mode, mode);
         let result = act(self);
-        self.evaluation.mode = around;
+        self.mode = around;
         result
     }
 }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::Context;
+use super::Evaluator;
 use super::value::{Record, Value};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -10,7 +10,7 @@ use crate::ir::ast::{BinaryOp, Expr, UnaryOp};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
 use crate::ir::instance::Scope;
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// `op a`
     pub(crate) fn unary_operator(&mut self, op: UnaryOp, a: Value, span: Span) -> Option<Value> {
         match op {
@@ -193,9 +193,7 @@ impl Context<'_> {
             _ => return self.evaluate(right, scope),
         };
         // While a function is run on what is known, what does not count is not even read.
-        if self.evaluation.frames.in_function()
-            && self.graph.as_const(counts) == Some(Const::Boolean(false))
-        {
+        if self.frames.in_function() && self.graph.as_const(counts) == Some(Const::Boolean(false)) {
             return Some(Value::Scalar(self.graph.boolean(false)));
         }
         self.under(counts, |cx| cx.evaluate(right, scope))

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::Context;
+use super::Evaluator;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
@@ -12,7 +12,7 @@ use crate::ir::ast::{Causality, ClassBody, ClassKind, Ident};
 use crate::ir::expr::Type;
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope};
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// True if a value is an operator record or an array of such.
     pub(super) fn is_overloaded(&mut self, value: &Value) -> bool {
         self.operator_record(value).is_some()

@@ -3,7 +3,7 @@
 
 use std::rc::Rc;
 
-use super::Context;
+use super::Evaluator;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
@@ -21,7 +21,7 @@ struct Symbol {
     argument: ExprId,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Runs a function, and differentiates what it gives by some of its inputs, one after the other.
     pub(crate) fn run_differentiated(
         &mut self,
@@ -94,7 +94,7 @@ impl Context<'_> {
             let listed: Vec<&str> = inputs.iter().map(|n| n.as_str()).collect();
             let message = format!("`{full_name}` is differentiated by `{name}`, which is no input");
             let diagnostic = Diagnostic::error("MO0219", variable.span, message)
-                .help(format!("it has {}", crate::instantiate::error::listed(&listed)))
+                .help(format!("it has {}", crate::classes::error::listed(&listed)))
                 .note("section 12.7.2 of the specification");
             self.problems.push(diagnostic);
             return None;
@@ -115,8 +115,8 @@ impl Context<'_> {
             self.error("MO0219", variable.span, message);
             return None;
         }
-        self.evaluation.loops.symbols += 1;
-        let variable = super::runtime_loop::symbol(self.evaluation.loops.symbols);
+        self.loops.symbols += 1;
+        let variable = super::runtime_loop::symbol(self.loops.symbols);
         given[at] = Some(Value::Scalar(self.graph.var(variable, Type::Real)));
         Some(Symbol { variable, argument })
     }

@@ -5,7 +5,7 @@
 //! (2016); S. Vigna, Further scramblings of Marsaglia's xorshift generators, J. Comput. Appl. Math. 315
 //! (2017).* States are words of 64 bits, each held as two Integers, the lower half first.
 
-use super::Context;
+use super::Evaluator;
 use super::external::Refusal;
 use super::value::Value;
 use crate::base::source::Span;
@@ -20,7 +20,7 @@ struct Word([ExprId; 2]);
 /// Words of the state of xorshift1024*.
 const WORDS: usize = 16;
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// A function of the family `ModelicaRandom_`: a state to the next one and a number.
     pub(super) fn random_function(
         &mut self,

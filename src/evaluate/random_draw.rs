@@ -5,7 +5,7 @@
 //! when-clause counts what it has drawn; at one instant the clauses draw one after the other. What is drawn
 //! at the start comes before all others.
 
-use super::Context;
+use super::Evaluator;
 use super::external::Refusal;
 use super::history::Synthetic;
 use super::value::Value;
@@ -54,44 +54,44 @@ pub(crate) struct RandomDraw {
     pub span: Span,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// The state of the generator at the start: words of 32 bits, the lower half of each pair first, and
     /// the number of the word drawn last.
     pub(super) fn set_generator(&mut self, state: &Value) -> Result<Vec<Value>, Refusal> {
         let mut words = Vec::new();
         state.for_each_scalar(&mut |e| words.push(e));
-        if !self.evaluation.mode.sizes {
-            self.evaluation.random_draws.generator = Some(words);
+        if !self.mode.sizes {
+            self.random_draws.generator = Some(words);
         }
         Ok(Vec::new())
     }
 
     /// The next random number.
     pub(super) fn draw(&mut self, span: Span) -> Result<ExprId, Refusal> {
-        if self.evaluation.mode.is_before_simulation() {
+        if self.mode.is_before_simulation() {
             return Ok(self.graph.real(0.5));
         }
-        let (counter, number) = match self.evaluation.random_draws.place {
+        let (counter, number) = match self.random_draws.place {
             Place::Always => {
                 let why = "it gives another number at each call: call it in a when-clause or at the start";
                 return Err(Refusal::Wrong(why.into()));
             }
             Place::Start => {
-                self.evaluation.random_draws.at_start += 1;
-                (None, self.evaluation.random_draws.at_start)
+                self.random_draws.at_start += 1;
+                (None, self.random_draws.at_start)
             }
             Place::When => {
-                let counter = match self.evaluation.random_draws.counter {
+                let counter = match self.random_draws.counter {
                     Some(counter) => counter,
                     None => {
                         let counter = self.make(Synthetic::Counter(span));
-                        self.evaluation.random_draws.counters.push(counter);
-                        self.evaluation.random_draws.counter = Some(counter);
+                        self.random_draws.counters.push(counter);
+                        self.random_draws.counter = Some(counter);
                         counter
                     }
                 };
-                self.evaluation.random_draws.in_branch += 1;
-                (Some(counter), self.evaluation.random_draws.in_branch)
+                self.random_draws.in_branch += 1;
+                (Some(counter), self.random_draws.in_branch)
             }
         };
         let v = self.make(Synthetic::Number(RandomDraw { counter, number, span }));
@@ -109,22 +109,22 @@ impl Context<'_> {
 
     /// Looks at what stands in a place.
     pub(crate) fn in_place<T>(&mut self, place: Place, act: impl FnOnce(&mut Self) -> T) -> T {
-        let around = std::mem::replace(&mut self.evaluation.random_draws.place, place);
+        let around = std::mem::replace(&mut self.random_draws.place, place);
         let result = act(self);
-        self.evaluation.random_draws.place = around;
+        self.random_draws.place = around;
         result
     }
 
     /// Looks at a when-clause.
     pub(crate) fn in_when<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        (self.evaluation.random_draws.counter, self.evaluation.random_draws.in_branch) = (None, 0);
+        (self.random_draws.counter, self.random_draws.in_branch) = (None, 0);
         self.in_place(Place::When, act)
     }
 
     /// A branch of a when-clause ends: its counter, if it draws, and the value that this has from then on.
     pub(crate) fn leave_branch(&mut self) -> Option<(VarId, ExprId)> {
-        let drawn = std::mem::take(&mut self.evaluation.random_draws.in_branch);
-        let counter = self.evaluation.random_draws.counter.filter(|_| drawn > 0)?;
+        let drawn = std::mem::take(&mut self.random_draws.in_branch);
+        let counter = self.random_draws.counter.filter(|_| drawn > 0)?;
         let before = self.graph.intern(Node::Pre(counter), Type::Integer);
         let drawn = self.graph.integer(drawn);
         Some((counter, self.graph.add(before, drawn)))

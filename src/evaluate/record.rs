@@ -3,7 +3,7 @@
 
 use std::rc::Rc;
 
-use super::Context;
+use super::Evaluator;
 use super::frame::FrameKind;
 use super::function::is_settled;
 use super::value::{Record, Value};
@@ -13,7 +13,7 @@ use crate::base::source::Span;
 use crate::ir::ast::Ident;
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry};
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Zero, false, empty, the first literal.
     pub(super) fn zero_of_type(&mut self, ty: Type) -> Value {
         Value::Scalar(match ty {
@@ -57,7 +57,7 @@ impl Context<'_> {
                 Some(value) => value,
                 None => self.local_start(entry, declaration).ok_or(k)?,
             };
-            self.evaluation.frames.declare(entry.name.name, value.clone());
+            self.frames.declare(entry.name.name, value.clone());
             values[k] = Some(value);
         }
         let names = components.iter().map(|(e, _)| e.name.name);
@@ -105,7 +105,7 @@ impl Context<'_> {
             .iter()
             .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
             .collect();
-        let outermost = !self.evaluation.frames.in_function();
+        let outermost = !self.frames.in_function();
         let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
         let built = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));
         let built = match built {

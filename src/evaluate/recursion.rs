@@ -12,8 +12,9 @@ use super::algorithm::Exits;
 use super::assertion::Asserted;
 use super::frame::FrameKind;
 use super::function::Components;
+use super::runtime_loop::symbol;
 use super::value::Value;
-use super::{Context, MAX_DEPTH};
+use super::{Evaluator, MAX_DEPTH};
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::Name;
@@ -82,7 +83,7 @@ enum Fit {
     Differs,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// A call of a function that is part of the flat model already, or that must become one; `None` for any
     /// other. The inner `None` is one that is left.
     pub(super) fn recursive(
@@ -92,20 +93,20 @@ impl Context<'_> {
         given: &[Option<Value>],
         span: Span,
     ) -> Option<Option<Value>> {
-        if self.evaluation.recursions.unwinding.is_some() {
+        if self.recursions.unwinding.is_some() {
             return Some(None);
         }
-        if !self.evaluation.mode.fold && self.evaluation.recursions.made.contains_key(&class) {
+        if !self.mode.fold && self.recursions.made.contains_key(&class) {
             let inputs = self.all_inputs(class, components, given);
             let Some(inputs) = inputs else { return Some(None) };
-            for k in 0..self.evaluation.recursions.made[&class].len() {
-                let function = self.evaluation.recursions.made[&class][k].clone();
+            for k in 0..self.recursions.made[&class].len() {
+                let function = self.recursions.made[&class][k].clone();
                 match self.fit(&function, &inputs) {
                     Fit::Fits(arguments) => return Some(Some(self.called(&function, arguments))),
                     Fit::Others(which) if function.open => {
                         let widened = which.into_iter().map(|k| (class, k));
-                        self.evaluation.recursions.widened.extend(widened);
-                        self.evaluation.recursions.unwinding = Some(Unwinding::To(class));
+                        self.recursions.widened.extend(widened);
+                        self.recursions.unwinding = Some(Unwinding::To(class));
                         return Some(None);
                     }
                     Fit::Differs if function.open => {
@@ -122,15 +123,15 @@ impl Context<'_> {
 
     /// Leaves all calls of a function that has called itself too often.
     fn leave_what_is_deep(&mut self, class: ClassId, span: Span) -> bool {
-        let calls = &self.evaluation.recursions.calls;
-        let recursions = &self.evaluation.recursions;
+        let calls = &self.recursions.calls;
+        let recursions = &self.recursions;
         let can_be_made = |c: &ClassId| !recursions.refused.contains_key(c);
-        if !self.evaluation.mode.fold && can_be_made(&class) {
+        if !self.mode.fold && can_be_made(&class) {
             let mut own = calls.iter().enumerate().filter(|(_, c)| c.class == class);
             if let Some((second, _)) = own.nth(1) {
                 let open = calls[second + 1..].iter().filter(|c| !c.certain).count();
                 if open >= MOST_OPEN {
-                    self.evaluation.recursions.unwinding = Some(Unwinding::To(class));
+                    self.recursions.unwinding = Some(Unwinding::To(class));
                     return true;
                 }
             }
@@ -140,36 +141,36 @@ impl Context<'_> {
         }
         let again = |c: &ClassId| calls.iter().filter(|d| d.class == *c).count() > 1;
         let recurring = calls.iter().map(|c| c.class).find(again).unwrap_or(class);
-        if !self.evaluation.mode.fold && can_be_made(&recurring) {
-            self.evaluation.recursions.unwinding = Some(Unwinding::To(recurring));
+        if !self.mode.fold && can_be_made(&recurring) {
+            self.recursions.unwinding = Some(Unwinding::To(recurring));
             return true;
         }
         let full_name = self.classes[recurring].full_name;
         let message = format!("`{full_name}` calls itself more than {MAX_DEPTH} deep");
         let mut diagnostic = Diagnostic::error("MO0221", span, message)
             .help("let parameters and constants decide how deep it goes, or write a loop");
-        if let Some(why) = self.evaluation.recursions.refused.get(&recurring) {
+        if let Some(why) = self.recursions.refused.get(&recurring) {
             diagnostic =
                 diagnostic.note(format!("the run cannot decide how deep it goes, since {why}"));
         }
         self.problems.push(diagnostic);
-        self.evaluation.recursions.unwinding = Some(Unwinding::Out);
+        self.recursions.unwinding = Some(Unwinding::Out);
         true
     }
 
     /// Opens a call. `left` are the conditions under which the caller was left before it.
     pub(super) fn open_call(&mut self, class: ClassId, left: Exits) {
-        let path = self.evaluation.assertions.conditions.len();
-        let before = self.evaluation.recursions.calls.last().map_or(path, |c| c.path);
+        let path = self.assertions.conditions.len();
+        let before = self.recursions.calls.last().map_or(path, |c| c.path);
         let certain = path == before && left == Exits::default();
-        self.evaluation.recursions.calls.push(Call { class, certain, path });
+        self.recursions.calls.push(Call { class, certain, path });
     }
 
     /// Closes the innermost call.
     pub(super) fn close_call(&mut self) {
-        self.evaluation.recursions.calls.pop();
-        let unwinding = &mut self.evaluation.recursions.unwinding;
-        if self.evaluation.recursions.calls.is_empty() && *unwinding == Some(Unwinding::Out) {
+        self.recursions.calls.pop();
+        let unwinding = &mut self.recursions.unwinding;
+        if self.recursions.calls.is_empty() && *unwinding == Some(Unwinding::Out) {
             *unwinding = None;
         }
     }
@@ -182,19 +183,19 @@ impl Context<'_> {
         given: &[Option<Value>],
         span: Span,
     ) -> Option<Option<Value>> {
-        if self.evaluation.recursions.unwinding != Some(Unwinding::To(class))
-            || self.evaluation.recursions.calls.iter().any(|c| c.class == class)
+        if self.recursions.unwinding != Some(Unwinding::To(class))
+            || self.recursions.calls.iter().any(|c| c.class == class)
         {
             return None;
         }
-        self.evaluation.recursions.unwinding = None;
+        self.recursions.unwinding = None;
         Some(self.call_made(class, components, given, span))
     }
 
     /// Notes why a function can be none of the flat model, and leaves its calls.
     fn refuse<T>(&mut self, class: ClassId, why: &str) -> Option<T> {
-        self.evaluation.recursions.refused.insert(class, why.to_string());
-        self.evaluation.recursions.unwinding = Some(Unwinding::To(class));
+        self.recursions.refused.insert(class, why.to_string());
+        self.recursions.unwinding = Some(Unwinding::To(class));
         None
     }
 
@@ -207,21 +208,21 @@ impl Context<'_> {
         span: Span,
     ) -> Option<Value> {
         let inputs = self.all_inputs(class, components, given)?;
-        self.evaluation.recursions.widened.retain(|(of, _)| *of != class);
+        self.recursions.widened.retain(|(of, _)| *of != class);
         let (made, new) = self.collect_problems(|cx| {
             loop {
                 let known = cx.widened(class);
                 let made = cx.attempt(class, components, &inputs, span);
-                let refused = cx.evaluation.recursions.refused.contains_key(&class);
+                let refused = cx.recursions.refused.contains_key(&class);
                 if made.is_some() || refused || cx.widened(class) == known {
                     break made;
                 }
-                cx.evaluation.recursions.unwinding = None;
+                cx.recursions.unwinding = None;
                 *cx.problems = Problems::new();
             }
         });
         if made.is_none()
-            && let Some(Unwinding::To(other)) = self.evaluation.recursions.unwinding
+            && let Some(Unwinding::To(other)) = self.recursions.unwinding
             && other != class
         {
             // One around it is read again.
@@ -233,17 +234,17 @@ impl Context<'_> {
             self.problems.extend(new);
             return Some(self.called(&function, arguments));
         }
-        self.evaluation.recursions.unwinding = None;
+        self.recursions.unwinding = None;
         let why = new.iter().find(|d| d.severity == Severity::Error).map(|d| d.message.clone());
         let why = why.unwrap_or_else(|| "what it computes depends on its depth".to_string());
-        self.evaluation.recursions.refused.entry(class).or_insert(why);
+        self.recursions.refused.entry(class).or_insert(why);
         // It may end for a reason of its own.
         self.run_function(class, components, given.to_vec(), span)
     }
 
     /// How many scalars of the arguments of a function are not the same in all calls.
     fn widened(&self, class: ClassId) -> usize {
-        self.evaluation.recursions.widened.iter().filter(|(of, _)| *of == class).count()
+        self.recursions.widened.iter().filter(|(of, _)| *of == class).count()
     }
 
     /// Reads the body of a function with symbols for what is not the same in all of its calls.
@@ -256,9 +257,9 @@ impl Context<'_> {
     ) -> Option<Recursive> {
         let (inputs, symbols) = self.symbolic(class, components, actual)?;
         let results = self.declared_results(class, components, &inputs)?;
-        let id = FunctionId::from_usize(self.evaluation.loops.functions.len());
+        let id = FunctionId::from_usize(self.loops.functions.len());
         let name = self.classes[class].full_name.to_string();
-        self.evaluation.loops.functions.push(Function {
+        self.loops.functions.push(Function {
             name,
             span,
             inputs: Vec::new(),
@@ -269,7 +270,7 @@ impl Context<'_> {
         let known = symbols.iter().copied().collect();
         let function =
             Recursive { id, inputs: inputs.clone(), symbols: known, results, open: true };
-        self.evaluation.recursions.made.entry(class).or_default().push(function.clone());
+        self.recursions.made.entry(class).or_default().push(function.clone());
         let given = inputs.into_iter().map(Some).collect();
         let (value, asserts) = self.collect_assertions(|cx| {
             cx.unconditionally(|cx| cx.run_function(class, components, given, span))
@@ -280,9 +281,9 @@ impl Context<'_> {
             self.forget(id);
             return None;
         };
-        let slot = &mut self.evaluation.loops.functions[id.idx()];
+        let slot = &mut self.loops.functions[id.idx()];
         *slot = Function { name: std::mem::take(&mut slot.name), span, ..body };
-        for function in self.evaluation.recursions.made.get_mut(&class).into_iter().flatten() {
+        for function in self.recursions.made.get_mut(&class).into_iter().flatten() {
             function.open = false;
         }
         Some(function)
@@ -290,9 +291,9 @@ impl Context<'_> {
 
     /// Takes back all functions that were made from this one on.
     fn forget(&mut self, first: FunctionId) {
-        self.evaluation.loops.functions.truncate(first.idx());
-        self.evaluation.loops.by_body.retain(|_, id| *id < first);
-        self.evaluation.recursions.made.retain(|_, all| {
+        self.loops.functions.truncate(first.idx());
+        self.loops.by_body.retain(|_, id| *id < first);
+        self.recursions.made.retain(|_, all| {
             all.retain(|f| f.id < first);
             !all.is_empty()
         });
@@ -319,7 +320,7 @@ impl Context<'_> {
             let symbolic = value.each_scalar(&mut |e| {
                 count += 1;
                 at += 1;
-                if !self.evaluation.recursions.widened.contains(&(class, count - 1))
+                if !self.recursions.widened.contains(&(class, count - 1))
                     && let Some(known) = self.settled(e)
                 {
                     return known;
@@ -328,9 +329,8 @@ impl Context<'_> {
                     0 => self.graph.ty(e),
                     n => types[(at - 1) % n],
                 };
-                let symbol =
-                    self.graph.var(super::runtime_loop::symbol(self.evaluation.loops.symbols), ty);
-                self.evaluation.loops.symbols += 1;
+                let symbol = self.class_graph.graph.var(symbol(self.loops.symbols), ty);
+                self.loops.symbols += 1;
                 symbols.push(symbol);
                 symbol
             });
@@ -385,10 +385,10 @@ impl Context<'_> {
     /// The condition under which what is being run counts.
     fn counts(&mut self) -> ExprId {
         let mut all = self.graph.boolean(true);
-        for c in self.evaluation.assertions.conditions.clone() {
+        for c in self.assertions.conditions.clone() {
             all = self.graph.and(all, c);
         }
-        let exits = self.evaluation.exits;
+        let exits = self.exits;
         let left = self.neither(exits.broken, exits.returned);
         self.graph.and(all, left)
     }
@@ -415,7 +415,6 @@ impl Context<'_> {
     ) -> Option<Function> {
         if !same_shape(&function.results, value) {
             let class = *self
-                .evaluation
                 .recursions
                 .made
                 .iter()
@@ -501,7 +500,7 @@ impl Context<'_> {
         let missing = missing.collect();
         self.with_frame(FrameKind::Function, |cx| {
             cx.declare_for(class, components, given, missing)?;
-            let locals = cx.evaluation.frames.visible();
+            let locals = cx.frames.visible();
             let value = |k: &usize| {
                 let name = components[*k].0.name.name;
                 locals.iter().find(|(n, _)| *n == name).map(|(_, v)| v.clone())
@@ -567,7 +566,7 @@ impl Context<'_> {
                 None if needed[*k] => self.local_start(entry, declaration)?,
                 None => continue,
             };
-            self.evaluation.frames.declare(entry.name.name, value);
+            self.frames.declare(entry.name.name, value);
         }
         Some(())
     }

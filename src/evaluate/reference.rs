@@ -2,7 +2,8 @@
 
 use std::rc::Rc;
 
-use super::Context;
+use super::Evaluator;
+use super::demand::Demand;
 use super::mode::Mode;
 use super::subscript::Selector;
 use super::value::{Record, Value};
@@ -45,7 +46,7 @@ enum Start {
     Literal(ExprId),
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// The value of a reference.
     pub(crate) fn reference(&mut self, r: &ComponentRef, scope: Scope) -> Option<Value> {
         let first = &r.parts[0];
@@ -66,7 +67,7 @@ impl Context<'_> {
                 return Some(value);
             }
             if r.simple().is_some_and(|n| n == "time") {
-                self.restrict_time(r.span, scope);
+                crate::rules::specialized_class::check_time(self, r.span, scope);
                 return Some(Value::Scalar(self.graph.time()));
             }
         }
@@ -90,26 +91,28 @@ impl Context<'_> {
     }
 
     pub(super) fn local(&self, wanted: Name) -> Option<Value> {
-        self.evaluation.frames.find(wanted).cloned()
+        self.frames.find(wanted).cloned()
     }
 
     /// The instance that the name starts with, and how many of its parts lead to it.
     fn start_of(&mut self, r: &ComponentRef, scope: Scope) -> Option<Start> {
         let first = &r.parts[0];
         if !r.global
-            && !self.evaluation.frames.in_function()
+            && !self.frames.in_function()
             && let Some(id) = self.visible(scope, first.name.name)
         {
-            return Some(Start::Instance(self.seen(id), 1));
+            return Some(Start::Instance(self.outer_of(id), 1));
         }
         let found = if r.global {
-            let root = crate::instantiate::ROOT;
+            let root = crate::classes::ROOT;
             self.member_class(root.class, first.name.name, root.instance).map(Found::Class)
         } else {
             self.find_first(first.name.name, scope)
         };
         let mut class = match found {
-            Some(Found::Component(id)) => return Some(Start::Instance(id, 1)),
+            Some(Found::Component(package, name)) => {
+                return self.package_component(package, name).map(|id| Start::Instance(id, 1));
+            }
             Some(Found::Class(c)) => c,
             None => {
                 self.report_unknown_name(first.name.name, first.name.span, scope);
@@ -217,7 +220,7 @@ impl Context<'_> {
         .label("not found");
         d = match crate::base::diag::did_you_mean(&part.name, names.iter().copied()) {
             Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help(format!("it has {}", crate::instantiate::error::listed(&names))),
+            None => d.help(format!("it has {}", crate::classes::error::listed(&names))),
         };
         self.problems.push(d);
         None
@@ -253,7 +256,7 @@ impl Context<'_> {
         }
         if !r.global
             && (self.local(r.parts[0].name.name).is_some()
-                || (!self.evaluation.frames.in_function()
+                || (!self.frames.in_function()
                     && self.child(scope.instance, r.parts[0].name.name).is_some()))
         {
             return None;
@@ -279,14 +282,14 @@ impl Context<'_> {
     ) -> Option<Selection> {
         self.complete(id);
         let (part, rest) = parts.split_first()?;
-        if open && self.evaluation.mode.reads_value {
-            self.check_conditional(id, part.name.span);
+        if open && self.mode.reads_value {
+            crate::rules::visibility::check_conditional(self, id, part.name.span);
         }
         let subscripts: &[Subscript] = if open { &part.subscripts } else { &[] };
         match self.instances[id].kind.clone() {
             InstanceKind::Outer(inner) => {
                 if let Some(next) = rest.first() {
-                    self.check_outer_member(id, &next.name);
+                    crate::rules::visibility::check_outer_member(self, id, &next.name);
                 }
                 self.walk(inner, parts, open, scope, span)
             }
@@ -296,8 +299,8 @@ impl Context<'_> {
                 let Some(next) = rest.first() else { return Some(Selection::Whole(id)) };
                 match self.child(id, next.name.name) {
                     Some(child) => {
-                        self.check_member(id, next.name);
-                        let child = self.seen(child);
+                        crate::rules::visibility::check_member(self, id, next.name);
+                        let child = self.outer_of(child);
                         self.walk(child, rest, true, scope, span)
                     }
                     None => {
@@ -346,7 +349,7 @@ impl Context<'_> {
             if wanted == Type::Integer || matches!(e.kind, ExprKind::End) {
                 continue;
             }
-            let mode = Mode { reads_value: false, ..self.evaluation.mode };
+            let mode = Mode { reads_value: false, ..self.mode };
             // Its assertions are left out here: it is read once more, for its value.
             let (value, _) = self.collect_assertions(|cx| {
                 cx.with_mode(mode, |cx| cx.with_end(0, |cx| cx.evaluate(e, scope)))
@@ -398,7 +401,7 @@ impl Context<'_> {
                 }
             }
         }
-        let mode = self.evaluation.mode.reading();
+        let mode = self.mode.reading();
         let selection = self.with_mode(mode, |cx| cx.walk(id, parts, true, scope, span));
         self.selection_value(&selection?, span)
     }
@@ -493,12 +496,12 @@ impl Context<'_> {
         let variability = self.instances[id].prefix.variability;
         let folds = match variability {
             Some(Variability::Constant) => {
-                self.evaluation.units.unitless_literal |= self.has_unit(id);
+                self.units.unitless_literal |= self.has_unit(id);
                 true
             }
             Some(Variability::Parameter) => {
-                if let Some(constant) = self.evaluation.mode.constant
-                    && !self.evaluation.mode.sizes
+                if let Some(constant) = self.mode.constant
+                    && !self.mode.sizes
                 {
                     self.report_variability(constant, span, "a parameter");
                     return None;
@@ -508,8 +511,7 @@ impl Context<'_> {
                     InstanceKind::Variable { ty, .. } => ty,
                     _ => Type::Real,
                 };
-                self.evaluation.mode.fold
-                    || self.evaluation.mode.sizes && ty != Type::Real && self.bound(id)
+                self.mode.fold || self.mode.sizes && ty != Type::Real && self.bound(id)
             }
             _ => false,
         };
@@ -525,7 +527,7 @@ impl Context<'_> {
         let InstanceKind::Variable { first, ty, .. } = self.instances[id].kind else {
             return None;
         };
-        if self.evaluation.mode.sizes {
+        if self.mode.sizes {
             // What fixes the structure decides shapes too.
             if variability == Some(Variability::Parameter)
                 && ty != Type::Real
@@ -536,7 +538,7 @@ impl Context<'_> {
             }
             return Some(Some(self.zero_of_type(ty)));
         }
-        if self.evaluation.mode.fold || first.is_none() {
+        if self.mode.fold || first.is_none() {
             let path = self.path(id);
             let declared = self.declared_at(id);
             self.problems.push(
@@ -559,9 +561,9 @@ impl Context<'_> {
         &mut self,
         act: impl FnOnce(&mut Self) -> T,
     ) -> (T, bool) {
-        let around = std::mem::take(&mut self.evaluation.units.unitless_literal);
+        let around = std::mem::take(&mut self.units.unitless_literal);
         let result = act(self);
-        (result, std::mem::replace(&mut self.evaluation.units.unitless_literal, around))
+        (result, std::mem::replace(&mut self.units.unitless_literal, around))
     }
 
     /// Whether a Real constant is declared with a unit.
@@ -569,14 +571,14 @@ impl Context<'_> {
         if !matches!(self.instances[id].kind, InstanceKind::Variable { ty: Type::Real, .. }) {
             return false;
         }
-        if let Some(known) = self.evaluation.units.has_unit.get(&id) {
+        if let Some(known) = self.units.has_unit.get(&id) {
             return *known;
         }
         let unit = self.attribute(id, crate::base::name::name("unit"));
         let found = unit.is_some_and(
             |b| !matches!(&b.value.kind, ExprKind::String(s) if s.is_empty() || &**s == "1"),
         );
-        self.evaluation.units.has_unit.insert(id, found);
+        self.units.has_unit.insert(id, found);
         found
     }
 
@@ -586,7 +588,7 @@ impl Context<'_> {
             return;
         }
         let path = self.path(id);
-        self.problems.push(
+        self.class_graph.problems.push(
             Diagnostic::error("MO0218", span, format!("the value of `{path}` depends on itself"))
                 .also(self.declared_at(id), "declared here")
                 .help("break the circle of bindings"),
@@ -605,8 +607,8 @@ impl Context<'_> {
             return None;
         };
         let v = crate::ir::expr::VarId(first.0 + k as u32);
-        if !self.evaluation.mode.unassigned
-            && let Some(assigned) = self.evaluation.assigned.get(&v)
+        if !self.mode.unassigned
+            && let Some(assigned) = self.assigned.get(&v)
         {
             return Some(*assigned);
         }

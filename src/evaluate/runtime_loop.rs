@@ -4,7 +4,7 @@
 //! as symbols, and what it leaves in them is what one turn assigns. Whatever else the loop reads
 //! goes in as an argument.
 
-use super::Context;
+use super::Evaluator;
 use super::algorithm::{Exits, Flow};
 use super::assertion::Asserted;
 use super::value::Value;
@@ -66,7 +66,7 @@ struct Range {
     stop: ExprId,
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Makes a function of `while condition loop body` and assigns its outputs.
     pub(crate) fn repeat_while(
         &mut self,
@@ -100,10 +100,10 @@ impl Context<'_> {
         let mut names: FastSet<Name> = std::iter::once(turns).collect();
         super::implicit_ranges::assigned(body, &mut names);
         let zero = Value::Scalar(self.graph.integer(0));
-        let at = self.evaluation.frames.visible().len();
+        let at = self.frames.visible().len();
         let done = self.with_local(turns, zero, |cx| {
             cx.repeat(&names, span, |cx| {
-                let turn = cx.evaluation.frames.visible()[at].1.scalar()?;
+                let turn = cx.frames.visible()[at].1.scalar()?;
                 let holds = cx.is_within(turn, &range);
                 let passed = cx.graph.binary(Binary::Mul, turn, range.step);
                 let value = cx.graph.binary(Binary::Add, range.start, passed);
@@ -112,7 +112,7 @@ impl Context<'_> {
                 });
                 let one = cx.graph.integer(1);
                 let next = cx.graph.binary(Binary::Add, turn, one);
-                cx.evaluation.frames.visible_mut()[at].1 = Value::Scalar(next);
+                cx.frames.visible_mut()[at].1 = Value::Scalar(next);
                 Some((holds, flow?))
             })
         });
@@ -123,8 +123,8 @@ impl Context<'_> {
     pub(crate) fn unknown_turn(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Value>> {
         let Some(range) = self.open_range(iterator, scope)? else { return Some(None) };
         let ty = self.graph.common_type(range.start, range.step);
-        let any = symbol(self.evaluation.loops.symbols);
-        self.evaluation.loops.symbols += 1;
+        let any = symbol(self.loops.symbols);
+        self.loops.symbols += 1;
         Some(Some(Value::Scalar(self.graph.var(any, ty))))
     }
 
@@ -168,28 +168,28 @@ impl Context<'_> {
         span: Span,
         run: impl FnOnce(&mut Self) -> Option<(ExprId, Flow)>,
     ) -> Option<()> {
-        let before: Vec<(Name, Value)> = self.evaluation.frames.visible().to_vec();
+        let before: Vec<(Name, Value)> = self.frames.visible().to_vec();
         let changed: Vec<usize> =
             (0..before.len()).filter(|k| names.contains(&before[*k].0)).collect();
         let mut turn = Turn::default();
         for &k in &changed {
-            let (graph, counter) = (&mut self.graph, &mut self.evaluation.loops.symbols);
+            let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
             let symbolic = before[k].1.each_scalar(&mut |e| turn.symbol(graph, counter, e));
-            self.evaluation.frames.visible_mut()[k].1 = symbolic;
+            self.frames.visible_mut()[k].1 = symbolic;
         }
         // In a model, what its algorithm assigns.
-        let outside = match self.evaluation.frames.in_function() {
+        let outside = match self.frames.in_function() {
             true => FastMap::default(),
-            false => self.evaluation.assigned.clone(),
+            false => self.assigned.clone(),
         };
         let mut variables: Vec<VarId> = outside.keys().copied().collect();
         variables.sort_unstable();
         for v in &variables {
-            let (graph, counter) = (&mut self.graph, &mut self.evaluation.loops.symbols);
+            let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
             let symbolic = turn.symbol(graph, counter, outside[v]);
-            self.evaluation.assigned.insert(*v, symbolic);
+            self.assigned.insert(*v, symbolic);
         }
-        let left = std::mem::take(&mut self.evaluation.exits);
+        let left = std::mem::take(&mut self.exits);
         let reached = self.neither(left.broken, left.returned);
         // An assertion about an iteration has no place outside of the loop.
         let (run, asserts) = self.collect_assertions(|cx| cx.under(reached, run));
@@ -197,16 +197,14 @@ impl Context<'_> {
         turn.asserts = asserts;
         turn.condition = Some(condition);
         for &k in &changed {
-            self.evaluation.frames.visible()[k].1.for_each_scalar(&mut |e| turn.turned.push(e));
+            self.frames.visible()[k].1.for_each_scalar(&mut |e| turn.turned.push(e));
         }
-        turn.turned.extend(variables.iter().map(|v| self.evaluation.assigned[v]));
+        turn.turned.extend(variables.iter().map(|v| self.assigned[v]));
         if turn.turned.len() != turn.symbols.len() {
             self.unsupported(span, "arrays that grow in a loop");
             return None;
         }
-        if !self.evaluation.frames.in_function()
-            && self.evaluation.assigned.len() != variables.len()
-        {
+        if !self.frames.in_function() && self.assigned.len() != variables.len() {
             self.unsupported(
                 span,
                 "variables that are first assigned in a loop whose length only a run knows",
@@ -218,14 +216,13 @@ impl Context<'_> {
         let mut next = results.iter().copied();
         for &k in &changed {
             let result = before[k].1.each_scalar(&mut |e| next.next().unwrap_or(e));
-            self.evaluation.frames.visible_mut()[k].1 = result;
+            self.frames.visible_mut()[k].1 = result;
         }
         for (v, e) in variables.into_iter().zip(next) {
-            self.evaluation.assigned.insert(v, e);
+            self.assigned.insert(v, e);
         }
-        self.evaluation.exits.broken = left.broken;
-        self.evaluation.exits.returned =
-            if returns { results.last().copied() } else { left.returned };
+        self.exits.broken = left.broken;
+        self.exits.returned = if returns { results.last().copied() } else { left.returned };
         Some(())
     }
 
@@ -241,14 +238,14 @@ impl Context<'_> {
     ) -> (ExprId, bool) {
         let sure = self.graph.boolean(true);
         let now = |kind: Flow, part: Option<ExprId>| if flow == kind { Some(sure) } else { part };
-        let broken = now(Flow::Break, self.evaluation.exits.broken);
-        let returned = now(Flow::Return, self.evaluation.exits.returned);
+        let broken = now(Flow::Break, self.exits.broken);
+        let returned = now(Flow::Return, self.exits.returned);
         if broken.or(returned).or(before.broken).or(before.returned).is_none() {
             return (condition, false);
         }
         let goes_on = self.neither(before.broken, before.returned);
         let next = self.neither(broken, returned);
-        let (graph, counter) = (&mut self.graph, &mut self.evaluation.loops.symbols);
+        let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
         let goes_on = turn.symbol(graph, counter, goes_on);
         turn.turned.push(next);
         let condition = graph.and(goes_on, condition);
@@ -275,16 +272,16 @@ impl Context<'_> {
         // A whole number may become a real one in the loop.
         let both = turn.initial.iter().zip(&turn.turned);
         let types: Vec<Type> = both.map(|(a, b)| self.graph.common_type(*a, *b)).collect();
-        let name = match self.evaluation.recursions.calls.last() {
+        let name = match self.recursions.calls.last() {
             Some(call) => self.classes[call.class].full_name.to_string(),
             None => "an algorithm".to_string(),
         };
         let (function, captured) = function(&mut self.graph, name, span, &turn, condition);
         let key = (span, function.inputs.len(), function.values());
-        let next = FunctionId::from_usize(self.evaluation.loops.functions.len());
-        let id = *self.evaluation.loops.by_body.entry(key).or_insert(next);
+        let next = FunctionId::from_usize(self.loops.functions.len());
+        let id = *self.loops.by_body.entry(key).or_insert(next);
         if id == next {
-            self.evaluation.loops.functions.push(function);
+            self.loops.functions.push(function);
         }
         let mut arguments = turn.initial;
         arguments.extend(captured);

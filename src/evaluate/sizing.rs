@@ -1,7 +1,7 @@
 //! Sizes that depend on each other: `A[:, size(A, 1)]` reads a dimension of the component whose
 //! sizes are being found.
 
-use super::Context;
+use super::Evaluator;
 use crate::ir::ast::{Expr, ExprKind};
 use crate::ir::instance::{InstanceId, Scope};
 
@@ -20,7 +20,7 @@ impl Sizing {
     }
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Finds the sizes of a component with `rank` dimensions.
     pub(crate) fn with_sizing<T>(
         &mut self,
@@ -28,9 +28,9 @@ impl Context<'_> {
         rank: usize,
         act: impl FnOnce(&mut Self) -> T,
     ) -> T {
-        self.evaluation.sizing.open.push((id, vec![None; rank]));
+        self.sizing.open.push((id, vec![None; rank]));
         let result = act(self);
-        self.evaluation.sizing.open.pop();
+        self.sizing.open.pop();
         result
     }
 
@@ -38,13 +38,12 @@ impl Context<'_> {
     pub(super) fn known_size(&mut self, e: &Expr, k: usize, scope: Scope) -> Option<usize> {
         let ExprKind::Ref(r) = &e.kind else { return None };
         let [part] = r.parts.as_slice() else { return None };
-        let elsewhere =
-            self.evaluation.sizing.open.is_empty() || self.evaluation.frames.in_function();
+        let elsewhere = self.sizing.open.is_empty() || self.frames.in_function();
         if elsewhere || r.global || !part.subscripts.is_empty() {
             return None;
         }
         let id = self.child(scope.instance, part.name.name)?;
-        let (_, known) = self.evaluation.sizing.open.iter().rev().find(|(own, _)| *own == id)?;
+        let (_, known) = self.sizing.open.iter().rev().find(|(own, _)| *own == id)?;
         *known.get(k.checked_sub(1)?)?
     }
 }

@@ -1,6 +1,6 @@
 //! `String(...)`: values as texts (section 3.7.2 of the specification).
 
-use super::Context;
+use super::Evaluator;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
@@ -9,7 +9,7 @@ use crate::ir::ast::{Expr, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Form, Type, Unary};
 use crate::ir::instance::Scope;
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// `String(record, ...)` of an operator record.
     fn overloaded_string(
         &mut self,

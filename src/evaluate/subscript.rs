@@ -1,7 +1,7 @@
 //! Subscripts: what they select of an array, before the model runs and while it does (section 10.5 of the
 //! specification).
 
-use super::Context;
+use super::Evaluator;
 use super::reference::{Selection, many};
 use super::value::{Value, offset};
 use crate::base::source::Span;
@@ -27,12 +27,12 @@ impl Selector {
     }
 }
 
-impl Context<'_> {
+impl Evaluator<'_> {
     /// Evaluates a subscript in which `end` stands for a size.
     pub(crate) fn with_end<T>(&mut self, size: usize, act: impl FnOnce(&mut Self) -> T) -> T {
-        self.evaluation.ends.push(size);
+        self.ends.push(size);
         let result = act(self);
-        self.evaluation.ends.pop();
+        self.ends.pop();
         result
     }
 
@@ -100,7 +100,7 @@ impl Context<'_> {
             out.push(match s {
                 Subscript::Colon(_) => Selector::Many((1..=dims[k]).collect()),
                 Subscript::Expr(e) => {
-                    let mode = self.evaluation.mode.subscript();
+                    let mode = self.mode.subscript();
                     let value = self
                         .with_end(dims[k], |cx| cx.with_mode(mode, |cx| cx.evaluate(e, scope)))?;
                     self.selector(&value, dims[k], e.span, span)?
@@ -153,7 +153,7 @@ impl Context<'_> {
         };
         if i < 1 || i as usize > size {
             // What does not count may be any of them, and where shapes alone do all serve.
-            if size > 0 && (self.is_unreached() || self.evaluation.mode.sizes) {
+            if size > 0 && (self.is_unreached() || self.mode.sizes) {
                 return Some(1);
             }
             let message = format!("subscript {i} is outside 1 to {size}");

@@ -177,6 +177,17 @@ pub fn offset<'a>(dims: &'a [usize], subscripts: &[usize]) -> Option<(usize, &'a
     Some((at * rest.iter().product::<usize>(), rest))
 }
 
+/// The next subscripts in row-major order, counted from 1.
+pub fn advance(subscripts: &mut [usize], sizes: &[usize]) {
+    for k in (0..sizes.len()).rev() {
+        subscripts[k] += 1;
+        if subscripts[k] <= sizes[k] {
+            return;
+        }
+        subscripts[k] = 1;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

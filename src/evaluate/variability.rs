@@ -1,13 +1,13 @@
 //! How fast values change, and which are known before the model runs (section 3.8 of the specification).
 
-use super::Context;
+use super::Evaluator;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::InstanceKind;
-impl Context<'_> {
+impl Evaluator<'_> {
     /// The slowest class of change of what an expression reads.
     pub fn variability(&self, e: ExprId) -> Variability {
         let mut most = Variability::Constant;
@@ -33,7 +33,7 @@ impl Context<'_> {
             let mut moves = false;
             self.graph.for_each_operand(n, |a| moves |= moving[&a]);
             let moves = match self.graph.node(n) {
-                _ if self.evaluation.events.moving_results.contains(&n) => true,
+                _ if self.events.moving_results.contains(&n) => true,
                 Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
                 Node::Time | Node::Der(_) | Node::Recorded(..) => true,
                 Node::Unary(op, _)
@@ -68,7 +68,7 @@ impl Context<'_> {
     }
 
     pub(super) fn variable_variability(&self, v: VarId) -> Variability {
-        let Some((id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
+        let Some((id, _)) = self.instance_of.get(v.0 as usize) else {
             return self.made_variability(v);
         };
         let instance = &self.instances[*id];
@@ -103,7 +103,7 @@ impl Context<'_> {
         let mut values: FastMap<VarId, ExprId> = FastMap::default();
         for &n in &order {
             if let Node::Var(v) = self.graph.node(n) {
-                let (id, k) = self.evaluation.instance_of[v.0 as usize];
+                let (id, k) = self.instance_of[v.0 as usize];
                 if !self.bound(id) {
                     return None;
                 }
@@ -140,7 +140,7 @@ impl Context<'_> {
     pub(super) fn may_be_known(&self, n: ExprId, reals: bool) -> bool {
         match self.graph.node(n) {
             Node::Var(v) => {
-                let Some(&(id, _)) = self.evaluation.instance_of.get(v.0 as usize) else {
+                let Some(&(id, _)) = self.instance_of.get(v.0 as usize) else {
                     return false;
                 };
                 let kind = &self.instances[id].kind;

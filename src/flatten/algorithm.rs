@@ -2,8 +2,8 @@
 
 use super::equation::{Target, asserted};
 use crate::base::source::Span;
+use crate::evaluate::Evaluator;
 use crate::evaluate::implicit_ranges::Body;
-use crate::instantiate::Context;
 use crate::ir::ast::{self, StatementKind};
 use crate::ir::expr::{Node, VarId};
 use crate::ir::flat::EquationKind;
@@ -12,14 +12,14 @@ use crate::ir::instance::Scope;
 /// Expands an algorithm section of a model: statements are executed symbolically; when-statements
 /// become separate when-clauses.
 pub(super) fn expand(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     list: &[ast::Statement],
     span: Span,
     scope: Scope,
     target: &mut Target<'_>,
 ) {
-    cx.evaluation.units.unitless_literal = false;
-    cx.evaluation.assigned.clear();
+    cx.units.unitless_literal = false;
+    cx.assigned.clear();
     let plain: Vec<ast::Statement> =
         list.iter().filter(|s| !matches!(s.kind, StatementKind::When { .. })).cloned().collect();
     let mut outputs = Vec::new();
@@ -28,10 +28,10 @@ pub(super) fn expand(
     let (started, _) =
         cx.collect_assertions(|cx| start_values(cx, &plain, scope, target, &mut outputs));
     if started.is_some() && cx.run_statements(&plain, scope).is_some() && !outputs.is_empty() {
-        let values = outputs.iter().map(|v| cx.evaluation.assigned[v]).collect();
+        let values = outputs.iter().map(|v| cx.assigned[v]).collect();
         target.push(EquationKind::Algorithm { outputs, values }, span);
     }
-    cx.evaluation.assigned.clear();
+    cx.assigned.clear();
     asserted(cx, target);
     let mut whens = Vec::new();
     for s in list {
@@ -39,24 +39,21 @@ pub(super) fn expand(
             && let Some(branches) =
                 cx.in_when(|cx| super::when::statement_branches(cx, branches, scope))
         {
-            target
-                .flat
-                .unitless_literals
-                .extend(cx.evaluation.units.unitless_literal.then_some(s.span));
+            target.flat.unitless_literals.extend(cx.units.unitless_literal.then_some(s.span));
             whens.push((branches, s.span));
         }
     }
     for (branches, span) in super::when::last_wins(whens) {
         target.push(EquationKind::When(branches), span);
     }
-    target.flat.unitless_literals.extend(cx.evaluation.units.unitless_literal.then_some(span));
-    cx.evaluation.units.unitless_literal = false;
+    target.flat.unitless_literals.extend(cx.units.unitless_literal.then_some(span));
+    cx.units.unitless_literal = false;
 }
 
 /// Initializes the assigned variables of a section: discrete ones with their `pre` value, others
 /// with their start value (Modelica 3.6, section 11.1.2).
 fn start_values(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     list: &[ast::Statement],
     scope: Scope,
     target: &Target<'_>,
@@ -88,7 +85,7 @@ fn start_values(
 }
 
 fn start_values_of_loop(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     iterators: &[ast::Iterator],
     body: &[ast::Statement],
     scope: Scope,
@@ -111,7 +108,7 @@ fn start_values_of_loop(
 }
 
 fn start_value(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     to: &ast::ComponentRef,
     scope: Scope,
     target: &Target<'_>,
@@ -119,7 +116,7 @@ fn start_value(
 ) -> Option<()> {
     let selection = cx.select_target(to, scope)?;
     for v in cx.selected_variables(&selection, to.span)? {
-        if cx.evaluation.assigned.contains_key(&v) {
+        if cx.assigned.contains_key(&v) {
             continue;
         }
         let variable = &target.flat.variables[v];
@@ -131,7 +128,7 @@ fn start_value(
         } else {
             cx.graph.intern(Node::Pre(v), variable.ty)
         };
-        cx.evaluation.assigned.insert(v, value);
+        cx.assigned.insert(v, value);
         outputs.push(v);
     }
     Some(())

@@ -3,7 +3,7 @@
 
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::assembly::{Assembly, AssemblyPart, Domain, Link, LinkEnd, Port};
 use crate::ir::ast::{
     ArgumentKind, Causality, ClassKind, ConnectionPrefix, Modification, Variability,
@@ -17,7 +17,7 @@ use super::connect::Connections;
 /// The assembly of the model at `root`, whose variables are numbered and whose connections are
 /// recorded.
 pub(super) fn of(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     root: InstanceId,
     connections: &Connections,
     flat: &FlatModel,
@@ -42,7 +42,7 @@ struct AssemblyBuilder {
 }
 
 impl AssemblyBuilder {
-    fn part(&mut self, cx: &mut Context<'_>, id: InstanceId, flat: &FlatModel) {
+    fn part(&mut self, cx: &mut Evaluator<'_>, id: InstanceId, flat: &FlatModel) {
         let InstanceKind::Object(children) = cx.instances[id].kind.clone() else { return };
         let mut ports = Vec::new();
         for &child in children.iter() {
@@ -78,7 +78,7 @@ impl AssemblyBuilder {
     }
 
     /// The nearest enclosing component of an instance.
-    fn holder(&self, cx: &Context<'_>, id: InstanceId) -> Option<usize> {
+    fn holder(&self, cx: &Evaluator<'_>, id: InstanceId) -> Option<usize> {
         let mut at = cx.instances[id].parent;
         while let Some(parent) = at {
             if let Some(&k) = self.position.get(&parent) {
@@ -90,7 +90,7 @@ impl AssemblyBuilder {
     }
 
     /// The end of a link at the connector or variable `id`, seen from the class of `holder`.
-    fn end(&self, cx: &Context<'_>, id: InstanceId, holder: usize) -> Option<LinkEnd> {
+    fn end(&self, cx: &Evaluator<'_>, id: InstanceId, holder: usize) -> Option<LinkEnd> {
         let mut part = self.holder(cx, id)?;
         if !self.assembly.within(part, holder) {
             return None;
@@ -106,7 +106,7 @@ impl AssemblyBuilder {
 
     fn connect(
         &mut self,
-        cx: &Context<'_>,
+        cx: &Evaluator<'_>,
         holder: InstanceId,
         ends: [InstanceId; 2],
         place: Span,
@@ -122,11 +122,11 @@ impl AssemblyBuilder {
     }
 
     /// Adds links to inputs whose bindings read variables of other components.
-    fn inputs(&mut self, cx: &mut Context<'_>, flat: &FlatModel) {
+    fn inputs(&mut self, cx: &mut Evaluator<'_>, flat: &FlatModel) {
         let mut known: FastSet<(usize, String, usize, String)> = FastSet::default();
         for (v, variable) in flat.variables.enumerate() {
             let Some(value) = variable.binding else { continue };
-            let (input, _) = cx.evaluation.instance_of[v.0 as usize];
+            let (input, _) = cx.instance_of[v.0 as usize];
             if cx.instances[input].prefix.causality != Some(Causality::Input) {
                 continue;
             }
@@ -149,13 +149,13 @@ impl AssemblyBuilder {
 
     fn input(
         &self,
-        cx: &mut Context<'_>,
+        cx: &mut Evaluator<'_>,
         input: InstanceId,
         reader: usize,
         read: VarId,
         declared: Span,
     ) -> Option<Link> {
-        let (read, _) = *cx.evaluation.instance_of.get(read.0 as usize)?;
+        let (read, _) = *cx.instance_of.get(read.0 as usize)?;
         let source = self.holder(cx, read)?;
         let mut holder = source;
         while !self.assembly.within(reader, holder) {
@@ -177,7 +177,7 @@ impl AssemblyBuilder {
 }
 
 /// A component itself, or the elements of an array of components.
-fn elements(cx: &mut Context<'_>, id: InstanceId) -> Vec<InstanceId> {
+fn elements(cx: &mut Evaluator<'_>, id: InstanceId) -> Vec<InstanceId> {
     cx.complete(id);
     match &cx.instances[id].kind {
         InstanceKind::Array { elements, .. } => elements.to_vec(),
@@ -186,22 +186,22 @@ fn elements(cx: &mut Context<'_>, id: InstanceId) -> Vec<InstanceId> {
     }
 }
 
-fn within(cx: &Context<'_>, id: InstanceId, holder: InstanceId) -> String {
+fn within(cx: &Evaluator<'_>, id: InstanceId, holder: InstanceId) -> String {
     let (full, owner) = (cx.path(id), cx.path(holder));
     full.strip_prefix(&owner).unwrap_or(&full).trim_start_matches('.').to_owned()
 }
 
-fn class_of(cx: &Context<'_>, id: InstanceId) -> String {
+fn class_of(cx: &Evaluator<'_>, id: InstanceId) -> String {
     cx.instances[id].class.map_or_else(String::new, |c| cx.classes[c].full_name.to_string())
 }
 
-fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
+fn is_connector(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     let Some(class) = cx.instances[id].class else { return false };
     matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
 }
 
 /// The physical domain of a connector, by the unit of its flow.
-fn domain(cx: &Context<'_>, connector: InstanceId, flat: &FlatModel) -> Domain {
+fn domain(cx: &Evaluator<'_>, connector: InstanceId, flat: &FlatModel) -> Domain {
     let InstanceKind::Object(children) = &cx.instances[connector].kind else {
         return Domain::Signal;
     };
@@ -217,7 +217,7 @@ fn domain(cx: &Context<'_>, connector: InstanceId, flat: &FlatModel) -> Domain {
 }
 
 /// `Placement(transformation(origin = {x, y}, extent = {{x1, y1}, {x2, y2}}))`, without rotation.
-fn placement(cx: &mut Context<'_>, id: InstanceId) -> Option<[f64; 4]> {
+fn placement(cx: &mut Evaluator<'_>, id: InstanceId) -> Option<[f64; 4]> {
     let declaration = cx.instances[id].declaration.clone()?;
     let annotation = declaration.component().annotation.clone()?;
     let scope = cx.instances[id].scope;
@@ -240,7 +240,7 @@ fn inner<'a>(modification: &'a Modification, name: &str) -> Option<&'a Modificat
 
 /// All numbers of an array, row by row.
 fn numbers(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     modification: &Modification,
     name: &str,
     scope: Scope,

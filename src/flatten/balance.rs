@@ -7,7 +7,7 @@
 
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::index::{FastMap, FastSet};
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{Causality, ClassKind, Variability};
 use crate::ir::expr::VarId;
 use crate::ir::flat::{Action, EquationKind, FlatModel};
@@ -54,7 +54,7 @@ impl EquationBalance {
 /// Counts equations and unknowns; `None` for a component with expandable connectors, whose
 /// variables depend on the surroundings.
 pub(super) fn of(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     root: InstanceId,
     flat: &FlatModel,
 ) -> Option<EquationBalance> {
@@ -76,7 +76,7 @@ pub(super) fn of(
             continue;
         }
         // A delayed expression belongs to no instance and has an equation of its own.
-        let from_outside = match cx.evaluation.instance_of.get(v.0 as usize) {
+        let from_outside = match cx.instance_of.get(v.0 as usize) {
             None => false,
             Some(&(instance, _)) => match known.get(&instance) {
                 Some(known) => *known,
@@ -114,7 +114,7 @@ pub(super) fn of(
 }
 
 /// True for an input of the component, declared in it or in one of its connectors.
-fn is_input(cx: &mut Context<'_>, id: InstanceId, root: InstanceId) -> bool {
+fn is_input(cx: &mut Evaluator<'_>, id: InstanceId, root: InstanceId) -> bool {
     // Protected inputs are determined inside the component.
     if cx.instances[id].prefix.causality != Some(Causality::Input) || cx.instances[id].protected {
         return false;

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use super::connect::Connections;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::{Asserted, level_of};
 use crate::evaluate::builtin::argument;
 use crate::evaluate::implicit_ranges::Body;
 use crate::evaluate::random_draw::Place;
 use crate::evaluate::value::Value;
-use crate::instantiate::Context;
 use crate::ir::ast::{self, Expr, ExprKind};
 use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::flat::{Assert, AssertionLevel, Equation, EquationKind, FlatModel, Origin};
@@ -43,7 +43,7 @@ impl Target<'_> {
 
 /// Adds the equations of one component.
 pub fn of_object(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     object: InstanceId,
     flat: &mut FlatModel,
     connections: &mut Connections,
@@ -69,7 +69,7 @@ pub fn of_object(
 }
 
 pub(super) fn expand_all(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     list: &[ast::Equation],
     scope: Scope,
     target: &mut Target<'_>,
@@ -84,8 +84,8 @@ pub(super) fn expand_all(
 }
 
 /// Adds the assertions of the functions that were called.
-pub(super) fn asserted(cx: &mut Context<'_>, target: &mut Target<'_>) {
-    for a in std::mem::take(&mut cx.evaluation.assertions.pending) {
+pub(super) fn asserted(cx: &mut Evaluator<'_>, target: &mut Target<'_>) {
+    for a in std::mem::take(&mut cx.assertions.pending) {
         let Asserted { condition, message, level, span } = a;
         target.push(EquationKind::Assert(Assert { condition, message, level }), span);
     }
@@ -93,7 +93,7 @@ pub(super) fn asserted(cx: &mut Context<'_>, target: &mut Target<'_>) {
 
 /// Expands one equation; `None` after an error, which does not affect the others.
 fn expand(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     e: &ast::Equation,
     scope: Scope,
     target: &mut Target<'_>,
@@ -117,7 +117,7 @@ fn expand(
             Some(())
         }
         ast::EquationKind::Connect(a, b) => {
-            if !cx.evaluation.assertions.conditions.is_empty() {
+            if !cx.assertions.conditions.is_empty() {
                 cx.problems.push(
                     Diagnostic::error(
                         "MO0231",
@@ -138,10 +138,10 @@ fn expand(
 
 /// Runs `body` for every combination of iterators, which are visible as names.
 pub(super) fn for_each(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     iterators: &[ast::Iterator],
     scope: Scope,
-    body: &mut dyn FnMut(&mut Context<'_>),
+    body: &mut dyn FnMut(&mut Evaluator<'_>),
 ) -> Option<()> {
     let Some((first, rest)) = iterators.split_first() else {
         body(cx);
@@ -154,7 +154,7 @@ pub(super) fn for_each(
 }
 
 fn equal(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     lhs: &Expr,
     rhs: &Expr,
     span: Span,
@@ -188,7 +188,7 @@ fn equal(
 }
 
 fn equate(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     left: &Value,
     right: &Value,
     span: Span,
@@ -250,7 +250,7 @@ fn equate(
     }
 }
 
-fn real_literal(cx: &mut Context<'_>, e: ExprId, other: Type) -> ExprId {
+fn real_literal(cx: &mut Evaluator<'_>, e: ExprId, other: Type) -> ExprId {
     match cx.graph.as_const(e) {
         Some(Const::Integer(i)) if other == Type::Real => cx.graph.real(i as f64),
         _ => e,
@@ -258,7 +258,7 @@ fn real_literal(cx: &mut Context<'_>, e: ExprId, other: Type) -> ExprId {
 }
 
 fn call_equation(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     call: &Expr,
     scope: Scope,
     target: &mut Target<'_>,
@@ -308,7 +308,7 @@ fn call_equation(
 
 /// `assert(condition, message, level)`
 pub(super) fn assertion(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     args: &[Expr],
     named: &[(ast::Ident, Expr)],
     span: Span,

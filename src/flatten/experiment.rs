@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path};
 use crate::ir::expr::Const;
 use crate::ir::flat::Experiment;
@@ -10,7 +10,7 @@ use crate::ir::instance::{ClassId, InstanceId, Scope};
 
 /// The experiment of a class, or else that of the first base class that has one.
 pub(super) fn inherited(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     class: ClassId,
     root: InstanceId,
     depth: usize,
@@ -50,7 +50,7 @@ pub(super) fn inherited(
 }
 
 /// `annotation(experiment(...))`
-fn declared(cx: &mut Context<'_>, annotation: &Arc<Modification>, scope: Scope) -> Experiment {
+fn declared(cx: &mut Evaluator<'_>, annotation: &Arc<Modification>, scope: Scope) -> Experiment {
     let mut experiment = Experiment::default();
     for arg in &annotation.args {
         let ArgumentKind::Element { path, modification: Some(inner), .. } = &arg.kind else {

@@ -4,9 +4,9 @@ use super::variable::add_synthetic;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
+use crate::evaluate::Evaluator;
 use crate::evaluate::history::{Synthetic, TransportCall};
 use crate::evaluate::random_draw::{RandomDraw, RandomDraws};
-use crate::instantiate::Context;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
 use crate::ir::flat::{
@@ -17,12 +17,12 @@ use crate::symbolic::rewrite::Rewriter;
 /// Adds a variable for each delayed expression, transport line and random number. They follow all
 /// declared variables in the order in which the evaluator met the operators, because the evaluator
 /// has already numbered them in this order.
-pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
-    let draws = std::mem::take(&mut cx.evaluation.random_draws);
-    let draws_any = cx.evaluation.history.made.iter().any(|m| matches!(m, Synthetic::Number(_)));
+pub fn elaborate(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
+    let draws = std::mem::take(&mut cx.random_draws);
+    let draws_any = cx.history.made.iter().any(|m| matches!(m, Synthetic::Number(_)));
     let generator = draws.generator.as_ref().filter(|_| draws_any);
     let generator = generator.and_then(|state| generator_state(cx, flat, state));
-    for (k, made) in std::mem::take(&mut cx.evaluation.history.made).into_iter().enumerate() {
+    for (k, made) in std::mem::take(&mut cx.history.made).into_iter().enumerate() {
         match made {
             Synthetic::Delay(delay) => {
                 let name = format!("$delay{}", flat.delays.len() + 1);
@@ -46,7 +46,7 @@ pub fn elaborate(cx: &mut Context<'_>, flat: &mut FlatModel) {
             }
         }
     }
-    for (k, line) in std::mem::take(&mut cx.evaluation.history.lines).into_iter().enumerate() {
+    for (k, line) in std::mem::take(&mut cx.history.lines).into_iter().enumerate() {
         let line = transport(cx, flat, k + 1, line);
         flat.transports.push(line);
     }
@@ -57,7 +57,7 @@ const MAX_PARAMETER_CHAIN: usize = 20;
 
 /// The initial state of the random number generator, if it can be evaluated before simulation.
 fn generator_state(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     flat: &mut FlatModel,
     state: &[ExprId],
 ) -> Option<Vec<i64>> {
@@ -100,7 +100,7 @@ fn generator_state(
 /// initialization come first, then those of all when-clauses, which sample in their order if they
 /// are active at the same instant.
 fn number(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     draws: &RandomDraws,
     generator: Option<&[i64]>,
     drawing: RandomDraw,
@@ -135,7 +135,7 @@ fn number(
 
 /// A variable with the equation that defines it.
 fn defined(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     flat: &mut FlatModel,
     name: String,
     value: ExprId,
@@ -151,7 +151,7 @@ fn defined(
 
 /// A variable whose value the simulator supplies.
 fn external_variable(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     flat: &mut FlatModel,
     name: String,
     span: Span,
@@ -165,7 +165,7 @@ fn external_variable(
 }
 
 fn transport(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     flat: &mut FlatModel,
     number: usize,
     line: TransportCall,

@@ -3,7 +3,7 @@
 use super::equation::{Target, expand_all};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{self, Expr};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Assert, Equation, EquationKind};
@@ -11,7 +11,7 @@ use crate::ir::instance::Scope;
 
 /// Expands an if-equation: the branch that parameters select, or all branches merged.
 pub(super) fn expand(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     branches: &[(Expr, Vec<ast::Equation>)],
     otherwise: &[ast::Equation],
     span: Span,
@@ -81,7 +81,7 @@ fn connects(list: &[ast::Equation]) -> bool {
 }
 
 /// The variables, except parameters, and the derivatives that occur in equations, in order.
-fn unknowns(cx: &mut Context<'_>, equations: &[Equation]) -> Vec<(VarId, bool)> {
+fn unknowns(cx: &mut Evaluator<'_>, equations: &[Equation]) -> Vec<(VarId, bool)> {
     let sides = equations.iter().filter_map(|e| match e.kind {
         EquationKind::Equal(a, b) => Some([a, b]),
         _ => None,
@@ -111,7 +111,7 @@ fn collected(target: &mut Target<'_>, act: impl FnOnce(&mut Target<'_>)) -> Vec<
 /// Merges branches equation by equation into `if c then first else second` (Modelica 3.6, section
 /// 8.3.4).
 fn merge(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     c: ExprId,
     first: Vec<Equation>,
     second: Vec<Equation>,

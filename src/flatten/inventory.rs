@@ -3,7 +3,7 @@
 //! For tools that attach components to a model: two connectors of the same class at the same node
 //! are equivalent places to attach to.
 
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{Causality, ClassKind};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
@@ -42,7 +42,7 @@ pub struct InventoryConnector {
 
 /// Takes the inventory of the model at `root`, whose connections have been collected.
 pub(super) fn of(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     root: InstanceId,
     connections: &mut Connections,
 ) -> Inventory {
@@ -86,7 +86,7 @@ pub(super) fn of(
     inventory
 }
 
-fn connector_class(cx: &mut Context<'_>, id: InstanceId) -> Option<String> {
+fn connector_class(cx: &mut Evaluator<'_>, id: InstanceId) -> Option<String> {
     cx.complete(id);
     if !matches!(cx.instances[id].kind, InstanceKind::Object(_)) {
         return None;
@@ -96,7 +96,7 @@ fn connector_class(cx: &mut Context<'_>, id: InstanceId) -> Option<String> {
     is.then(|| cx.classes[class].full_name.to_string())
 }
 
-fn first_variable(cx: &Context<'_>, connector: InstanceId) -> Option<crate::ir::expr::VarId> {
+fn first_variable(cx: &Evaluator<'_>, connector: InstanceId) -> Option<crate::ir::expr::VarId> {
     let InstanceKind::Object(children) = &cx.instances[connector].kind else { return None };
     children.iter().find_map(|c| match cx.instances[*c].kind {
         InstanceKind::Variable { first, .. } => first,

@@ -20,7 +20,7 @@ pub mod when;
 use std::rc::Rc;
 
 use crate::base::index::FastSet;
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::assembly::Assembly;
 use crate::ir::flat::{Assert, Equation, EquationKind, FlatModel, Origin};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind};
@@ -29,7 +29,7 @@ use crate::ir::modification::ParameterOverride;
 /// Flattens the model `class` with parameter overrides from the command line. Problems are
 /// collected in the context; if there are errors, the result cannot be simulated.
 pub fn flatten(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     class: ClassId,
     overrides: &[Rc<ParameterOverride>],
 ) -> FlatModel {
@@ -38,7 +38,7 @@ pub fn flatten(
 
 /// Like [`flatten`], and also returns the component diagram of the model.
 pub fn flatten_with_assembly(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     class: ClassId,
     overrides: &[Rc<ParameterOverride>],
 ) -> (FlatModel, Assembly) {
@@ -52,7 +52,7 @@ pub fn flatten_with_assembly(
 
 /// Like [`flatten`], and also returns an inventory of the components and connectors.
 pub fn flatten_with_inventory(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     class: ClassId,
     overrides: &[Rc<ParameterOverride>],
 ) -> (FlatModel, inventory::Inventory) {
@@ -67,7 +67,7 @@ pub fn flatten_with_inventory(
 /// Like [`flatten`], and also counts equations and unknowns, unless the count depends on the
 /// surroundings of the component.
 pub fn flatten_with_balance(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     class: ClassId,
     balance: &mut Option<balance::EquationBalance>,
 ) -> FlatModel {
@@ -79,11 +79,11 @@ pub fn flatten_with_balance(
 }
 
 fn flatten_with(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     class: ClassId,
     overrides: &[Rc<ParameterOverride>],
     mut connections: connect::Connections,
-    inspect: impl FnOnce(&mut Context<'_>, InstanceId, &mut connect::Connections, &FlatModel),
+    inspect: impl FnOnce(&mut Evaluator<'_>, InstanceId, &mut connect::Connections, &FlatModel),
 ) -> FlatModel {
     let text = cx.text(class).cloned();
     let full_name = cx.classes[class].full_name.to_string();
@@ -91,7 +91,7 @@ fn flatten_with(
     let mut flat = FlatModel::new(full_name, span);
     flat.description = text.as_ref().and_then(|t| t.description.clone());
 
-    let root = cx.instantiate_model(class, overrides);
+    let root = crate::instantiate::model(cx, class, overrides);
     parameter_override::report_unused(cx, root, overrides);
     connect::expandable::elaborate(cx, root);
     connect::cardinality::count(cx, root);
@@ -105,16 +105,15 @@ fn flatten_with(
     inspect(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
     flat.experiment = experiment::inherited(cx, class, root, 0);
-    let structural: FastSet<InstanceId> =
-        cx.evaluation.parameters.structural.iter().copied().collect();
-    for (v, (instance, _)) in cx.evaluation.instance_of.iter().enumerate() {
+    let structural: FastSet<InstanceId> = cx.parameters.structural.iter().copied().collect();
+    for (v, (instance, _)) in cx.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
         flat.variables[v].structural |= structural.contains(instance);
     }
     history::elaborate(cx, &mut flat);
-    flat.functions = std::mem::take(&mut cx.evaluation.loops.functions).into_iter().collect();
+    flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
     // Assertions of functions that are called in declarations.
-    for a in std::mem::take(&mut cx.evaluation.assertions.pending) {
+    for a in std::mem::take(&mut cx.assertions.pending) {
         let origin = Origin { span: a.span, component: "".into() };
         let assert = Assert { condition: a.condition, message: a.message, level: a.level };
         flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
@@ -124,7 +123,7 @@ fn flatten_with(
 }
 
 /// Components that have components, depth first in order of declaration.
-fn objects(cx: &Context<'_>, root: InstanceId) -> Vec<InstanceId> {
+fn objects(cx: &Evaluator<'_>, root: InstanceId) -> Vec<InstanceId> {
     let mut found = Vec::new();
     let mut stack = vec![root];
     while let Some(id) = stack.pop() {

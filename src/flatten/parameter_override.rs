@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{Expr, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
 use crate::ir::modification::ParameterOverride;
@@ -79,7 +79,7 @@ fn expression(
 
 /// Reports overrides that no component matches, and overrides of variables that are not parameters.
 pub(super) fn report_unused(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     root: InstanceId,
     overrides: &[Rc<ParameterOverride>],
 ) {
@@ -116,7 +116,7 @@ pub(super) fn report_unused(
 }
 
 /// Whether the variable with exactly this name is a parameter; `None` if it does not exist.
-fn is_parameter(cx: &mut Context<'_>, root: InstanceId, s: &ParameterOverride) -> Option<bool> {
+fn is_parameter(cx: &mut Evaluator<'_>, root: InstanceId, s: &ParameterOverride) -> Option<bool> {
     let mut at = root;
     for (part, subscripts) in &s.parts {
         if !matches!(cx.instances[at].kind, InstanceKind::Object(_)) {
@@ -136,7 +136,7 @@ fn is_parameter(cx: &mut Context<'_>, root: InstanceId, s: &ParameterOverride) -
 }
 
 /// The names of all variables, each with a flag that is true for parameters.
-fn scalar_names(cx: &Context<'_>, root: InstanceId) -> Vec<(String, bool)> {
+fn scalar_names(cx: &Evaluator<'_>, root: InstanceId) -> Vec<(String, bool)> {
     let mut out = Vec::new();
     let mut stack = vec![root];
     while let Some(id) = stack.pop() {

@@ -5,10 +5,11 @@ use std::rc::Rc;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
+use crate::classes::subscript_text;
+use crate::evaluate::Evaluator;
 use crate::evaluate::random_draw::Place;
 use crate::evaluate::value::Value;
-use crate::instantiate::component::advance;
-use crate::instantiate::{Context, subscript_text};
+use crate::evaluate::value::advance;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::flat::{FlatModel, StateSelect, Variable};
@@ -18,7 +19,7 @@ use crate::ir::instance::{InstanceId, InstanceKind};
 type AttributeField<T> = fn(&mut Variable) -> &mut T;
 
 /// Numbers all scalar variables, depth first.
-pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
+pub fn number(cx: &mut Evaluator<'_>, root: InstanceId, flat: &mut FlatModel) {
     let mut stack: Vec<(InstanceId, Rc<str>)> = vec![(root, Rc::from(""))];
     while let Some((id, path)) = stack.pop() {
         let own = own_path(cx, id, &path);
@@ -37,7 +38,7 @@ pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
                         format!("{own}{}", subscript_text(&subscripts))
                     };
                     flat.variables.push(declared(cx, id, ty, text, root));
-                    cx.evaluation.instance_of.push((id, k));
+                    cx.instance_of.push((id, k));
                     advance(&mut subscripts, &dims);
                 }
                 if let InstanceKind::Variable { first: slot, .. } = &mut cx.instances[id].kind {
@@ -49,7 +50,7 @@ pub fn number(cx: &mut Context<'_>, root: InstanceId, flat: &mut FlatModel) {
     }
 }
 
-fn own_path(cx: &Context<'_>, id: InstanceId, parent: &str) -> String {
+fn own_path(cx: &Evaluator<'_>, id: InstanceId, parent: &str) -> String {
     let instance = &cx.instances[id];
     if !instance.subscripts.is_empty() {
         return [parent, &subscript_text(&instance.subscripts)].concat();
@@ -72,7 +73,7 @@ pub fn add_synthetic(flat: &mut FlatModel, name: String, ty: Type, span: Span) -
 
 /// A variable with the prefixes of its declaration, without attributes.
 fn declared(
-    cx: &Context<'_>,
+    cx: &Evaluator<'_>,
     id: InstanceId,
     ty: Type,
     text: String,
@@ -94,11 +95,11 @@ fn declared(
 }
 
 /// Evaluates attributes and bindings of all variables.
-pub fn fill(cx: &mut Context<'_>, flat: &mut FlatModel) {
+pub fn fill(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
     let names = AttributeNames::default();
     let mut at = 0;
-    while at < cx.evaluation.instance_of.len() {
-        let (id, _) = cx.evaluation.instance_of[at];
+    while at < cx.instance_of.len() {
+        let (id, _) = cx.instance_of[at];
         let InstanceKind::Variable { ty, dims, .. } = cx.instances[id].kind.clone() else {
             unreachable!("only variables are numbered");
         };
@@ -138,7 +139,7 @@ impl Default for AttributeNames {
 }
 
 fn attributes(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     flat: &mut FlatModel,
     id: InstanceId,
     first: VarId,
@@ -149,7 +150,7 @@ fn attributes(
     if given.is_empty() {
         return;
     }
-    let value = |cx: &mut Context<'_>, attribute: Name, fold: bool| -> Option<(Value, Span)> {
+    let value = |cx: &mut Evaluator<'_>, attribute: Name, fold: bool| -> Option<(Value, Span)> {
         if !given.contains(&attribute) {
             return None;
         }
@@ -219,7 +220,7 @@ fn attributes(
 }
 
 fn binding(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     flat: &mut FlatModel,
     id: InstanceId,
     first: VarId,
@@ -296,7 +297,7 @@ fn binding(
 
 /// Reports a `discrete` Real with a binding: its value must come from when-clauses (Modelica 3.6,
 /// section 4.5).
-fn report_bound_discrete(cx: &mut Context<'_>, id: InstanceId, span: Span) {
+fn report_bound_discrete(cx: &mut Evaluator<'_>, id: InstanceId, span: Span) {
     let path = cx.path(id);
     let declared = cx.declared_at(id);
     cx.problems.push(
@@ -310,7 +311,13 @@ fn report_bound_discrete(cx: &mut Context<'_>, id: InstanceId, span: Span) {
 
 /// Converts an expression to the type: Integer literals become Real literals; incompatible types
 /// are reported.
-fn converted(cx: &mut Context<'_>, e: ExprId, ty: Type, span: Span, what: &str) -> Option<ExprId> {
+fn converted(
+    cx: &mut Evaluator<'_>,
+    e: ExprId,
+    ty: Type,
+    span: Span,
+    what: &str,
+) -> Option<ExprId> {
     let given = cx.graph.ty(e);
     match (ty, given) {
         (Type::Real, Type::Integer) => match cx.graph.as_const(e) {

@@ -2,9 +2,9 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::Asserted;
 use crate::evaluate::value::Value;
-use crate::instantiate::Context;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Action, Assert, WhenBranch};
@@ -12,7 +12,7 @@ use crate::ir::instance::Scope;
 
 /// The branches of a when-equation.
 pub(super) fn branches(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     list: &[(Expr, Vec<ast::Equation>)],
     scope: Scope,
 ) -> Option<Vec<WhenBranch>> {
@@ -32,13 +32,13 @@ pub(super) fn branches(
 }
 
 /// The scalar conditions of a branch: one, or the elements of a vector.
-fn conditions(cx: &mut Context<'_>, e: &Expr, scope: Scope) -> Option<Vec<ExprId>> {
+fn conditions(cx: &mut Evaluator<'_>, e: &Expr, scope: Scope) -> Option<Vec<ExprId>> {
     let value = cx.evaluate(e, scope)?;
     value.elements().iter().map(|v| cx.truth(v, e.span)).collect()
 }
 
 fn action(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     e: &ast::Equation,
     scope: Scope,
     out: &mut Vec<Action>,
@@ -79,7 +79,7 @@ fn action(
 }
 
 fn equal(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     lhs: &Expr,
     rhs: &Expr,
     span: Span,
@@ -118,7 +118,7 @@ fn targets(lhs: &Expr) -> Vec<&ast::ComponentRef> {
 
 /// Checks that a when-clause only determines variables of its own class; otherwise a component
 /// would have one more equation than its class shows (Modelica 3.6, section 8.3.5.1).
-fn check_target(cx: &mut Context<'_>, target: &ast::ComponentRef, scope: Scope) {
+fn check_target(cx: &mut Evaluator<'_>, target: &ast::ComponentRef, scope: Scope) {
     let [first, .., last] = target.parts.as_slice() else { return };
     let Some(mut at) = cx.child(scope.instance, first.name.name) else { return };
     cx.complete(at);
@@ -150,7 +150,7 @@ fn add_asserts(asserts: Vec<Asserted>, out: &mut Vec<Action>) {
 }
 
 fn assign(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     left: &Value,
     right: &Value,
     span: Span,
@@ -189,7 +189,7 @@ fn assign(
 }
 
 fn call_action(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     call: &Expr,
     scope: Scope,
     out: &mut Vec<Action>,
@@ -240,7 +240,7 @@ fn call_action(
 /// `if` inside a when-clause: assignments are merged variable by variable; in a branch that does
 /// not assign a variable, it keeps its `pre` value.
 fn if_actions(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     branches: &[(Expr, Vec<ast::Equation>)],
     otherwise: &[ast::Equation],
     scope: Scope,
@@ -254,7 +254,7 @@ fn if_actions(
     };
     let c = cx.evaluate(condition, scope)?;
     let c = cx.truth(&c, condition.span)?;
-    let actions_of_body = |cx: &mut Context<'_>, out: &mut Vec<Action>| {
+    let actions_of_body = |cx: &mut Evaluator<'_>, out: &mut Vec<Action>| {
         body.iter().try_for_each(|e| action(cx, e, scope, out))
     };
     match cx.structural_value(c) {
@@ -272,7 +272,7 @@ fn if_actions(
 
 /// Merges the actions of two branches into `if c then first else second`.
 pub(super) fn merge_branches(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     c: ExprId,
     first: Vec<Action>,
     second: Vec<Action>,
@@ -320,7 +320,7 @@ pub(super) fn merge_branches(
 
 /// The branches of a when-statement of an algorithm.
 pub(super) fn statement_branches(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     list: &[(Expr, Vec<ast::Statement>)],
     scope: Scope,
 ) -> Option<Vec<WhenBranch>> {
@@ -328,11 +328,11 @@ pub(super) fn statement_branches(
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
-        cx.evaluation.assigned.clear();
+        cx.assigned.clear();
         let (result, asserts) =
             cx.collect_assertions(|cx| statement_actions(cx, body, scope, &mut actions));
         add_asserts(asserts, &mut actions);
-        let assigned = std::mem::take(&mut cx.evaluation.assigned);
+        let assigned = std::mem::take(&mut cx.assigned);
         result?;
         let mut all: Vec<(VarId, ExprId)> = assigned.into_iter().collect();
         all.sort_by_key(|(v, _)| *v);
@@ -345,7 +345,7 @@ pub(super) fn statement_branches(
 
 /// Executes statements: assignments remain in the evaluator; `reinit` and the like become actions.
 fn statement_actions(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     body: &[ast::Statement],
     scope: Scope,
     out: &mut Vec<Action>,

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::instantiate::Context;
+use crate::classes::ClassGraph;
 use crate::ir::ast::{self, ElementKind};
 use crate::ir::instance::{ClassId, ClassTable, Entry, EntryKind, InstanceId, Scope};
 use crate::ir::modification::{Layer, LayerSource};
@@ -22,217 +22,224 @@ struct Replacement {
     span: Span,
 }
 
-impl Context<'_> {
-    /// Whether everything that modifications of an instance redeclare may be redeclared so. What may
-    /// not is reported.
-    pub(crate) fn redeclarations_fit(&mut self, id: InstanceId, table: &ClassTable) -> bool {
-        let mut fit = true;
-        for entry in &table.entries {
-            let found = self.replacements(id, entry);
-            if !found.is_empty() {
-                fit &= self.fits(id, entry, &found);
-            }
-            if entry.element.replaceable.as_ref().is_some_and(|r| r.constraint.is_some()) {
-                self.check_own_constraint(id, entry);
-            }
+/// Whether everything that modifications of an instance redeclare may be redeclared so. What may
+/// not is reported.
+pub(crate) fn redeclarations_fit(
+    cx: &mut ClassGraph<'_>,
+    id: InstanceId,
+    table: &ClassTable,
+) -> bool {
+    let mut fit = true;
+    for entry in &table.entries {
+        let found = replacements(cx, id, entry);
+        if !found.is_empty() {
+            fit &= fits(cx, id, entry, &found);
         }
-        fit
+        if entry.element.replaceable.as_ref().is_some_and(|r| r.constraint.is_some()) {
+            check_own_constraint(cx, id, entry);
+        }
     }
+    fit
+}
 
-    /// The redeclarations of an element, outermost first: one of each modification, for a second one
-    /// is an error of its text.
-    fn replacements(&self, id: InstanceId, entry: &Entry) -> Vec<Replacement> {
-        let inherited = entry.layers.iter().map(|(m, class)| Layer {
-            source: LayerSource::Whole(m.clone()),
-            scope: self.modification_scope(*class, id),
-            subscripts: Rc::from([]),
+/// The redeclarations of an element, outermost first: one of each modification, for a second one
+/// is an error of its text.
+fn replacements(cx: &ClassGraph<'_>, id: InstanceId, entry: &Entry) -> Vec<Replacement> {
+    let inherited = entry.layers.iter().map(|(m, class)| Layer {
+        source: LayerSource::Whole(m.clone()),
+        scope: cx.modification_scope(*class, id),
+        subscripts: Rc::from([]),
+    });
+    let mut found = Vec::new();
+    for layer in cx.instances[id].layers.iter().cloned().chain(inherited) {
+        let first = layer.redeclarations().find_map(|(element, _)| {
+            let names = element.names();
+            let (_, span) = names.iter().find(|(name, _)| *name == entry.name.name)?;
+            Some((element, *span))
         });
-        let mut found = Vec::new();
-        for layer in self.instances[id].layers.iter().cloned().chain(inherited) {
-            let first = layer.redeclarations().find_map(|(element, _)| {
-                let names = element.names();
-                let (_, span) = names.iter().find(|(name, _)| *name == entry.name.name)?;
-                Some((element, *span))
-            });
-            if let Some((element, span)) = first {
-                let element = Rc::new((**element).clone());
-                found.push(Replacement { element, scope: layer.scope, span });
-            }
-        }
-        found
-    }
-
-    /// What is declared replaceable must fit its own constraining class; said once for each text.
-    fn check_own_constraint(&mut self, id: InstanceId, entry: &Entry) {
-        let Some(path) = entry.element.replaceable.as_ref().and_then(|r| r.constraint.clone())
-        else {
-            return;
-        };
-        if !self.checked_constraints.insert(entry.name.span) {
-            return;
-        }
-        let own = Scope { instance: id, class: entry.class };
-        let Some(wanted) = self.find_class(&path, own) else { return };
-        let Some(given) = self.original(id, entry) else { return };
-        if let Some(why) = self.misfit_with(wanted, given, own_rank(entry)) {
-            let text = entry.name.name;
-            self.problems.push(
-                crate::base::diag::Diagnostic::error(
-                    "MO0225",
-                    entry.name.span,
-                    format!("`{text}` does not fit its own constraining class: {why}"),
-                )
-                .also(path.span, "the constraining class")
-                .help("declare it with a class that has all that the constraining class has")
-                .note("section 7.3.2 of the specification"),
-            );
+        if let Some((element, span)) = first {
+            let element = Rc::new((**element).clone());
+            found.push(Replacement { element, scope: layer.scope, span });
         }
     }
+    found
+}
 
-    fn fits(&mut self, id: InstanceId, entry: &Entry, found: &[Replacement]) -> bool {
+/// What is declared replaceable must fit its own constraining class; said once for each text.
+fn check_own_constraint(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) {
+    let Some(path) = entry.element.replaceable.as_ref().and_then(|r| r.constraint.clone()) else {
+        return;
+    };
+    if !cx.checked_constraints.insert(entry.name.span) {
+        return;
+    }
+    let own = Scope { instance: id, class: entry.class };
+    let Some(wanted) = cx.find_class(&path, own) else { return };
+    let Some(given) = original(cx, id, entry) else { return };
+    if let Some(why) = misfit_with(cx, wanted, given, own_rank(entry)) {
         let text = entry.name.name;
-        let own = Scope { instance: id, class: entry.class };
-        let Some(outermost) = found.first() else { return true };
-        let (Some(before), Some(after)) =
-            (self.original(id, entry), self.replaced(id, text, outermost))
-        else {
-            return true;
-        };
-        // The type that it has already may always be written again.
-        if !self.is_same(before, after) {
-            let replaced = found.iter().skip(1).map(|r| (&r.element, r.span));
-            let replaced: Vec<_> = replaced.chain([(&entry.element, entry.name.span)]).collect();
-            for (replacement, (element, span)) in found.iter().zip(replaced) {
-                if element.replaceable.is_none() {
-                    self.report_not_replaceable(text, replacement.span, span);
-                    return false;
-                }
-            }
-        }
-        let closed = match () {
-            () if entry.element.is_final => Some("is final"),
-            () if super::prefix::is_constant(entry) => Some("is a constant"),
-            () => None,
-        };
-        if let Some(why) = closed {
-            let name = ast::Ident { name: text, span: outermost.span };
-            self.report_closed(name, entry.name.span, why);
-            return false;
-        }
-        // The nearest constraining clause counts: a redeclaration may have narrowed it.
-        let narrowed = found.iter().skip(1).find_map(|r| {
-            let constraint = r.element.replaceable.as_ref()?.constraint.as_ref()?;
-            Some((constraint.clone(), r.scope))
-        });
-        let declared = entry.element.replaceable.as_ref().and_then(|r| r.constraint.clone());
-        let clause = narrowed.or(declared.map(|path| (path, own)));
-        let (wanted, span) = match &clause {
-            Some((path, scope)) => match self.find_class(path, *scope) {
-                Some(class) => (class, path.span),
-                None => return true,
-            },
-            None => (before, entry.name.span),
-        };
-        // A constraint that a redeclaration brings must be within the one before it.
-        let narrower = outermost.element.replaceable.as_ref().and_then(|r| r.constraint.clone());
-        let narrower = narrower.and_then(|path| self.find_class(&path, outermost.scope));
-        let given = [Some(after), narrower].into_iter().flatten();
-        for given in given {
-            if let Some(why) = self.misfit(wanted, given) {
-                self.report_misfit(text, outermost.span, (span, why));
+        cx.problems.push(
+            crate::base::diag::Diagnostic::error(
+                "MO0225",
+                entry.name.span,
+                format!("`{text}` does not fit its own constraining class: {why}"),
+            )
+            .also(path.span, "the constraining class")
+            .help("declare it with a class that has all that the constraining class has")
+            .note("section 7.3.2 of the specification"),
+        );
+    }
+}
+
+fn fits(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry, found: &[Replacement]) -> bool {
+    let text = entry.name.name;
+    let own = Scope { instance: id, class: entry.class };
+    let Some(outermost) = found.first() else { return true };
+    let (Some(before), Some(after)) = (original(cx, id, entry), replaced(cx, id, text, outermost))
+    else {
+        return true;
+    };
+    // The type that it has already may always be written again.
+    if !is_same(cx, before, after) {
+        let replaced = found.iter().skip(1).map(|r| (&r.element, r.span));
+        let replaced: Vec<_> = replaced.chain([(&entry.element, entry.name.span)]).collect();
+        for (replacement, (element, span)) in found.iter().zip(replaced) {
+            if element.replaceable.is_none() {
+                cx.report_not_replaceable(text, replacement.span, span);
                 return false;
             }
         }
-        true
     }
+    let closed = match () {
+        () if entry.element.is_final => Some("is final"),
+        () if super::prefix::is_constant(entry) => Some("is a constant"),
+        () => None,
+    };
+    if let Some(why) = closed {
+        let name = ast::Ident { name: text, span: outermost.span };
+        super::prefix::report_closed(cx, name, entry.name.span, why);
+        return false;
+    }
+    // The nearest constraining clause counts: a redeclaration may have narrowed it.
+    let narrowed = found.iter().skip(1).find_map(|r| {
+        let constraint = r.element.replaceable.as_ref()?.constraint.as_ref()?;
+        Some((constraint.clone(), r.scope))
+    });
+    let declared = entry.element.replaceable.as_ref().and_then(|r| r.constraint.clone());
+    let clause = narrowed.or(declared.map(|path| (path, own)));
+    let (wanted, span) = match &clause {
+        Some((path, scope)) => match cx.find_class(path, *scope) {
+            Some(class) => (class, path.span),
+            None => return true,
+        },
+        None => (before, entry.name.span),
+    };
+    // A constraint that a redeclaration brings must be within the one before it.
+    let narrower = outermost.element.replaceable.as_ref().and_then(|r| r.constraint.clone());
+    let narrower = narrower.and_then(|path| cx.find_class(&path, outermost.scope));
+    let given = [Some(after), narrower].into_iter().flatten();
+    for given in given {
+        if let Some(why) = misfit(cx, wanted, given) {
+            cx.report_misfit(text, outermost.span, (span, why));
+            return false;
+        }
+    }
+    true
+}
 
-    /// The class that an element has by its declaration.
-    fn original(&mut self, id: InstanceId, entry: &Entry) -> Option<ClassId> {
-        match &entry.kind {
-            EntryKind::Class(text) => Some(self.class_in(text, entry.class, id)),
-            EntryKind::Component(declaration) => {
-                let own = Scope { instance: id, class: entry.class };
-                self.find_class(&declaration.clause().type_name, own)
-            }
+/// The class that an element has by its declaration.
+fn original(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) -> Option<ClassId> {
+    match &entry.kind {
+        EntryKind::Class(text) => Some(cx.class_in(text, entry.class, id)),
+        EntryKind::Component(declaration) => {
+            let own = Scope { instance: id, class: entry.class };
+            cx.find_class(&declaration.clause().type_name, own)
         }
     }
+}
 
-    /// The class that an element gets.
-    fn replaced(&mut self, id: InstanceId, text: Name, by: &Replacement) -> Option<ClassId> {
-        match &by.element.kind {
-            ElementKind::Components(clause) => self.find_class(&clause.type_name, by.scope),
-            ElementKind::Class(_) => {
-                let class = self.instances[id].class?;
-                self.member_class(class, text, id)
-            }
-            ElementKind::Import(_) | ElementKind::Extends(_) => None,
+/// The class that an element gets.
+fn replaced(
+    cx: &mut ClassGraph<'_>,
+    id: InstanceId,
+    text: Name,
+    by: &Replacement,
+) -> Option<ClassId> {
+    match &by.element.kind {
+        ElementKind::Components(clause) => cx.find_class(&clause.type_name, by.scope),
+        ElementKind::Class(_) => {
+            let class = cx.instances[id].class?;
+            cx.member_class(class, text, id)
         }
+        ElementKind::Import(_) | ElementKind::Extends(_) => None,
     }
+}
 
-    fn is_same(&self, a: ClassId, b: ClassId) -> bool {
-        match (self.text(a), self.text(b)) {
-            (Some(a), Some(b)) => std::sync::Arc::ptr_eq(a, b),
-            _ => a == b,
-        }
+fn is_same(cx: &ClassGraph<'_>, a: ClassId, b: ClassId) -> bool {
+    match (cx.text(a), cx.text(b)) {
+        (Some(a), Some(b)) => std::sync::Arc::ptr_eq(a, b),
+        _ => a == b,
     }
+}
 
-    /// What `given` lacks of `wanted`, in words.
-    fn misfit(&mut self, wanted: ClassId, given: ClassId) -> Option<String> {
-        self.misfit_with(wanted, given, 0)
-    }
+/// What `given` lacks of `wanted`, in words.
+fn misfit(cx: &mut ClassGraph<'_>, wanted: ClassId, given: ClassId) -> Option<String> {
+    misfit_with(cx, wanted, given, 0)
+}
 
-    /// As `misfit`, not counting the last `added` dimensions of `given`.
-    fn misfit_with(&mut self, wanted: ClassId, given: ClassId, added: usize) -> Option<String> {
-        if self.is_same(wanted, given)
-            || self.table_in_progress(wanted)
-            || self.table_in_progress(given)
-        {
-            return None;
-        }
-        let mut rank = |c: ClassId| self.table(c).dims.iter().map(|(d, _)| d.len()).sum::<usize>();
-        let (needs, has) = (rank(wanted), rank(given).saturating_sub(added));
-        if needs != has {
-            let (wanted, given) = (self.classes[wanted].full_name, self.classes[given].full_name);
-            return Some(format!("`{given}` has {has} dimensions, and `{wanted}` has {needs}"));
-        }
-        self.misfit_without_sizes(wanted, given)
+/// As `misfit`, not counting the last `added` dimensions of `given`.
+fn misfit_with(
+    cx: &mut ClassGraph<'_>,
+    wanted: ClassId,
+    given: ClassId,
+    added: usize,
+) -> Option<String> {
+    if is_same(cx, wanted, given) || cx.table_in_progress(wanted) || cx.table_in_progress(given) {
+        return None;
     }
+    let mut rank = |c: ClassId| cx.table(c).dims.iter().map(|(d, _)| d.len()).sum::<usize>();
+    let (needs, has) = (rank(wanted), rank(given).saturating_sub(added));
+    if needs != has {
+        let (wanted, given) = (cx.classes[wanted].full_name, cx.classes[given].full_name);
+        return Some(format!("`{given}` has {has} dimensions, and `{wanted}` has {needs}"));
+    }
+    misfit_without_sizes(cx, wanted, given)
+}
 
-    /// `enumeration(:)`: any enumeration takes its place (section 4.9.5).
-    fn is_open_enumeration(&self, class: ClassId) -> bool {
-        matches!(self.text(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
-    }
+/// `enumeration(:)`: any enumeration takes its place (section 4.9.5).
+fn is_open_enumeration(cx: &ClassGraph<'_>, class: ClassId) -> bool {
+    matches!(cx.text(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
+}
 
-    /// As `misfit`, whatever the dimensions.
-    pub(crate) fn misfit_without_sizes(
-        &mut self,
-        wanted: ClassId,
-        given: ClassId,
-    ) -> Option<String> {
-        let in_progress = self.table_in_progress(wanted) || self.table_in_progress(given);
-        if self.is_same(wanted, given) || in_progress {
-            return None;
-        }
-        let (needs, has) = (self.table(wanted), self.table(given));
-        let open = self.is_open_enumeration(wanted)
-            && matches!(has.scalar, Some(crate::ir::expr::Type::Enumeration(_)));
-        let (wanted, given) = (self.classes[wanted].full_name, self.classes[given].full_name);
-        if needs.scalar.is_some() && needs.scalar != has.scalar && !open {
-            return Some(format!("`{given}` is of another type than `{wanted}`"));
-        }
-        let needed = needs.entries.iter().filter(|e| !e.protected && !is_conditional(e));
-        for entry in needed {
-            let text = entry.name.name;
-            let Some(at) = has.index.get(&text) else {
-                return Some(format!("`{given}` has no `{text}`, and `{wanted}` has"));
-            };
-            let is_class = |e: &Entry| matches!(e.kind, EntryKind::Class(_));
-            if is_class(entry) != is_class(&has.entries[*at]) {
-                return Some(format!("`{text}` is another kind of element than in `{wanted}`"));
-            }
-        }
-        None
+/// As `misfit`, whatever the dimensions.
+pub(crate) fn misfit_without_sizes(
+    cx: &mut ClassGraph<'_>,
+    wanted: ClassId,
+    given: ClassId,
+) -> Option<String> {
+    let in_progress = cx.table_in_progress(wanted) || cx.table_in_progress(given);
+    if is_same(cx, wanted, given) || in_progress {
+        return None;
     }
+    let (needs, has) = (cx.table(wanted), cx.table(given));
+    let open = is_open_enumeration(cx, wanted)
+        && matches!(has.scalar, Some(crate::ir::expr::Type::Enumeration(_)));
+    let (wanted, given) = (cx.classes[wanted].full_name, cx.classes[given].full_name);
+    if needs.scalar.is_some() && needs.scalar != has.scalar && !open {
+        return Some(format!("`{given}` is of another type than `{wanted}`"));
+    }
+    let needed = needs.entries.iter().filter(|e| !e.protected && !is_conditional(e));
+    for entry in needed {
+        let text = entry.name.name;
+        let Some(at) = has.index.get(&text) else {
+            return Some(format!("`{given}` has no `{text}`, and `{wanted}` has"));
+        };
+        let is_class = |e: &Entry| matches!(e.kind, EntryKind::Class(_));
+        if is_class(entry) != is_class(&has.entries[*at]) {
+            return Some(format!("`{text}` is another kind of element than in `{wanted}`"));
+        }
+    }
+    None
 }
 
 /// Dimensions that a short class adds to its base: a constraint is about the base.

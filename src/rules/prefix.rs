@@ -3,139 +3,130 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::instantiate::Context;
+use crate::classes::ClassGraph;
 use crate::ir::ast::{self, Causality, ClassKind, ConnectionPrefix, Variability};
 use crate::ir::expr::Type;
 use crate::ir::instance::{ClassId, ClassTable, Entry, EntryKind, Scope};
 
-impl Context<'_> {
-    /// A component of a model or block has no prefix, and flows are real numbers.
-    pub(crate) fn restrict_prefix(
-        &mut self,
-        prefix: ast::TypePrefix,
-        class: ClassId,
-        ty: Option<Type>,
-        name: ast::Ident,
-    ) {
-        let what = match prefix {
-            ast::TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => "flow",
-            ast::TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => "stream",
-            ast::TypePrefix { causality: Some(Causality::Input), .. } => "input",
-            ast::TypePrefix { causality: Some(Causality::Output), .. } => "output",
-            ast::TypePrefix { variability: Some(Variability::Constant), .. } => "constant",
-            ast::TypePrefix { variability: Some(Variability::Parameter), .. } => "parameter",
-            ast::TypePrefix { variability: Some(Variability::Discrete), .. } => "discrete",
-            _ => return,
+/// A component of a model or block has no prefix, and flows are real numbers.
+pub(crate) fn check_component(
+    cx: &mut ClassGraph<'_>,
+    prefix: ast::TypePrefix,
+    class: ClassId,
+    ty: Option<Type>,
+    name: ast::Ident,
+) {
+    let what = match prefix {
+        ast::TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => "flow",
+        ast::TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => "stream",
+        ast::TypePrefix { causality: Some(Causality::Input), .. } => "input",
+        ast::TypePrefix { causality: Some(Causality::Output), .. } => "output",
+        ast::TypePrefix { variability: Some(Variability::Constant), .. } => "constant",
+        ast::TypePrefix { variability: Some(Variability::Parameter), .. } => "parameter",
+        ast::TypePrefix { variability: Some(Variability::Discrete), .. } => "discrete",
+        _ => return,
+    };
+    let flow = prefix.connection.is_some();
+    let wrong = match ty {
+        Some(ty) => flow && ty != Type::Real,
+        None => matches!(cx.kind(class), ClassKind::Model | ClassKind::Block),
+    };
+    let fixed = matches!(prefix.variability, Some(Variability::Constant | Variability::Parameter));
+    if fixed && matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector) {
+        let what = match prefix.variability {
+            Some(Variability::Constant) => "constant",
+            _ => "parameter",
         };
-        let flow = prefix.connection.is_some();
-        let wrong = match ty {
-            Some(ty) => flow && ty != Type::Real,
-            None => matches!(self.kind(class), ClassKind::Model | ClassKind::Block),
-        };
-        let fixed =
-            matches!(prefix.variability, Some(Variability::Constant | Variability::Parameter));
-        if fixed
-            && matches!(self.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
-        {
-            let what = match prefix.variability {
-                Some(Variability::Constant) => "constant",
-                _ => "parameter",
-            };
-            self.problems.push(
-                Diagnostic::error(
-                    "MO0228",
-                    name.span,
-                    format!("connector `{}` cannot be `{what}`", name.name),
-                )
-                .help("leave the prefix out, or use a record")
-                .note("section 9.3 of the specification"),
-            );
-            return;
-        }
-        if wrong {
-            let class = self.classes[class].full_name;
-            let message = format!("`{}` of class `{class}` cannot be `{what}`", name.name);
-            self.problems.push(
-                Diagnostic::error("MO0228", name.span, message)
-                    .help("leave the prefix out, or use a type that can have it")
-                    .note("flows are real; models and blocks have no prefixes (section 4.4.2)"),
-            );
-        }
-    }
-
-    /// A component with `flow`, `stream`, `input` or `output` has none of the same kind inside.
-    pub(crate) fn check_prefix_conflict(
-        &mut self,
-        prefix: ast::TypePrefix,
-        table: &ClassTable,
-        name: ast::Ident,
-    ) {
-        if prefix.connection.is_none() && prefix.causality.is_none() {
-            return;
-        }
-        for entry in &table.entries {
-            let EntryKind::Component(declaration) = &entry.kind else { continue };
-            let clause = declaration.clause();
-            let scope = Scope { instance: self.classes[entry.class].holder, class: entry.class };
-            let mut inner = clause.prefix;
-            let mut below = None;
-            if let Some(class) = self.find_class(&clause.type_name, scope)
-                && !self.table_in_progress(class)
-            {
-                let of_type = self.table(class);
-                crate::classes::inheritance::merge_prefix(&mut inner, of_type.prefix);
-                below = of_type.scalar.is_none().then_some(of_type);
-            }
-            let twice = match () {
-                () if prefix.connection.is_some() && inner.connection.is_some() => {
-                    "flow` or `stream"
-                }
-                () if prefix.causality.is_some() && inner.causality.is_some() => {
-                    "input` or `output"
-                }
-                () => {
-                    if let Some(below) = below {
-                        self.check_prefix_conflict(prefix, &below, name);
-                    }
-                    continue;
-                }
-            };
-            let message =
-                format!("`{}` is `{twice}`, and so is `{}` in it", name.name, entry.name.name);
-            self.problems.push(
-                Diagnostic::error("MO0228", name.span, message)
-                    .also(entry.name.span, "has such a prefix already")
-                    .help("leave one of the prefixes out")
-                    .note("section 4.4.2 of the specification"),
-            );
-            return;
-        }
-    }
-
-    /// What an element had must stay: final, constant, public or protected (section 7.3.3).
-    pub(crate) fn check_redeclared_prefixes(&mut self, before: &Entry, after: &Entry) {
-        let why = match () {
-            () if before.element.is_final => "is final",
-            () if is_constant(before) => "is a constant",
-            () if before.protected && !after.protected => "is protected, and would become public",
-            () if !before.protected && after.protected => "is public, and would become protected",
-            () => return,
-        };
-        self.report_closed(after.name, before.name.span, why);
-    }
-
-    pub(crate) fn report_closed(&mut self, name: ast::Ident, before: Span, why: &str) {
-        self.problems.push(
+        cx.problems.push(
             Diagnostic::error(
-                "MO0224",
+                "MO0228",
                 name.span,
-                format!("`{}` cannot be redeclared: it {why}", name.name),
+                format!("connector `{}` cannot be `{what}`", name.name),
             )
-            .also(before, "declared here")
-            .help("leave it as it is, or change what is declared there")
-            .note("section 7.3.3 of the specification"),
+            .help("leave the prefix out, or use a record")
+            .note("section 9.3 of the specification"),
+        );
+        return;
+    }
+    if wrong {
+        let class = cx.classes[class].full_name;
+        let message = format!("`{}` of class `{class}` cannot be `{what}`", name.name);
+        cx.problems.push(
+            Diagnostic::error("MO0228", name.span, message)
+                .help("leave the prefix out, or use a type that can have it")
+                .note("flows are real; models and blocks have no prefixes (section 4.4.2)"),
         );
     }
+}
+
+/// A component with `flow`, `stream`, `input` or `output` has none of the same kind inside.
+pub(crate) fn check_prefix_conflict(
+    cx: &mut ClassGraph<'_>,
+    prefix: ast::TypePrefix,
+    table: &ClassTable,
+    name: ast::Ident,
+) {
+    if prefix.connection.is_none() && prefix.causality.is_none() {
+        return;
+    }
+    for entry in &table.entries {
+        let EntryKind::Component(declaration) = &entry.kind else { continue };
+        let clause = declaration.clause();
+        let scope = Scope { instance: cx.classes[entry.class].holder, class: entry.class };
+        let mut inner = clause.prefix;
+        let mut below = None;
+        if let Some(class) = cx.find_class(&clause.type_name, scope)
+            && !cx.table_in_progress(class)
+        {
+            let of_type = cx.table(class);
+            crate::classes::inheritance::merge_prefix(&mut inner, of_type.prefix);
+            below = of_type.scalar.is_none().then_some(of_type);
+        }
+        let twice = match () {
+            () if prefix.connection.is_some() && inner.connection.is_some() => "flow` or `stream",
+            () if prefix.causality.is_some() && inner.causality.is_some() => "input` or `output",
+            () => {
+                if let Some(below) = below {
+                    check_prefix_conflict(cx, prefix, &below, name);
+                }
+                continue;
+            }
+        };
+        let message =
+            format!("`{}` is `{twice}`, and so is `{}` in it", name.name, entry.name.name);
+        cx.problems.push(
+            Diagnostic::error("MO0228", name.span, message)
+                .also(entry.name.span, "has such a prefix already")
+                .help("leave one of the prefixes out")
+                .note("section 4.4.2 of the specification"),
+        );
+        return;
+    }
+}
+
+/// What an element had must stay: final, constant, public or protected (section 7.3.3).
+pub(crate) fn check_redeclared(cx: &mut ClassGraph<'_>, before: &Entry, after: &Entry) {
+    let why = match () {
+        () if before.element.is_final => "is final",
+        () if is_constant(before) => "is a constant",
+        () if before.protected && !after.protected => "is protected, and would become public",
+        () if !before.protected && after.protected => "is public, and would become protected",
+        () => return,
+    };
+    report_closed(cx, after.name, before.name.span, why);
+}
+
+pub(crate) fn report_closed(cx: &mut ClassGraph<'_>, name: ast::Ident, before: Span, why: &str) {
+    cx.problems.push(
+        Diagnostic::error(
+            "MO0224",
+            name.span,
+            format!("`{}` cannot be redeclared: it {why}", name.name),
+        )
+        .also(before, "declared here")
+        .help("leave it as it is, or change what is declared there")
+        .note("section 7.3.3 of the specification"),
+    );
 }
 
 /// Whether an element is a component that is declared `constant`.

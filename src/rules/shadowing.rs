@@ -4,110 +4,108 @@
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::instantiate::{Context, ROOT};
+use crate::classes::{ClassGraph, ROOT};
 use crate::ir::ast::{
     Class, ClassBody, ClassKind, Composition, ElementKind, Ident, ImportForm, Variability,
 };
 use crate::ir::instance::{ClassId, EntryKind};
 
-impl Context<'_> {
-    /// Warns of names in the text of a class, and in the classes in it, that hide others. The classes in
-    /// a package are asked for by themselves.
-    pub fn report_hidden(&mut self, class: ClassId) {
-        let Some(text) = self.text(class).cloned() else { return };
-        let ClassBody::Long(composition) = &text.body else { return };
-        self.hidden_by_loops(class, composition);
-        self.hidden_imports(class, composition);
-        self.hidden_by_components(class, composition);
-        if text.kind == ClassKind::Package {
-            return;
-        }
-        for element in &composition.elements {
-            let ElementKind::Class(inner) = &element.kind else { continue };
-            let holder = self.classes[class].holder;
-            if let Some(inner) = self.member_class(class, inner.name.name, holder) {
-                self.report_hidden(inner);
-            }
+/// Warns of names in the text of a class, and in the classes in it, that hide others. The classes in
+/// a package are asked for by themselves.
+pub fn report_shadowed(cx: &mut ClassGraph<'_>, class: ClassId) {
+    let Some(text) = cx.text(class).cloned() else { return };
+    let ClassBody::Long(composition) = &text.body else { return };
+    check_loops(cx, class, composition);
+    check_imports(cx, class, composition);
+    check_components(cx, class, composition);
+    if text.kind == ClassKind::Package {
+        return;
+    }
+    for element in &composition.elements {
+        let ElementKind::Class(inner) = &element.kind else { continue };
+        let holder = cx.classes[class].holder;
+        if let Some(inner) = cx.member_class(class, inner.name.name, holder) {
+            report_shadowed(cx, inner);
         }
     }
+}
 
-    /// Iterators with the name of a component, or of an iterator around them.
-    fn hidden_by_loops(&mut self, class: ClassId, composition: &Composition) {
-        let table = self.table(class);
-        for (iterator, around) in super::iterators::all(composition) {
-            let component = table
-                .index
-                .get(&iterator.name)
-                .map(|at| &table.entries[*at])
-                .filter(|entry| entry.component.is_some());
-            let (what, hidden) = match (around, component) {
-                (Some(around), _) => ("the iterator of a loop around it", around),
-                (None, Some(entry)) => ("a component", entry.name),
-                (None, None) => continue,
-            };
-            let message = format!("iterator `{}` hides {what}", iterator.name);
-            self.warn_of_hidden(message, iterator.span, hidden.span, "rename the iterator");
-        }
+/// Iterators with the name of a component, or of an iterator around them.
+fn check_loops(cx: &mut ClassGraph<'_>, class: ClassId, composition: &Composition) {
+    let table = cx.table(class);
+    for (iterator, around) in super::iterators::all(composition) {
+        let component = table
+            .index
+            .get(&iterator.name)
+            .map(|at| &table.entries[*at])
+            .filter(|entry| entry.component.is_some());
+        let (what, hidden) = match (around, component) {
+            (Some(around), _) => ("the iterator of a loop around it", around),
+            (None, Some(entry)) => ("a component", entry.name),
+            (None, None) => continue,
+        };
+        let message = format!("iterator `{}` hides {what}", iterator.name);
+        warn(cx, message, iterator.span, hidden.span, "rename the iterator");
     }
+}
 
-    /// Imports with the name of an element: they are never seen.
-    fn hidden_imports(&mut self, class: ClassId, composition: &Composition) {
-        let table = self.table(class);
-        for element in &composition.elements {
-            let ElementKind::Import(import) = &element.kind else { continue };
-            let names: Vec<Ident> = match &import.form {
-                ImportForm::Qualified => import.path.parts.last().copied().into_iter().collect(),
-                ImportForm::Renamed(alias) => vec![*alias],
-                ImportForm::List(names) => names.clone(),
-                ImportForm::All => Vec::new(),
-            };
-            for name in names {
-                let Some(at) = table.index.get(&name.name) else { continue };
-                let entry = &table.entries[*at];
-                let message = format!("element `{}` hides what is imported", name.name);
-                let help = "remove the import, or give it a name of its own: `import NAME = ...`";
-                self.warn_of_hidden(message, entry.name.span, name.span, help);
-            }
-        }
-    }
-
-    /// Components with the name of a constant of a class around.
-    fn hidden_by_components(&mut self, class: ClassId, composition: &Composition) {
-        for element in composition.elements.iter().filter(|e| !e.redeclare) {
-            let ElementKind::Components(clause) = &element.kind else { continue };
-            for name in clause.components.iter().map(|c| c.name) {
-                if let Some(constant) = self.constant_around(class, name.name) {
-                    let message =
-                        format!("component `{}` hides a constant of a class around", name.name);
-                    self.warn_of_hidden(message, name.span, constant, "rename the component");
-                }
-            }
-        }
-    }
-
-    /// The constant of a name that is seen from a class, where it is declared.
-    fn constant_around(&mut self, class: ClassId, wanted: Name) -> Option<Span> {
-        let mut inner = class;
-        loop {
-            if self.text(inner).is_some_and(|t: &std::sync::Arc<Class>| t.encapsulated) {
-                return None;
-            }
-            inner = self.classes[inner].enclosing.filter(|c| *c != ROOT.class)?;
-            let table = self.table(inner);
-            let Some(at) = table.index.get(&wanted) else { continue };
+/// Imports with the name of an element: they are never seen.
+fn check_imports(cx: &mut ClassGraph<'_>, class: ClassId, composition: &Composition) {
+    let table = cx.table(class);
+    for element in &composition.elements {
+        let ElementKind::Import(import) = &element.kind else { continue };
+        let names: Vec<Ident> = match &import.form {
+            ImportForm::Qualified => import.path.parts.last().copied().into_iter().collect(),
+            ImportForm::Renamed(alias) => vec![*alias],
+            ImportForm::List(names) => names.clone(),
+            ImportForm::All => Vec::new(),
+        };
+        for name in names {
+            let Some(at) = table.index.get(&name.name) else { continue };
             let entry = &table.entries[*at];
-            let EntryKind::Component(declaration) = &entry.kind else { return None };
-            let constant = declaration.clause().prefix.variability == Some(Variability::Constant);
-            return constant.then_some(entry.name.span);
+            let message = format!("element `{}` hides what is imported", name.name);
+            let help = "remove the import, or give it a name of its own: `import NAME = ...`";
+            warn(cx, message, entry.name.span, name.span, help);
         }
     }
+}
 
-    fn warn_of_hidden(&mut self, message: String, span: Span, hidden: Span, help: &str) {
-        self.problems.push(
-            Diagnostic::warning("MO0270", span, message)
-                .also(hidden, "hidden here")
-                .help(help)
-                .note("the innermost name counts (section 5.3.1 of the specification)"),
-        );
+/// Components with the name of a constant of a class around.
+fn check_components(cx: &mut ClassGraph<'_>, class: ClassId, composition: &Composition) {
+    for element in composition.elements.iter().filter(|e| !e.redeclare) {
+        let ElementKind::Components(clause) = &element.kind else { continue };
+        for name in clause.components.iter().map(|c| c.name) {
+            if let Some(constant) = constant_around(cx, class, name.name) {
+                let message =
+                    format!("component `{}` hides a constant of a class around", name.name);
+                warn(cx, message, name.span, constant, "rename the component");
+            }
+        }
     }
+}
+
+/// The constant of a name that is seen from a class, where it is declared.
+fn constant_around(cx: &mut ClassGraph<'_>, class: ClassId, wanted: Name) -> Option<Span> {
+    let mut inner = class;
+    loop {
+        if cx.text(inner).is_some_and(|t: &std::sync::Arc<Class>| t.encapsulated) {
+            return None;
+        }
+        inner = cx.classes[inner].enclosing.filter(|c| *c != ROOT.class)?;
+        let table = cx.table(inner);
+        let Some(at) = table.index.get(&wanted) else { continue };
+        let entry = &table.entries[*at];
+        let EntryKind::Component(declaration) = &entry.kind else { return None };
+        let constant = declaration.clause().prefix.variability == Some(Variability::Constant);
+        return constant.then_some(entry.name.span);
+    }
+}
+
+fn warn(cx: &mut ClassGraph<'_>, message: String, span: Span, hidden: Span, help: &str) {
+    cx.problems.push(
+        Diagnostic::warning("MO0270", span, message)
+            .also(hidden, "hidden here")
+            .help(help)
+            .note("the innermost name counts (section 5.3.1 of the specification)"),
+    );
 }

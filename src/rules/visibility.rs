@@ -1,245 +1,39 @@
-//! What may be named from where: protected elements, elements of classes that are no packages, base
-//! classes that could be replaced (sections 4.1, 5.3.2, 7.1.4 and 13.2.1 of the specification).
+//! Members that may be named behind a dot: public, known through an `outer` component, present
+//! (sections 4.1, 4.4.5 and 5.4 of the specification).
 
-use crate::base::diag::Diagnostic;
-use crate::base::name::Name;
 use crate::base::source::Span;
-use crate::instantiate::{Context, ROOT};
-use crate::ir::ast::{self, ClassBody, ClassKind, Element, ElementKind, Variability};
-use crate::ir::instance::{ClassId, EntryKind, InstanceId, Scope};
+use crate::classes::ClassGraph;
+use crate::ir::ast::{self, ClassKind};
+use crate::ir::instance::InstanceId;
 
-/// Prefixes of an element that say who may name it.
-#[derive(Clone, Copy, Debug)]
-struct Visibility {
-    protected: bool,
-    encapsulated: bool,
-    replaceable: bool,
-    is_class: bool,
-    /// Where the element is declared.
-    span: Span,
-}
-
-/// A step of a dotted name that is not allowed, to be reported if the name is needed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AccessViolation {
-    class: ClassId,
-    part: ast::Ident,
-}
-
-impl Context<'_> {
-    /// Whether `part` may be named behind a dot, as an element of `class`; what is wrong is reported.
-    pub(crate) fn check_step(&mut self, class: ClassId, part: ast::Ident) {
-        let Some(found) = self.visibility(class, part.name) else { return };
-        if self.from_outside(part.span) {
-            return;
-        }
-        if found.protected {
-            self.report_protected(part, found.span);
-        } else if !found.encapsulated && !self.is_package_like(class) {
-            self.report_no_package(class, part, found.is_class);
-        }
+/// A component behind a dot must be public.
+pub(crate) fn check_member(cx: &mut ClassGraph<'_>, holder: InstanceId, part: ast::Ident) {
+    if cx.from_outside(part.span) {
+        return;
     }
-
-    /// As [`Context::check_step`], for a class of a name that is only asked for: returned instead of
-    /// said.
-    pub(crate) fn access_violation(
-        &mut self,
-        class: ClassId,
-        part: ast::Ident,
-    ) -> Option<AccessViolation> {
-        if class == ROOT.class || self.table_in_progress(class) {
-            return None;
-        }
-        let found = self.visibility(class, part.name)?;
-        let wrong = found.protected || !found.encapsulated && !self.is_package_like(class);
-        wrong.then_some(AccessViolation { class, part })
-    }
-
-    /// Says what was wrong with the name that was looked up last.
-    pub(crate) fn report_access_violation(&mut self) {
-        if let Some(AccessViolation { class, part }) = self.violation.take() {
-            self.check_step(class, part);
-        }
-    }
-
-    /// Whether `wanted` is a protected element of `class`, and where it is declared.
-    pub(crate) fn protected_in(&mut self, class: ClassId, wanted: Name) -> Option<Span> {
-        self.visibility(class, wanted).filter(|m| m.protected).map(|m| m.span)
-    }
-
-    pub(crate) fn report_protected(&mut self, part: ast::Ident, declared: Span) {
-        self.problems.push(
-            Diagnostic::error("MO0260", part.span, format!("`{}` is protected", part.name))
-                .label("named from outside")
-                .also(declared, "declared after `protected`")
-                .help("use a public element, or make this one public where it is declared")
-                .note("what is protected is known in its class and in those that extend it (section 4.1)"),
-        );
-    }
-
-    fn report_no_package(&mut self, class: ClassId, part: ast::Ident, is_class: bool) {
-        let holder = self.classes[class].full_name;
-        let what = if is_class { "class" } else { "constant" };
-        let message = format!(
-            "`{}` stands in `{}`, which is no package: it has more than classes and constants",
-            part.name,
-            last_part(&holder)
-        );
-        self.problems.push(
-            Diagnostic::error("MO0261", part.span, message)
-                .label(format!("{what} of a class that is no package"))
-                .help("move it to a package, or declare it `encapsulated`")
-                .note("section 5.3.2 of the specification"),
-        );
-    }
-
-    /// Whether a place is not in a file: an expression of the command line may read everything.
-    pub fn from_outside(&self, span: Span) -> bool {
-        self.sources.get(span.file).is_some_and(|f| f.path.to_string_lossy().starts_with("--"))
-    }
-
-    fn visibility(&mut self, class: ClassId, wanted: Name) -> Option<Visibility> {
-        if class == ROOT.class {
-            return None;
-        }
-        if self.table_in_progress(class) {
-            let text = self.text(class)?.clone();
-            let ClassBody::Long(composition) = &text.body else { return None };
-            let own = |e: &&Element| e.names().iter().any(|(n, _)| *n == wanted);
-            return composition.elements.iter().find(own).map(|e| of_element(e, e.protected));
-        }
-        let table = self.table(class);
-        let entry = table.index.get(&wanted).map(|at| &table.entries[*at])?;
-        let found = of_element(&entry.element, entry.protected);
-        Some(Visibility { span: entry.name.span, ..found })
-    }
-
-    /// Whether a class could be a package: nothing in it but classes and constants.
-    fn is_package_like(&mut self, class: ClassId) -> bool {
-        let Some(text) = self.text(class) else { return true };
-        if matches!(text.kind, ClassKind::Package | ClassKind::Operator) {
-            return true;
-        }
-        if self.table_in_progress(class) {
-            return true;
-        }
-        let table = self.table(class);
-        table.sections.is_empty()
-            && table.entries.iter().all(|e| match &e.kind {
-                EntryKind::Component(d) => {
-                    d.clause().prefix.variability == Some(Variability::Constant)
-                }
-                EntryKind::Class(_) => true,
-            })
-    }
-
-    /// A component behind a dot must be public.
-    pub(crate) fn check_member(&mut self, holder: InstanceId, part: ast::Ident) {
-        if self.from_outside(part.span) {
-            return;
-        }
-        let table = self.table_of(holder);
-        if let Some(entry) = table.index.get(&part.name).map(|at| &table.entries[*at])
-            && entry.protected
-        {
-            self.report_protected(part, entry.name.span);
-        }
-    }
-
-    /// Through an `outer` component only what its own class has can be seen.
-    pub(crate) fn check_outer_member(&mut self, outer: InstanceId, part: &ast::Ident) {
-        let table = self.table_of(outer);
-        let expandable = self.instances[outer]
-            .class
-            .is_some_and(|c| self.kind(c) == ClassKind::ExpandableConnector);
-        if self.instances[outer].class.is_some()
-            && !expandable
-            && !table.index.contains_key(&part.name)
-        {
-            self.report_unknown_member(outer, part);
-        }
-    }
-
-    /// Conditional components have no value (section 4.4.5).
-    pub(crate) fn check_conditional(&mut self, id: InstanceId, span: Span) {
-        let conditional = self.instances[id]
-            .declaration
-            .as_ref()
-            .is_some_and(|d| d.component().condition.is_some());
-        if conditional && !self.from_outside(span) {
-            self.report_conditional(id, span);
-        }
-    }
-
-    /// A base class must be one that nothing can replace.
-    pub(crate) fn check_base(&mut self, path: &ast::Path, scope: Scope) {
-        let Some((first, rest)) = path.parts.split_first() else { return };
-        let mut at = None;
-        if !path.global {
-            let mut around = Some(scope.class);
-            while let Some(class) = around {
-                if let Some(found) = self.visibility(class, first.name) {
-                    self.check_not_replaceable(first, found, class);
-                    at = self.member_class(class, first.name, scope.instance);
-                    break;
-                }
-                around = self.classes[class].enclosing;
-            }
-        }
-        for part in rest {
-            let Some(class) = at else { return };
-            if let Some(found) = self.visibility(class, part.name) {
-                self.check_not_replaceable(part, found, class);
-            }
-            let holder = self.classes[class].holder;
-            at = self.member_class(class, part.name, holder);
-        }
-    }
-
-    fn check_not_replaceable(&mut self, part: &ast::Ident, found: Visibility, class: ClassId) {
-        let redeclared = self.replacement(class, part.name);
-        // What has been redeclared without `replaceable` is settled.
-        if !found.replaceable || redeclared {
-            return;
-        }
-        self.problems.push(
-            Diagnostic::error("MO0262", part.span, format!("base class `{}` is replaceable", part.name))
-                .label("may become another class")
-                .also(found.span, "declared `replaceable`")
-                .help("extend a class that is not replaceable, or leave `replaceable` out where it is declared")
-                .note("section 7.1.4 of the specification"),
-        );
-    }
-
-    /// Whether a class has been given another class for one of its names.
-    fn replacement(&mut self, class: ClassId, wanted: Name) -> bool {
-        if self.classes[class].redeclared.iter().any(|r| r.name == wanted) {
-            return true;
-        }
-        if self.table_in_progress(class) {
-            return false;
-        }
-        let table = self.table(class);
-        let Some(entry) = table.index.get(&wanted).map(|at| &table.entries[*at]) else {
-            return false;
-        };
-        entry.class != class
-            && self.classes[entry.class].redeclared.iter().any(|r| r.name == wanted)
+    let table = cx.table_of(holder);
+    if let Some(entry) = table.index.get(&part.name).map(|at| &table.entries[*at])
+        && entry.protected
+    {
+        cx.report_protected(part, entry.name.span);
     }
 }
 
-fn of_element(element: &Element, protected: bool) -> Visibility {
-    let encapsulated = matches!(&element.kind, ElementKind::Class(c) if c.encapsulated);
-    Visibility {
-        protected,
-        encapsulated,
-        replaceable: element.replaceable.is_some(),
-        is_class: matches!(element.kind, ElementKind::Class(_)),
-        span: element.names().first().map_or(element.span, |(_, span)| *span),
+/// Through an `outer` component only what its own class has can be seen.
+pub(crate) fn check_outer_member(cx: &mut ClassGraph<'_>, outer: InstanceId, part: &ast::Ident) {
+    let table = cx.table_of(outer);
+    let expandable =
+        cx.instances[outer].class.is_some_and(|c| cx.kind(c) == ClassKind::ExpandableConnector);
+    if cx.instances[outer].class.is_some() && !expandable && !table.index.contains_key(&part.name) {
+        cx.report_unknown_member(outer, part);
     }
 }
 
-/// What stands behind the last dot.
-fn last_part(full_name: &str) -> &str {
-    full_name.rsplit('.').next().unwrap_or(full_name)
+/// Conditional components have no value (section 4.4.5).
+pub(crate) fn check_conditional(cx: &mut ClassGraph<'_>, id: InstanceId, span: Span) {
+    let conditional =
+        cx.instances[id].declaration.as_ref().is_some_and(|d| d.component().condition.is_some());
+    if conditional && !cx.from_outside(span) {
+        cx.report_conditional(id, span);
+    }
 }

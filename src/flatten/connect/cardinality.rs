@@ -3,14 +3,14 @@
 //! Counted before equations are expanded, and only if a source file uses the operator.
 
 use crate::base::index::FastMap;
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
 
 use super::expandable::connection_ends::EndTarget;
 use super::expandable::{WrittenConnect, collect, pairs};
 
 /// Counts the connections below `root`.
-pub(crate) fn count(cx: &mut Context<'_>, root: InstanceId) {
+pub(crate) fn count(cx: &mut Evaluator<'_>, root: InstanceId) {
     if !cx.sources.contents().any(|text| text.contains("cardinality(")) {
         return;
     }
@@ -33,10 +33,10 @@ pub(crate) fn count(cx: &mut Context<'_>, root: InstanceId) {
             }
         }
     }
-    cx.evaluation.builtins.cardinality = Some(counts);
+    cx.builtins.cardinality = Some(counts);
 }
 
-fn increment(cx: &Context<'_>, id: InstanceId, counts: &mut FastMap<InstanceId, usize>) {
+fn increment(cx: &Evaluator<'_>, id: InstanceId, counts: &mut FastMap<InstanceId, usize>) {
     match &cx.instances[id].kind {
         InstanceKind::Array { elements, .. } => {
             elements.iter().for_each(|e| increment(cx, *e, counts));

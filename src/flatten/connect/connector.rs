@@ -6,9 +6,9 @@ use super::{expandable, is_connector};
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::source::Span;
+use crate::evaluate::Evaluator;
 use crate::evaluate::reference::Selection;
-use crate::instantiate::Context;
-use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, TypePrefix};
+use crate::ir::ast::{Causality, ClassKind, ComponentRef, ConnectionPrefix, TypePrefix};
 use crate::ir::expr::VarId;
 use crate::ir::flat::FlatModel;
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
@@ -24,7 +24,7 @@ struct ScalarCounts {
 }
 
 /// Checks the classes of all connectors among `components`, each class once.
-pub(crate) fn check(cx: &mut Context<'_>, root: InstanceId) {
+pub(crate) fn check(cx: &mut Evaluator<'_>, root: InstanceId) {
     if cx.problems.has_errors() {
         // A missing variable may be the consequence of an earlier error.
         return;
@@ -68,7 +68,7 @@ pub(crate) fn check(cx: &mut Context<'_>, root: InstanceId) {
 
 /// Checks that all public connectors of a block consist of inputs and outputs (Modelica 3.6,
 /// section 4.6).
-fn check_block(cx: &mut Context<'_>, block: InstanceId) {
+fn check_block(cx: &mut Evaluator<'_>, block: InstanceId) {
     let InstanceKind::Object(children) = cx.instances[block].kind.clone() else { return };
     for child in children.iter().copied() {
         let class = cx.instances[child].class;
@@ -99,9 +99,9 @@ fn check_block(cx: &mut Context<'_>, block: InstanceId) {
     }
 }
 
-fn report_undirected(cx: &mut Context<'_>, connector: InstanceId, variable: InstanceId) {
+fn report_undirected(cx: &mut Evaluator<'_>, connector: InstanceId, variable: InstanceId) {
     let message = format!("`{}` of a block is neither input nor output", cx.path(variable));
-    cx.problems.push(
+    cx.class_graph.problems.push(
         Diagnostic::error("MO0249", cx.declared_at(connector), message)
             .also(cx.declared_at(variable), "declared here")
             .help("use connectors of inputs and outputs, or declare the class as a model")
@@ -111,7 +111,7 @@ fn report_undirected(cx: &mut Context<'_>, connector: InstanceId, variable: Inst
 
 /// Checks that a flow variable of an operator record type has the operators that its sum needs
 /// (Modelica 3.6, section 9.2).
-fn check_conserved(cx: &mut Context<'_>, id: InstanceId) {
+fn check_conserved(cx: &mut Evaluator<'_>, id: InstanceId) {
     let Some(class) = cx.instances[id].class else { return };
     if cx.instances[id].prefix.connection != Some(ConnectionPrefix::Flow)
         || cx.kind(class) != ClassKind::OperatorRecord
@@ -127,14 +127,14 @@ fn check_conserved(cx: &mut Context<'_>, id: InstanceId) {
         cx.path(id),
         cx.classes[class].full_name
     );
-    cx.problems.push(
+    cx.class_graph.problems.push(
         Diagnostic::error("MO0250", cx.declared_at(id), message)
             .help("sums at connections need the operators '0', '+' and '-' of one argument")
             .note("section 9.2 of the specification"),
     );
 }
 
-fn count_scalars(cx: &mut Context<'_>, id: InstanceId, counts: &mut ScalarCounts) {
+fn count_scalars(cx: &mut Evaluator<'_>, id: InstanceId, counts: &mut ScalarCounts) {
     let equality = crate::base::name::name("equalityConstraint");
     counts.overdetermined |= cx.table_of(id).index.contains_key(&equality);
     match cx.instances[id].kind.clone() {
@@ -163,7 +163,7 @@ fn count_scalars(cx: &mut Context<'_>, id: InstanceId, counts: &mut ScalarCounts
     }
 }
 
-fn report(cx: &mut Context<'_>, id: InstanceId, class: ClassId, counts: &ScalarCounts) {
+fn report(cx: &mut Evaluator<'_>, id: InstanceId, class: ClassId, counts: &ScalarCounts) {
     let ScalarCounts { potentials, flows, streams, overdetermined } = *counts;
     let full_name = cx.classes[class].full_name;
     let name = full_name.rsplit('.').next().unwrap_or_default();
@@ -174,7 +174,7 @@ fn report(cx: &mut Context<'_>, id: InstanceId, class: ClassId, counts: &ScalarC
             counted(streams, "`stream` variable"),
             counted(flows, "flow")
         );
-        cx.problems.push(
+        cx.class_graph.problems.push(
             Diagnostic::error("MO0245", declared, message)
                 .also(cx.declared_at(id), "of this class")
                 .help("give it one scalar `flow` variable, which carries what the streams say")
@@ -196,7 +196,7 @@ fn report(cx: &mut Context<'_>, id: InstanceId, class: ClassId, counts: &ScalarC
         }
         _ => "give each potential one `flow` variable, and each `flow` variable a potential",
     };
-    cx.problems.push(
+    cx.class_graph.problems.push(
         Diagnostic::error("MO0245", declared, message)
             .also(cx.declared_at(id), "of this class")
             .help(help)
@@ -214,8 +214,8 @@ fn counted(n: usize, what: &str) -> String {
 
 /// True if a variable determines the value of its connection set: an output of an inside component,
 /// or a public input of the component itself.
-pub(crate) fn is_source(cx: &Context<'_>, v: VarId, outside: bool) -> bool {
-    let (id, _) = cx.evaluation.instance_of[v.0 as usize];
+pub(crate) fn is_source(cx: &Evaluator<'_>, v: VarId, outside: bool) -> bool {
+    let (id, _) = cx.instance_of[v.0 as usize];
     match cx.instances[id].prefix.causality {
         Some(Causality::Output) => !outside,
         Some(Causality::Input) => outside && !cx.instances[id].protected,
@@ -225,7 +225,7 @@ pub(crate) fn is_source(cx: &Context<'_>, v: VarId, outside: bool) -> bool {
 
 /// Checks that an end of a connection is a connector or part of one (Modelica 3.6, section 9.1).
 pub(super) fn check_connectable(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     selection: &Selection,
     scope: Scope,
     span: Span,
@@ -256,16 +256,15 @@ pub(super) fn check_connectable(
 
 /// Checks that a connection set has at most one source of its signal.
 pub(super) fn check_single_source(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     flat: &FlatModel,
     members: &[SetMember],
     span: Span,
 ) {
     let mut sources = members.iter().filter(|(v, outside)| is_source(cx, *v, *outside));
     let (Some((a, _)), Some((b, _))) = (sources.next(), sources.next()) else { return };
-    let expandable = members
-        .iter()
-        .any(|(v, _)| expandable::is_within(cx, cx.evaluation.instance_of[v.0 as usize].0));
+    let expandable =
+        members.iter().any(|(v, _)| expandable::is_within(cx, cx.instance_of[v.0 as usize].0));
     if a == b || expandable {
         return;
     }
@@ -278,4 +277,33 @@ pub(super) fn check_single_source(
             .help("connect each input to one output only")
             .note("outputs of components and inputs of the model itself give values (section 9.3)"),
     );
+}
+
+/// `connect(a.b.c, ...)`: everything but the first name must be a connector (section 9.1).
+pub(super) fn is_within_reach(cx: &mut Evaluator<'_>, r: &ComponentRef, scope: Scope) -> bool {
+    let Some(mut at) = cx.child(scope.instance, r.parts[0].name.name) else { return true };
+    for (k, part) in r.parts.iter().enumerate().skip(1) {
+        while let InstanceKind::Array { elements, .. } = &cx.instances[at].kind {
+            let Some(first) = elements.first() else { return true };
+            at = *first;
+        }
+        cx.complete(at);
+        let Some(class) = cx.instances[at].class else { return true };
+        let connector =
+            matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector);
+        if k > 1 && matches!(cx.kind(class), ClassKind::Model | ClassKind::Block) && !connector {
+            let message = format!("`{}` is inside of a component of a component", part.name.name);
+            cx.problems.push(
+                Diagnostic::error("MO0230", r.span, message)
+                    .help("connect it in the class in which its component stands")
+                    .note("a connection names a connector of the class or of one of its components (section 9.1)"),
+            );
+            return false;
+        }
+        match cx.child(at, part.name.name) {
+            Some(child) => at = child,
+            None => return true,
+        }
+    }
+    true
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::connector::check_single_source;
 use super::{Connections, expandable, is_connector};
 use crate::base::index::FastMap;
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::ConnectionPrefix;
 use crate::ir::expr::{ExprId, VarId};
 use crate::ir::flat::{Equation, EquationKind, FlatModel, Origin};
@@ -14,7 +14,7 @@ use crate::ir::instance::InstanceId;
 impl Connections {
     /// Generates the connection equations: equal potentials, flows that sum to zero, and zero flows
     /// of unconnected connectors.
-    pub(in crate::flatten) fn equations(&mut self, cx: &mut Context<'_>, flat: &mut FlatModel) {
+    pub(in crate::flatten) fn equations(&mut self, cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
         let (mut seen, mut seen_in) = (vec![0; self.potentials.number.len()], 0_u32);
         for (members, origin) in self.potentials.sets() {
             check_single_source(cx, flat, &members, origin.span);
@@ -47,7 +47,7 @@ impl Connections {
         }
         let mut in_connector: FastMap<InstanceId, bool> = FastMap::default();
         for v in flat.variables.ids() {
-            let (instance, _) = cx.evaluation.instance_of[v.0 as usize];
+            let (instance, _) = cx.instance_of[v.0 as usize];
             if cx.instances[instance].prefix.connection != Some(ConnectionPrefix::Flow) {
                 continue;
             }
@@ -74,7 +74,7 @@ impl Connections {
 
 /// True if a flow variable belongs to a connector; others are ordinary variables.
 fn is_in_connector(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     id: InstanceId,
     known: &mut FastMap<InstanceId, bool>,
 ) -> bool {
@@ -88,6 +88,6 @@ fn is_in_connector(
     found
 }
 
-fn read(cx: &mut Context<'_>, flat: &FlatModel, v: VarId) -> ExprId {
+fn read(cx: &mut Evaluator<'_>, flat: &FlatModel, v: VarId) -> ExprId {
     cx.graph.var(v, flat.variables[v].ty)
 }

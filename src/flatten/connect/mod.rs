@@ -13,8 +13,8 @@ use self::connector::check_connectable;
 use self::sets::ConnectionSets;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::evaluate::Evaluator;
 use crate::evaluate::reference::Selection;
-use crate::instantiate::Context;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, VarId};
 use crate::ir::flat::{Assert, AssertionLevel, Origin};
@@ -61,7 +61,7 @@ impl Connections {
     /// Adds `connect(a, b)` in the class of `scope.instance`.
     pub(super) fn connect(
         &mut self,
-        cx: &mut Context<'_>,
+        cx: &mut Evaluator<'_>,
         a: &ComponentRef,
         b: &ComponentRef,
         span: Span,
@@ -73,7 +73,7 @@ impl Connections {
         for (selection, end) in [(&left, a.span), (&right, b.span)] {
             check_connectable(cx, selection, scope, end)?;
         }
-        if !cx.restrict_connect(a, scope) || !cx.restrict_connect(b, scope) {
+        if !connector::is_within_reach(cx, a, scope) || !connector::is_within_reach(cx, b, scope) {
             return None;
         }
         let outside = (is_outside(cx, a, scope), is_outside(cx, b, scope));
@@ -86,7 +86,7 @@ impl Connections {
 
     fn pair(
         &mut self,
-        cx: &mut Context<'_>,
+        cx: &mut Evaluator<'_>,
         a: &Selection,
         b: &Selection,
         pair: &ConnectedPair,
@@ -126,7 +126,7 @@ impl Connections {
 
     fn instances(
         &mut self,
-        cx: &mut Context<'_>,
+        cx: &mut Evaluator<'_>,
         x: InstanceId,
         y: InstanceId,
         pair: &ConnectedPair,
@@ -220,7 +220,13 @@ impl Connections {
     }
 
     /// Records a pair of connectors, but not the connectors nested in them.
-    fn record(&mut self, cx: &mut Context<'_>, x: InstanceId, y: InstanceId, pair: &ConnectedPair) {
+    fn record(
+        &mut self,
+        cx: &mut Evaluator<'_>,
+        x: InstanceId,
+        y: InstanceId,
+        pair: &ConnectedPair,
+    ) {
         let Some(recorded) = &mut self.recorded else { return };
         let inside = cx.instances[x].parent.is_some_and(|p| is_connector(cx, p));
         if !inside {
@@ -234,7 +240,7 @@ impl Connections {
 
     fn scalars(
         &mut self,
-        cx: &mut Context<'_>,
+        cx: &mut Evaluator<'_>,
         x: (InstanceId, usize),
         y: (InstanceId, usize),
         pair: &ConnectedPair,
@@ -310,7 +316,7 @@ impl Connections {
     /// 9.3).
     fn equal(
         &mut self,
-        cx: &mut Context<'_>,
+        cx: &mut Evaluator<'_>,
         x: (InstanceId, usize),
         y: (InstanceId, usize),
         pair: &ConnectedPair,
@@ -349,7 +355,7 @@ struct ConnectedPair {
     of: [Option<InstanceId>; 2],
 }
 
-fn mismatch(cx: &mut Context<'_>, pair: &ConnectedPair, why: &str) -> Option<()> {
+fn mismatch(cx: &mut Evaluator<'_>, pair: &ConnectedPair, why: &str) -> Option<()> {
     let class = |id: Option<InstanceId>, otherwise: &str| {
         let class = id.and_then(|id| cx.instances[id].class);
         class.map_or(otherwise.to_string(), |c| format!("`{}`", cx.classes[c].full_name))
@@ -374,7 +380,7 @@ fn first_instance(s: &Selection) -> Option<InstanceId> {
 }
 
 /// The elements of an array, or the parts of a slice.
-fn parts(cx: &Context<'_>, s: &Selection) -> Vec<Selection> {
+fn parts(cx: &Evaluator<'_>, s: &Selection) -> Vec<Selection> {
     match s {
         Selection::Many(_, all) => all.clone(),
         Selection::Whole(id) => match &cx.instances[*id].kind {
@@ -391,7 +397,7 @@ fn parts(cx: &Context<'_>, s: &Selection) -> Vec<Selection> {
 }
 
 /// The instance and element number of a scalar variable.
-fn scalar(cx: &mut Context<'_>, s: &Selection) -> Option<(InstanceId, usize)> {
+fn scalar(cx: &mut Evaluator<'_>, s: &Selection) -> Option<(InstanceId, usize)> {
     match s {
         Selection::Element(id, k) => Some((*id, *k)),
         Selection::Whole(id) => match &cx.instances[*id].kind {
@@ -403,14 +409,14 @@ fn scalar(cx: &mut Context<'_>, s: &Selection) -> Option<(InstanceId, usize)> {
 }
 
 /// True for an *outside* connector: a connector of the class that contains the `connect`.
-fn is_outside(cx: &mut Context<'_>, r: &ComponentRef, scope: Scope) -> bool {
+fn is_outside(cx: &mut Evaluator<'_>, r: &ComponentRef, scope: Scope) -> bool {
     match cx.child(scope.instance, r.parts[0].name.name) {
         Some(first) => is_connector(cx, first),
         None => false,
     }
 }
 
-pub(super) fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
+pub(super) fn is_connector(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     cx.complete(id);
     if let InstanceKind::Outer(inner) = cx.instances[id].kind {
         return is_connector(cx, inner);
@@ -419,7 +425,7 @@ pub(super) fn is_connector(cx: &mut Context<'_>, id: InstanceId) -> bool {
     matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
 }
 
-pub(super) fn is_record(cx: &mut Context<'_>, id: InstanceId) -> bool {
+pub(super) fn is_record(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     let Some(class) = cx.instances[id].class else { return false };
     matches!(cx.kind(class), ClassKind::Record | ClassKind::OperatorRecord)
 }

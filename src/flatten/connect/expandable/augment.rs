@@ -5,7 +5,8 @@ use std::rc::Rc;
 use super::connection_ends::{EndTarget, MissingVariable, is_unfilled};
 use super::{AugmentationSets, is_expandable};
 use crate::base::name::Name;
-use crate::instantiate::{Context, package_like};
+use crate::classes::package_like;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::TypePrefix;
 use crate::ir::instance::{Instance, InstanceId, InstanceKind};
 
@@ -14,7 +15,7 @@ const MAX_ELEMENTS: usize = 100_000;
 
 /// Adds the variable that a connection refers to; true if the connector has changed.
 pub(crate) fn add(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     missing: &MissingVariable,
     like: &EndTarget,
     buses: &mut AugmentationSets,
@@ -39,7 +40,7 @@ pub(crate) fn add(
 
 /// Gives each connector of a set the variables of all others; true if a connector has changed.
 pub(crate) fn equalize(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     set: &[InstanceId],
     buses: &mut AugmentationSets,
 ) -> bool {
@@ -76,7 +77,7 @@ pub(crate) fn equalize(
 /// Unifies two variables of the same name in one set: nested buses join the same set, and arrays
 /// get the same elements.
 fn unify(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     a: InstanceId,
     b: InstanceId,
     bus_of_b: InstanceId,
@@ -94,7 +95,7 @@ fn unify(
             let name = cx.instances[a].name;
             let Some(bus_of_a) = cx.instances[a].parent else { return false };
             for k in 0..mine.len().max(theirs.len()) {
-                let of = |list: &[InstanceId], cx: &Context<'_>| {
+                let of = |list: &[InstanceId], cx: &Evaluator<'_>| {
                     list.get(k).copied().filter(|e| !is_unfilled(cx, *e))
                 };
                 changed |= match (of(&mine, cx), of(&theirs, cx)) {
@@ -120,7 +121,7 @@ fn unify(
 
 /// Gives an array declared with `:` the sizes of the array it is connected to.
 pub(crate) fn resize(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     id: InstanceId,
     like: InstanceId,
     buses: &mut AugmentationSets,
@@ -150,7 +151,7 @@ pub(crate) fn resize(
 
 /// Creates element `index` of the array `name` of a connector and, if necessary, the array.
 fn element(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     bus: InstanceId,
     name: Name,
     index: usize,
@@ -204,7 +205,7 @@ fn element(
 
 /// An instance without declaration and class.
 fn new_instance(
-    cx: &Context<'_>,
+    cx: &Evaluator<'_>,
     parent: InstanceId,
     name: Name,
     subscripts: &[usize],
@@ -223,7 +224,7 @@ fn new_instance(
 /// A new instance with the type of another one; `None` if that one is broken. Values and attributes
 /// are not copied, because they belong to the declaration of the other one.
 fn copy(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     like: &EndTarget,
     parent: InstanceId,
     name: Name,
@@ -262,7 +263,7 @@ fn copy(
                 declaration: None,
                 ..new
             });
-            cx.complete_all(made);
+            crate::instantiate::component::complete_all(cx, made);
             cx.instances[made].declaration = declaration;
             if is_expandable(cx, made) {
                 buses.add(made);
@@ -291,14 +292,14 @@ fn copy(
     }
 }
 
-fn children(cx: &Context<'_>, bus: InstanceId) -> Vec<InstanceId> {
+fn children(cx: &Evaluator<'_>, bus: InstanceId) -> Vec<InstanceId> {
     match &cx.instances[bus].kind {
         InstanceKind::Object(children) => children.to_vec(),
         _ => Vec::new(),
     }
 }
 
-fn append(cx: &mut Context<'_>, bus: InstanceId, child: InstanceId) {
+fn append(cx: &mut Evaluator<'_>, bus: InstanceId, child: InstanceId) {
     let mut all = children(cx, bus);
     all.push(child);
     cx.instances[bus].kind = InstanceKind::Object(all.into());

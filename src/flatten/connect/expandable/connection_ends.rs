@@ -1,7 +1,7 @@
 //! Resolves the ends of connections, whose names may not exist yet.
 
 use crate::base::name::Name;
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{ComponentRef, RefPart, Subscript};
 use crate::ir::expr::Const;
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
@@ -44,7 +44,7 @@ pub(crate) struct MissingVariable {
 
 /// The ends that a reference denotes, row-major; `None` if it cannot be resolved.
 pub(crate) fn of(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     r: &ComponentRef,
     scope: Scope,
 ) -> Option<Vec<ConnectionEnd>> {
@@ -55,7 +55,7 @@ pub(crate) fn of(
 }
 
 fn follow(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     id: InstanceId,
     parts: &[RefPart],
     open: bool,
@@ -139,13 +139,13 @@ fn follow(
 }
 
 /// True for an element of an augmented array to which no connection refers.
-pub(crate) fn is_unfilled(cx: &Context<'_>, id: InstanceId) -> bool {
+pub(crate) fn is_unfilled(cx: &Evaluator<'_>, id: InstanceId) -> bool {
     let instance = &cx.instances[id];
     matches!(instance.kind, InstanceKind::Absent) && instance.class.is_none()
 }
 
 fn missing(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     bus: InstanceId,
     part: &RefPart,
     scope: Scope,
@@ -173,7 +173,7 @@ fn missing(
 /// Positions from 0, row-major, that subscripts select. In an array with one dimension, they may
 /// lie beyond its end.
 fn chosen(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     dims: &[usize],
     subscripts: &[Subscript],
     scope: Scope,

@@ -17,9 +17,9 @@ mod presence;
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
+use crate::evaluate::Evaluator;
 use crate::evaluate::frame::Frames;
 use crate::evaluate::implicit_ranges::Body;
-use crate::instantiate::Context;
 use crate::ir::ast::{ClassKind, ComponentRef, Equation, EquationKind, Expr};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
 
@@ -87,7 +87,7 @@ impl AugmentationSets {
 }
 
 /// Elaborates the expandable connectors below `root`.
-pub(crate) fn elaborate(cx: &mut Context<'_>, root: InstanceId) {
+pub(crate) fn elaborate(cx: &mut Evaluator<'_>, root: InstanceId) {
     let objects = crate::flatten::objects(cx, root);
     let mut buses = AugmentationSets::default();
     for id in objects.iter().copied().filter(|id| is_expandable(cx, *id)).collect::<Vec<_>>() {
@@ -129,7 +129,7 @@ pub(crate) fn elaborate(cx: &mut Context<'_>, root: InstanceId) {
 
 /// Collects the connections of a list of equations in branches whose conditions hold.
 pub(crate) fn collect(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     list: &[Equation],
     scope: Scope,
     out: &mut Vec<WrittenConnect>,
@@ -139,7 +139,7 @@ pub(crate) fn collect(
             EquationKind::Connect(a, b) => out.push(WrittenConnect {
                 ends: [a.clone(), b.clone()],
                 scope,
-                frames: cx.evaluation.frames.clone(),
+                frames: cx.frames.clone(),
                 span: e.span,
             }),
             EquationKind::For { iterators, body } if holds_connect(body) => {
@@ -183,7 +183,7 @@ fn holds_connect(list: &[Equation]) -> bool {
 
 /// The pairs of ends of a connection, element by element.
 pub(crate) fn pairs(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     connect: &WrittenConnect,
 ) -> Vec<(ConnectionEnd, ConnectionEnd)> {
     let [a, b] = &connect.ends;
@@ -199,7 +199,7 @@ pub(crate) fn pairs(
     }
 }
 
-fn augment(cx: &mut Context<'_>, connect: &WrittenConnect, buses: &mut AugmentationSets) -> bool {
+fn augment(cx: &mut Evaluator<'_>, connect: &WrittenConnect, buses: &mut AugmentationSets) -> bool {
     let mut changed = false;
     for (a, b) in pairs(cx, connect) {
         changed |= match (&a.at, &b.at) {
@@ -214,7 +214,7 @@ fn augment(cx: &mut Context<'_>, connect: &WrittenConnect, buses: &mut Augmentat
 }
 
 /// A member of a set that is part of another member, and that other member.
-fn contained(cx: &Context<'_>, set: &[InstanceId]) -> Option<(InstanceId, InstanceId)> {
+fn contained(cx: &Evaluator<'_>, set: &[InstanceId]) -> Option<(InstanceId, InstanceId)> {
     let members: FastSet<InstanceId> = set.iter().copied().collect();
     set.iter().find_map(|&inner| {
         let mut at = cx.instances[inner].parent;
@@ -227,7 +227,7 @@ fn contained(cx: &Context<'_>, set: &[InstanceId]) -> Option<(InstanceId, Instan
 
 /// Reports that a bus would contain itself, at the connection that causes it.
 fn report_self_containing(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     inner: InstanceId,
     outer: InstanceId,
     set: &[InstanceId],
@@ -253,7 +253,12 @@ fn report_self_containing(
 }
 
 /// Joins expandable connectors, or arrays of them.
-fn join(cx: &mut Context<'_>, x: InstanceId, y: InstanceId, buses: &mut AugmentationSets) -> bool {
+fn join(
+    cx: &mut Evaluator<'_>,
+    x: InstanceId,
+    y: InstanceId,
+    buses: &mut AugmentationSets,
+) -> bool {
     match (cx.instances[x].kind.clone(), cx.instances[y].kind.clone()) {
         (InstanceKind::Array { elements, .. }, InstanceKind::Array { elements: others, .. }) => {
             let mut changed = false;
@@ -276,7 +281,7 @@ fn join(cx: &mut Context<'_>, x: InstanceId, y: InstanceId, buses: &mut Augmenta
 }
 
 /// True if an instance is part of an expandable connector.
-pub(crate) fn is_within(cx: &mut Context<'_>, id: InstanceId) -> bool {
+pub(crate) fn is_within(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     let mut at = cx.instances[id].parent;
     while let Some(holder) = at {
         if is_expandable(cx, holder) {
@@ -292,7 +297,7 @@ pub(crate) fn is_within(cx: &mut Context<'_>, id: InstanceId) -> bool {
 }
 
 /// True if an instance is an expandable connector.
-pub(crate) fn is_expandable(cx: &mut Context<'_>, id: InstanceId) -> bool {
+pub(crate) fn is_expandable(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     let Some(class) = cx.instances[id].class else { return false };
     matches!(cx.instances[id].kind, InstanceKind::Object(_))
         && cx.kind(class) == ClassKind::ExpandableConnector

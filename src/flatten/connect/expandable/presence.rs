@@ -6,7 +6,7 @@ use super::{AugmentationSets, WrittenConnect, pairs};
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
-use crate::instantiate::Context;
+use crate::evaluate::Evaluator;
 use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
@@ -20,7 +20,7 @@ struct MemberUse {
 }
 
 /// Checks the declarations in an expandable connector.
-pub(super) fn check_declarations(cx: &mut Context<'_>, bus: InstanceId) {
+pub(super) fn check_declarations(cx: &mut Evaluator<'_>, bus: InstanceId) {
     let InstanceKind::Object(children) = cx.instances[bus].kind.clone() else { return };
     for &child in children.iter() {
         let variable = matches!(cx.instances[child].kind, InstanceKind::Variable { .. });
@@ -52,7 +52,7 @@ pub(super) fn check_declarations(cx: &mut Context<'_>, bus: InstanceId) {
 
 /// Removes variables that no connection refers to, and reports variables that are only read.
 pub(super) fn apply(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     written: &[WrittenConnect],
     buses: &AugmentationSets,
     model: InstanceId,
@@ -81,7 +81,7 @@ pub(super) fn apply(
         }
     }
     // The surroundings of a component may drive the buses of its interface.
-    let in_interface = |cx: &mut Context<'_>, mut bus: InstanceId| {
+    let in_interface = |cx: &mut Evaluator<'_>, mut bus: InstanceId| {
         while let Some(parent) = cx.instances[bus].parent.filter(|parent| *parent != model) {
             let array = matches!(cx.instances[parent].kind, InstanceKind::Array { .. });
             if !array && !is_bus(cx, parent) {
@@ -154,7 +154,12 @@ pub(super) fn apply(
 
 /// True if the other end of a connection only reads the value: an input of a component, or an
 /// output of the class that contains the connection.
-fn reads(cx: &mut Context<'_>, other: &ConnectionEnd, connect: &WrittenConnect, k: usize) -> bool {
+fn reads(
+    cx: &mut Evaluator<'_>,
+    other: &ConnectionEnd,
+    connect: &WrittenConnect,
+    k: usize,
+) -> bool {
     let (EndTarget::Instance(id) | EndTarget::Element(id)) = other.at else { return false };
     // A protected variable is not part of the interface, so its direction is unknown.
     if other.member.is_some() || cx.instances[id].protected {
@@ -173,7 +178,7 @@ fn reads(cx: &mut Context<'_>, other: &ConnectionEnd, connect: &WrittenConnect, 
 
 /// Reports a connection between an expandable and an ordinary connector.
 fn mismatched(
-    cx: &mut Context<'_>,
+    cx: &mut Evaluator<'_>,
     a: &ConnectionEnd,
     b: &ConnectionEnd,
     connect: &WrittenConnect,
@@ -197,7 +202,7 @@ fn mismatched(
     );
 }
 
-fn is_bus(cx: &mut Context<'_>, id: InstanceId) -> bool {
+fn is_bus(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     match cx.instances[id].kind {
         InstanceKind::Object(_) | InstanceKind::Array { .. } => {
             let Some(class) = cx.instances[id].class else { return false };
@@ -207,7 +212,7 @@ fn is_bus(cx: &mut Context<'_>, id: InstanceId) -> bool {
     }
 }
 
-fn is_parameter(cx: &Context<'_>, id: InstanceId) -> bool {
+fn is_parameter(cx: &Evaluator<'_>, id: InstanceId) -> bool {
     matches!(
         cx.instances[id].prefix.variability,
         Some(Variability::Parameter | Variability::Constant)

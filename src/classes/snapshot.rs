@@ -3,13 +3,12 @@
 
 use std::rc::Rc;
 
-use super::Context;
+use super::ClassGraph;
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::base::name::Name;
 use crate::base::source::{SourceMap, Span};
 use crate::classes::inheritance;
-use crate::evaluate;
 use crate::ir::expr::{EnumId, Graph};
 use crate::ir::instance::{ClassId, ClassInstance, Instance, InstanceId};
 use crate::resolve::library::Library;
@@ -32,7 +31,7 @@ pub struct ContextSnapshot {
     problems_of: FastMap<ClassId, Problems>,
 }
 
-impl<'a> Context<'a> {
+impl<'a> ClassGraph<'a> {
     /// What is known of classes. No model may have been instantiated.
     pub fn into_snapshot(self) -> ContextSnapshot {
         ContextSnapshot {
@@ -59,7 +58,7 @@ impl<'a> Context<'a> {
         library: &'a mut Library,
         snapshot: ContextSnapshot,
     ) -> Self {
-        Context {
+        ClassGraph {
             sources,
             problems,
             library,
@@ -81,8 +80,6 @@ impl<'a> Context<'a> {
             problems_of: snapshot.problems_of,
             no_layers: Rc::from([]),
             no_sizes: Rc::from([]),
-            evaluation: evaluate::State::default(),
-            surrounded: false,
         }
     }
 }

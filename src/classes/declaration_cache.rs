@@ -3,48 +3,40 @@
 
 use std::rc::Rc;
 
-use super::{Context, ROOT};
+use super::{ClassGraph, ROOT};
 use crate::ir::ast::{Element, TypePrefix};
 use crate::ir::expr::Type;
-use crate::ir::instance::{ClassId, ClassText, Declaration, InstanceId, InstanceKind, Scope};
+use crate::ir::instance::{ClassId, ClassText, Declaration, InstanceId, Scope};
 
 /// A declared component, by the address of its element, its position there and the class of its scope.
 pub(crate) type Key = (usize, usize, ClassId);
 
 /// What a declaration says wherever it stands.
+#[derive(Clone)]
 pub(crate) struct Cached {
-    class: ClassId,
+    pub(crate) class: ClassId,
     /// Of the declaration and of the class.
-    prefix: TypePrefix,
-    scalar: Option<Type>,
+    pub(crate) prefix: TypePrefix,
+    pub(crate) scalar: Option<Type>,
     /// Holds the address that it is found by.
     _element: Rc<Element>,
 }
 
-impl Context<'_> {
+impl ClassGraph<'_> {
     /// What a component is, if its declaration has said the same of another one: `None` if that is not known.
-    pub(super) fn cached_declaration(
+    pub(crate) fn cached_declaration(
         &mut self,
         id: InstanceId,
         declaration: &Declaration,
-    ) -> Option<InstanceKind> {
+    ) -> Option<Cached> {
         if !self.is_unmodified(id, declaration) {
             return None;
         }
-        let found = self.declaration_cache.get(&key(declaration, self.instances[id].scope))?;
-        let (class, prefix, scalar) = (found.class, found.prefix, found.scalar);
-        self.instances[id].class = Some(class);
-        self.merge_prefix_around(id, prefix);
-        match scalar {
-            Some(ty) => {
-                Some(InstanceKind::Variable { ty, dims: self.no_sizes.clone(), first: None })
-            }
-            None => Some(self.object(id).unwrap_or(InstanceKind::Broken)),
-        }
+        self.declaration_cache.get(&key(declaration, self.instances[id].scope)).cloned()
     }
 
     /// Remembers what a declaration says, if it holds for all of its components.
-    pub(super) fn cache_declaration(
+    pub(crate) fn cache_declaration(
         &mut self,
         id: InstanceId,
         declaration: &Declaration,

@@ -1,0 +1,107 @@
+//! Bindings, attributes and prefixes of a component, from its modifications and its type.
+
+use std::rc::Rc;
+
+use super::ClassGraph;
+use crate::base::name::Name;
+use crate::ir::ast::Causality;
+use crate::ir::instance::{Declaration, Entry, InstanceId, Scope};
+use crate::ir::modification::{Binding, Layer, LayerSource};
+
+/// Attributes of the predefined types (section 4.9 of the specification).
+pub const ATTRIBUTES: [&str; 11] = [
+    "quantity",
+    "unit",
+    "displayUnit",
+    "min",
+    "max",
+    "start",
+    "fixed",
+    "nominal",
+    "unbounded",
+    "stateSelect",
+    "value",
+];
+
+impl ClassGraph<'_> {
+    /// The outermost binding of an instance.
+    pub fn binding(&self, id: InstanceId) -> Option<Binding> {
+        self.instances[id].layers.iter().find_map(Layer::binding)
+    }
+
+    /// The outermost binding of an attribute of an instance of predefined type: from modifications of
+    /// the component, then from its type.
+    pub fn attribute(&mut self, id: InstanceId, attribute: Name) -> Option<Binding> {
+        let of_component = self.attribute_layers(id, attribute);
+        if let Some(binding) = of_component.iter().find_map(Layer::binding) {
+            return Some(binding);
+        }
+        self.attribute_layers_of_type(id, attribute).iter().find_map(Layer::binding)
+    }
+
+    /// The attributes that an instance of predefined type is given, some of them more than once.
+    pub fn attributes_given(&mut self, id: InstanceId) -> Vec<Name> {
+        let mut found = Vec::new();
+        for layer in self.instances[id].layers.iter() {
+            match &layer.source {
+                LayerSource::ParameterOverride(s, depth) => {
+                    found.extend(s.parts.get(*depth).map(|(part, _)| *part));
+                }
+                _ => found.extend(layer.modified_names().map(|(part, _)| part)),
+            }
+        }
+        let table = self.table_of(id);
+        for (modification, _) in &table.layers {
+            found.extend(modification.names().map(|part| part.name));
+        }
+        found
+    }
+
+    /// What modifications of the component say about an attribute, from the outermost inwards.
+    pub(crate) fn attribute_layers(&self, id: InstanceId, attribute: Name) -> Vec<Layer> {
+        let mut found = Vec::new();
+        for layer in self.instances[id].layers.iter() {
+            layer.child(attribute, &mut found);
+        }
+        found
+    }
+
+    /// What the type of an instance says about an attribute, from the outermost inwards.
+    pub(crate) fn attribute_layers_of_type(
+        &mut self,
+        id: InstanceId,
+        attribute: Name,
+    ) -> Vec<Layer> {
+        let mut found = Vec::new();
+        let table = self.table_of(id);
+        for (modification, class) in &table.layers {
+            let layer = Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.outside(*class),
+                subscripts: Rc::from([]),
+            };
+            layer.child(attribute, &mut found);
+        }
+        found
+    }
+
+    /// `input` or `output`, as declared or by the type.
+    pub(crate) fn causality(&mut self, entry: &Entry, d: &Declaration) -> Option<Causality> {
+        let clause = d.clause();
+        let fixed = clause.prefix.variability.is_some();
+        if clause.prefix.causality.is_some() || entry.protected || fixed {
+            return clause.prefix.causality;
+        }
+        let scope = self.declaration_scope(entry);
+        let class = self.find_class(&clause.type_name, scope)?;
+        if self.table_in_progress(class) {
+            return None;
+        }
+        self.table(class).prefix.causality
+    }
+
+    /// The scope in which the declaration of an element looks up names.
+    pub(crate) fn declaration_scope(&self, entry: &Entry) -> Scope {
+        Scope { instance: self.classes[entry.class].holder, class: entry.class }
+    }
+}
