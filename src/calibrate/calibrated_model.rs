@@ -6,7 +6,8 @@ use crate::runtime::machine::Machine;
 
 use super::modification::{Tree, parts, without_subscripts};
 use super::plan::Plan;
-use super::result::{Calibration, Estimate, shown};
+use super::result::{Calibration, Estimate};
+use super::table::shown;
 
 /// The source; `original` is that of the model's file.
 pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration) -> String {

@@ -7,8 +7,10 @@ use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::Span;
 use crate::io::csv::{ReadError, TextTable, read_text};
 
+use super::noise::{self, third_differences};
 use super::plan::Plan;
 use super::unit::Unit;
+use super::window::{Begin, Cut};
 use crate::numeric::smoothing::smoothed;
 use crate::numeric::time_series::{Interpolation, TimeSeries};
 
@@ -163,63 +165,6 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
     out
 }
 
-/// How a recording is cut into runs.
-struct Cut {
-    part: (f64, f64),
-    window: f64,
-    skip: f64,
-    every: usize,
-}
-
-impl Cut {
-    /// The runs of a recording. `begins` holds the signals of their initial values.
-    fn apply(&self, whole: &Recording, begins: &[Begin]) -> Vec<Recording> {
-        let time = &whole.time;
-        let mut first = time.partition_point(|t| *t < self.part.0);
-        let end = time.partition_point(|t| *t <= self.part.1);
-        let mut out = Vec::new();
-        let mut number = 0;
-        while first + 1 < end {
-            let t0 = time[first];
-            // A remainder shorter than half a window is added to the last window.
-            let mut last = end;
-            if self.window.is_finite() && time[end - 1] - t0 > 1.5 * self.window {
-                last = time.partition_point(|t| *t <= t0 + self.window).min(end);
-                if last < first + 2 {
-                    // A gap longer than a window: the next window begins after it.
-                    first += 1;
-                    continue;
-                }
-            }
-            number += 1;
-            let compared =
-                |k: &usize| (*k == first || (*k - first).is_multiple_of(self.every)) && *k < last;
-            let rows: Vec<usize> = (first..last).filter(compared).collect();
-            let signal = |values: &Vec<f64>| {
-                let one = |k: &usize| if time[*k] - t0 < self.skip { f64::NAN } else { values[*k] };
-                rows.iter().map(one).collect::<Vec<f64>>()
-            };
-            let signals: Vec<Vec<f64>> = whole.signals.iter().map(signal).collect();
-            if signals.iter().flatten().any(|v| !v.is_nan()) {
-                let cut = last < end || number > 1;
-                let name =
-                    if cut { format!("{} {number}", whole.name) } else { whole.name.clone() };
-                out.push(Recording {
-                    name,
-                    starts: begins.iter().map(|b| b.at(t0)).collect(),
-                    start: Some(t0),
-                    time: rows.iter().map(|k| time[*k]).collect(),
-                    signals,
-                    ..whole.clone()
-                });
-            }
-            // The last row of a window is the first of the next.
-            first = if last == end { end } else { last - 1 };
-        }
-        out
-    }
-}
-
 fn tabled(
     plan: &Plan,
     path: &Path,
@@ -293,19 +238,6 @@ struct Measured {
     courses: Vec<Arc<TimeSeries>>,
     /// Start by start.
     begins: Vec<Begin>,
-}
-
-/// The source of an initial value.
-struct Begin {
-    course: TimeSeries,
-    order: u8,
-}
-
-impl Begin {
-    /// The initial value of a run that begins at `t`, in SI units.
-    fn at(&self, t: f64) -> f64 {
-        self.course.value(t, self.order)
-    }
 }
 
 /// Instants, values, and if these were smoothed, rates.
@@ -462,7 +394,7 @@ fn measured(
             (rate, _) => (values, usize::from(rate)),
         };
         begins.push(Begin {
-            course: TimeSeries::new(times.into(), values, Interpolation::Linear),
+            series: TimeSeries::new(times.into(), values, Interpolation::Linear),
             order: order as u8,
         });
     }
@@ -490,8 +422,8 @@ fn sigmas(
 ) -> Vec<f64> {
     let mut sigma = |(k, signal): (usize, &super::plan::Signal)| {
         signal.sigma.unwrap_or_else(|| {
-            let all = recordings.iter().flat_map(|r| differences(&r.signals[k]));
-            let sigma = noise(all.collect());
+            let all = recordings.iter().flat_map(|r| third_differences(&r.signals[k]));
+            let sigma = noise::estimate(all.collect());
             if sigma > 0.0 {
                 let unit = &signal.unit_name;
                 repairs
@@ -507,25 +439,6 @@ fn sigmas(
         })
     };
     plan.signals.iter().enumerate().map(&mut sigma).collect()
-}
-
-/// Third differences, in which noise is amplified and a smooth signal vanishes.
-fn differences(values: &[f64]) -> impl Iterator<Item = f64> {
-    values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0])
-}
-
-/// Standard deviation of white noise from its third differences, whose variance is 20 times that of the
-/// noise; from their median, which a few rapid changes of the signal do not affect.
-fn noise(differences: Vec<f64>) -> f64 {
-    let mut sizes: Vec<f64> =
-        differences.into_iter().map(f64::abs).filter(|d| d.is_finite()).collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    sizes.sort_by(f64::total_cmp);
-    /// Median of the absolute value of a standard normal variable.
-    const QUARTILE: f64 = 0.674_489_750_196_081_7;
-    sizes[sizes.len() / 2] / QUARTILE / 20.0f64.sqrt()
 }
 
 fn column(
@@ -549,31 +462,4 @@ fn column(
 
 fn unreadable(why: &ReadError) -> Diagnostic {
     Diagnostic::error("MO1010", Span::NONE, why.to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Uniform numbers from a linear congruential generator, twelve to a normal one.
-    fn white(n: usize, sigma: f64) -> Vec<f64> {
-        let mut state = 12345u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..n).map(|_| sigma * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)).collect()
-    }
-
-    #[test]
-    fn noise_is_told_from_the_signal() {
-        let noisy: Vec<f64> = white(4000, 0.02)
-            .iter()
-            .enumerate()
-            .map(|(i, e)| (i as f64 * 1e-2).sin() + e)
-            .collect();
-        let sigma = noise(differences(&noisy).collect());
-        assert!((sigma / 0.02 - 1.0).abs() < 0.05, "{sigma}");
-        assert_eq!(noise(differences(&[1.0; 100]).collect()), 0.0);
-    }
 }

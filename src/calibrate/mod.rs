@@ -1,6 +1,6 @@
 //! Fitting the parameters of a model to recordings.
 //!
-//! *In:* a plan file ([`plan`]), the recordings that it names ([`data`]) and the program of its model.
+//! *In:* a plan file ([`plan`], [`plan_file`]), the recordings that it names ([`data`]) and the program of its model.
 //! *Out:* estimates with standard errors and confidence intervals ([`result`]), a page ([`page`]) and the
 //! calibrated model as text ([`calibrated_model`]). [`run`] is the whole workflow for any front end.
 //!
@@ -10,14 +10,21 @@ pub mod calibrated_model;
 pub mod data;
 pub mod fit;
 pub mod modification;
+pub mod noise;
 pub mod observer;
 pub mod page;
 pub mod parallel;
+pub mod parameter;
 pub mod plan;
+pub mod plan_file;
 pub mod policy;
 pub mod problem;
 pub mod profile;
 pub mod result;
+pub mod rows;
 pub mod run;
 pub mod statistics;
+pub mod sums;
+pub mod table;
 pub mod unit;
+pub mod window;

@@ -6,7 +6,8 @@ use crate::report::page::figure::{Curve, Panel, Stroke, figure};
 use crate::report::page::frame::{Page, facts};
 
 use super::data::Split;
-use super::result::{Calibration, Comparison, Estimate, Quality, remark, rmse_shown, shown};
+use super::result::{Calibration, Comparison, Estimate, Quality};
+use super::table::{remark, rmse_shown, shown};
 
 /// Reduced sum of squares above which a cell of a table is marked.
 const NOTICEABLE: f64 = 1.1;

@@ -3,7 +3,7 @@
 //! All of them stand here with their unit and their consequence. Sums of squares are in units of the
 //! sensors' noise, so a *reduced* sum (sum of squares by degree of freedom) is near 1 where the model
 //! explains the data. Steps of the search are in its own coordinates, in which a change by 1 multiplies a
-//! positive parameter by e ([`super::problem::Scale`]).
+//! positive parameter by e ([`super::parameter::Scale`]).
 
 use crate::numeric::least_squares::Stopping;
 

@@ -4,26 +4,25 @@
 //! noise. Its derivatives are propagated with the run (`simulate::sensitivity`): they are exact, even across
 //! events. Where they do not exist, central differences take their place.
 
-use std::sync::Arc;
-
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
-use crate::base::source::{SourceMap, Span};
+use crate::base::source::SourceMap;
 use crate::codegen::recording;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
-use crate::ir::trajectory::{Column, Event};
 use crate::numeric::least_squares::{NormalEquations, Residuals};
 use crate::runtime::jit::tiering::Execution;
 use crate::runtime::machine::Machine;
 use crate::simulate::failure::Failure;
-use crate::simulate::record::Sink;
 use crate::simulate::run::{simulate_to, simulate_with_sensitivities};
 use crate::simulate::sensitivity::Input;
 use crate::simulate::settings::Settings;
 
 use super::data::{Data, Recording, Split};
 use super::parallel;
-use super::plan::{Free, Plan};
+use super::parameter::{Parameter, input, parameter};
+use super::plan::Plan;
+use super::rows::Rows;
+use super::sums::Sums;
 use super::unit::Unit;
 
 /// Steps after which a run is abandoned, besides those for each row of the recording.
@@ -31,79 +30,9 @@ const MAX_STEPS: u64 = 100_000;
 /// Further steps for each row of the recording.
 const MAX_STEPS_PER_ROW: u64 = 100;
 
-/// Factor around its start within which a positive parameter without bounds is searched.
-const DEFAULT_RANGE: f64 = 50.0;
 /// Displacement of a parameter for central differences, in coordinates of the search: the third root of the
 /// solver's tolerance balances its noise against truncation.
 const DISPLACEMENT: f64 = 1e-2;
-
-/// The coordinate of a parameter in the search.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Scale {
-    /// Positive parameters: `value = size * x` below `x = 1`, so that the data still have an influence on a
-    /// value close to zero, and `value = size * exp(x - 1)` above.
-    Positive {
-        /// Value at `x = 1`.
-        size: f64,
-    },
-    /// `value = size * x`
-    Linear {
-        /// Value at `x = 1`.
-        size: f64,
-    },
-}
-
-impl Scale {
-    /// The value at `x`.
-    pub fn value(self, x: f64) -> f64 {
-        match self {
-            Scale::Positive { size } if x > 1.0 => size * (x - 1.0).exp(),
-            Scale::Positive { size } | Scale::Linear { size } => size * x,
-        }
-    }
-
-    /// The coordinate of a value.
-    pub fn place(self, value: f64) -> f64 {
-        match self {
-            Scale::Positive { size } if value > size => 1.0 + (value / size).ln(),
-            Scale::Positive { size } | Scale::Linear { size } => value / size,
-        }
-    }
-
-    /// Derivative of the value by its coordinate, at this value.
-    pub fn slope(self, value: f64) -> f64 {
-        match self {
-            Scale::Positive { size } if value > size => value,
-            Scale::Positive { size } | Scale::Linear { size } => size,
-        }
-    }
-}
-
-/// A free parameter in the search.
-#[derive(Clone, Debug)]
-pub struct Parameter {
-    /// Its name.
-    pub name: String,
-    /// Its unit, as the model declares it.
-    pub unit: String,
-    /// Inputs of the program that take its value.
-    pub targets: Vec<Input>,
-    /// Its coordinate in the search.
-    pub scale: Scale,
-    /// Its start.
-    pub start: f64,
-    /// Its bounds.
-    pub bounds: (f64, f64),
-    /// The only signal that it acts on, and the position of the recorded variable through which it does.
-    pub acts_on: Option<(usize, usize)>,
-}
-
-impl Parameter {
-    /// Its bounds in coordinates of the search.
-    pub fn range(&self) -> (f64, f64) {
-        (self.scale.place(self.bounds.0), self.scale.place(self.bounds.1))
-    }
-}
 
 /// A signal and its variable.
 #[derive(Clone, Copy, Debug)]
@@ -135,48 +64,6 @@ pub struct Problem<'a> {
     pub stopped: bool,
     /// Threads.
     pub jobs: usize,
-}
-
-/// Sums over the recordings of one kind.
-#[derive(Clone, Debug, Default)]
-pub struct Sums {
-    /// Sum of squared residuals, in units of the noise, by recording and signal.
-    pub squares: Vec<Vec<f64>>,
-    /// Number of residuals, by recording and signal.
-    pub counts: Vec<Vec<usize>>,
-}
-
-impl Sums {
-    /// Sum of all squares.
-    pub fn total(&self) -> f64 {
-        self.squares.iter().flatten().sum()
-    }
-
-    /// Number of all residuals.
-    pub fn count(&self) -> usize {
-        self.counts.iter().flatten().sum()
-    }
-
-    /// Reduced sum of squares of each recording.
-    pub fn by_recording(&self) -> Vec<f64> {
-        let mean = |(s, c): (&Vec<f64>, &Vec<usize>)| {
-            s.iter().sum::<f64>() / c.iter().sum::<usize>().max(1) as f64
-        };
-        self.squares.iter().zip(&self.counts).map(mean).collect()
-    }
-
-    /// Root of the mean square of a signal, in units of the noise.
-    pub fn of_signal(&self, k: usize) -> f64 {
-        self.of_part(k, |_| true)
-    }
-
-    /// The same over the recordings that `belongs` selects by position.
-    pub fn of_part(&self, k: usize, belongs: impl Fn(usize) -> bool) -> f64 {
-        let picked = || (0..self.squares.len()).filter(|i| belongs(*i));
-        let sum: f64 = picked().map(|i| self.squares[i][k]).sum();
-        let count: usize = picked().map(|i| self.counts[i][k]).sum();
-        (sum / count.max(1) as f64).sqrt()
-    }
 }
 
 /// Restricts the recorded variables of the program to those that the plan compares.
@@ -549,116 +436,4 @@ impl Residuals for Problem<'_> {
     fn cost(&mut self, x: &[f64]) -> Option<f64> {
         self.cost_of_fitted(x).ok()
     }
-}
-
-/// The input of the program that a name in the plan refers to.
-fn input(program: &Program, wanted: &str, span: Span, problems: &mut Problems) -> Option<Input> {
-    let start = wanted.strip_prefix("start(").and_then(|rest| rest.strip_suffix(')'));
-    let name = start.unwrap_or(wanted).trim();
-    let layout = &program.layout;
-    let variables = &program.blocks.dae.variables;
-    let parameters = || layout.parameter_inputs.iter().map(|(v, _)| *v);
-    let starts = || layout.starts.iter().map(|(v, ..)| *v);
-    let found = match start {
-        None => parameters().find(|v| program.name(*v) == name).map(Input::Parameter),
-        Some(_) => starts().find(|v| program.name(*v) == name).map(Input::Start),
-    };
-    if found.is_none() {
-        let exists = variables.iter().any(|v| v.name == name);
-        let what = if start.is_some() { "start value" } else { "parameter" };
-        let message = if exists {
-            format!("`{name}` is not a {what} that can be set without recompiling")
-        } else {
-            format!("the model has no {what} `{name}`")
-        };
-        let d = Diagnostic::error("MO1015", span, message);
-        let names: Vec<&str> = match start {
-            None => parameters().map(|v| program.name(v)).collect(),
-            Some(_) => starts().map(|v| program.name(v)).collect(),
-        };
-        problems.push(match did_you_mean(name, names) {
-            Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help("name a real parameter that is not final and fixes no structure"),
-        });
-    }
-    found
-}
-
-fn parameter(
-    program: &Program,
-    machine: &Machine<'_>,
-    free: &Free,
-    problems: &mut Problems,
-) -> Option<Parameter> {
-    let targets: Option<Vec<Input>> =
-        free.targets.iter().map(|t| input(program, t, free.span, problems)).collect();
-    let targets = targets?;
-    let (v, declared) = match targets.first()? {
-        Input::Parameter(v) => (*v, machine.value(*v)),
-        Input::Start(v) => {
-            let starts = &program.layout.starts;
-            let (.., cell) = starts.iter().find(|(s, ..)| s == v)?;
-            (*v, machine.get(*cell))
-        }
-    };
-    let start = free.start.unwrap_or(declared);
-    let positive = start > 0.0 && free.min.is_none_or(|m| m >= 0.0);
-    let (scale, wide) = if positive {
-        (Scale::Positive { size: start }, (start / DEFAULT_RANGE, start * DEFAULT_RANGE))
-    } else {
-        let span = free.max.zip(free.min).map_or(1.0, |(a, b)| 0.25 * (a - b));
-        let size = if start == 0.0 { span } else { start.abs() };
-        (Scale::Linear { size }, (f64::NEG_INFINITY, f64::INFINITY))
-    };
-    let bounds = (free.min.unwrap_or(wide.0), free.max.unwrap_or(wide.1));
-    let unit = program.blocks.dae.variables[v].unit.to_string();
-    let acts_on = free.acts_on.as_ref().and_then(|(signal, variable)| {
-        let column = program.recorded.iter().position(|v| program.name(*v) == variable)?;
-        Some((*signal, column))
-    });
-    Some(Parameter { name: free.name.clone(), unit, targets, scale, start, bounds, acts_on })
-}
-
-/// Collects the rows at the instants of a recording.
-struct Rows {
-    instants: Arc<[f64]>,
-    /// The next instant.
-    next: usize,
-    /// The last row belongs to an instant.
-    taken: bool,
-    width: usize,
-    values: Vec<f64>,
-    slopes: Vec<f64>,
-}
-
-impl Rows {
-    fn new(instants: Arc<[f64]>, width: usize, inputs: usize) -> Self {
-        let n = instants.len();
-        let (values, slopes) = (vec![0.0; n * width], vec![0.0; n * width * inputs]);
-        Rows { instants, next: 0, taken: false, width, values, slopes }
-    }
-}
-
-impl Sink for Rows {
-    fn begin(&mut self, _columns: Vec<Column>) {}
-
-    fn row(&mut self, time: f64, values: &[f64]) {
-        let again = self.next > 0 && self.instants[self.next - 1] == time;
-        self.taken = again || self.instants.get(self.next) == Some(&time);
-        if !self.taken {
-            return;
-        }
-        self.next += usize::from(!again);
-        let at = (self.next - 1) * self.width;
-        self.values[at..at + self.width].copy_from_slice(values);
-    }
-
-    fn slopes(&mut self, slopes: &[f64]) {
-        if self.taken && self.next > 0 {
-            let at = (self.next - 1) * slopes.len();
-            self.slopes[at..at + slopes.len()].copy_from_slice(slopes);
-        }
-    }
-
-    fn event(&mut self, _event: Event) {}
 }

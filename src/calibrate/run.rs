@@ -13,13 +13,13 @@ use crate::simulate::failure::Failure;
 use super::data::{self, Data, Split};
 use super::fit::{self, Fit};
 use super::observer::{Event, Observer};
-use super::plan::{self, Plan};
+use super::plan::Plan;
 use super::policy::FitPolicy;
 use super::problem::{Problem, record_signals};
 use super::profile::{self, Interval, Profiles};
 use super::result::Calibration;
 use super::statistics::{Statistics, reduced};
-use super::{calibrated_model, result};
+use super::{calibrated_model, plan_file, result};
 
 /// What to calibrate, and how.
 #[derive(Clone, Debug)]
@@ -108,7 +108,7 @@ pub fn inputs(
     session: &mut Session,
 ) -> Result<(Plan, Data), CalibrationError> {
     let text = read(path)?;
-    let plan = plan::read(path, &text, &mut session.sources, &mut session.problems);
+    let plan = plan_file::read(path, &text, &mut session.sources, &mut session.problems);
     let mut plan = plan.ok_or(CompileError::Request)?;
     if let Some(folder) = folder {
         plan.folder = folder.to_owned();

@@ -9,7 +9,7 @@
 use crate::numeric::eigen;
 use crate::numeric::least_squares::NormalEquations;
 
-use super::problem::{Parameter, Scale};
+use super::parameter::{Parameter, Scale};
 
 /// Least eigenvalue of a determined direction.
 const DETERMINED: f64 = 1.0;

@@ -99,25 +99,25 @@ impl CandidateFits<'_> {
         hypotheses
     }
 
-    /// Continues the best short fits to convergence: laws that explain much, then curves, then the rest.
+    /// Continues the best short fits to convergence: parametric effects that explain much, then curves, then the rest.
     pub fn fit_fully(&self, hypotheses: &mut [Hypothesis]) {
         const CURVES: u8 = 1;
-        const WEAK_LAWS: u8 = 2;
-        // A curve adds nothing beside a law that leaves nothing to explain; if a curve leaves nothing, laws
-        // are searched for from there.
+        const WEAK: u8 = 2;
+        // A curve adds nothing to a parametric effect that leaves nothing to explain; if a curve leaves
+        // nothing, parametric effects are searched for from there.
         let rank =
             |h: &Hypothesis| match (ends_with_curve(self.search.study, h), self.explains_most(h)) {
                 (false, true) => 0,
                 (true, _) => CURVES,
-                (false, false) => WEAK_LAWS,
+                (false, false) => WEAK,
             };
         let mut order = self.worth_a_full_fit(hypotheses);
         order.sort_by_key(|k| rank(&hypotheses[*k]));
-        let (mut law_resolves, mut curve_resolves) = (false, false);
+        let (mut parametric_resolves, mut curve_resolves) = (false, false);
         for k in order {
             let hypothesis = &mut hypotheses[k];
             let own_rank = rank(hypothesis);
-            if law_resolves && own_rank == CURVES || curve_resolves && own_rank == WEAK_LAWS {
+            if parametric_resolves && own_rank == CURVES || curve_resolves && own_rank == WEAK {
                 continue;
             }
             let full = &mut |p: &mut Problem<'_>| {
@@ -132,7 +132,7 @@ impl CandidateFits<'_> {
             if better.chi2_train() < self.search.policy().resolved_train {
                 match ends_with_curve(self.search.study, &better) {
                     true => curve_resolves = true,
-                    false => law_resolves = true,
+                    false => parametric_resolves = true,
                 }
             }
             *hypothesis = better;
@@ -146,8 +146,8 @@ impl CandidateFits<'_> {
 
     /// Positions of the hypotheses that are worth a full fit.
     ///
-    /// A free curve always fits well, so laws are compared with the best law only. A curve that a law
-    /// surpasses already after the short fits is not worth it.
+    /// A free curve always fits well, so parametric effects are only compared with each other. A curve
+    /// that a parametric effect surpasses already after the short fits is not worth it.
     fn worth_a_full_fit(&self, hypotheses: &[Hypothesis]) -> Vec<usize> {
         let (study, policy) = (self.search.study, self.search.policy());
         let least_excess = |curves: bool| {
@@ -156,10 +156,10 @@ impl CandidateFits<'_> {
         };
         let factor = policy.long_fit_factor;
         let limit = |least: f64| 1.0 + (factor * least).max(factor * (policy.resolved_train - 1.0));
-        let (law, any) = (least_excess(false), least_excess(true));
+        let (parametric, any) = (least_excess(false), least_excess(true));
         let is_worth_it = |h: &Hypothesis| match ends_with_curve(study, h) {
-            true => h.chi2_train() < limit(any).min(1.0 + law),
-            false => h.chi2_train() < limit(law),
+            true => h.chi2_train() < limit(any).min(1.0 + parametric),
+            false => h.chi2_train() < limit(parametric),
         };
         let first = 0..hypotheses.len().min(policy.long_fits);
         first.filter(|k| is_worth_it(&hypotheses[*k])).collect()

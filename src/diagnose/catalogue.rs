@@ -13,7 +13,7 @@ pub struct Effect {
     /// Parameters that are zero without the effect: array elements one by one.
     pub amplitudes: Vec<Amplitude>,
     /// Shape parameters, with their starts.
-    pub shapes: Vec<(String, Vec<Start>)>,
+    pub shape_parameters: Vec<(String, Vec<Start>)>,
     /// Connectors of a host that it is attached to; empty: attached wherever its connectors fit.
     pub host: Vec<String>,
     /// Inputs, and the variables of the host that they are bound to: the first that exists.
@@ -272,7 +272,7 @@ fn read(class: &str, text: &str) -> Result<Effect, String> {
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {
                 let starts: Option<Vec<Start>> = items.map(start).collect();
-                effect.shapes.push((shape.to_owned(), starts.ok_or_else(wrong)?));
+                effect.shape_parameters.push((shape.to_owned(), starts.ok_or_else(wrong)?));
             }
         }
     }
@@ -312,9 +312,12 @@ mod tests {
         let effect = read("Effects.X", text).unwrap();
         let amplitude = |name: &str, positive| Amplitude { name: name.into(), positive };
         assert_eq!(effect.amplitudes, [amplitude("c", true), amplitude("F_0", false)]);
-        assert_eq!(effect.shapes[0].1, [Start::Spread("s".into(), 15)]);
-        assert_eq!(effect.shapes[1].1, [Start::Value(1e-4), Start::Multiple(0.02, "u".into())]);
-        assert_eq!(effect.shapes[2].1, [Start::Least("s".into())]);
+        assert_eq!(effect.shape_parameters[0].1, [Start::Spread("s".into(), 15)]);
+        assert_eq!(
+            effect.shape_parameters[1].1,
+            [Start::Value(1e-4), Start::Multiple(0.02, "u".into())]
+        );
+        assert_eq!(effect.shape_parameters[2].1, [Start::Least("s".into())]);
         assert_eq!(effect.host, ["spool", "port_a"]);
         assert_eq!(effect.binds[0].1, ["gap.m_flow", "m_flow"]);
         let built_in = read("P.Source", "with has_line=true; amplitude=R>0").unwrap();

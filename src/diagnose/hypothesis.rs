@@ -5,8 +5,9 @@ use crate::base::source::Span;
 use crate::calibrate::data::Split;
 use crate::calibrate::fit::Fit;
 use crate::calibrate::plan::{Free, Plan};
-use crate::calibrate::problem::{Problem, Sums};
+use crate::calibrate::problem::Problem;
 use crate::calibrate::statistics::standard_errors;
+use crate::calibrate::sums::Sums;
 
 use super::catalogue::Start;
 use super::model_source::Attached;
@@ -205,7 +206,7 @@ fn attach_one(
             // The output of a sensor effect is the signal now, so the amplitude acts through the signal.
             plan.free.push(Free { acts_on: None, ..free });
         }
-        for ((parameter, value), (_, starts)) in scored.shape.iter().zip(&effect.shapes) {
+        for ((parameter, value), (_, starts)) in scored.shape.iter().zip(&effect.shape_parameters) {
             if !is_fitted_shape(starts) {
                 continue;
             }

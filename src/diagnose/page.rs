@@ -2,7 +2,7 @@
 
 use crate::calibrate::data::Split;
 use crate::calibrate::plan::Signal;
-use crate::calibrate::result::shown;
+use crate::calibrate::table::shown;
 use crate::report::markup::escaped;
 use crate::report::page::diff::unified;
 use crate::report::page::figure::{Curve, Panel, Stroke, figure, figure_over};

@@ -77,14 +77,16 @@ pub struct SearchPolicy {
     /// most this share. Default 0.01.
     pub pair_margin: f64,
 
-    /// Effects with at least this many amplitudes are free curves rather than laws. Default 4.
+    /// Effects with at least this many amplitudes are free curves; the others are parametric. Default 4.
     pub curve_amplitudes: usize,
-    /// A law is preferred to a free curve if it explains this share of what the curve explains. Default 0.95.
-    pub law_share: f64,
+    /// A parametric effect is preferred to a free curve if it explains this share of what the curve explains.
+    /// Default 0.95.
+    pub parametric_share: f64,
     /// But not if its sum of squares exceeds that of the curve by this factor. Default 5.
-    pub law_factor: f64,
-    /// If the curve leaves nothing to explain, the excess of the law over 1 must be below this. Default 0.1.
-    pub law_excess: f64,
+    pub parametric_factor: f64,
+    /// If the curve leaves nothing to explain, the reduced sum of the parametric effect may exceed 1 by this.
+    /// Default 0.1.
+    pub parametric_excess: f64,
 
     /// Candidates from which pairs are formed. Default 400. The number of pairs grows with its square.
     pub pair_candidates: usize,
@@ -95,9 +97,9 @@ pub struct SearchPolicy {
 
     /// Rounds of swapping effects. Default 3.
     pub swap_rounds: usize,
-    /// Alternatives to a single law that are fitted. Default 3.
+    /// Alternatives to a single parametric effect that are fitted. Default 3.
     pub alternatives: usize,
-    /// Share of the law's own promise that an alternative must promise. Default 0.7.
+    /// Share of the accepted effect's own promise that an alternative must promise. Default 0.7.
     pub alternative_share: f64,
     /// Excess, as a share of the excess without effects, up to which an alternative is fitted to
     /// convergence after a short fit. Default 0.2.
@@ -134,9 +136,9 @@ impl Default for SearchPolicy {
             other_shapes: 2,
             pair_margin: 0.01,
             curve_amplitudes: 4,
-            law_share: 0.95,
-            law_factor: 5.0,
-            law_excess: 0.1,
+            parametric_share: 0.95,
+            parametric_factor: 5.0,
+            parametric_excess: 0.1,
             pair_candidates: 400,
             fitted_pairs: 8,
             pairs_per_member: 3,

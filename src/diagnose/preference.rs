@@ -6,8 +6,8 @@ use super::study::Study;
 
 /// Sorts hypotheses that extend `from`, best first.
 ///
-/// A free curve explains at least as much as the law that it contains, and noise and drift besides: it comes
-/// first only if no law explains nearly as much.
+/// A free curve explains at least as much as the parametric effect that it contains, and noise and drift as
+/// well: it comes first only if no parametric effect explains nearly as much.
 pub fn sort_by_preference(
     search: &Search<'_>,
     from: &Hypothesis,
@@ -28,16 +28,16 @@ pub fn sort_by_preference(
     }
     let Some(curve) = hypotheses.first().filter(|h| ends_with_curve(study, h)) else { return };
     let explained = |h: &Hypothesis| from.train.total() - h.train.total();
-    let wanted = policy.law_share * explained(curve);
+    let wanted = policy.parametric_share * explained(curve);
     let curve_resolves = curve.chi2_train() < policy.resolved_train;
-    let limit = policy.law_factor * curve.train.total();
+    let limit = policy.parametric_factor * curve.train.total();
     let nearly_as_good = |h: &Hypothesis| {
         explained(h) > wanted
             && h.train.total() < limit
-            && (!curve_resolves || h.chi2_train() < 1.0 + policy.law_excess)
+            && (!curve_resolves || h.chi2_train() < 1.0 + policy.parametric_excess)
     };
-    let is_law = |h: &Hypothesis| !ends_with_curve(study, h) && !of_sensor(h);
-    if let Some(k) = hypotheses.iter().position(|h| is_law(h) && nearly_as_good(h)) {
+    let is_parametric = |h: &Hypothesis| !ends_with_curve(study, h) && !of_sensor(h);
+    if let Some(k) = hypotheses.iter().position(|h| is_parametric(h) && nearly_as_good(h)) {
         hypotheses[..=k].rotate_right(1);
     }
 }

@@ -1,5 +1,5 @@
 //! Revision of the result of stepwise selection: pairs from better parameters, one effect swapped for
-//! another, fewer effects for many, and alternatives to a single law.
+//! another, fewer effects for many, and alternatives to a single effect.
 
 use crate::calibrate::fit::Fit;
 use crate::calibrate::problem::Problem;
@@ -84,7 +84,7 @@ pub fn is_resolved(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
         && hypothesis.chi2_validation() < policy.resolved_validation
 }
 
-/// Replaces several effects or a curve by a single law, or more than two effects by two, if that explains as
+/// Replaces several effects or a curve by a single parametric effect, or more than two effects by two, if that explains as
 /// much. If no effect was accepted, the best rejected one may still have led to better parameters.
 pub fn simplify(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let policy = search.policy();
@@ -105,25 +105,25 @@ pub fn simplify(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     }
 }
 
-/// Compares a single law that leaves nothing to explain with its alternatives: from its parameters, which
+/// Compares a single parametric effect that leaves nothing to explain with its alternatives: from its parameters, which
 /// are close to the true ones, the scores discriminate better than at the first attempt.
 pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let policy = search.policy();
-    let law = diagnosis.after.clone();
-    let explained = law.chi2_train() < policy.resolved_train && !law.effects.is_empty();
-    if !explained || is_complex(search, &law) || !search.may_continue() {
+    let current = diagnosis.after.clone();
+    let explained = current.chi2_train() < policy.resolved_train && !current.effects.is_empty();
+    if !explained || is_complex(search, &current) || !search.may_continue() {
         return;
     }
-    let Some(start) = stripped(search, &law) else { return };
-    let of_sensor = law.effects.iter().any(|c| c.place.signal.is_some());
-    let ranking = rank_instead(search, &law, &diagnosis.before, &|effect, place| {
+    let Some(start) = stripped(search, &current) else { return };
+    let of_sensor = current.effects.iter().any(|c| c.place.signal.is_some());
+    let ranking = rank_instead(search, &current, &diagnosis.before, &|effect, place| {
         !search.study.is_curve(effect) && (of_sensor || place.signal.is_none())
     });
     let is_own = |s: &Scored| {
         let own = |c: &ChosenEffect| {
             s.members().iter().any(|(e, p)| *e == c.effect && p.at == c.place.at)
         };
-        law.effects.iter().all(own)
+        current.effects.iter().all(own)
     };
     let gain = ranking.iter().find(|s| is_own(s)).map_or(0.0, |s| s.gain);
     let is_alternative = |s: &&Scored| s.gain > policy.alternative_share * gain && !is_own(s);
@@ -141,9 +141,9 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     hypotheses.sort_by(|a, b| a.total_criterion().total_cmp(&b.total_criterion()));
     // Of two that explain the same, the one at fewer places or, if it justifies its parameters, the simpler.
     let better = |h: &Hypothesis| {
-        let gained = law.total_criterion() - h.total_criterion();
-        let simpler = h.values.len() < law.values.len() && h.bic() < law.bic();
-        let fewer = h.effects.len() < law.effects.len();
+        let gained = current.total_criterion() - h.total_criterion();
+        let simpler = h.values.len() < current.values.len() && h.bic() < current.bic();
+        let fewer = h.effects.len() < current.effects.len();
         gained > policy.evidence || gained > -policy.evidence && (fewer || simpler)
     };
     let best = hypotheses.iter().position(better).map(|k| hypotheses.remove(k));
@@ -160,7 +160,7 @@ fn is_complex(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
     hypothesis.effects.iter().any(|c| c.group != first.group) || search.study.is_curve(first.effect)
 }
 
-/// One law in place of the effects of a hypothesis, or two: from its parameters, which are close to the true
+/// One parametric effect in place of the effects of a hypothesis, or two: from its parameters, which are close to the true
 /// ones, the scores discriminate better than at the first attempt.
 fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Option<Hypothesis> {
     if !search.may_continue() {
@@ -176,9 +176,9 @@ fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Optio
     let mut one = fitted(&promising(search, &start, &instead));
     let ranking = if one.is_none() { rank(search, &start) } else { Vec::new() };
     if one.is_none() {
-        let laws = ranking.iter().filter(|s| !study.is_curve(s.effect));
-        let laws: Vec<Scored> = laws.cloned().collect();
-        one = fitted(&promising(search, &start, &laws));
+        let parametric = ranking.iter().filter(|s| !study.is_curve(s.effect));
+        let parametric: Vec<Scored> = parametric.cloned().collect();
+        one = fitted(&promising(search, &start, &parametric));
     }
     let has_curve = from.effects.iter().any(|c| study.is_curve(c.effect));
     let can_shrink = from.effects.len() > 2 || has_curve;

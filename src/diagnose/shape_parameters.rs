@@ -27,7 +27,7 @@ pub fn ranges(study: &Study, hypothesis: &Hypothesis, all: &[(usize, Place)]) ->
     let mut wanted: Vec<(usize, &Place, Vec<String>)> = Vec::new();
     for (k, place) in all {
         let mut variables: Vec<String> = Vec::new();
-        for start in study.effects[*k].shapes.iter().flat_map(|(_, starts)| starts) {
+        for start in study.effects[*k].shape_parameters.iter().flat_map(|(_, starts)| starts) {
             if let Some(v) = start.variable()
                 && !variables.iter().any(|known| known == v)
             {
@@ -85,7 +85,7 @@ fn probe(
 /// All combinations of the starts of an effect's shape parameters.
 pub fn shapes(effect: &Effect, range: impl Fn(&str) -> (f64, f64)) -> Vec<Vec<(String, f64)>> {
     let mut out = vec![Vec::new()];
-    for (name, starts) in &effect.shapes {
+    for (name, starts) in &effect.shape_parameters {
         let range_of = |variable: Option<&str>| variable.map_or(UNKNOWN_RANGE, &range);
         let values: Vec<f64> =
             starts.iter().flat_map(|s| s.values(range_of(s.variable()))).collect();

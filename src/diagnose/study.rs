@@ -56,7 +56,7 @@ impl Study {
         format!("{} at {}", self.effects[effect].class, place.at.join(", "))
     }
 
-    /// True for an effect that is a free curve rather than a law with few parameters.
+    /// True for an effect that is a free curve rather than parametric.
     pub fn is_curve(&self, effect: usize) -> bool {
         self.effects[effect].amplitudes.len() >= self.policy.curve_amplitudes
     }

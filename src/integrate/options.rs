@@ -4,7 +4,7 @@
 pub const DEFAULT_RTOL: f64 = 1e-6;
 /// Smallest relative tolerance: some ten times the spacing of doubles.
 pub const MIN_RTOL: f64 = 1e-14;
-/// Default limit of accepted and rejected steps in the life of a stepper.
+/// Default limit of accepted and rejected steps of a stepper.
 pub const DEFAULT_MAX_STEPS: u64 = 10_000_000;
 /// Default limit of consecutive reductions of one step: 60 halvings span the digits of a double.
 pub const DEFAULT_MAX_CUTS: u32 = 60;
@@ -12,8 +12,8 @@ pub const DEFAULT_MAX_CUTS: u32 = 60;
 /// Options of one integration. All times are in the unit of `t`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
-    /// Tolerated error of a step relative to `|y_i|`, without unit, from [`MIN_RTOL`] to below 1. Smaller is
-    /// slower: the step shrinks with its fourth root (Radau) or fifth root (Dormand-Prince).
+    /// Tolerated error of a step relative to `|y_i|`, dimensionless, at least [`MIN_RTOL`] and below 1. The
+    /// step size is proportional to its fourth root (Radau) or fifth root (Dormand-Prince).
     pub rtol: f64,
     /// Tolerated absolute error of a step per component, in its unit, positive. It dominates where
     /// `|y_i|` is less than `atol_i / rtol`.

@@ -82,15 +82,15 @@ impl Sweep<'_> {
         all
     }
 
-    /// Performs the runs that the journal does not hold yet. `on_progress` is called with the number of finished runs; `stop` ends
-    /// the sweep within a step of each run. False if it was ended.
+    /// Performs the runs that the journal does not hold yet. `on_progress` is called with the number of
+    /// finished runs; `stop` ends the sweep within a step of each run. Returns false if it was cancelled.
     pub fn run(
         &self,
         journal: &mut Journal,
         stop: &(dyn Fn() -> bool + Sync),
         mut on_progress: impl FnMut(u64),
     ) -> Result<bool, SweepError> {
-        let mut trouble = None;
+        let mut error = None;
         let rest = journal.lines..self.design.count;
         pool::in_order(
             self.jobs,
@@ -101,18 +101,18 @@ impl Sweep<'_> {
                     let cells = self.cells(k, &outcome);
                     journal.push(&line(&cells)).map_err(SweepError::from)
                 });
-                trouble = pushed.err();
+                error = pushed.err();
                 on_progress(k + 1);
-                trouble.is_none()
+                error.is_none()
             },
         );
-        match trouble {
-            Some(trouble) => Err(trouble),
+        match error {
+            Some(error) => Err(error),
             None => Ok(journal.lines == self.design.count),
         }
     }
 
-    /// One run; none if it was ended.
+    /// One run; `None` if it was cancelled.
     pub fn outcome(
         &self,
         k: u64,
@@ -142,7 +142,7 @@ impl Sweep<'_> {
         }
         compiled.plan.ask(&mut settings);
         let mut trace = match self.trace(k, compiled) {
-            Ok(trace) => Trace { results: trace, trouble: None, stop },
+            Ok(trace) => Trace { results: trace, error: None, stop },
             Err(why) => return Some(Err(why.into())),
         };
         let mut observer = Observer::new(&compiled.plan, program, &mut trace);
@@ -157,8 +157,8 @@ impl Sweep<'_> {
             }
         };
         let measures = compiled.plan.evaluate(program, &settings, &observer, &statistics);
-        if let Some(trouble) = trace.trouble {
-            return Some(Err(trouble.into()));
+        if let Some(error) = trace.error {
+            return Some(Err(error.into()));
         }
         if statistics.interrupted {
             return None;
@@ -207,7 +207,7 @@ impl Sweep<'_> {
         cells
     }
 
-    /// Writes the table from the journal, line by line; how the runs ended.
+    /// Writes the table from the journal, line by line; returns how the runs ended.
     pub fn write(&self, journal: &mut Journal, path: &Path) -> Result<Tally, SweepError> {
         let fields = self.fields();
         let status = fields.len() - 4;
@@ -237,10 +237,10 @@ pub fn trace_path(folder: &Path, k: u64) -> PathBuf {
     folder.join(format!("{:05}.csv", k + 1))
 }
 
-/// Takes the rows of a run to its file.
+/// Writes the rows of a run to its file.
 struct Trace<'a> {
     results: Option<Results>,
-    trouble: Option<TableError>,
+    error: Option<TableError>,
     stop: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -248,12 +248,12 @@ impl Sink for Trace<'_> {
     fn begin(&mut self, _: Vec<Column>) {}
     fn constants(&mut self, _: Vec<Constant>) {}
     fn row(&mut self, time: f64, values: &[f64]) {
-        if let (Some(results), None) = (&mut self.results, &self.trouble) {
-            self.trouble = results.row(time, values).err();
+        if let (Some(results), None) = (&mut self.results, &self.error) {
+            self.error = results.row(time, values).err();
         }
     }
     fn event(&mut self, _: Event) {}
     fn goes_on(&mut self, _: f64) -> bool {
-        self.trouble.is_none() && !(self.stop)()
+        self.error.is_none() && !(self.stop)()
     }
 }
