@@ -1,7 +1,8 @@
 within Effects;
-model UnknownFlow "Flow into a port over time as a free curve"
-  // The flow runs smoothly through the n amplitudes Q at n instants, equally spaced from t_lo to t_hi (knotWeights).
-  // Not an effect but a question to the recordings: which flow would the balance here need, and when?
+model UnknownFlow "Flow into a port as a free curve over time"
+  //   m_flow = Q(t)
+  // Q is a smooth curve through the n amplitudes Q at n times, equally spaced from t_lo to t_hi (knotWeights). This
+  // is not an effect but a question to the recordings: which flow would close the balance here, and when?
   parameter Integer            n    = 48       "Number of knots";
   parameter Units.MassFlowRate Q[n] = zeros(n) "Mass flow at each knot, positive into the port";
   parameter Units.Time         t_lo = 0        "First knot";

@@ -22,12 +22,12 @@ package Effects "Physical effects that a model may lack"
   // A block Sensor... has no connector: it converts the simulated value u to the reading y.
   // `explains` is the sentence that a diagnosis reports; %at is the location.
   //
-  // An entry `unknown` in place of `effect` marks a question rather than an effect: an inflow that is free over time,
-  // from t_lo to t_hi. The balance in which it would explain most of the residuals is the one that lacks something.
-  //   inflow=f              the variable that enters the balance. An effect with a variable of this name contributes it
-  //   over=s,v              variables over which the inflow is shown, and compared with the contribution of an effect
+  // An entry `unknown` instead of `effect` marks a question rather than an effect: an inflow that is free over time,
+  // from t_lo to t_hi. Where it would explain most of the residual, the balance does not close.
+  //   inflow=f              the variable that enters the balance; effects with a variable of this name contribute it
+  //   over=s,v              variables over which the inflow is drawn and compared with the contributions of effects
   //
-  // A class whose entry cannot be read, or which cannot be compiled by itself, is skipped with a warning (MO1019).
+  // A class whose annotation cannot be read, or that cannot be compiled by itself, is skipped with a warning (MO1019).
   //
   // An effect sees positions from min(s) to max(s) of a run; `side` selects an end: +1 the upper, -1 the lower.
 end Effects;

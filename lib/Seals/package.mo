@@ -6,7 +6,7 @@ package Seals "Translational seals: friction, push-in force and opening at a con
     CloseOnly   "touches it over the whole stroke",
     CloseToOpen "touches it up to the control edge, free beyond",
     OpenToClose "free up to the control edge, touches beyond")
-    "How a seal meets the housing as the stroke grows from 0";
+    "Contact of a seal with the housing as the stroke grows from 0";
 
   // The roles of components in the animation of a report: a seal is a component with a contact and a control edge.
   annotation(__mocc(view =

@@ -27,11 +27,11 @@ struct Shown {
 }
 
 impl Shown {
-    /// `TEXT: FORMULA | FORMULA`
+    /// `LABEL: FORMULA | FORMULA`
     fn read(text: &str) -> Result<Shown, String> {
         let (name, formulas) = text
             .split_once(':')
-            .ok_or_else(|| format!("`{text}` has no label: write TEXT: FORMULA"))?;
+            .ok_or_else(|| format!("`{text}` has no label: write LABEL: FORMULA"))?;
         let formulas = formulas.split('|').map(Formula::read).collect::<Result<_, _>>()?;
         Ok(Shown { text: name.trim().to_owned(), formulas })
     }
