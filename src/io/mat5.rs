@@ -44,7 +44,7 @@ pub fn matrix(bytes: &[u8], name: &str) -> Result<Matrix, String> {
             COMPRESSED => {
                 let unfolding =
                     ZlibDecoder::new(element.data).take(LIMIT).read_to_end(&mut unfolded);
-                unfolding.map_err(|why| format!("a compressed matrix can not be read: {why}"))?;
+                unfolding.map_err(|why| format!("cannot read a compressed matrix: {why}"))?;
                 next(&mut unfolded.as_slice())?
             }
             _ => element,
@@ -130,7 +130,7 @@ fn content(mut parts: &[u8], class: u32, sizes: &[f64], name: &str) -> Result<Ma
         return Err(format!("`{name}` has {} dimensions instead of 2", sizes.len()));
     };
     if !NUMBERS.contains(&class) {
-        return Err(format!("`{name}` is no full matrix of numbers"));
+        return Err(format!("`{name}` is not a full matrix of numbers"));
     }
     let (rows, columns) = (rows as usize, columns as usize);
     let columnwise = numbers(&next(&mut parts)?)?;

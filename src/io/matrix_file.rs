@@ -59,7 +59,7 @@ fn in_text(text: &str, name: &str) -> Result<Matrix, String> {
                 break;
             }
             let number = word.parse::<f64>().ok().filter(|x| x.is_finite());
-            elements.push(number.ok_or_else(|| format!("`{word}` in `{name}` is no number"))?);
+            elements.push(number.ok_or_else(|| format!("`{word}` in `{name}` is not a number"))?);
         }
         if elements.len() == wanted {
             return Ok(Matrix { rows, columns, elements });
@@ -80,7 +80,7 @@ fn declared(line: &str, name: &str) -> Option<(usize, usize)> {
 const HEAD: usize = 20;
 
 fn in_mat(mut bytes: &[u8], name: &str) -> Result<Matrix, String> {
-    let broken = || "this is no file of tables, and no MAT file".to_string();
+    let broken = || "this is neither a text file of tables nor a MAT file".to_string();
     while !bytes.is_empty() {
         let head = bytes.get(..HEAD).ok_or_else(broken)?;
         let field = |k: usize| {

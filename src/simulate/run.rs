@@ -125,12 +125,13 @@ pub fn simulate_with_sensitivities(
     }
     if !(program.layout.delays.is_empty() && program.layout.transports.is_empty()) {
         return Err(Failure::settings(
-            "a run with `delay` or `spatialDistribution` can not be differentiated yet".to_owned(),
+            "sensitivities of models with `delay` or `spatialDistribution` are not supported yet"
+                .to_owned(),
         ));
     }
     let Some(settings) = with_inputs(program, settings, inputs) else {
         return Err(Failure::settings(
-            "a run can be differentiated by its inputs only: parameters and starts that are no constants"
+            "sensitivities exist only with respect to inputs: parameters and start values that are not constants"
                 .to_owned(),
         ));
     };

@@ -87,7 +87,7 @@ impl Settings {
     pub fn fault(&self) -> Option<String> {
         let Settings { start, stop, interval, tolerance, .. } = self;
         if !(start.is_finite() && stop.is_finite() && stop >= start) {
-            return Some(format!("the run can not go from {start} s to {stop} s"));
+            return Some(format!("the simulation cannot go from {start} s to {stop} s"));
         }
         if (interval.is_nan() || *interval <= 0.0) && stop > start {
             return Some(format!("the interval between rows is {interval} s, not positive"));

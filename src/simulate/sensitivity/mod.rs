@@ -497,7 +497,7 @@ impl Simulation<'_, '_> {
 
 fn sensitivity_failure(why: NoVariation, t: f64) -> Failure {
     let message = format!(
-        "at time {t} s the derivatives by the inputs can not be computed: {}",
+        "at time {t} s cannot compute the sensitivities: {}",
         match why {
             NoVariation::Eval(_) => "a derivative of the model does not exist",
             NoVariation::Singular { .. } => "their equations are singular",
