@@ -112,7 +112,7 @@ fn number(
                 drawing.span,
                 "what this generator begins with is not known",
             )
-            .help("call `initializeImpureRandom` with a generator_state that is known before the model runs"),
+            .help("call `initializeImpureRandom` with a seed that is known before the model runs"),
         );
         return cx.graph.real(0.5);
     };

@@ -66,7 +66,7 @@ fn action(
             cx.error(
                 "MO0231",
                 e.span,
-                "when-clauses cannot be nested; write `elsewhen` or merge_branches the conditions",
+                "when-clauses cannot be nested; write `elsewhen` or join the conditions",
             );
             None
         }
