@@ -296,7 +296,7 @@ pub fn pages() -> Vec<String> {
         ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"]
             .map(str::to_owned)
             .to_vec();
-    let mut folders = ["docs", "examples", "grammar"].map(|f| root().join(f)).to_vec();
+    let mut folders = ["docs", "examples", "grammar", "tests"].map(|f| root().join(f)).to_vec();
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).expect("a folder of the project").flatten() {
             let path = entry.path();

@@ -200,7 +200,7 @@ fn prose(page: &str, without_tables: bool) -> Vec<(usize, String)> {
     for (line, text) in lines(page) {
         if text.trim_start().starts_with("```") {
             fenced = !fenced;
-        } else if !fenced && !(without_tables && text.starts_with('|')) {
+        } else if !(fenced || without_tables && text.starts_with('|')) {
             let plain: String = text.split('`').step_by(2).collect::<Vec<_>>().join("``");
             found.push((line, plain));
         }
