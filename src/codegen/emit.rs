@@ -141,9 +141,9 @@ impl Emitter {
 
     /// The slots of all literals, ascending.
     pub fn literal_slots(&self) -> Vec<Slot> {
-        let mut cells: Vec<Slot> = self.literals.values().copied().collect();
-        cells.sort_unstable();
-        cells
+        let mut slots: Vec<Slot> = self.literals.values().copied().collect();
+        slots.sort_unstable();
+        slots
     }
 
     /// A new auxiliary variable with its own slot.

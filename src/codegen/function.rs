@@ -121,8 +121,8 @@ impl Body {
     fn compile(e: &mut Emitter, function: &Function) -> FunctionCode {
         let first = e.new_slots(function.locals.len(), 0.0);
         let locals: Vec<Slot> = (0..function.locals.len() as Slot).map(|i| first + i).collect();
-        let cells = |ids: &[LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
-        let (inputs, outputs) = (cells(&function.inputs), cells(&function.outputs));
+        let slots = |ids: &[LocalId]| ids.iter().map(|l| locals[l.idx()]).collect();
+        let (inputs, outputs) = (slots(&function.inputs), slots(&function.outputs));
         let mut body = Body {
             locals,
             tape: Tape::default(),

@@ -52,9 +52,9 @@ fn allocate_pre(e: &mut Emitter, blocks: &SortedBlocks) {
         let kind = e.dae.variables[v].kind;
         let moves = !matches!(kind, VariableKind::Parameter | VariableKind::Eliminated);
         if kind == VariableKind::Discrete || (moves && read.contains(&v)) {
-            let cell = e.new_slot(0.0);
-            e.layout.pre.push((v, e.slot(v), cell));
-            e.pre_slots.insert(v, cell);
+            let slot = e.new_slot(0.0);
+            e.layout.pre.push((v, e.slot(v), slot));
+            e.pre_slots.insert(v, slot);
         }
     }
 }
@@ -63,8 +63,8 @@ fn allocate_pre(e: &mut Emitter, blocks: &SortedBlocks) {
 fn allocate_inputs(e: &mut Emitter, blocks: &SortedBlocks) {
     for k in 0..e.dae.parameters.len() {
         let v = e.dae.parameters[k].0;
-        let cell = e.new_slot(f64::NAN);
-        e.layout.parameter_inputs.push((v, cell));
+        let slot = e.new_slot(f64::NAN);
+        e.layout.parameter_inputs.push((v, slot));
     }
     let mut started: FastSet<VarId> = FastSet::default();
     for_each_assignment(&blocks.initial, &mut |a| {

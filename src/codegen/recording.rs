@@ -39,7 +39,7 @@ pub fn only(program: &mut Program, keep: impl Fn(&str) -> bool) {
     for v in &program.recorded {
         needed[program.slot(*v) as usize] = true;
     }
-    let mut kept: Vec<Instr> = Vec::with_capacity(program.tapes.outputs.len());
+    let mut needed_code: Vec<Instr> = Vec::with_capacity(program.tapes.outputs.len());
     for instr in program.tapes.outputs.iter().rev() {
         let is_needed = match instr.op {
             Op::Solve | Op::Differentiate | Op::Iterate | Op::Call => true,
@@ -48,12 +48,12 @@ pub fn only(program: &mut Program, keep: impl Fn(&str) -> bool) {
         };
         if is_needed {
             operands(instr, &mut |slot| needed[slot as usize] = true);
-            kept.push(*instr);
+            needed_code.push(*instr);
         }
     }
-    kept.reverse();
-    kept.shrink_to_fit();
-    *program.tapes.outputs = kept;
+    needed_code.reverse();
+    needed_code.shrink_to_fit();
+    *program.tapes.outputs = needed_code;
 }
 
 /// For each slot, whether anything other than the tape `outputs` reads it.
@@ -96,8 +96,8 @@ fn slots_read_elsewhere(program: &Program) -> Vec<bool> {
     for first in [layout.relations, layout.candidates, layout.indicators] {
         (first..first + relations).for_each(&mut mark);
     }
-    for watch in &program.events.relation_triggers {
-        if let RelationTrigger::Time(slot) = watch {
+    for trigger in &program.events.relation_triggers {
+        if let RelationTrigger::Time(slot) = trigger {
             mark(*slot);
         }
     }

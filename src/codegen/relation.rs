@@ -13,7 +13,7 @@ pub fn emit_indicators(e: &mut Emitter) {
     for k in 0..e.dae.relations.len() {
         let relation = e.dae.relations[k].clone();
         e.span = relation.origin.span;
-        let watch = match relation.trigger {
+        let trigger = match relation.trigger {
             Trigger::Discrete => RelationTrigger::Discrete,
             Trigger::Time { instant } => RelationTrigger::Time(e.emit(instant).0),
             Trigger::State => {
@@ -24,7 +24,7 @@ pub fn emit_indicators(e: &mut Emitter) {
                 RelationTrigger::State
             }
         };
-        e.events.relation_triggers.push(watch);
+        e.events.relation_triggers.push(trigger);
     }
 }
 

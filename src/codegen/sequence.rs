@@ -132,8 +132,8 @@ pub fn initial(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     e.push_layer();
     e.floor = DISCRETE;
     let lagged = compile_with_relations(e, &blocks.initial, Sequence::Initial);
-    for (cell, value) in std::mem::take(&mut e.initialized_clocks) {
-        e.emit_to(cell, value);
+    for (slot, value) in std::mem::take(&mut e.initialized_clocks) {
+        e.emit_to(slot, value);
     }
     SequenceTape { tape: e.pop_discard(), lagged }
 }
@@ -157,19 +157,19 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
         e.events.reinits.push(ReinitSlots { active, state: e.slot(reinit.state), value });
     }
     for k in 0..e.dae.asserts.len() {
-        let cells = AssertSlots {
+        let slots = AssertSlots {
             active: e.new_slot(1.0),
             condition: e.new_slot(1.0),
             at_events: e.dae.asserts[k].active.is_some(),
         };
-        e.events.asserts.push(cells);
+        e.events.asserts.push(slots);
         assertion(e, k);
     }
     for k in 0..e.dae.terminates.len() {
         let active = e.dae.terminates[k].active;
-        let cell = e.new_slot(0.0);
-        e.emit_to(cell, active);
-        e.events.terminates.push(cell);
+        let slot = e.new_slot(0.0);
+        e.emit_to(slot, active);
+        e.events.terminates.push(slot);
     }
     SequenceTape { tape: e.pop_discard(), lagged }
 }
@@ -184,8 +184,8 @@ pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks) -> Continuous {
     let derivatives: Vec<ExprId> = blocks.states.iter().map(|s| e.read(s.derivative)).collect();
     let need = Dependencies::new(e, &blocks.continuous);
     let for_rhs = need.blocks_for(e, &derivatives);
-    let watched = monitored_expressions(&e.dae);
-    let for_roots = need.blocks_for(e, &watched);
+    let monitored = monitored_expressions(&e.dae);
+    let for_roots = need.blocks_for(e, &monitored);
 
     e.push_layer();
     e.floor = e.push_layer();
@@ -270,9 +270,9 @@ fn clock_value(e: &mut Emitter, value: ExprId) -> Slot {
     };
     let known = e.dae.graph.variables(value).into_iter().all(initial);
     if known && e.level_of(&[value], |_| false) > PARAMETER {
-        let cell = e.new_slot(f64::INFINITY);
-        e.initialized_clocks.push((cell, value));
-        return cell;
+        let slot = e.new_slot(f64::INFINITY);
+        e.initialized_clocks.push((slot, value));
+        return slot;
     }
     parameter_value(e, value).0
 }
@@ -288,11 +288,11 @@ fn parameter_value(e: &mut Emitter, value: ExprId) -> (Slot, usize) {
 fn assertion(e: &mut Emitter, k: usize) {
     let guarded = e.dae.asserts[k].clone();
     e.span = guarded.origin.span;
-    let cells = e.events.asserts[k];
+    let slots = e.events.asserts[k];
     if let Some(active) = guarded.active {
-        e.emit_to(cells.active, active);
+        e.emit_to(slots.active, active);
     }
-    e.emit_to(cells.condition, guarded.assert.condition);
+    e.emit_to(slots.condition, guarded.assert.condition);
 }
 
 /// Operands of state-dependent relations, and conditions of assertions outside of when-clauses.

@@ -82,7 +82,7 @@ struct Row {
 }
 
 /// Maximum length of an f64 (`-2.2250738585072014e-308`) with its comma.
-const LONGEST: usize = 25;
+const MAX_NUMBER_LENGTH: usize = 25;
 
 impl<W: Write> TableWriter<W> {
     /// Writes the header `time,NAME,...` and allocates one row.
@@ -96,7 +96,7 @@ impl<W: Write> TableWriter<W> {
         out.write_all(header.as_bytes())?;
         let width = columns.len() + 1;
         let row = || Row {
-            text: Vec::with_capacity(width * LONGEST),
+            text: Vec::with_capacity(width * MAX_NUMBER_LENGTH),
             bits: Vec::with_capacity(width),
             ends: Vec::with_capacity(width),
         };

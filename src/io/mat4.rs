@@ -34,7 +34,7 @@ pub struct MatWriter {
     column_storage: Vec<ColumnStorage>,
     constants: Vec<Constant>,
     /// The columns in `data_2`.
-    moving: Vec<usize>,
+    varying: Vec<usize>,
     rows: usize,
     /// Offsets of the end time in `data_1`, and of `data_2`.
     end_at: u64,
@@ -49,7 +49,7 @@ impl MatWriter {
         MatWriter {
             out,
             length: 0,
-            moving: (0..columns.len()).filter(own).collect(),
+            varying: (0..columns.len()).filter(own).collect(),
             columns: columns.to_vec(),
             column_storage: column_storage.to_vec(),
             constants: Vec::new(),
@@ -64,27 +64,27 @@ impl MatWriter {
     fn begin(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
         let mut names = vec!["time".to_owned()];
         let mut descriptions = vec!["Time in [s]".to_owned()];
-        let mut places: Vec<[i32; 4]> = vec![[0, 1, 0, -1]];
-        let mut fixed = vec![time];
-        let constant = |fixed: &mut Vec<f64>, value| {
-            fixed.push(value);
-            Ok::<_, TableError>([1, count("the number of constants", fixed.len())?, 0, 0])
+        let mut data_info: Vec<[i32; 4]> = vec![[0, 1, 0, -1]];
+        let mut constants = vec![time];
+        let constant = |constants: &mut Vec<f64>, value| {
+            constants.push(value);
+            Ok::<_, TableError>([1, count("the number of constants", constants.len())?, 0, 0])
         };
         for c in &self.constants {
             names.push(c.column.name.clone());
             descriptions.push(description(&c.column));
-            places.push(constant(&mut fixed, c.value)?);
+            data_info.push(constant(&mut constants, c.value)?);
         }
         let mut rows = vec![0; self.columns.len()];
-        for (row, &k) in self.moving.iter().enumerate() {
+        for (row, &k) in self.varying.iter().enumerate() {
             // The first row of the matrix is the time, and rows count from 1.
             rows[k] = count("the number of columns", row + 2)?;
         }
         for (k, column) in self.columns.iter().enumerate() {
             names.push(column.name.clone());
             descriptions.push(description(column));
-            places.push(match self.column_storage.get(k) {
-                Some(ColumnStorage::Constant) => constant(&mut fixed, values[k])?,
+            data_info.push(match self.column_storage.get(k) {
+                Some(ColumnStorage::Constant) => constant(&mut constants, values[k])?,
                 Some(ColumnStorage::Alias { of, negated: true }) => [2, -rows[*of], 0, -1],
                 Some(ColumnStorage::Alias { of, negated: false }) => [2, rows[*of], 0, -1],
                 Some(ColumnStorage::Own) | None => [2, rows[k], 0, -1],
@@ -98,15 +98,15 @@ impl MatWriter {
         self.matrix("Aclass", TEXT, class.len(), width, &class_bytes)?;
         self.strings("name", &names)?;
         self.strings("description", &descriptions)?;
-        let places_bytes: Vec<u8> =
-            places.iter().flatten().flat_map(|word| word.to_le_bytes()).collect();
-        self.matrix("dataInfo", INTEGER, 4, places.len(), &places_bytes)?;
-        let fixed_bytes: Vec<u8> =
-            fixed.iter().chain(&fixed).flat_map(|value| value.to_le_bytes()).collect();
-        self.matrix("data_1", DOUBLE, fixed.len(), 2, &fixed_bytes)?;
-        self.end_at = self.length - 8 * fixed.len() as u64;
+        let data_info_bytes: Vec<u8> =
+            data_info.iter().flatten().flat_map(|word| word.to_le_bytes()).collect();
+        self.matrix("dataInfo", INTEGER, 4, data_info.len(), &data_info_bytes)?;
+        let constants_bytes: Vec<u8> =
+            constants.iter().chain(&constants).flat_map(|value| value.to_le_bytes()).collect();
+        self.matrix("data_1", DOUBLE, constants.len(), 2, &constants_bytes)?;
+        self.end_at = self.length - 8 * constants.len() as u64;
         self.data_at = self.length;
-        self.matrix("data_2", DOUBLE, self.moving.len() + 1, 0, &[])
+        self.matrix("data_2", DOUBLE, self.varying.len() + 1, 0, &[])
     }
 
     /// Writes strings of equal length, padded with blanks, one per column.
@@ -157,7 +157,7 @@ impl ResultWriter for MatWriter {
         }
         self.bytes.clear();
         self.bytes.extend_from_slice(&time.to_le_bytes());
-        for &k in &self.moving {
+        for &k in &self.varying {
             self.bytes.extend_from_slice(&values[k].to_le_bytes());
         }
         self.out.write_all(&self.bytes)?;
@@ -280,14 +280,14 @@ mod tests {
         assert_eq!(texts(2), ["Time in [s]", "[kg]", "Pressure [Pa|bar]", "[m]", "[m]", "", ""]);
         let words: Vec<i32> =
             found[3].4.chunks(4).map(|b| i32::from_le_bytes(b.try_into().unwrap())).collect();
-        let places: Vec<&[i32]> = words.chunks(4).collect();
-        assert_eq!(places[0], [0, 1, 0, -1]);
-        assert_eq!(places[1], [1, 2, 0, 0]);
-        assert_eq!(places[2], [2, 2, 0, -1]);
-        assert_eq!(places[3], [2, 3, 0, -1]);
-        assert_eq!(places[4], [2, -3, 0, -1]);
-        assert_eq!(places[5], [1, 3, 0, 0]);
-        assert_eq!(places[6], [2, 2, 0, -1]);
+        let data_info: Vec<&[i32]> = words.chunks(4).collect();
+        assert_eq!(data_info[0], [0, 1, 0, -1]);
+        assert_eq!(data_info[1], [1, 2, 0, 0]);
+        assert_eq!(data_info[2], [2, 2, 0, -1]);
+        assert_eq!(data_info[3], [2, 3, 0, -1]);
+        assert_eq!(data_info[4], [2, -3, 0, -1]);
+        assert_eq!(data_info[5], [1, 3, 0, 0]);
+        assert_eq!(data_info[6], [2, 2, 0, -1]);
         assert_eq!((found[4].2, found[4].3), (3, 2));
         assert_eq!(doubles(&found[4].4), [0.0, 2.5, 7.0, 0.75, 2.5, 7.0]);
         assert_eq!((found[5].2, found[5].3), (3, 3));

@@ -6,9 +6,9 @@ use super::plot::layout::shortened;
 use crate::ir::diagram::{Diagram, DiagramBlock, SolutionMethod};
 
 /// Maximum number of equations in the label of a node.
-const MOST_LINES: usize = 12;
+const MAX_LINES: usize = 12;
 /// Maximum width of an equation in a node, px at [`SIZE`].
-const LONGEST: f64 = 420.0;
+const MAX_TEXT_WIDTH: f64 = 420.0;
 const SIZE: f64 = 12.0;
 
 /// Prints a node for each block with its equations, numbered in order, and an edge from each block to
@@ -48,16 +48,16 @@ fn label(diagram: &Diagram, k: usize, part: &DiagramBlock) -> String {
         SolutionMethod::Explicit => format!("{}. ", k + 1),
         method => format!("{}. {}, {} unknowns, torn to {torn}\n", k + 1, method.name(), part.size),
     };
-    for line in lines.iter().take(MOST_LINES) {
+    for line in lines.iter().take(MAX_LINES) {
         if line.torn {
             text.push_str(&line.unknown);
             text.push_str(": ");
         }
-        text.push_str(&shortened(&line.equation, SIZE, LONGEST));
+        text.push_str(&shortened(&line.equation, SIZE, MAX_TEXT_WIDTH));
         text.push('\n');
     }
-    if lines.len() > MOST_LINES {
-        let _ = writeln!(text, "and {} more", lines.len() - MOST_LINES);
+    if lines.len() > MAX_LINES {
+        let _ = writeln!(text, "and {} more", lines.len() - MAX_LINES);
     }
     quoted(&text)
 }

@@ -14,18 +14,18 @@ use crate::ir::diagram::{Diagram, DiagramBlock, SolutionMethod};
 
 /// Size of a cell in a small system, and maximum size of the matrix, px.
 const CELL: f64 = 18.0;
-const LARGEST: f64 = 1600.0;
+const MAX_SIZE: f64 = 1600.0;
 /// Number of rows or columns between two guide lines.
 const GUIDE: usize = 5;
 /// Maximum number of rows for which equations are printed next to the matrix.
-const MOST_EQUATIONS: usize = 60;
+const MAX_EQUATIONS: usize = 60;
 /// Line height and font size of names, px.
 const LINE: f64 = 12.5;
 const TEXT: f64 = 11.0;
 const TITLE: f64 = 17.0;
 /// Maximum width of names and equations, px.
-const LONGEST_NAME: f64 = 190.0;
-const LONGEST_EQUATION: f64 = 420.0;
+const MAX_NAME_WIDTH: f64 = 190.0;
+const MAX_EQUATION_WIDTH: f64 = 420.0;
 const MARGIN: f64 = 20.0;
 const GAP: f64 = 8.0;
 const HEAD: f64 = 66.0;
@@ -74,19 +74,19 @@ struct Picture<'a> {
 impl<'a> Picture<'a> {
     fn of(diagram: &'a Diagram) -> Self {
         let n = diagram.lines.len();
-        let cell = CELL.min(LARGEST / n.max(1) as f64);
+        let cell = CELL.min(MAX_SIZE / n.max(1) as f64);
         let side = cell * n as f64;
         let named = named(diagram, cell);
         let widest =
             |texts: &mut dyn Iterator<Item = f64>, most: f64| texts.fold(0.0, f64::max).min(most);
         let names = &mut named.iter().map(|&k| text_width(&diagram.lines[k].unknown, TEXT));
         // The mark of a tearing variable precedes its name.
-        let name = widest(names, LONGEST_NAME) + TEXT;
+        let name = widest(names, MAX_NAME_WIDTH) + TEXT;
         let (sine, cosine) = LEAN.to_radians().sin_cos();
-        let equations = n <= MOST_EQUATIONS;
+        let equations = n <= MAX_EQUATIONS;
         let equation = if equations {
             let texts = &mut diagram.lines.iter().map(|l| text_width(&l.equation, TEXT));
-            widest(texts, LONGEST_EQUATION) + 2.0 * GAP
+            widest(texts, MAX_EQUATION_WIDTH) + 2.0 * GAP
         } else {
             0.0
         };
@@ -300,7 +300,7 @@ impl<'a> Picture<'a> {
         let side = self.at(self.diagram.lines.len());
         for &k in &self.named {
             let line = &self.diagram.lines[k];
-            let name = escaped(&shortened(&line.unknown, TEXT, LONGEST_NAME));
+            let name = escaped(&shortened(&line.unknown, TEXT, MAX_NAME_WIDTH));
             let colour = if line.torn { format!(" fill=\"{TORN}\"") } else { String::new() };
             let tip = escaped(&line.equation);
             let middle = self.at(k) + 0.5 * self.cell;
@@ -311,7 +311,7 @@ impl<'a> Picture<'a> {
                 y + 0.36 * TEXT
             );
             if line.torn {
-                let width = text_width(&shortened(&line.unknown, TEXT, LONGEST_NAME), TEXT);
+                let width = text_width(&shortened(&line.unknown, TEXT, MAX_NAME_WIDTH), TEXT);
                 let _ = writeln!(out, "{}", diamond(x - width - 0.55 * TEXT, y, 3.2));
             }
             let (x, y) = (self.left + middle, self.top - GAP);
@@ -321,7 +321,7 @@ impl<'a> Picture<'a> {
                 x + 0.3 * TEXT
             );
             if self.equations {
-                let text = escaped(&shortened(&line.equation, TEXT, LONGEST_EQUATION));
+                let text = escaped(&shortened(&line.equation, TEXT, MAX_EQUATION_WIDTH));
                 let (x, y) = (self.left + side + 2.0 * GAP, self.top + middle + 0.36 * TEXT);
                 let _ =
                     writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" fill=\"#666666\">{text}</text>");
@@ -412,7 +412,7 @@ mod tests {
     #[test]
     fn names_of_a_large_system_do_not_touch_and_torn_ones_come_first() {
         let diagram = chain(5000);
-        let cell = LARGEST / 5000.0;
+        let cell = MAX_SIZE / 5000.0;
         let named = named(&diagram, cell);
         assert!(named.windows(2).all(|w| (w[1] - w[0]) as f64 * cell >= LINE));
         assert!(named.contains(&4999) && named.len() > 60, "{}", named.len());

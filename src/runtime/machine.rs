@@ -387,15 +387,15 @@ impl<'p> Machine<'p> {
 
     /// A copy of the memory; return its buffer by [`Machine::recycle`].
     pub fn snapshot(&mut self) -> Vec<f64> {
-        let mut kept = self.free_buffers.pop().unwrap_or_default();
-        kept.clear();
-        kept.extend_from_slice(&self.memory);
-        kept
+        let mut copy = self.free_buffers.pop().unwrap_or_default();
+        copy.clear();
+        copy.extend_from_slice(&self.memory);
+        copy
     }
 
     /// Returns the buffer of a snapshot for reuse.
-    pub fn recycle(&mut self, kept: Vec<f64>) {
-        self.free_buffers.push(kept);
+    pub fn recycle(&mut self, copy: Vec<f64>) {
+        self.free_buffers.push(copy);
     }
 
     fn call(&mut self, k: usize) -> Result<(), Fault> {
@@ -435,8 +435,8 @@ impl<'p> Machine<'p> {
     /// True if the last call had the same arguments, so its results are still valid.
     fn is_memoized(&self, site: &CallSite) -> bool {
         let Some(last) = site.memo.filter(|_| !self.clamp_domain) else { return false };
-        let kept = &self.memory[last as usize..][..site.args.len()];
-        kept.iter().zip(&site.args).all(|(k, a)| k.to_bits() == self.memory[*a as usize].to_bits())
+        let copy = &self.memory[last as usize..][..site.args.len()];
+        copy.iter().zip(&site.args).all(|(k, a)| k.to_bits() == self.memory[*a as usize].to_bits())
     }
 
     fn memoize(&mut self, site: &CallSite) {
@@ -451,13 +451,13 @@ impl<'p> Machine<'p> {
     }
 
     /// Executes the body of a function, optionally with one argument replaced.
-    fn enter(&mut self, site: &CallSite, moved: Option<(usize, f64)>) -> Result<(), Fault> {
+    fn enter(&mut self, site: &CallSite, replaced: Option<(usize, f64)>) -> Result<(), Fault> {
         let function = &self.program.routines.functions[site.function];
         for local in &function.locals {
             self.memory[*local as usize] = 0.0;
         }
         for (i, (to, from)) in function.inputs.iter().zip(&site.args).enumerate() {
-            self.memory[*to as usize] = match moved {
+            self.memory[*to as usize] = match replaced {
                 Some((arg, value)) if arg == i => value,
                 _ => self.memory[*from as usize],
             };

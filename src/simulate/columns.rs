@@ -18,7 +18,7 @@ pub fn column_storage(program: &Program) -> Vec<ColumnStorage> {
     let dae = &program.blocks.dae;
     let values: FastMap<VarId, ExprId> = dae.eliminated.iter().copied().collect();
     let mut first: FastMap<VarId, (usize, bool)> = FastMap::default();
-    let course = |(at, v): (usize, &VarId)| {
+    let storage = |(at, v): (usize, &VarId)| {
         if dae.variables[*v].kind == VariableKind::InitialParameter {
             return ColumnStorage::Constant;
         }
@@ -40,7 +40,7 @@ pub fn column_storage(program: &Program) -> Vec<ColumnStorage> {
             ColumnStorage::Alias { of, negated: negated != other }
         }
     };
-    program.recorded.iter().enumerate().map(course).collect()
+    program.recorded.iter().enumerate().map(storage).collect()
 }
 
 /// The parameters and constants of an initialized run.

@@ -34,7 +34,7 @@ const LOCATION_TOLERANCE: f64 = 1e-6;
 /// The extrema so far.
 #[derive(Default)]
 pub struct ExtremaSearch {
-    wanted: Vec<Wanted>,
+    tracked: Vec<Tracked>,
     /// Maximum distance of probes, s.
     spacing: f64,
     /// Everything up to this time has been probed, s.
@@ -44,7 +44,7 @@ pub struct ExtremaSearch {
     values: Vec<f64>,
 }
 
-struct Wanted {
+struct Tracked {
     slot: Slot,
     sign: f64,
     after: Option<Slot>,
@@ -54,21 +54,21 @@ struct Wanted {
 
 impl ExtremaSearch {
     /// A search for a run that starts at `start`, s, and has no extrema closer than `spacing`, s.
-    pub fn new(program: &Program, wanted: &[ExtremumRequest], start: f64, spacing: f64) -> Self {
-        let of = |e: &ExtremumRequest| Wanted {
+    pub fn new(program: &Program, tracked: &[ExtremumRequest], start: f64, spacing: f64) -> Self {
+        let of = |e: &ExtremumRequest| Tracked {
             slot: program.slot(e.variable),
             sign: if e.greatest { 1.0 } else { -1.0 },
             after: e.after.map(|v| program.slot(v)),
             before: e.before.map(|v| program.slot(v)),
             best: None,
         };
-        let wanted = wanted.iter().map(of).collect();
-        ExtremaSearch { wanted, spacing, reached: start, ..ExtremaSearch::default() }
+        let tracked = tracked.iter().map(of).collect();
+        ExtremaSearch { tracked, spacing, reached: start, ..ExtremaSearch::default() }
     }
 
     /// The extrema in the order of the requests; `None` if the condition was never true.
     pub fn found(&self) -> Vec<Option<f64>> {
-        self.wanted.iter().map(|w| w.best.map(|best| w.sign * best)).collect()
+        self.tracked.iter().map(|w| w.best.map(|best| w.sign * best)).collect()
     }
 }
 
@@ -76,7 +76,7 @@ impl Simulation<'_, '_> {
     /// Updates the extrema by the values in the memory.
     pub(super) fn update_extrema(&mut self) {
         let machine = &self.system.machine;
-        for w in &mut self.extrema.wanted {
+        for w in &mut self.extrema.tracked {
             let counts = w.after.is_none_or(|slot| machine.get(slot) != 0.0)
                 && w.before.is_none_or(|slot| machine.get(slot) == 0.0);
             let value = w.sign * machine.get(w.slot);
@@ -88,7 +88,7 @@ impl Simulation<'_, '_> {
 
     /// Searches the last step up to `end`, s.
     pub(super) fn search_extrema(&mut self, end: f64) -> Result<(), Failure> {
-        if self.extrema.wanted.is_empty() {
+        if self.extrema.tracked.is_empty() {
             return Ok(());
         }
         let begin = self.extrema.reached.max(self.stepper_begin());
@@ -101,14 +101,14 @@ impl Simulation<'_, '_> {
         let mut values = std::mem::take(&mut self.extrema.values);
         times.clear();
         values.clear();
-        let width = self.extrema.wanted.len();
+        let width = self.extrema.tracked.len();
         for k in 0..=probes as usize {
             let t =
                 if k as f64 == probes { end } else { begin + (end - begin) * (k as f64 / probes) };
             self.evaluate_at(t)?;
             times.push(t);
             let machine = &self.system.machine;
-            values.extend(self.extrema.wanted.iter().map(|w| w.sign * machine.get(w.slot)));
+            values.extend(self.extrema.tracked.iter().map(|w| w.sign * machine.get(w.slot)));
             self.update_extrema();
         }
         // Conditions of requests change at events only.
@@ -121,7 +121,7 @@ impl Simulation<'_, '_> {
                         (points[0].0..=points[2].0).contains(&t) && height > best
                     })
                 };
-                if self.extrema.wanted[k].best.is_some_and(promising) {
+                if self.extrema.tracked[k].best.is_some_and(promising) {
                     self.refine_extremum(k, points[0].0, points[2].0)?;
                 }
             }
@@ -133,7 +133,7 @@ impl Simulation<'_, '_> {
 
     /// Refines the maximum of one request within a part of the last step.
     fn refine_extremum(&mut self, k: usize, begin: f64, end: f64) -> Result<(), Failure> {
-        let (slot, sign) = (self.extrema.wanted[k].slot, self.extrema.wanted[k].sign);
+        let (slot, sign) = (self.extrema.tracked[k].slot, self.extrema.tracked[k].sign);
         let mut failed = None;
         let value = |t: f64| match self.evaluate_at(t) {
             Ok(()) => sign * self.system.machine.get(slot),

@@ -93,7 +93,7 @@ const BLOCK_ROWS: usize = 64;
 
 /// Collects rows in blocks, and tracks the output grid.
 pub struct Recorder {
-    cells: Vec<(VarId, Slot)>,
+    slots: Vec<(VarId, Slot)>,
     /// The independent variables, if only they are recorded after the first row.
     own: Option<Vec<(VarId, Slot)>>,
     narrowed: bool,
@@ -126,18 +126,18 @@ impl Recorder {
     pub fn new(program: &Program, settings: &Settings) -> Self {
         let Settings { start, stop, interval, .. } = *settings;
         let instants = settings.instants.clone();
-        let cells: Vec<(VarId, Slot)> =
+        let slots: Vec<(VarId, Slot)> =
             program.recorded.iter().map(|&v| (v, program.slot(v))).collect();
         // Ignore a last interval of the size of rounding errors.
         let intervals = (stop - start) / interval;
         let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
-        let rows = rows_of_block(cells.len());
-        let (times, block) = (Vec::with_capacity(rows), vec![0.0; rows * cells.len()]);
+        let rows = rows_of_block(slots.len());
+        let (times, block) = (Vec::with_capacity(rows), vec![0.0; rows * slots.len()]);
         // The start is recorded separately.
         let passed = |list: &Arc<[f64]>| list.partition_point(|t| *t <= start) as u64;
         let next = instants.as_ref().map_or(1, passed);
         Recorder {
-            cells,
+            slots,
             own: None,
             narrowed: false,
             times,
@@ -169,9 +169,9 @@ impl Recorder {
 
     /// The rows of the grid, and two rows for each of some events.
     pub fn expected_rows(&self) -> usize {
-        const MOST: u64 = 1 << 20;
+        const MAX_ROWS: u64 = 1 << 20;
         let due = self.instants.as_ref().map_or(self.count, |list| list.len() as u64);
-        (due.min(MOST) + 1) as usize + 2 * EXPECTED_EVENTS
+        (due.min(MAX_ROWS) + 1) as usize + 2 * EXPECTED_EVENTS
     }
 
     /// Advances to the next instant of the grid.
@@ -182,18 +182,18 @@ impl Recorder {
     /// Copies the values of a row; the error is a variable that is not finite.
     pub fn take(&mut self, machine: &Machine<'_>) -> Result<(), VarId> {
         let row = self.times.len();
-        let first = if self.narrowed { row } else { row * self.cells.len() };
+        let first = if self.narrowed { row } else { row * self.slots.len() };
         let places = self.block[first..].iter_mut().step_by(self.stride);
         let memory = &machine.memory[..];
         let mut fine = true;
-        for (place, (_, slot)) in places.zip(&self.cells) {
+        for (place, (_, slot)) in places.zip(&self.slots) {
             *place = memory[*slot as usize];
             fine &= place.is_finite();
         }
         if fine {
             return Ok(());
         }
-        let broken = self.cells.iter().find(|(_, slot)| !memory[*slot as usize].is_finite());
+        let broken = self.slots.iter().find(|(_, slot)| !memory[*slot as usize].is_finite());
         broken.map_or(Ok(()), |(v, _)| Err(*v))
     }
 
@@ -210,7 +210,7 @@ impl Recorder {
         let Recorder { times, block, stride, .. } = self;
         match (times.is_empty(), self.narrowed) {
             (true, _) => {}
-            (false, false) => sink.rows(times, &block[..times.len() * self.cells.len()]),
+            (false, false) => sink.rows(times, &block[..times.len() * self.slots.len()]),
             (false, true) => sink.own_columns(times, block, *stride),
         }
         self.times.clear();
@@ -220,10 +220,10 @@ impl Recorder {
     pub fn announce_storage(&mut self, program: &Program, sink: &mut dyn Sink) {
         let column_storage = column_storage(program);
         let own = self
-            .cells
+            .slots
             .iter()
             .zip(&column_storage)
-            .filter(|(_, course)| **course == ColumnStorage::Own);
+            .filter(|(_, storage)| **storage == ColumnStorage::Own);
         let own = own.map(|(cell, _)| *cell).collect();
         self.own = sink.column_storage(column_storage).then_some(own);
     }
@@ -237,7 +237,7 @@ impl Recorder {
             // An odd number of cache lines between columns avoids conflicts in the cache.
             self.stride = self.rows.next_multiple_of(2 * LINE) + LINE;
             self.block.resize(self.stride * own.len().max(1), 0.0);
-            self.cells = own;
+            self.slots = own;
             self.narrowed = true;
         }
     }

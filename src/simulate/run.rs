@@ -450,26 +450,26 @@ impl<'p, 's> Simulation<'p, 's> {
         for (slope, y) in slope.iter_mut().zip(&y) {
             *slope = if t > before { (y - *slope) / (t - before) } else { 0.0 };
         }
-        let mut moved = y.clone();
+        let mut shifted = y.clone();
         for k in 0..MAX_BRANCH_SHIFTS {
-            let way = (self.stop - self.start) * FIRST_BRANCH_SHIFT * 10.0_f64.powi(k);
-            let beyond = t + way;
+            let shift = (self.stop - self.start) * FIRST_BRANCH_SHIFT * 10.0_f64.powi(k);
+            let beyond = t + shift;
             if beyond >= t_stop {
                 return None;
             }
             // Extrapolate the states beyond the end of the branch.
-            for ((m, y), slope) in moved.iter_mut().zip(&y).zip(&slope) {
-                *m = y + way * slope;
+            for ((m, y), slope) in shifted.iter_mut().zip(&y).zip(&slope) {
+                *m = y + shift * slope;
             }
             self.system.machine.branch_switch = true;
-            let found = self.system.rhs(beyond, &moved, &mut vec![0.0; y.len()]).is_ok();
+            let found = self.system.rhs(beyond, &shifted, &mut vec![0.0; y.len()]).is_ok();
             self.system.machine.branch_switch = false;
             self.system.machine.fault = None;
             if !found {
                 continue;
             }
             let jacobian = JacobianMemory::Forget;
-            if self.stepper.restart(&mut self.system, beyond, &moved, jacobian).is_err() {
+            if self.stepper.restart(&mut self.system, beyond, &shifted, jacobian).is_err() {
                 continue;
             }
             let step = self.stepper.step(&mut self.system, t_stop);

@@ -56,13 +56,13 @@ impl StateSelector {
         machine.run(&program.tapes.state_selection)?;
         let mut changed = false;
         let sets = program.state_sets.iter().zip(&program.blocks.state_sets);
-        for (basis, (cells, set)) in self.dependent.iter_mut().zip(sets) {
-            let columns = cells.candidates.len();
+        for (basis, (slots, set)) in self.dependent.iter_mut().zip(sets) {
+            let columns = slots.candidates.len();
             let matrix = &mut self.matrix[..set.constraints.len() * columns];
             matrix.fill(0.0);
-            for e in &cells.jacobian {
+            for e in &slots.jacobian {
                 let j = e.column as usize;
-                let nominal = machine.get(cells.nominals[j]).abs();
+                let nominal = machine.get(slots.nominals[j]).abs();
                 let nominal = if nominal > 0.0 && nominal.is_finite() { nominal } else { 1.0 };
                 matrix[e.row as usize * columns + j] =
                     machine.get(e.slot) * nominal / set.wishes[j];
@@ -74,15 +74,15 @@ impl StateSelector {
 
     /// Writes the selection and the states.
     fn apply(&self, machine: &mut Machine<'_>) {
-        for (basis, cells) in self.dependent.iter().zip(&machine.program.state_sets) {
-            let columns = cells.candidates.len();
-            for cell in &cells.selection {
-                machine.set(*cell, 0.0);
+        for (basis, slots) in self.dependent.iter().zip(&machine.program.state_sets) {
+            let columns = slots.candidates.len();
+            for slot in &slots.selection {
+                machine.set(*slot, 0.0);
             }
             let free = (0..columns).filter(|j| !basis.chosen().contains(j));
-            for (i, j) in free.enumerate().take(cells.states.len()) {
-                machine.set(cells.selection[i * columns + j], 1.0);
-                machine.copy(cells.states[i], cells.candidates[j]);
+            for (i, j) in free.enumerate().take(slots.states.len()) {
+                machine.set(slots.selection[i * columns + j], 1.0);
+                machine.copy(slots.states[i], slots.candidates[j]);
             }
         }
     }

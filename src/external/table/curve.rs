@@ -8,7 +8,7 @@ use crate::numeric::hermite::{Smoothness, hermite, polynomial, slopes};
 pub struct Curve {
     x: Vec<f64>,
     /// For each interval the polynomial in `u - x[i]`, lowest power first.
-    pieces: Vec<[f64; 4]>,
+    segments: Vec<[f64; 4]>,
     last: f64,
     end_slopes: [f64; 2],
     extrapolation: Extrapolation,
@@ -29,7 +29,7 @@ impl Curve {
             return None;
         }
         let secant = |i: usize| (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
-        let pieces: Vec<[f64; 4]> = match smoothness {
+        let segments: Vec<[f64; 4]> = match smoothness {
             Smoothness::Constant => y[..n - 1].iter().map(|y| [*y, 0.0, 0.0, 0.0]).collect(),
             Smoothness::Linear => (0..n - 1).map(|i| [y[i], secant(i), 0.0, 0.0]).collect(),
             _ => {
@@ -44,12 +44,12 @@ impl Curve {
             // The line through the two outermost points.
             (_, Smoothness::Constant) => [secant(0), secant(n - 2)],
             _ => {
-                let last = &pieces[n - 2];
+                let last = &segments[n - 2];
                 let h = x[n - 1] - x[n - 2];
-                [pieces[0][1], last[1] + h * (2.0 * last[2] + 3.0 * h * last[3])]
+                [segments[0][1], last[1] + h * (2.0 * last[2] + 3.0 * h * last[3])]
             }
         };
-        Some(Curve { x: x.to_vec(), pieces, last: y[n - 1], end_slopes, extrapolation })
+        Some(Curve { x: x.to_vec(), segments, last: y[n - 1], end_slopes, extrapolation })
     }
 
     /// The minimum and the maximum abscissa.
@@ -64,7 +64,7 @@ impl Curve {
 
     /// The derivative of this order at `u`; the value for order 0.
     pub fn at(&self, u: f64, order: u8) -> f64 {
-        if self.pieces.is_empty() {
+        if self.segments.is_empty() {
             return if order == 0 { self.last } else { 0.0 };
         }
         let (first, last) = self.range();
@@ -73,22 +73,22 @@ impl Curve {
             _ => u,
         };
         if inside < first {
-            return self.beyond(self.pieces[0][0], self.end_slopes[0], u - first, order);
+            return self.beyond(self.segments[0][0], self.end_slopes[0], u - first, order);
         }
         // The last point belongs to the last interval, except for piecewise constant curves.
-        let level = inside == last && self.pieces.last().is_some_and(|p| p[0] != self.last);
+        let level = inside == last && self.segments.last().is_some_and(|p| p[0] != self.last);
         if inside > last || (level && self.extrapolation != Extrapolation::Periodic && order == 0) {
             return self.beyond(self.last, self.end_slopes[1], u - last, order);
         }
         let i = interval(&self.x, inside);
-        polynomial(&self.pieces[i], inside - self.x[i], order)
+        polynomial(&self.segments[i], inside - self.x[i], order)
     }
 
     /// As [`Curve::at`], but the left limit at `u`.
     pub fn before(&self, u: f64, order: u8) -> f64 {
         let at = self.x.iter().position(|x| *x == u);
         match at {
-            Some(i) if i > 0 => polynomial(&self.pieces[i - 1], u - self.x[i - 1], order),
+            Some(i) if i > 0 => polynomial(&self.segments[i - 1], u - self.x[i - 1], order),
             _ => self.at(u, order),
         }
     }
@@ -110,8 +110,8 @@ pub fn wrapped(u: f64, first: f64, last: f64) -> f64 {
     if (first..last).contains(&u) || period <= 0.0 {
         return u;
     }
-    let moved = u - period * ((u - first) / period).floor();
-    if moved < last { moved.max(first) } else { first }
+    let shifted = u - period * ((u - first) / period).floor();
+    if shifted < last { shifted.max(first) } else { first }
 }
 
 #[cfg(test)]

@@ -61,8 +61,8 @@ pub struct Bdf {
     /// During an attempt the polynomial of the next point, afterwards that before the step.
     other: Nordsieck,
     /// The polynomial of a step that was undone, and its end.
-    taken_back: Nordsieck,
-    taken_back_end: Option<f64>,
+    undone: Nordsieck,
+    undone_end: Option<f64>,
     /// `other` is the array before the last step.
     whole: bool,
     formula: Formula,
@@ -141,8 +141,8 @@ impl Bdf {
             weights: vec![1.0; n],
             array: Nordsieck::new(n),
             other: Nordsieck::new(n),
-            taken_back: Nordsieck::new(n),
-            taken_back_end: None,
+            undone: Nordsieck::new(n),
+            undone_end: None,
             whole: false,
             formula: Formula::default(),
             corrector: Corrector::new(n),
@@ -242,7 +242,7 @@ impl Bdf {
         self.t_previous = self.now.t;
         self.now.t = end;
         self.whole = true;
-        self.taken_back_end = None;
+        self.undone_end = None;
         if self.jacobian == Jacobian::Fresh {
             self.jacobian = Jacobian::From { step: self.stats.steps };
         }
@@ -403,10 +403,10 @@ impl Stepper for Bdf {
         if !(self.t_previous < t && t < self.now.t && self.whole) {
             return Ok(());
         }
-        // From here on: `array` is before the step, `taken_back` is its polynomial, `other` is free.
+        // From here on: `array` is before the step, `undone` is its polynomial, `other` is free.
         let end = self.now.t;
         std::mem::swap(&mut self.array, &mut self.other);
-        std::mem::swap(&mut self.taken_back, &mut self.other);
+        std::mem::swap(&mut self.undone, &mut self.other);
         std::mem::swap(&mut self.now.y, &mut self.next_y);
         for (y, value) in self.now.y.iter_mut().zip(self.array.values()) {
             *y = value;
@@ -429,7 +429,7 @@ impl Stepper for Bdf {
             Err(rejection) => {
                 self.array.flatten();
                 self.h = interval.h;
-                self.taken_back_end = Some(end);
+                self.undone_end = Some(end);
                 Err(self.failure(interval.h, rejection))
             }
         }
@@ -445,7 +445,7 @@ impl Stepper for Bdf {
         self.now.start(system, t, y, &mut self.stats)?;
         self.t_previous = t;
         self.whole = false;
-        self.taken_back_end = None;
+        self.undone_end = None;
         self.order.restart();
         let changed = self.matrix.set_mass(system.differential());
         self.decomposed = None;
@@ -483,8 +483,8 @@ impl Stepper for Bdf {
     }
 
     fn interpolate(&self, t: f64, out: &mut [f64]) {
-        match self.taken_back_end {
-            Some(end) => self.taken_back.evaluate(t - end, out),
+        match self.undone_end {
+            Some(end) => self.undone.evaluate(t - end, out),
             None => self.array.evaluate(t - self.now.t, out),
         }
     }

@@ -106,11 +106,11 @@ enum Rejection {
     },
     Eval(EvalError),
     /// The Jacobian at the accepted point cannot be evaluated: no step can help.
-    Hopeless(Hopeless),
+    JacobianError(JacobianError),
 }
 
 #[derive(Clone, Copy)]
-enum Hopeless {
+enum JacobianError {
     Eval(EvalError),
     NonFinite { component: usize },
 }
@@ -182,11 +182,11 @@ impl Radau {
             self.stats.jacobians += 1;
             self.matrix
                 .evaluate(system, self.now.t, &self.now.y)
-                .map_err(|error| Rejection::Hopeless(Hopeless::Eval(error)))?;
+                .map_err(|error| Rejection::JacobianError(JacobianError::Eval(error)))?;
             self.decomposed = None;
-            self.matrix
-                .analyze()
-                .map_err(|component| Rejection::Hopeless(Hopeless::NonFinite { component }))?;
+            self.matrix.analyze().map_err(|component| {
+                Rejection::JacobianError(JacobianError::NonFinite { component })
+            })?;
             self.jacobian = JacobianAge::Fresh;
         }
         let shift = shift(h);
@@ -235,11 +235,11 @@ impl Radau {
         system: &mut dyn System,
         h: f64,
         iterations: u32,
-        doubtful: bool,
+        strict: bool,
     ) -> Result<f64, Rejection> {
         let (now, weights) = (&self.now, &self.weights[..]);
         let mut size = self.estimate.first(now, h, &self.stages.z, &mut self.matrix, weights);
-        if !(size < 1.0) && doubtful {
+        if !(size < 1.0) && strict {
             let matrix = &mut self.matrix;
             size = self.estimate.again(system, now, matrix, weights, size, &mut self.stats);
         }
@@ -274,8 +274,8 @@ impl Radau {
         self.prepare(system, interval.h)?;
         self.predict(interval.h);
         let iterations = self.solve(system, interval)?;
-        let doubtful = repeated || self.history.last.is_none();
-        let error = self.test(system, interval.h, iterations, doubtful)?;
+        let strict = repeated || self.history.last.is_none();
+        let error = self.test(system, interval.h, iterations, strict)?;
         self.evaluate_next(system)?;
         Ok(Success { error, iterations })
     }
@@ -342,7 +342,7 @@ impl Radau {
         cuts: u32,
     ) -> Result<(), Failure> {
         let factor = match rejection {
-            Rejection::Hopeless(_) | Rejection::Eval(EvalError::Fatal(_)) => {
+            Rejection::JacobianError(_) | Rejection::Eval(EvalError::Fatal(_)) => {
                 return Err(self.failure(interval.h, rejection));
             }
             Rejection::Error { size, iterations, .. } => {
@@ -390,10 +390,10 @@ impl Radau {
             Rejection::Newton { component, .. } => Failure::NewtonFailed { t, h, component },
             Rejection::Singular { component } => Failure::Singular { t, component },
             Rejection::NonFinite { component }
-            | Rejection::Hopeless(Hopeless::NonFinite { component }) => {
+            | Rejection::JacobianError(JacobianError::NonFinite { component }) => {
                 Failure::NonFinite { t, component }
             }
-            Rejection::Eval(error) | Rejection::Hopeless(Hopeless::Eval(error)) => {
+            Rejection::Eval(error) | Rejection::JacobianError(JacobianError::Eval(error)) => {
                 Failure::Eval { t, error }
             }
         }

@@ -258,11 +258,11 @@ mod tests {
         let file = File::open(dir.path("run.parquet")).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
         assert_eq!(reader.num_row_groups(), 3);
-        let told = reader.metadata().file_metadata().key_value_metadata().unwrap();
-        let told: Vec<(&str, &str)> =
-            told.iter().map(|k| (k.key.as_str(), k.value.as_deref().unwrap())).collect();
+        let metadata = reader.metadata().file_metadata().key_value_metadata().unwrap();
+        let metadata: Vec<(&str, &str)> =
+            metadata.iter().map(|k| (k.key.as_str(), k.value.as_deref().unwrap())).collect();
         assert_eq!(
-            told,
+            metadata,
             [
                 (
                     "columns",

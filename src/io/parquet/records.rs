@@ -148,9 +148,9 @@ mod tests {
 
         let reader = SerializedFileReader::new(File::open(dir.path("sweep.parquet")).unwrap());
         let reader = reader.unwrap();
-        let told = reader.metadata().file_metadata().key_value_metadata().unwrap();
+        let metadata = reader.metadata().file_metadata().key_value_metadata().unwrap();
         let columns = "{\"run\":{},\"t\":{\"unit\":\"s\"},\"error\":{}}";
-        assert_eq!(told[0].value.as_deref(), Some(columns));
+        assert_eq!(metadata[0].value.as_deref(), Some(columns));
         let rows: Vec<Vec<Read>> = reader
             .get_row_iter(None)
             .unwrap()

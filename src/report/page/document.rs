@@ -7,7 +7,7 @@ use crate::ir::assembly::Assembly;
 use crate::ir::trajectory::{ColumnStorage, Kind, Trajectory};
 use crate::report::markup::escaped;
 use crate::report::scale;
-use crate::report::schematic::{MOST_PARTS, draw, picture};
+use crate::report::schematic::{MAX_PARTS, draw, picture};
 
 use super::columns::{Arrays, columns};
 use super::figure::scale_of;
@@ -197,7 +197,7 @@ fn diagrams(doc: &Document<'_>) -> String {
         let count = assembly.children(0).len();
         out.push_str(&match count {
             0 => "<p>The model has no components: it consists of equations only.</p>\n".to_owned(),
-            n => format!("<p>The model has {n} components; up to {MOST_PARTS} are drawn.</p>\n"),
+            n => format!("<p>The model has {n} components; up to {MAX_PARTS} are drawn.</p>\n"),
         });
     } else {
         out.insert_str(0, "<p class=\"hint\">Point at a box or a line to identify it. A box with a double frame can be opened.</p>\n<p id=\"crumbs\" class=\"crumbs\" hidden></p>\n");

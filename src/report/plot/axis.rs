@@ -71,8 +71,8 @@ impl<'a> PanelAxis<'a> {
         let high = values().fold(f64::NEG_INFINITY, f64::max);
         // If the curves have different display units, choose one by the numbers.
         let agreed = chosen.iter().all(|c| c.display_unit == first.display_unit);
-        let wish = if agreed { first.display_unit.as_str() } else { "" };
-        let scale = scale::choose(&first.unit, wish, low.abs().max(high.abs()));
+        let declared = if agreed { first.display_unit.as_str() } else { "" };
+        let scale = scale::choose(&first.unit, declared, low.abs().max(high.abs()));
         let all = |kind| chosen.iter().all(|c| c.kind == kind);
         let kind = if all(Kind::Boolean) {
             Kind::Boolean
@@ -157,15 +157,15 @@ mod tests {
 
     #[test]
     fn unit_and_range_hold_all_curves() {
-        let wish = |name: &str, display_unit: &str| Column {
+        let declared = |name: &str, display_unit: &str| Column {
             display_unit: display_unit.into(),
             ..Column::new(name, "Pa")
         };
         let rows: [&[f64]; 2] = [&[1e5, 2e5], &[4e5, 6e5]];
-        let (text, low, high) = axis(vec![wish("a", ""), wish("b", "")], &rows);
+        let (text, low, high) = axis(vec![declared("a", ""), declared("b", "")], &rows);
         assert_eq!(text, "pressure in bar");
         assert!((low - 0.7).abs() < 1e-12 && (high - 6.3).abs() < 1e-12, "5 bar and 6 % of it");
-        let text = |a, b| axis(vec![wish("a", a), wish("b", b)], &rows).0;
+        let text = |a, b| axis(vec![declared("a", a), declared("b", b)], &rows).0;
         assert_eq!(text("kPa", "kPa"), "pressure in kPa");
         assert_eq!(text("kPa", "mbar"), "pressure in bar");
         assert_eq!(axis(vec![Column::new("x", "")], &[&[1.0]]).0, "value");

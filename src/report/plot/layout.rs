@@ -60,9 +60,9 @@ const PANEL_GAP: f64 = 16.0;
 const NUMBER_GAP: f64 = 8.0;
 const ENTRY_GAP: f64 = 20.0;
 const FOOT: f64 = 48.0;
-const LEAST_PANEL: f64 = 48.0;
+const MIN_PANEL: f64 = 48.0;
 /// Height of a low panel relative to others.
-const LOW: f64 = 0.4;
+const LOW_RATIO: f64 = 0.4;
 
 /// Divides a plot into a title (if `titled`) and panels. `numbers` is the width of the widest number at a
 /// vertical axis. The error is the required height.
@@ -80,8 +80,8 @@ pub fn layout(
     let fixed = head + gaps + FOOT + headers.iter().map(|h| h.height).sum::<f64>();
     let shares = texts.iter().map(share).sum::<f64>();
     let unit = (height - fixed) / shares;
-    if unit < LEAST_PANEL {
-        return Err((fixed + LEAST_PANEL * shares).ceil());
+    if unit < MIN_PANEL {
+        return Err((fixed + MIN_PANEL * shares).ceil());
     }
     let mut y = head;
     let mut panels = Vec::with_capacity(texts.len());
@@ -184,7 +184,7 @@ fn header(text: &PanelText, left: f64, right: f64) -> Header {
 }
 
 fn share(text: &PanelText) -> f64 {
-    if text.low { LOW } else { 1.0 }
+    if text.low { LOW_RATIO } else { 1.0 }
 }
 
 #[cfg(test)]

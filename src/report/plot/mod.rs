@@ -29,7 +29,7 @@ use crate::ir::trajectory::{Kind, Trajectory};
 /// Pixels of a PNG per px, for high-resolution screens.
 const PNG_SCALE: u32 = 2;
 /// Maximum width of labels and legend entries, as a fraction of the width.
-const LONGEST_TEXT: f64 = 0.75;
+const MAX_TEXT_WIDTH: f64 = 0.75;
 
 /// Draws `spec` to `path` atomically, as SVG or PNG by its extension.
 pub fn plot(
@@ -50,7 +50,7 @@ pub(super) fn write(
     let bytes = match extension.as_deref() {
         Some("svg") => svg()?.into_bytes(),
         Some("png") => {
-            if u64::from(width) * u64::from(height) > MOST_AREA {
+            if u64::from(width) * u64::from(height) > MAX_AREA {
                 return Err(PlotError::TooLarge { width, height });
             }
             raster::png(&svg()?, PNG_SCALE).map_err(PlotError::Drawing)?
@@ -70,7 +70,7 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
     if spec.panels.is_empty() {
         return Err(PlotError::Empty("no variable was chosen"));
     }
-    if spec.width.max(spec.height) > MOST_LENGTH {
+    if spec.width.max(spec.height) > MAX_LENGTH {
         return Err(PlotError::TooLarge { width: spec.width, height: spec.height });
     }
     let times = Axis::of_time(&trajectory.time);
@@ -80,7 +80,7 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
     let size = (f64::from(spec.width), f64::from(spec.height));
     let mut texts: Vec<PanelText> = axes.iter().map(PanelAxis::text).collect();
     for text in texts.iter_mut().flat_map(|t| t.legend.iter_mut().chain([&mut t.axis])) {
-        *text = layout::shortened(text, layout::TEXT_SIZE, LONGEST_TEXT * size.0);
+        *text = layout::shortened(text, layout::TEXT_SIZE, MAX_TEXT_WIDTH * size.0);
     }
     let too_small = |needed: f64| PlotError::TooSmall {
         width: spec.width,
@@ -88,7 +88,7 @@ pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError
         needed: needed as u32,
     };
     let (layout, marks) = arrange(size, titled, &axes, &texts).map_err(too_small)?;
-    if layout.right - layout.left < LEAST_WIDTH {
+    if layout.right - layout.left < MIN_WIDTH {
         return Err(too_small(size.1));
     }
 
@@ -136,11 +136,11 @@ pub(super) fn on_canvas(
 /// Units of the drawing per px.
 pub(super) const TENTHS: f64 = 10.0;
 /// Maximum width and height, px.
-const MOST_LENGTH: u32 = 20_000;
+const MAX_LENGTH: u32 = 20_000;
 /// Maximum area of a PNG, px: a quarter of a gigabyte during drawing.
-const MOST_AREA: u64 = 16_000_000;
+const MAX_AREA: u64 = 16_000_000;
 /// Minimum width of the plot area, px.
-const LEAST_WIDTH: f64 = 150.0;
+const MIN_WIDTH: f64 = 150.0;
 /// Maximum number of points of all curves; at about ten bytes each a plot is smaller than 300 kB.
 const POINTS: usize = 20_000;
 /// Average distance of event lines below which they are omitted, because they would hide the curves, px.
@@ -538,19 +538,19 @@ mod tests {
             curves: names.iter().map(|&n| n.into()).collect(),
             label: String::new(),
         };
-        let said = |panels: Vec<Panel>| {
+        let message = |panels: Vec<Panel>| {
             svg(&run, &PlotSpec::new("", panels)).map(|_| ()).unwrap_err().to_string()
         };
         assert_eq!(
-            said(vec![panel(&["piston.s", "chamber[1, 2].p"])]),
+            message(vec![panel(&["piston.s", "chamber[1, 2].p"])]),
             "`piston.s` in m and `chamber[1,2].p` in Pa cannot share one axis"
         );
         assert_eq!(
-            said(vec![panel(&["piston.v"])]),
+            message(vec![panel(&["piston.v"])]),
             "there is no variable `piston.v` in the result; did you mean `piston.s`?"
         );
-        assert_eq!(said(vec![]), "nothing to plot: no variable was chosen");
-        assert_eq!(said(vec![panel(&[])]), "nothing to plot: a panel has no curves");
+        assert_eq!(message(vec![]), "nothing to plot: no variable was chosen");
+        assert_eq!(message(vec![panel(&[])]), "nothing to plot: a panel has no curves");
         let small = PlotSpec { height: 100, ..spec(&run) };
         let error = svg(&run, &small).unwrap_err();
         let PlotError::TooSmall { needed, .. } = error else { panic!("{error}") };

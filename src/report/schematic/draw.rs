@@ -132,10 +132,11 @@ fn part(
         );
         return;
     }
-    let mut said = vec![format!("{}: {}", p.name, p.class)];
-    said.extend([&p.description, &p.meaning].into_iter().filter(|t| !t.trim().is_empty()).cloned());
-    said.dedup();
-    said.extend(note(shape.part));
+    let mut tooltip = vec![format!("{}: {}", p.name, p.class)];
+    tooltip
+        .extend([&p.description, &p.meaning].into_iter().filter(|t| !t.trim().is_empty()).cloned());
+    tooltip.dedup();
+    tooltip.extend(note(shape.part));
     let class = class_name(&p.class);
     let _ = write!(
         out,
@@ -143,7 +144,7 @@ fn part(
          <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"5\" fill=\"#f4f7fa\" stroke=\"#3c4650\" stroke-width=\"1.2\"/>",
         if opens { " opens" } else { "" },
         escaped(&p.name),
-        escaped(&said.join("\n")),
+        escaped(&tooltip.join("\n")),
     );
     if opens {
         let _ = write!(

@@ -10,8 +10,8 @@ pub const HEIGHT: f64 = 40.0;
 const PIN_HEIGHT: f64 = 24.0;
 const BAR_HEIGHT: f64 = 30.0;
 /// Minimum and maximum width of a box, px.
-const NARROW: f64 = 66.0;
-const WIDE: f64 = 132.0;
+const MIN_WIDTH: f64 = 66.0;
+const MAX_WIDTH: f64 = 132.0;
 /// Size of the name in a box.
 pub const NAME_SIZE: f64 = 12.5;
 /// Size of the class in a box.
@@ -36,7 +36,7 @@ pub struct Node {
 
 /// A segment of a line between adjacent layers or within one.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub struct Segment {
     /// The line.
     pub wire: usize,
     /// Nodes, the lower layer first.
@@ -51,7 +51,7 @@ pub struct Wire {
     /// The links that it represents.
     pub links: Vec<usize>,
     /// Its segments from the first end on; true if it runs upwards through a segment.
-    pub pieces: Vec<(usize, bool)>,
+    pub segments: Vec<(usize, bool)>,
 }
 
 /// The contents of a component in layers.
@@ -62,7 +62,7 @@ pub struct Graph {
     /// All lines.
     pub wires: Vec<Wire>,
     /// Their segments.
-    pub pieces: Vec<Piece>,
+    pub segments: Vec<Segment>,
     /// Nodes of each layer in order.
     pub layers: Vec<Vec<usize>>,
     /// Layers are side by side, for chains; otherwise the first one is at the bottom.
@@ -99,7 +99,7 @@ impl Graph {
             nodes.iter_mut().for_each(|n| n.size.reverse());
         }
         let mut graph =
-            Graph { nodes, wires: Vec::new(), pieces: Vec::new(), layers: Vec::new(), sideways };
+            Graph { nodes, wires: Vec::new(), segments: Vec::new(), layers: Vec::new(), sideways };
         edges.into_iter().for_each(|edge| graph.split(edge));
         let count = graph.nodes.iter().map(|n| n.layer + 1).max().unwrap_or(0);
         graph.layers = vec![Vec::new(); count];
@@ -125,30 +125,30 @@ impl Graph {
             chain.push((self.nodes.len() - 1, String::new()));
         }
         chain.push((high, port_high));
-        let first = self.pieces.len();
+        let first = self.segments.len();
         for pair in chain.windows(2) {
             let nodes = [pair[0].0, pair[1].0];
             let ports = [pair[0].1.clone(), pair[1].1.clone()];
-            self.pieces.push(Piece { wire, nodes, ports });
+            self.segments.push(Segment { wire, nodes, ports });
         }
-        let mut pieces: Vec<(usize, bool)> =
-            (first..self.pieces.len()).map(|k| (k, rises)).collect();
+        let mut segments: Vec<(usize, bool)> =
+            (first..self.segments.len()).map(|k| (k, rises)).collect();
         if !rises {
-            pieces.reverse();
+            segments.reverse();
         }
-        self.wires.push(Wire { links, pieces });
+        self.wires.push(Wire { links, segments });
     }
 
     /// True if a segment is within one layer.
-    pub fn is_level(&self, piece: &Piece) -> bool {
-        self.nodes[piece.nodes[0]].layer == self.nodes[piece.nodes[1]].layer
+    pub fn is_level(&self, segment: &Segment) -> bool {
+        self.nodes[segment.nodes[0]].layer == self.nodes[segment.nodes[1]].layer
     }
 }
 
 fn width(assembly: &Assembly, part: usize) -> f64 {
     let class = class_name(&assembly.parts[part].class);
     let name = text_width(assembly.short(part), NAME_SIZE) * 1.06;
-    (name.max(text_width(class, CLASS_SIZE)) + 16.0).clamp(NARROW, WIDE).round()
+    (name.max(text_width(class, CLASS_SIZE)) + 16.0).clamp(MIN_WIDTH, MAX_WIDTH).round()
 }
 
 /// The last identifier of the full name of a class.

@@ -18,7 +18,7 @@ pub mod route;
 use crate::ir::assembly::Assembly;
 
 /// Maximum number of parts in a picture; more would be unreadable.
-pub const MOST_PARTS: usize = 250;
+pub const MAX_PARTS: usize = 250;
 
 /// A box.
 #[derive(Clone, PartialEq, Debug)]
@@ -56,7 +56,7 @@ pub struct Picture {
 /// Lays out the components in `level` with their connections; `None` if there are none or too many.
 pub fn picture(assembly: &Assembly, level: usize) -> Option<Picture> {
     let children = assembly.children(level);
-    if children.is_empty() || children.len() > MOST_PARTS {
+    if children.is_empty() || children.len() > MAX_PARTS {
         return None;
     }
     if let Some(picture) = placed::picture(assembly, level, &children) {

@@ -6,14 +6,14 @@ use super::layers::{Graph, Node};
 const PASSES: usize = 24;
 /// Number of segments from which on only an eighth of the passes is made: crossings matter less in
 /// pictures that large.
-const MANY: usize = 250;
+const LARGE_PICTURE: usize = 250;
 /// Length of layers up to which every position is tried for every node; in longer layers only adjacent
 /// ones.
-const SHORT: usize = 24;
+const SHORT_LAYER: usize = 24;
 /// Cost of a crossing, in positions of displacement.
 const CROSSING: f64 = 6.0;
 /// Cost of each position between two connected nodes of a layer.
-const APART: f64 = 1.5;
+const DISTANCE: f64 = 1.5;
 
 /// Orders the nodes of each layer.
 pub fn order(graph: &mut Graph) {
@@ -23,7 +23,7 @@ pub fn order(graph: &mut Graph) {
     let is_free = |layer: usize| layer != 1 || !pinned;
     let first = graph.layers.clone();
     let count = graph.layers.len();
-    let passes = if graph.pieces.len() > MANY { PASSES / 8 } else { PASSES };
+    let passes = if graph.segments.len() > LARGE_PICTURE { PASSES / 8 } else { PASSES };
     for pass in 0..passes {
         let mut better = false;
         let layers: Vec<usize> =
@@ -62,7 +62,7 @@ fn inversions(after: &[usize], before: &[usize]) -> isize {
 /// Swaps adjacent nodes and reorders the layers around: improvements that moving single nodes misses.
 fn exchange(graph: &mut Graph, is_free: &dyn Fn(usize) -> bool) {
     let count = graph.layers.len();
-    if graph.layers.iter().any(|l| l.len() > SHORT) {
+    if graph.layers.iter().any(|l| l.len() > SHORT_LAYER) {
         return;
     }
     let total = |graph: &Graph| (0..count).map(|l| cost(graph, l)).sum::<f64>();
@@ -96,8 +96,8 @@ fn begin(graph: &mut Graph) {
     let hub = graph.layers.first().and_then(|l| l.first()).copied();
     if let Some(hub) = hub.filter(|h| graph.nodes[*h].bar && graph.layers.len() > 1) {
         let port = |node: usize| {
-            let at = |p: &&super::layers::Piece| p.nodes == [hub, node];
-            graph.pieces.iter().find(at).map(|p| p.ports[0].clone()).unwrap_or_default()
+            let at = |p: &&super::layers::Segment| p.nodes == [hub, node];
+            graph.segments.iter().find(at).map(|p| p.ports[0].clone()).unwrap_or_default()
         };
         let row: Vec<(usize, String)> = graph.layers[1].iter().map(|n| (*n, port(*n))).collect();
         let size = |port: &str| row.iter().filter(|(_, p)| p == port).count();
@@ -121,7 +121,7 @@ fn begin(graph: &mut Graph) {
     for layer in 1..graph.layers.len() {
         let place = places(graph);
         let mean = |node: usize| {
-            let below = graph.pieces.iter().filter(|p| p.nodes[1] == node && !graph.is_level(p));
+            let below = graph.segments.iter().filter(|p| p.nodes[1] == node && !graph.is_level(p));
             let below: Vec<f64> =
                 below.filter(|p| !graph.nodes[p.nodes[0]].bar).map(|p| place[p.nodes[0]]).collect();
             (!below.is_empty()).then(|| below.iter().sum::<f64>() / below.len() as f64)
@@ -182,7 +182,7 @@ fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
 /// less if many nodes share them.
 fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
     let around = |node: usize| {
-        let other = |p: &super::layers::Piece| match p.nodes {
+        let other = |p: &super::layers::Segment| match p.nodes {
             [x, y] if x == node => Some(y),
             [x, y] if y == node => Some(x),
             _ => None,
@@ -192,11 +192,11 @@ fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
             if graph.nodes[n].part.is_some() {
                 return n;
             }
-            let wire = graph.pieces.iter().find(|p| p.nodes[1] == n).map(|p| p.wire);
-            let last = graph.pieces.iter().rfind(|p| Some(p.wire) == wire);
+            let wire = graph.segments.iter().find(|p| p.nodes[1] == n).map(|p| p.wire);
+            let last = graph.segments.iter().rfind(|p| Some(p.wire) == wire);
             last.map_or(n, |p| p.nodes[1])
         };
-        let all = graph.pieces.iter().filter_map(other).filter(|n| *n != hub);
+        let all = graph.segments.iter().filter_map(other).filter(|n| *n != hub);
         all.map(end).collect::<Vec<usize>>()
     };
     let (of_a, of_b) = (around(a), around(b));
@@ -222,7 +222,7 @@ fn improve(graph: &mut Graph, layer: usize) -> bool {
     let mut best = cost(graph, layer);
     let mut better = false;
     for from in 0..count {
-        let reach = if count <= SHORT { count } else { 2 };
+        let reach = if count <= SHORT_LAYER { count } else { 2 };
         for to in from.saturating_sub(reach)..(from + reach + 1).min(count) {
             let before = graph.layers[layer].clone();
             let node = graph.layers[layer].remove(from);
@@ -246,7 +246,7 @@ fn cost(graph: &Graph, layer: usize) -> f64 {
     let mut sum = 0.0;
     for low in layer.saturating_sub(1)..=layer {
         let between: Vec<(f64, f64)> = graph
-            .pieces
+            .segments
             .iter()
             .filter(|p| graph.nodes[p.nodes[0]].layer == low && !graph.is_level(p))
             .filter(|p| free(&graph.nodes[p.nodes[0]]) && free(&graph.nodes[p.nodes[1]]))
@@ -258,15 +258,15 @@ fn cost(graph: &Graph, layer: usize) -> f64 {
             sum += CROSSING * between[i + 1..].iter().filter(crossing).count() as f64;
         }
     }
-    for p in graph.pieces.iter().filter(|p| graph.nodes[p.nodes[0]].layer == layer) {
+    for p in graph.segments.iter().filter(|p| graph.nodes[p.nodes[0]].layer == layer) {
         let [a, b] = p.nodes;
         if !graph.is_level(p) || bar(a) || bar(b) {
             continue;
         }
         let (left, right) = (place[a].min(place[b]), place[a].max(place[b]));
-        sum += APART * (right - left);
+        sum += DISTANCE * (right - left);
         // Lines that rise between the two cross their connection.
-        let rising = graph.pieces.iter().filter(|q| {
+        let rising = graph.segments.iter().filter(|q| {
             let at = place[q.nodes[0]];
             graph.nodes[q.nodes[0]].layer == layer && !graph.is_level(q) && left < at && at < right
         });

@@ -1,12 +1,12 @@
 //! Positions nodes along the layers, so that lines are as straight as the order allows.
 
-use super::layers::{Graph, Piece};
+use super::layers::{Graph, Segment};
 
 /// Minimum distances of boxes and of lines, px.
 const GAP: f64 = 22.0;
 const GAP_OF_LINES: f64 = 16.0;
 /// Offset up to which a line is straightened, px.
-const NEARLY: f64 = 26.0;
+const STRAIGHTEN_LIMIT: f64 = 26.0;
 /// Number of passes over all layers.
 const ROUNDS: usize = 60;
 /// Additional weight of the straightness of long lines.
@@ -43,14 +43,14 @@ fn straighten(graph: &mut Graph, layer: usize) {
         if graph.nodes[node].bar {
             continue;
         }
-        let down: Vec<&Piece> = graph
-            .pieces
+        let down: Vec<&Segment> = graph
+            .segments
             .iter()
             .filter(|p| p.nodes[1] == node && !graph.is_level(p) && !graph.nodes[p.nodes[0]].bar)
             .collect();
-        let [piece] = down[..] else { continue };
-        let wanted =
-            graph.nodes[piece.nodes[0]].at + terminal(graph, piece, 0) - terminal(graph, piece, 1);
+        let [segment] = down[..] else { continue };
+        let wanted = graph.nodes[segment.nodes[0]].at + terminal(graph, segment, 0)
+            - terminal(graph, segment, 1);
         let by = wanted - graph.nodes[node].at;
         let beside = |other: Option<&usize>| {
             other.is_none_or(|&o| {
@@ -62,7 +62,7 @@ fn straighten(graph: &mut Graph, layer: usize) {
         };
         let row = &graph.layers[layer];
         let free = beside(k.checked_sub(1).and_then(|b| row.get(b))) && beside(row.get(k + 1));
-        if by != 0.0 && by.abs() <= NEARLY && free {
+        if by != 0.0 && by.abs() <= STRAIGHTEN_LIMIT && free {
             graph.nodes[node].at = wanted;
         }
     }
@@ -116,16 +116,17 @@ fn settle(graph: &mut Graph, layer: usize) {
 /// The preferred position of a node and its weight.
 fn target(graph: &Graph, node: usize) -> (f64, f64) {
     let (mut sum, mut weight) = (0.0, 0.0);
-    for piece in graph.pieces.iter().filter(|p| p.nodes.contains(&node) && !graph.is_level(p)) {
-        let me = usize::from(piece.nodes[1] == node);
-        let other = piece.nodes[1 - me];
+    for segment in graph.segments.iter().filter(|p| p.nodes.contains(&node) && !graph.is_level(p)) {
+        let me = usize::from(segment.nodes[1] == node);
+        let other = segment.nodes[1 - me];
         if graph.nodes[other].bar {
             continue;
         }
         let passing = [node, other].iter().filter(|n| graph.nodes[**n].part.is_none()).count();
         let w = STRAIGHT.powi(passing as i32);
         sum += w
-            * (graph.nodes[other].at + terminal(graph, piece, 1 - me) - terminal(graph, piece, me));
+            * (graph.nodes[other].at + terminal(graph, segment, 1 - me)
+                - terminal(graph, segment, me));
         weight += w;
     }
     match weight {
@@ -136,14 +137,14 @@ fn target(graph: &Graph, node: usize) -> (f64, f64) {
 
 /// Position where a segment meets its node, from its middle: connectors of one side are equidistant, in
 /// the order of their other ends.
-pub fn terminal(graph: &Graph, piece: &Piece, end: usize) -> f64 {
-    let node = piece.nodes[end];
+pub fn terminal(graph: &Graph, segment: &Segment, end: usize) -> f64 {
+    let node = segment.nodes[end];
     if graph.nodes[node].part.is_none() {
         return 0.0;
     }
-    let upper = end == 0 || graph.is_level(piece);
+    let upper = end == 0 || graph.is_level(segment);
     let mut ports: Vec<(&str, f64, f64)> = Vec::new();
-    for p in &graph.pieces {
+    for p in &graph.segments {
         for i in 0..2 {
             if p.nodes[i] != node || (i == 0 || graph.is_level(p)) != upper {
                 continue;
@@ -158,7 +159,7 @@ pub fn terminal(graph: &Graph, piece: &Piece, end: usize) -> f64 {
         }
     }
     ports.sort_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)));
-    let k = ports.iter().position(|(name, ..)| *name == piece.ports[end]).unwrap_or(0);
+    let k = ports.iter().position(|(name, ..)| *name == segment.ports[end]).unwrap_or(0);
     let size = graph.nodes[node].size[0];
     (size * ((k as f64 + 1.0) / (ports.len() as f64 + 1.0) - 0.5)).round()
 }

@@ -6,7 +6,7 @@ use super::{Line, Picture, Shape};
 use crate::ir::assembly::Assembly;
 
 /// Width of the narrowest icon in the picture, px.
-const NARROWEST: f64 = 84.0;
+const MIN_ICON_WIDTH: f64 = 84.0;
 
 /// The picture, if every component of a level has a `Placement`.
 pub fn picture(assembly: &Assembly, level: usize, children: &[usize]) -> Option<Picture> {
@@ -18,7 +18,7 @@ pub fn picture(assembly: &Assembly, level: usize, children: &[usize]) -> Option<
     if !is_area {
         return None;
     }
-    let scale = (NARROWEST / narrowest).max(HEIGHT / lowest);
+    let scale = (MIN_ICON_WIDTH / narrowest).max(HEIGHT / lowest);
     let area = |[x1, y1, x2, y2]: [f64; 4]| {
         [scale * x1, -scale * y2, scale * (x2 - x1), scale * (y2 - y1)].map(f64::round)
     };
@@ -38,7 +38,7 @@ pub fn picture(assembly: &Assembly, level: usize, children: &[usize]) -> Option<
             let known = shapes.iter().position(|s| s.part == end.part && s.pin == pin);
             known.unwrap_or_else(|| {
                 let row = shapes.iter().filter(|s| s.pin.is_some()).count() as f64;
-                let area = [left + 104.0 * row, floor + 50.0, NARROWEST, 24.0];
+                let area = [left + 104.0 * row, floor + 50.0, MIN_ICON_WIDTH, 24.0];
                 shapes.push(Shape { part: end.part, pin, area });
                 shapes.len() - 1
             })

@@ -8,7 +8,7 @@ use super::{Line, Picture, Shape};
 const TRACK: f64 = 10.0;
 const CLEAR: f64 = 16.0;
 /// Offset below which a line is straight, px.
-const SAME: f64 = 0.75;
+const STRAIGHT_LIMIT: f64 = 0.75;
 /// Margin of the picture, px.
 const MARGIN: f64 = 14.0;
 /// Distance by which a bar extends beyond its outermost line, px.
@@ -17,7 +17,7 @@ const OVERHANG: f64 = 34.0;
 /// Lines of one connector in one channel.
 struct Net {
     /// Segments with their lower and upper ends; both ends of a segment within the layer below are lower.
-    pieces: Vec<(usize, [f64; 2])>,
+    segments: Vec<(usize, [f64; 2])>,
     /// Positions of lines from below and from above.
     pins: Vec<(f64, bool)>,
     from: f64,
@@ -27,14 +27,14 @@ struct Net {
 
 impl Net {
     fn is_straight(&self) -> bool {
-        self.to - self.from < SAME && self.pins.iter().any(|p| p.1)
+        self.to - self.from < STRAIGHT_LIMIT && self.pins.iter().any(|p| p.1)
     }
 }
 
 /// Converts the layers to a picture.
 pub fn route(graph: &Graph) -> Picture {
     let count = graph.layers.len();
-    let ends: Vec<[f64; 2]> = (0..graph.pieces.len()).map(|k| ends(graph, k)).collect();
+    let ends: Vec<[f64; 2]> = (0..graph.segments.len()).map(|k| ends(graph, k)).collect();
     let mut channels: Vec<Vec<Net>> = (0..count).map(|layer| nets(graph, layer, &ends)).collect();
     // For each layer: start, end, and position of its tracks.
     let mut across = vec![[0.0; 2]; count];
@@ -56,14 +56,14 @@ pub fn route(graph: &Graph) -> Picture {
         let half = if n.part.is_none() { 0.5 * (high - low) } else { 0.5 * n.size[1] };
         0.5 * (low + high) + if upper { half } else { -half }
     };
-    let mut bends: Vec<Option<f64>> = vec![None; graph.pieces.len()];
+    let mut bends: Vec<Option<f64>> = vec![None; graph.segments.len()];
     let mut raw_dots: Vec<(usize, [f64; 2])> = Vec::new();
     for (layer, nets) in channels.iter().enumerate() {
         for net in nets.iter().filter(|n| !n.is_straight()) {
             let v = track_at(layer, net.track);
-            net.pieces.iter().for_each(|(k, _)| bends[*k] = Some(v));
+            net.segments.iter().for_each(|(k, _)| bends[*k] = Some(v));
             for u in junctions(net) {
-                let wire = graph.pieces[net.pieces[0].0].wire;
+                let wire = graph.segments[net.segments[0].0].wire;
                 raw_dots.push((graph.wires[wire].links[0], [u, v]));
             }
         }
@@ -71,15 +71,15 @@ pub fn route(graph: &Graph) -> Picture {
     let mut lines: Vec<Line> = Vec::new();
     for wire in &graph.wires {
         let mut points: Vec<[f64; 2]> = Vec::new();
-        for &(k, rises) in &wire.pieces {
-            let piece = &graph.pieces[k];
-            let level = graph.is_level(piece);
+        for &(k, rises) in &wire.segments {
+            let segment = &graph.segments[k];
+            let level = graph.is_level(segment);
             let [a, b] = ends[k];
-            let mut part = vec![[a, edge(piece.nodes[0], true)]];
+            let mut part = vec![[a, edge(segment.nodes[0], true)]];
             if let Some(v) = bends[k] {
                 part.extend([[a, v], [b, v]]);
             }
-            part.push([b, edge(piece.nodes[1], level)]);
+            part.push([b, edge(segment.nodes[1], level)]);
             if !rises {
                 part.reverse();
             }
@@ -93,7 +93,7 @@ pub fn route(graph: &Graph) -> Picture {
         let (mut low, mut high) = (node.at - 0.5 * node.size[0], node.at + 0.5 * node.size[0]);
         if node.bar {
             let at =
-                graph.pieces.iter().enumerate().flat_map(|(i, p)| {
+                graph.segments.iter().enumerate().flat_map(|(i, p)| {
                     (0..2).filter(move |e| p.nodes[*e] == k).map(move |e| (i, e))
                 });
             let at: Vec<f64> = at.map(|(i, e)| ends[i][e]).collect();
@@ -114,9 +114,9 @@ pub fn route(graph: &Graph) -> Picture {
 
 /// Start and end of a segment along the layers; at a bar it has the position of its other end.
 fn ends(graph: &Graph, k: usize) -> [f64; 2] {
-    let piece = &graph.pieces[k];
-    let own = [0, 1].map(|i| graph.nodes[piece.nodes[i]].at + terminal(graph, piece, i));
-    match [0, 1].map(|i| graph.nodes[piece.nodes[i]].bar) {
+    let segment = &graph.segments[k];
+    let own = [0, 1].map(|i| graph.nodes[segment.nodes[i]].at + terminal(graph, segment, i));
+    match [0, 1].map(|i| graph.nodes[segment.nodes[i]].bar) {
         [true, false] => [own[1]; 2],
         [false, true] => [own[0]; 2],
         _ => own,
@@ -125,12 +125,12 @@ fn ends(graph: &Graph, k: usize) -> [f64; 2] {
 
 /// Segments that start above a layer, grouped by connector.
 fn nets(graph: &Graph, layer: usize, ends: &[[f64; 2]]) -> Vec<Net> {
-    let here: Vec<usize> = (0..graph.pieces.len())
-        .filter(|&k| graph.nodes[graph.pieces[k].nodes[0]].layer == layer)
+    let here: Vec<usize> = (0..graph.segments.len())
+        .filter(|&k| graph.nodes[graph.segments[k].nodes[0]].layer == layer)
         .collect();
     // A connector of a node on one side; bars have one for each line.
     let key = |k: usize, i: usize| {
-        let p = &graph.pieces[k];
+        let p = &graph.segments[k];
         let upper_end = i == 1 && !graph.is_level(p);
         let node = &graph.nodes[p.nodes[i]];
         let own = node.bar || node.part.is_none();
@@ -150,7 +150,7 @@ fn nets(graph: &Graph, layer: usize, ends: &[[f64; 2]]) -> Vec<Net> {
     let net = |group: Vec<usize>| {
         let mut pins: Vec<(f64, bool)> = Vec::new();
         for &k in &group {
-            let level = graph.is_level(&graph.pieces[k]);
+            let level = graph.is_level(&graph.segments[k]);
             for (i, &u) in ends[k].iter().enumerate() {
                 let pin = (u, i == 1 && !level);
                 if !pins.contains(&pin) {
@@ -160,8 +160,8 @@ fn nets(graph: &Graph, layer: usize, ends: &[[f64; 2]]) -> Vec<Net> {
         }
         let from = pins.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
         let to = pins.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
-        let pieces = group.into_iter().map(|k| (k, ends[k])).collect();
-        Net { pieces, pins, from, to, track: 0 }
+        let segments = group.into_iter().map(|k| (k, ends[k])).collect();
+        Net { segments, pins, from, to, track: 0 }
     };
     groups.into_iter().map(net).collect()
 }
@@ -173,7 +173,7 @@ fn assign_tracks(nets: &mut [Net]) -> usize {
     // Cost of `a` below `b`: lines of `b` from below and of `a` from above cross the other net; overlaps
     // cost most.
     let below = |a: &Net, b: &Net| {
-        let inside = |n: &Net, u: f64| n.from + SAME < u && u < n.to - SAME;
+        let inside = |n: &Net, u: f64| n.from + STRAIGHT_LIMIT < u && u < n.to - STRAIGHT_LIMIT;
         let mut cost = 0.0;
         for (u, upper) in &b.pins {
             cost += f64::from(u8::from(!upper && inside(a, *u)));
@@ -210,11 +210,11 @@ fn assign_tracks(nets: &mut [Net]) -> usize {
 fn junctions(net: &Net) -> Vec<f64> {
     let mut at: Vec<f64> = net.pins.iter().map(|p| p.0).collect();
     at.sort_by(f64::total_cmp);
-    at.dedup_by(|a, b| (*a - *b).abs() < SAME);
+    at.dedup_by(|a, b| (*a - *b).abs() < STRAIGHT_LIMIT);
     let branches = |u: f64| {
-        let pins = net.pins.iter().filter(|p| (p.0 - u).abs() < SAME).count();
-        let left = usize::from(u > net.from + SAME);
-        let right = usize::from(u < net.to - SAME);
+        let pins = net.pins.iter().filter(|p| (p.0 - u).abs() < STRAIGHT_LIMIT).count();
+        let left = usize::from(u > net.from + STRAIGHT_LIMIT);
+        let right = usize::from(u < net.to - STRAIGHT_LIMIT);
         pins + left + right
     };
     at.into_iter().filter(|u| branches(*u) > 2).collect()

@@ -147,7 +147,7 @@ fn emit_call(
         return;
     };
     let out = function.outputs[output];
-    let moved = |fragment: &mut FragmentBuilder<'_, '_>, sign: f64| {
+    let replaced = |fragment: &mut FragmentBuilder<'_, '_>, sign: f64| {
         let x = fragment.get(site.args[argument]);
         let (zero, one) = (fragment.number(0.0), fragment.number(1.0));
         let at_zero = fragment.build.ins().fcmp(FloatCC::Equal, x, zero);
@@ -157,7 +157,7 @@ fn emit_call(
         let h = fragment.build.ins().fmul(factor, size);
         if sign > 0.0 { fragment.build.ins().fadd(x, h) } else { fragment.build.ins().fsub(x, h) }
     };
-    let (x_above, x_below) = (moved(fragment, 1.0), moved(fragment, -1.0));
+    let (x_above, x_below) = (replaced(fragment, 1.0), replaced(fragment, -1.0));
     emit_body_call(fragment, site, function, code, Some((argument, x_above)));
     let above = fragment.get(out);
     emit_body_call(fragment, site, function, code, Some((argument, x_below)));
@@ -213,14 +213,14 @@ fn emit_body_call(
     site: &CallSite,
     function: &FunctionCode,
     code: FuncRef,
-    moved: Option<(usize, Value)>,
+    replaced: Option<(usize, Value)>,
 ) {
     for local in &function.locals {
         let zero = fragment.number(0.0);
         fragment.set(*local, zero);
     }
     for (k, (to, from)) in function.inputs.iter().zip(&site.args).enumerate() {
-        let value = match moved {
+        let value = match replaced {
             Some((argument, value)) if argument == k => value,
             _ => fragment.get(*from),
         };

@@ -122,13 +122,13 @@ impl MachineCode {
         memory: &mut [f64],
         memo: &mut Memo,
     ) -> Result<Option<(Instr, usize)>, Fault> {
-        assert!(memory.len() >= self.source.cells, "the memory of another program");
+        assert!(memory.len() >= self.source.slots, "the memory of another program");
         assert!(memo.0.len() == self.memo.0.len(), "the memo of another program");
         for (k, piece) in self.tapes[tape as usize].iter().enumerate().skip(at) {
             match *piece {
                 TapePart::Fragment(fragment_code) => {
                     // SAFETY: the code was made by `Translator` for `source`, which was verified: it
-                    // reads and writes only slots below `source.cells`, all of which `memory` has,
+                    // reads and writes only slots below `source.slots`, all of which `memory` has,
                     // and the entries of `self.memo`, as many as `memo` has; it calls only itself
                     // and `external`. It is not freed before `self` is dropped.
                     match unsafe { fragment_code(memory.as_mut_ptr(), memo.0.as_mut_ptr()) } {
@@ -204,7 +204,7 @@ impl Translator<'_> {
     }
 
     fn new(source: &Source) -> Result<Translator<'_>, TranslationError> {
-        let cells = source.cells;
+        let cells = source.slots;
         if cells > MAX_SLOTS {
             return Err(TranslationError::TooLarge { cells });
         }

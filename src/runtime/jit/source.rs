@@ -35,7 +35,7 @@ pub struct Source {
     /// Slots of literals and their values.
     pub literals: Vec<(Slot, f64)>,
     /// Number of slots.
-    pub cells: usize,
+    pub slots: usize,
 }
 
 impl Source {
@@ -54,7 +54,7 @@ impl Source {
                 .collect(),
             interpreted,
             literals: literals(program).collect(),
-            cells: program.image.len(),
+            slots: program.image.len(),
         }
     }
 
@@ -74,7 +74,7 @@ impl Source {
             && literals(program)
                 .map(|(slot, value)| (slot, value.to_bits()))
                 .eq(self.literals.iter().map(|(slot, value)| (*slot, value.to_bits())))
-            && program.image.len() == self.cells
+            && program.image.len() == self.slots
     }
 
     /// Number of instructions.

@@ -41,23 +41,23 @@ struct ActiveInstruction {
 impl Forcing {
     /// Working memory for the right side of a program.
     pub fn new(program: &Program, directions: usize) -> Self {
-        let cells = program.image.len();
+        let slots = program.image.len();
         let words = directions.div_ceil(WORD).max(1);
-        let (mut writes, mut reads) = (vec![false; cells], vec![false; cells]);
+        let (mut writes, mut reads) = (vec![false; slots], vec![false; slots]);
         mark_accesses(program, &program.tapes.rhs, &mut writes, &mut reads);
         // A derivative may be the slot of a parameter.
         program.layout.derivatives.iter().for_each(|slot| reads[*slot as usize] = true);
-        let those = |wanted: &dyn Fn(usize) -> bool| -> Vec<Slot> {
-            (0..cells).filter(|c| wanted(*c)).map(|c| c as Slot).collect()
+        let active_directions = |wanted: &dyn Fn(usize) -> bool| -> Vec<Slot> {
+            (0..slots).filter(|c| wanted(*c)).map(|c| c as Slot).collect()
         };
         Forcing {
-            tangents: Tangents::new(cells, directions),
+            tangents: Tangents::new(slots, directions),
             active: Vec::new(),
             directions: Vec::new(),
             words,
-            sets: vec![0; cells * words],
-            read: those(&|c| reads[c] && !writes[c]),
-            written: those(&|c| writes[c]),
+            sets: vec![0; slots * words],
+            read: active_directions(&|c| reads[c] && !writes[c]),
+            written: active_directions(&|c| writes[c]),
         }
     }
 
@@ -88,10 +88,10 @@ impl Forcing {
         for i in program.tapes.rhs.iter() {
             if matches!(i.op, Op::Solve | Op::Differentiate | Op::Iterate | Op::Call) {
                 self.active.push(ActiveInstruction { instr: *i, first: 0, count: 0 });
-                let cells = self.sets.len() / words;
-                let (mut writes, mut reads) = (vec![false; cells], vec![false; cells]);
+                let slots = self.sets.len() / words;
+                let (mut writes, mut reads) = (vec![false; slots], vec![false; slots]);
                 mark_accesses(program, std::slice::from_ref(i), &mut writes, &mut reads);
-                for cell in (0..cells).filter(|c| writes[*c]) {
+                for cell in (0..slots).filter(|c| writes[*c]) {
                     self.sets[cell * words..(cell + 1) * words].copy_from_slice(&all);
                 }
                 continue;
@@ -127,15 +127,15 @@ impl Forcing {
                 tangents.propagate(machine, std::slice::from_ref(i))?;
                 continue;
             }
-            let those = &directions[*first as usize..(*first + *count) as usize];
-            if 2 * those.len() > width {
+            let active_directions = &directions[*first as usize..(*first + *count) as usize];
+            if 2 * active_directions.len() > width {
                 tangents.propagate_instruction(machine, i);
                 continue;
             }
             let values = &mut tangents.values;
             let dst = i.dst as usize * width;
             let [a, b] = [i.a, i.b].map(|slot| slot as usize * width);
-            let each = those.iter().map(|d| *d as usize);
+            let each = active_directions.iter().map(|d| *d as usize);
             match rule(machine, i) {
                 Rule::Keep => {}
                 Rule::Clear => each.for_each(|d| values[dst + d] = 0.0),

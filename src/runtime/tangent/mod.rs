@@ -33,9 +33,9 @@ pub struct Tangents {
 
 impl Tangents {
     /// Tangents that are all zero.
-    pub fn new(cells: usize, directions: usize) -> Self {
+    pub fn new(slots: usize, directions: usize) -> Self {
         let width = directions.div_ceil(LANES) * LANES;
-        Tangents { directions, width, values: vec![0.0; cells * width], frames: Frames::default() }
+        Tangents { directions, width, values: vec![0.0; slots * width], frames: Frames::default() }
     }
 
     /// Number of directions.
@@ -273,7 +273,7 @@ impl Tangents {
         &mut self,
         machine: &mut Machine<'_>,
         site: &CallSite,
-        moved: Option<(usize, f64)>,
+        replaced: Option<(usize, f64)>,
     ) -> Result<(), Fault> {
         let program = machine.program;
         let function = &program.routines.functions[site.function];
@@ -282,7 +282,7 @@ impl Tangents {
             self.clear(*local);
         }
         for (i, (to, from)) in function.inputs.iter().zip(&site.args).enumerate() {
-            machine.memory[*to as usize] = match moved {
+            machine.memory[*to as usize] = match replaced {
                 Some((arg, value)) if arg == i => value,
                 _ => machine.memory[*from as usize],
             };

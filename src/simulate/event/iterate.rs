@@ -163,12 +163,13 @@ fn relaxed_pass<'p>(
     lagged: &[u32],
 ) -> Result<(), EventError> {
     let first = machine.program.layout.relations;
-    let held: Vec<f64> = lagged.iter().map(|k| machine.get(first + k)).collect();
+    let previous: Vec<f64> = lagged.iter().map(|k| machine.get(first + k)).collect();
     (machine.relaxed, machine.still_changing) = (true, false);
     let outcome = machine.run(tape);
     machine.relaxed = false;
     outcome?;
-    machine.still_changing |= lagged.iter().zip(&held).any(|(k, h)| machine.get(first + k) != *h);
+    machine.still_changing |=
+        lagged.iter().zip(&previous).any(|(k, h)| machine.get(first + k) != *h);
     Ok(())
 }
 

@@ -112,8 +112,8 @@ impl Sliding {
             }
         }
         let relations = self.relation_slots(machine);
-        let cells = machine.memory.iter_mut().zip(&self.memory).enumerate();
-        for (_, (now, before)) in cells.filter(|(slot, _)| !relations.contains(slot)) {
+        let slots = machine.memory.iter_mut().zip(&self.memory).enumerate();
+        for (_, (now, before)) in slots.filter(|(slot, _)| !relations.contains(slot)) {
             if *now != *before && now.is_finite() && before.is_finite() {
                 *now = before + weight * (*now - before);
             }
@@ -128,8 +128,8 @@ impl Sliding {
 
     /// Sets the relation and evaluates the discrete expressions that depend on it.
     pub fn switch(&self, machine: &mut Machine<'_>, truth: usize) -> Result<(), Fault> {
-        let cell = machine.program.layout.relations + self.relation as Slot;
-        machine.set(cell, truth as f64);
+        let slot = machine.program.layout.relations + self.relation as Slot;
+        machine.set(slot, truth as f64);
         machine.run(&machine.program.tapes.discrete)
     }
 

@@ -25,8 +25,8 @@ impl Simulation<'_, '_> {
     /// Checks assertions outside of when-clauses at the last evaluation.
     pub(crate) fn check_assertions(&mut self, t: f64) -> Result<(), Failure> {
         for k in 0..self.program.events.asserts.len() {
-            let cells = self.program.events.asserts[k];
-            if cells.at_events || self.system.machine.get(cells.condition) != 0.0 {
+            let slots = self.program.events.asserts[k];
+            if slots.at_events || self.system.machine.get(slots.condition) != 0.0 {
                 continue;
             }
             let assert = &self.program.blocks.dae.asserts[k].assert;

@@ -124,8 +124,8 @@ pub fn of_fault(machine: &Machine<'_>, fault: Fault, time: f64) -> Failure {
         }
         Fault::Assertion { function, message } => {
             let function_info = &program.blocks.dae.functions;
-            let (cell, place) = program.routines.functions[function].messages[message];
-            let text = string_of_id(machine.fault_memory[cell as usize] as u32);
+            let (slot, place) = program.routines.functions[function].messages[message];
+            let text = string_of_id(machine.fault_memory[slot as usize] as u32);
             let info = function_info.iter().nth(function);
             let name = info.map_or("", |f| f.name.as_str());
             let span = info.map_or(Span::NONE, |f| f.span);
@@ -299,10 +299,11 @@ fn unsolved(
     let mut diagnostic = torn_failure(explainer, program, torn_block, unknown, "MO0904", &text);
     let torn = block(program, s.place).and_then(|b| torn_of(b, program, torn_block));
     let residuals = torn.into_iter().flat_map(|t| &t.residuals).zip(&s.residuals);
-    for (residual, cell) in residuals.take(5) {
-        let equation = explainer.equation(residual.source);
-        let gap = explainer.cell(*cell);
-        diagnostic = diagnostic.note(format!("the sides of `{equation}` differ by {gap} at last"));
+    for (equation_residual, slot) in residuals.take(5) {
+        let equation = explainer.equation(equation_residual.source);
+        let residual = explainer.at(*slot);
+        diagnostic =
+            diagnostic.note(format!("the sides of `{equation}` differ by {residual} at last"));
     }
     if let Some(v) = s.unknowns.get(unknown) {
         diagnostic =

@@ -50,7 +50,7 @@ impl<'a> Explainer<'a> {
     }
 
     /// The value in a slot.
-    pub fn cell(&self, slot: Slot) -> f64 {
+    pub fn at(&self, slot: Slot) -> f64 {
         self.memory[slot as usize]
     }
 
@@ -251,17 +251,17 @@ impl<'a> Explainer<'a> {
     fn evaluate(&self, root: ExprId) -> FastMap<ExprId, f64> {
         let graph = &self.program.blocks.dae.graph;
         let layout = &self.program.layout;
-        let cell = |slot: u32| self.memory[slot as usize];
+        let at = |slot: u32| self.memory[slot as usize];
         let mut values: FastMap<ExprId, f64> = FastMap::default();
         for e in graph.postorder([root]) {
             let of = |a: &ExprId| values.get(a).copied().unwrap_or(f64::NAN);
             let value = match graph.node(e) {
                 Node::Const(c) => c.register(),
-                Node::Time => cell(layout.time),
+                Node::Time => at(layout.time),
                 Node::Var(v) | Node::Der(v) => self.value(v),
                 Node::Pre(v) => {
                     let pre = layout.pre.iter().find(|(w, ..)| *w == v);
-                    pre.map_or_else(|| self.value(v), |(_, _, slot)| cell(*slot))
+                    pre.map_or_else(|| self.value(v), |(_, _, slot)| at(*slot))
                 }
                 Node::Unary(op, a) => eval::unary(op, of(&a)),
                 Node::Binary(op, a, b) => eval::binary(op, of(&a), of(&b)),
@@ -273,12 +273,12 @@ impl<'a> Explainer<'a> {
                     }
                 }
                 Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => of(&a),
-                Node::Initial => cell(layout.initial),
-                Node::Terminal => cell(layout.terminal),
-                Node::Relation(k) => cell(layout.relations + k),
+                Node::Initial => at(layout.initial),
+                Node::Terminal => at(layout.terminal),
+                Node::Relation(k) => at(layout.relations + k),
                 Node::Recorded(v, order) => {
                     let known = layout.signals.iter().find(|r| (r.0, r.1) == (v, order));
-                    known.map_or(f64::NAN, |(.., slot)| cell(*slot))
+                    known.map_or(f64::NAN, |(.., slot)| at(*slot))
                 }
                 Node::Call { .. } | Node::Sample(..) => f64::NAN,
             };

@@ -89,7 +89,7 @@ pub fn with_inputs(program: &Program, settings: &Settings, inputs: &[Input]) -> 
     settings.starts.iter().all(|&(v, x)| machine.set_start(v, x)).then_some(())?;
     machine.run(&program.tapes.parameters).ok()?;
     for input in inputs {
-        let slot = input_cell(program, *input)?;
+        let slot = input_slot(program, *input)?;
         if !machine.get(slot).is_nan() {
             continue;
         }
@@ -104,7 +104,7 @@ pub fn with_inputs(program: &Program, settings: &Settings, inputs: &[Input]) -> 
     Some(settings)
 }
 
-fn input_cell(program: &Program, input: Input) -> Option<Slot> {
+fn input_slot(program: &Program, input: Input) -> Option<Slot> {
     let layout = &program.layout;
     match input {
         Input::Parameter(v) => {
@@ -121,7 +121,7 @@ impl Sensitivity {
         let count = inputs.len();
         let mut tangents = Tangents::new(program.image.len(), count + 1);
         for (direction, input) in inputs.iter().enumerate() {
-            tangents.of_mut(input_cell(program, *input)?)[direction] = 1.0;
+            tangents.of_mut(input_slot(program, *input)?)[direction] = 1.0;
         }
         let n = system.dim();
         let pattern = system.pattern()?;
@@ -378,8 +378,8 @@ impl Sensitivity {
         truth: bool,
     ) -> Result<(), EvalError> {
         let program = system.machine.program;
-        let (cells, n) = (program.image.len(), program.order());
-        let mut surface = Box::new(Surface::new(cells, n, self.count, self.recorded.len()));
+        let (slots, n) = (program.image.len(), program.order());
+        let mut surface = Box::new(Surface::new(slots, n, self.count, self.recorded.len()));
         let variation = &self.variation;
         let before = |direction: usize, s: &mut [f64]| {
             s.copy_from_slice(&variation.at_end(direction)[..s.len()]);

@@ -65,9 +65,9 @@ struct Point {
 }
 
 impl Surface {
-    /// For a program with `cells` slots and `n` states, differentiated with respect to `count` inputs,
+    /// For a program with `slots` slots and `n` states, differentiated with respect to `count` inputs,
     /// with `recorded` columns.
-    pub fn new(cells: usize, n: usize, count: usize, recorded: usize) -> Surface {
+    pub fn new(slots: usize, n: usize, count: usize, recorded: usize) -> Surface {
         let point = || Point {
             jacobian: vec![0.0; n * n],
             forcing: vec![0.0; n * count],
@@ -81,7 +81,7 @@ impl Surface {
             equations: Equations {
                 count,
                 points: std::array::from_fn(|_| point()),
-                seeds: Tangents::new(cells, LANES.min(n.max(1))),
+                seeds: Tangents::new(slots, LANES.min(n.max(1))),
             },
             values: vec![0.0; recorded],
             derivatives: vec![0.0; recorded * count],
