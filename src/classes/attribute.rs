@@ -57,7 +57,7 @@ impl ClassGraph<'_> {
         found
     }
 
-    /// What modifications of the component say about an attribute, from the outermost inwards.
+    /// Modifications of an attribute by the component, from the outermost inwards.
     pub(crate) fn attribute_layers(&self, id: InstanceId, attribute: Name) -> Vec<Layer> {
         let mut found = Vec::new();
         for layer in self.instances[id].layers.iter() {
@@ -66,7 +66,7 @@ impl ClassGraph<'_> {
         found
     }
 
-    /// What the type of an instance says about an attribute, from the outermost inwards.
+    /// Modifications of an attribute by the type of an instance, from the outermost inwards.
     pub(crate) fn attribute_layers_of_type(
         &mut self,
         id: InstanceId,

@@ -1,5 +1,5 @@
-//! Declarations that say the same of every component that they declare: in an array of components each
-//! element has its own, but what they are is found out once.
+//! Declarations that mean the same for each component that they declare: each element of an array
+//! of components has its own instance, but class and prefixes are determined once.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use crate::ir::instance::{ClassId, ClassText, Declaration, InstanceId, Scope};
 /// A declared component, by the address of its element, its position there and the class of its scope.
 pub(crate) type Key = (usize, usize, ClassId);
 
-/// What a declaration says wherever it stands.
+/// The meaning of a declaration in every instance of its class.
 #[derive(Clone)]
 pub(crate) struct Cached {
     pub(crate) class: ClassId,
@@ -23,7 +23,8 @@ pub(crate) struct Cached {
 }
 
 impl ClassGraph<'_> {
-    /// What a component is, if its declaration has said the same of another one: `None` if that is not known.
+    /// The cached meaning of the declaration of a component; `None` if it is not known or not
+    /// shared.
     pub(crate) fn cached_declaration(
         &mut self,
         id: InstanceId,
@@ -35,7 +36,7 @@ impl ClassGraph<'_> {
         self.declaration_cache.get(&key(declaration, self.instances[id].scope)).cloned()
     }
 
-    /// Remembers what a declaration says, if it holds for all of its components.
+    /// Caches the meaning of a declaration, if it holds for all of its components.
     pub(crate) fn cache_declaration(
         &mut self,
         id: InstanceId,
@@ -75,8 +76,8 @@ impl ClassGraph<'_> {
         self.instances[id].layers.len() == own
     }
 
-    /// Whether the name of a class stands for the same one in all instances of the class around it: found
-    /// in a package, not among what an instance may have replaced.
+    /// Whether the name of a class denotes the same class in all instances of the enclosing class:
+    /// it is found in a package, not among elements that an instance may redeclare.
     fn is_fixed_name(&mut self, path: &crate::ir::ast::Path, scope: Scope) -> bool {
         let Some(first) = path.parts.first() else { return false };
         let in_component = self.instances[scope.instance].parent.is_some();

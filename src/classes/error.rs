@@ -1,4 +1,4 @@
-//! What can be wrong with classes, modifications and expressions: codes MO0201 to MO0299.
+//! Diagnostics of classes, modifications and expressions: codes MO0201 to MO0299.
 
 use super::{ClassGraph, ROOT};
 use crate::base::diag::{Diagnostic, did_you_mean};
@@ -173,7 +173,7 @@ impl ClassGraph<'_> {
         );
     }
 
-    /// A value that changes faster than what it is bound to.
+    /// A binding that varies faster than the variable it belongs to.
     pub(crate) fn report_variability(&mut self, id: InstanceId, span: Span, what: &str) {
         let path = self.path(id);
         let constant = self.instances[id].prefix.variability == Some(ast::Variability::Constant);
@@ -191,7 +191,7 @@ impl ClassGraph<'_> {
         );
     }
 
-    /// An attribute that only a run knows.
+    /// An attribute that varies during simulation.
     pub(crate) fn report_moving_attribute(&mut self, id: InstanceId, attribute: Name, span: Span) {
         let path = self.path(id);
         let help = match attribute.as_str() {

@@ -1,5 +1,5 @@
-//! Classes in their lexical places and what they have after inheritance (sections 5.6.1 and 7.1 of
-//! the specification).
+//! Classes with their enclosing scopes, and their elements after inheritance (sections 5.6.1 and
+//! 7.1 of the specification).
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl ClassGraph<'_> {
         self.classes.push(ClassInstance { body, full_name, enclosing, holder, redeclared })
     }
 
-    /// The class of a text that stands in `enclosing`, found in `holder`; the same each time.
+    /// The class of a definition in `enclosing`, found in `holder`; the same each time.
     pub(crate) fn class_in(
         &mut self,
         class: &Arc<ast::Class>,
@@ -74,7 +74,7 @@ impl ClassGraph<'_> {
         self.add_class(old.body, old.full_name, old.enclosing, old.holder, all.into())
     }
 
-    /// The text of a class, if it has one.
+    /// The definition of a class; `None` for a predefined one.
     pub fn text(&self, class: ClassId) -> Option<&Arc<ast::Class>> {
         match &self.classes[class].body {
             ClassText::Written(c) => Some(c),
@@ -97,9 +97,10 @@ impl ClassGraph<'_> {
         }
     }
 
-    /// Whether a class is partial, itself or by what it is a short form of (section 4.6.1).
+    /// The partial definition behind a class: its own, or that of the class it is a short form of
+    /// (section 4.6).
     pub(crate) fn partial_text(&mut self, mut class: ClassId) -> Option<Arc<ast::Class>> {
-        // A circle of short classes was reported where it is read.
+        // A cycle of short class definitions was reported where it was read.
         for _ in 0..100 {
             let text = self.text(class)?.clone();
             if text.partial {
@@ -112,8 +113,8 @@ impl ClassGraph<'_> {
         None
     }
 
-    /// Where a modification that stands in the text of `class` reads its names, for an instance of
-    /// the class: inside a long class, around a short one.
+    /// The scope of a modification in the definition of `class`, for an instance of the class:
+    /// inside a long class, around a short one.
     pub(crate) fn modification_scope(&self, class: ClassId, instance: InstanceId) -> Scope {
         match self.text(class).map(|t| &t.body) {
             Some(ClassBody::Short(_)) => self.outside(class),
@@ -350,8 +351,8 @@ impl ClassGraph<'_> {
         self.with_redeclarations(base, all)
     }
 
-    /// A class found in the package `base`, seen from a package that extends it: its names stand for the
-    /// constants and classes of that one.
+    /// A class found in the package `base`, as a package that extends it sees it: its names denote
+    /// the constants and classes of the derived package.
     fn seen_from(&mut self, found: ClassId, base: ClassId, holder: InstanceId) -> ClassId {
         let package = self.is_package(base).then(|| self.package_instance(base));
         if package != Some(self.classes[found].holder) {
@@ -363,8 +364,8 @@ impl ClassGraph<'_> {
         }
     }
 
-    /// The class that `model extends M` extends: M as the class around it inherits it, with what that
-    /// class redeclares besides (section 7.3.1).
+    /// The class that `model extends M` extends: M as the enclosing class inherits it, with the
+    /// other redeclarations of that class (section 7.3.1).
     fn inherited_class(&mut self, class: ClassId) -> Option<ClassId> {
         let wanted = self.text(class)?.name;
         let around = self.classes[class].enclosing?;
@@ -495,8 +496,8 @@ impl ClassGraph<'_> {
         } else if table.entries[at].class == class {
             self.report_duplicate(&entry, &table.entries[at].name);
         } else {
-            // An inherited element declared again must be identical (section 7.3 of the
-            // specification); the new one stands.
+            // An inherited element that is declared again must be identical (section 7.3 of the
+            // specification); the new declaration is kept.
             if !self.identical(&table.entries[at], &entry) {
                 self.report_inherited_duplicate(&entry, &table.entries[at].name);
             }
@@ -515,7 +516,8 @@ impl ClassGraph<'_> {
         let (a, b) = match (&a.kind, &b.kind) {
             (EntryKind::Component(a), EntryKind::Component(b)) => (a, b),
             (EntryKind::Class(a), EntryKind::Class(b)) => {
-                // What a short one is defined as; descriptions and annotations may differ.
+                // Short class definitions are compared by base and modification; descriptions and
+                // annotations may differ.
                 if let (ClassBody::Short(of_a), ClassBody::Short(of_b)) = (&a.body, &b.body) {
                     return a.kind == b.kind
                         && of_a.base.to_string() == of_b.base.to_string()

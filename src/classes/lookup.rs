@@ -11,7 +11,7 @@ use crate::base::source::Span;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind, ImportForm};
 use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, Scope};
 
-/// What a first identifier stands for when it is no component of the instance itself.
+/// The meaning of a first identifier that is not a component of the instance itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Found {
     /// A class.
@@ -43,7 +43,7 @@ impl ClassGraph<'_> {
         Some(at)
     }
 
-    /// The class of a dotted name; what is missing is reported.
+    /// The class of a dotted name; a missing class is reported.
     pub fn class_or_report(&mut self, path: &ast::Path, scope: Scope) -> Option<ClassId> {
         let found = self.find_class(path, scope);
         match found {
@@ -144,8 +144,8 @@ impl ClassGraph<'_> {
         Some(self.class_in(&text, declared_in, holder))
     }
 
-    /// The class that an `outer` class stands for: the `inner` one of that name in the components
-    /// around (section 5.4).
+    /// The class that an `outer` class refers to: the `inner` one of that name in the enclosing
+    /// components (section 5.4).
     fn inner_class(&mut self, wanted: Name, instance: InstanceId) -> Option<ClassId> {
         let mut at = self.instances[instance].parent;
         while let Some(holder) = at {
@@ -162,7 +162,7 @@ impl ClassGraph<'_> {
         None
     }
 
-    /// A class written in the text of `class` itself, or beside it in the package's folder.
+    /// A class defined in `class` itself, or in a file of the package's folder.
     fn own_class(&mut self, class: ClassId, wanted: Name) -> Option<std::sync::Arc<ast::Class>> {
         let text = self.text(class)?.clone();
         if let ClassBody::Long(composition) = &text.body {
@@ -220,8 +220,8 @@ impl ClassGraph<'_> {
         entry.is_some_and(|e| e.component.is_some())
     }
 
-    /// The package that extends the package `class` and in which a class of that was found, if `wanted` is
-    /// among what it inherits from there.
+    /// The package that extends the package `class` and in which a class of it was found, if it
+    /// inherits `wanted` from there.
     fn extending_package(
         &mut self,
         class: ClassId,
@@ -239,14 +239,15 @@ impl ClassGraph<'_> {
         let (here, there) = (self.table(class), self.table(derived));
         let own = &here.entries[*here.index.get(&wanted)?];
         let entry = &there.entries[*there.index.get(&wanted)?];
-        // What only has the same name is not inherited. A base may be known by several redeclarations.
+        // An element that merely has the same name is not inherited. A base may have several
+        // redeclared variants.
         let same = self.is_text(own.class, entry.class);
         let extends = matches!(&entry.kind, EntryKind::Class(c) if is_class_extends(c));
         (same || entry.element.redeclare || extends).then_some(derived)
     }
 
-    /// Import clauses of the text of `class` (they are not inherited): those that name what they import
-    /// come before those that import all.
+    /// Import clauses of `class` (they are not inherited): clauses that name the element take
+    /// precedence over `import P.*`.
     fn imported(&mut self, class: ClassId, wanted: Name) -> Option<Found> {
         let text = self.text(class)?.clone();
         let ClassBody::Long(composition) = &text.body else { return None };
@@ -315,7 +316,7 @@ impl ClassGraph<'_> {
         );
     }
 
-    /// What an import names must be public (section 13.2.1).
+    /// An imported element must be public (section 13.2.1).
     fn check_imported_is_public(&mut self, path: &ast::Path, full: &[Name]) {
         let Some((last, packages)) = full.split_last() else { return };
         let mut class = ROOT.class;
@@ -328,7 +329,7 @@ impl ClassGraph<'_> {
         }
     }
 
-    /// What is imported must be a package or stand in one (section 13.2.1).
+    /// An imported element must be a package or an element of one (section 13.2.1).
     fn check_import(&mut self, path: &ast::Path, full: &[Name]) {
         let Some((last, packages)) = full.split_last() else { return };
         let mut class = ROOT.class;

@@ -118,7 +118,7 @@ impl<'a> ClassGraph<'a> {
             ("Integer", Type::Integer),
             ("Boolean", Type::Boolean),
             ("String", Type::String),
-            // What an external object is stays inside: from outside it is a text that names it.
+            // An external object is opaque: expressions see a string that identifies it.
             ("ExternalObject", Type::String),
         ];
         for (text, ty) in types {

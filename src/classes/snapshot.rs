@@ -1,5 +1,5 @@
-//! What a context knows of classes, for other contexts: many models of one file have most of their
-//! classes in common, and each of these is read once.
+//! Snapshots of a class graph: many models of one file share most of their classes, and each of
+//! these is read once.
 
 use std::rc::Rc;
 
@@ -32,7 +32,7 @@ pub struct ContextSnapshot {
 }
 
 impl<'a> ClassGraph<'a> {
-    /// What is known of classes. No model may have been instantiated.
+    /// The classes known so far. No model may have been instantiated.
     pub fn into_snapshot(self) -> ContextSnapshot {
         ContextSnapshot {
             classes: self.classes,
@@ -51,7 +51,7 @@ impl<'a> ClassGraph<'a> {
         }
     }
 
-    /// A context that knows what another one has found.
+    /// A class graph that starts from a snapshot.
     pub fn from_snapshot(
         sources: &'a mut SourceMap,
         problems: &'a mut Problems,

@@ -1,5 +1,6 @@
-//! Types that are written as one name: no component of the class that the name stands in, and perhaps a
-//! local class that is modified from further outside (sections 5.3.1 and 7.2 of the specification).
+//! Types that are written as one name: not a component of the class that contains the name, and
+//! perhaps a local class that is modified further outside (sections 5.3.1 and 7.2 of the
+//! specification).
 
 use std::rc::Rc;
 
@@ -10,8 +11,8 @@ use crate::ir::instance::Scope;
 use crate::ir::modification::{Layer, LayerSource};
 
 impl ClassGraph<'_> {
-    /// A type is no component of the same class: that is reported. Else the modifications that a local
-    /// class has from further outside, outermost first.
+    /// Checks that a type is not a component of the same class; returns the modifications that a
+    /// local class has from further outside, outermost first.
     pub(crate) fn check_type_name(&mut self, path: &ast::Path, scope: Scope) -> Option<Vec<Layer>> {
         let none = Some(Vec::new());
         let Some(first) = path.parts.first().filter(|_| !path.global) else { return none };

@@ -1,5 +1,5 @@
-//! What may be named from where: protected elements, elements of classes that are no packages, base
-//! classes that could be replaced (sections 4.1, 5.3.2, 7.1.4 and 13.2.1 of the specification).
+//! Visibility of names: protected elements, and elements of classes that are not packages (sections
+//! 4.1, 5.3.2 and 13.2.1 of the specification).
 
 use super::{ClassGraph, ROOT};
 use crate::base::diag::Diagnostic;
@@ -27,7 +27,7 @@ pub(crate) struct AccessViolation {
 }
 
 impl ClassGraph<'_> {
-    /// Whether `part` may be named behind a dot, as an element of `class`; what is wrong is reported.
+    /// Reports `part` if it may not be named behind a dot as an element of `class`.
     pub(crate) fn check_step(&mut self, class: ClassId, part: ast::Ident) {
         let Some(found) = self.visibility(class, part.name) else { return };
         if self.from_outside(part.span) {
@@ -40,8 +40,8 @@ impl ClassGraph<'_> {
         }
     }
 
-    /// As [`ClassGraph::check_step`], for a class of a name that is only asked for: returned instead of
-    /// said.
+    /// As [`ClassGraph::check_step`], for a name that is only looked up: the violation is returned
+    /// instead of reported.
     pub(crate) fn access_violation(
         &mut self,
         class: ClassId,
@@ -55,7 +55,7 @@ impl ClassGraph<'_> {
         wrong.then_some(AccessViolation { class, part })
     }
 
-    /// Says what was wrong with the name that was looked up last.
+    /// Reports the access violation of the name that was looked up last.
     pub(crate) fn report_access_violation(&mut self) {
         if let Some(AccessViolation { class, part }) = self.violation.take() {
             self.check_step(class, part);
@@ -146,7 +146,7 @@ fn of_element(element: &Element, protected: bool) -> Visibility {
     }
 }
 
-/// What stands behind the last dot.
+/// The part behind the last dot.
 fn last_part(full_name: &str) -> &str {
     full_name.rsplit('.').next().unwrap_or(full_name)
 }

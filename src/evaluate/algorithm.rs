@@ -1,6 +1,6 @@
-//! Statements run on values. Where a condition is known, its branch is taken; where only a run knows
-//! it, both branches are run and every variable they touch becomes an `if` expression. Loops run
-//! as often as is known here. (Chapter 11 of the specification.)
+//! Executes statements on values. If a condition is known, its branch is taken; if it is known only
+//! at run time, both branches are executed and each variable they change becomes an `if`
+//! expression. Loops iterate as often as is known here. (Chapter 11 of the specification.)
 
 use super::Evaluator;
 use super::implicit_ranges::Body;
@@ -25,7 +25,7 @@ pub(crate) enum Flow {
     Return,
 }
 
-/// Conditions under which what is being run was left already; `None` where it was not.
+/// Conditions under which the code being executed was left already; `None` if it was not.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Exits {
     /// The innermost loop, by `break`.
@@ -94,7 +94,7 @@ impl Evaluator<'_> {
             StatementKind::While { condition, body } => {
                 return self.run_while(condition, body, scope);
             }
-            // Where it may not stand was said when the class was read.
+            // A `when` in the wrong place was reported when the class was read.
             StatementKind::When { .. } => return None,
             StatementKind::Break => return Some(Flow::Break),
             StatementKind::Return => return Some(Flow::Return),
@@ -142,7 +142,7 @@ impl Evaluator<'_> {
         if first == second && first != Flow::Next {
             return Some(first);
         }
-        // A branch may leave: what follows counts only where that was not taken.
+        // A branch may leave the loop or function: later statements count only where it did not.
         let left_second = self.exits;
         let all = self.graph.boolean(true);
         let leaves = |flow: Flow, kind: Flow, part: Option<ExprId>| {
@@ -244,8 +244,7 @@ impl Evaluator<'_> {
         result
     }
 
-    /// Runs something in which no loop and no function was left; what leaves them in it counts no
-    /// longer behind it.
+    /// Runs something with no open exits; exits inside it do not affect the code after it.
     pub(super) fn with_exits_closed<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let outer = std::mem::take(&mut self.exits);
         let result = act(self);
@@ -253,8 +252,8 @@ impl Evaluator<'_> {
         result
     }
 
-    /// What a loop in an algorithm, a comprehension or a reduction runs over: how often is known here, the
-    /// values need not be.
+    /// The values of an iterator of an algorithm, a comprehension or a reduction: their number is
+    /// known here, the values need not be.
     pub(crate) fn values_of(
         &mut self,
         iterator: &crate::ir::ast::Iterator,
@@ -273,7 +272,7 @@ impl Evaluator<'_> {
         self.fold_range(iterator, scope)
     }
 
-    /// Whether all of these are whole numbers and the like that may be known.
+    /// Whether all of these are Integers, Booleans or enumeration values that may be known.
     fn may_be_subscripts(&self, values: &[Value]) -> bool {
         values.iter().all(|value| {
             value.scalar().is_some_and(|e| {

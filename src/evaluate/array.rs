@@ -1,5 +1,5 @@
-//! Built-in functions of arrays: their sizes, how they are made, and what is made of them (section 10.3 of
-//! the specification).
+//! Built-in functions of arrays: sizes, constructors and matrix algebra (section 10.3 of the
+//! specification).
 
 use super::Evaluator;
 use super::value::Value;

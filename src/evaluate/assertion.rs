@@ -1,4 +1,4 @@
-//! Assertions of functions, and the conditions under which what is evaluated counts.
+//! Assertions of functions, and the conditions under which the code being evaluated is active.
 
 use super::Evaluator;
 use super::algorithm::Exits;
@@ -10,7 +10,7 @@ use crate::ir::expr::{Const, ExprId};
 use crate::ir::flat::{Assert, AssertionLevel};
 use crate::ir::instance::Scope;
 
-/// An assertion in a function, for a run to decide.
+/// An assertion in a function that is checked at run time.
 #[derive(Clone, Debug)]
 pub(crate) struct Asserted {
     pub(crate) condition: ExprId,
@@ -20,19 +20,19 @@ pub(crate) struct Asserted {
 }
 
 impl Asserted {
-    /// As a statement of a function that the run calls; what does not let it fail has no place there.
+    /// As a statement of a function that is called at run time; warnings are dropped there.
     pub(super) fn in_function(&self) -> Option<(Assert, Span)> {
         let Asserted { condition, message, level, span } = *self;
         (level == AssertionLevel::Error).then_some((Assert { condition, message, level }, span))
     }
 }
 
-/// Assertions that only a run can decide.
+/// Assertions that are decided at run time.
 #[derive(Default, Debug)]
 pub struct Assertions {
     /// Those that no equation, when-clause or function has taken yet.
     pub(crate) pending: Vec<Asserted>,
-    /// Conditions, known only at run time, under which what is being evaluated counts.
+    /// Conditions, known only at run time, under which the code being evaluated is active.
     pub(crate) conditions: Vec<ExprId>,
 }
 
@@ -64,7 +64,7 @@ impl Evaluator<'_> {
         result
     }
 
-    /// True where what is evaluated never counts.
+    /// True if the code being evaluated is never active.
     pub(super) fn is_unreached(&self) -> bool {
         let never = Some(Const::Boolean(false));
         self.assertions.conditions.iter().any(|c| self.graph.as_const(*c) == never)
@@ -95,7 +95,7 @@ impl Evaluator<'_> {
         self.assert_now_or_later(condition, message, level_of(level), span)
     }
 
-    /// Reports what is false here and now; a run decides what only it knows.
+    /// Reports an assertion that is false; leaves one that is not known yet to the run.
     pub(super) fn assert_now_or_later(
         &mut self,
         condition: ExprId,

@@ -1,5 +1,5 @@
-//! The values that variables are bound to: declared, modified, or taken apart from the value of what holds
-//! them (section 7.2 of the specification).
+//! The values of variables: from declarations, from modifications, or as parts of the value of the
+//! enclosing record or array (section 7.2 of the specification).
 
 use std::rc::Rc;
 
@@ -32,7 +32,7 @@ impl Evaluator<'_> {
         if let Some(known) = self.parameters.values.get(&id) {
             return known.clone();
         }
-        // Met again before it has a value, it depends on itself.
+        // A parameter that is asked for again before it has a value depends on itself.
         self.parameters.values.insert(id, None);
         let is_constant = self.instances[id].prefix.variability == Some(Variability::Constant);
         let mode = self.mode.of_parameter(is_constant.then_some(id));
@@ -112,17 +112,17 @@ impl Evaluator<'_> {
         }
     }
 
-    /// True if the binding of a record around an instance comes from further out than its own: the
-    /// record as a whole takes the place of what its class says of its fields (section 7.2.4).
+    /// True if the binding of the enclosing record comes from further outside than that of the
+    /// instance: the record as a whole then overrides the fields of its class (section 7.2.4).
     pub(super) fn outranked(&self, id: InstanceId) -> bool {
         let Some(parent) = self.instances[id].parent else { return false };
-        // A constant that its class gives a value is no field that a constructor could give another.
+        // A constant with a value is not a field that a constructor could set.
         if self.instances[id].declaration.as_ref().is_some_and(function::is_constant) {
             return false;
         }
         match self.instances[parent].kind {
             InstanceKind::Object(_) => {}
-            // An element is what its array is.
+            // An element follows its array.
             InstanceKind::Array { .. } => return self.outranked(parent),
             _ => return false,
         }

@@ -60,7 +60,7 @@ const OTHERS: [&str; 42] = [
     "time",
 ];
 
-/// Operators of the language that are not supported, and what they belong to.
+/// Operators of the language that are not supported, with the chapter they belong to.
 const LATER: &[(&str, &[&str])] = &[
     ("`stream` connectors", &["inStream", "actualStream"]),
     (
@@ -95,7 +95,7 @@ pub(crate) fn argument<'e>(
     args.get(k).or_else(by_name)
 }
 
-/// What is known of built-in functions in the model.
+/// State of the built-in functions of a model.
 #[derive(Default)]
 pub struct Builtins {
     /// Names that no function of the user shadows where they were called.
@@ -146,8 +146,8 @@ impl Evaluator<'_> {
         self.call_with(class, args, named, span, scope)
     }
 
-    /// Whether a function that is declared around hides the predefined one of its name, which stands
-    /// outside of everything (section 5.3.1).
+    /// Whether a function of an enclosing scope shadows the predefined one of its name, which
+    /// belongs to the outermost scope (section 5.3.1).
     fn is_hidden_builtin(&mut self, name: Name, scope: Scope) -> bool {
         let place = (scope.class, name);
         if self.builtins.unshadowed.contains(&place) {
@@ -258,7 +258,7 @@ impl Evaluator<'_> {
         self.problems.push(d);
     }
 
-    /// `None` if the name is no built-in.
+    /// `None` if the name is not a built-in function.
     fn builtin(
         &mut self,
         name: Name,
@@ -463,7 +463,7 @@ impl Evaluator<'_> {
         value?.map(|v| self.of_chosen(v.scalar()?, span, &act).map(Value::Scalar))
     }
 
-    /// As [`Evaluator::of_variable`], of a variable or of one among those that a run chooses from.
+    /// As [`Evaluator::of_variable`], for a variable or for one that is selected at run time.
     fn of_chosen(
         &mut self,
         e: ExprId,
@@ -475,7 +475,7 @@ impl Evaluator<'_> {
                 let ty = self.graph.ty(e);
                 Some(act(self, x, ty))
             }
-            // What never changes is its own past.
+            // A value that never changes equals its `pre` value.
             Node::Const(_) => Some(e),
             Node::If(c, a, b) => {
                 let (a, b) = (self.of_chosen(a, span, act)?, self.of_chosen(b, span, act)?);
@@ -515,7 +515,7 @@ impl Evaluator<'_> {
         self.each_of([a, b], span, |cx, [a, b]| cx.graph.intern(Node::Homotopy(a, b), Type::Real))
     }
 
-    /// What an operator makes of scalars. With arrays it is called for each element (section 12.4.6).
+    /// Applies an operator to scalars. With arrays it is called for each element (section 12.4.6).
     fn each_of<const N: usize>(
         &mut self,
         values: [Value; N],

@@ -1,5 +1,5 @@
-//! Arrays made of parts, of ranges and of iterators, and what is made of all their elements (chapter 10 of the
-//! specification).
+//! Arrays built from parts, ranges and iterators, and reductions of their elements (chapter 10 of
+//! the specification).
 
 use super::Evaluator;
 use super::implicit_ranges::Body;
@@ -232,7 +232,7 @@ impl Evaluator<'_> {
         })))
     }
 
-    /// Sum, product, or the lesser or greater of two. Truth values and enumerations have an order too
+    /// Sum, product, minimum or maximum of two values. Booleans and enumerations are ordered too
     /// (section 10.3.4).
     pub(super) fn joined(&mut self, op: Binary, a: ExprId, b: ExprId) -> ExprId {
         match (op, self.graph.ty(a)) {

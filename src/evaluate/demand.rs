@@ -1,4 +1,4 @@
-//! What the evaluator asks of the component tree.
+//! The evaluator's interface to the component tree.
 //!
 //! Sizes and conditions of components are expressions, and expressions read components: evaluation
 //! and instantiation need each other. The evaluator states its need as a trait, and `instantiate`,

@@ -1,6 +1,6 @@
-//! Elements whose subscripts only a run knows (section 10.5 of the specification). What is read is
-//! chosen among all that may be meant; what is assigned goes to each of them where it is meant, and
-//! leaves it as it was elsewhere.
+//! Elements whose subscripts are known only at run time (section 10.5 of the specification). A read
+//! selects among all candidates; an assignment goes to each candidate under its condition and
+//! leaves the others as they were.
 
 use super::Evaluator;
 use super::reference::Selection;
@@ -33,7 +33,7 @@ impl Evaluator<'_> {
         Some(selection)
     }
 
-    /// `e == k`, for a subscript that counts from 1; `false` is the first of the truth values.
+    /// `e == k`, for a subscript that counts from 1; `false` is the first Boolean.
     fn is_subscript(&mut self, e: ExprId, k: usize) -> ExprId {
         if self.graph.ty(e) == Type::Boolean {
             return if k == 1 { self.graph.not(e) } else { e };
@@ -42,8 +42,8 @@ impl Evaluator<'_> {
         self.graph.binary(Binary::Equal, e, number)
     }
 
-    /// Asserts that a subscript that only a run knows is one of `1:size`. The values of a type that counts
-    /// its dimension all are.
+    /// Asserts that a subscript known only at run time is one of `1:size`. All values of an index
+    /// type are.
     pub(crate) fn assert_in_bounds(
         &mut self,
         e: ExprId,
@@ -79,8 +79,8 @@ impl Evaluator<'_> {
         }
     }
 
-    /// As `choose`, with subscripts that begin at `first`: many are halved, so that neither the text nor
-    /// the search is deep.
+    /// As `choose`, with subscripts that begin at `first`: many are bisected, so that neither the
+    /// printed expression nor the search is deep.
     fn choose_from(
         &mut self,
         e: ExprId,
@@ -131,7 +131,7 @@ impl Evaluator<'_> {
         Some(first.each_scalar(&mut |e| chosen.next().unwrap_or(e)))
     }
 
-    /// What may be meant by selectors: where, and selectors that are all known.
+    /// The candidates of selectors: the condition for each, and selectors that are all known.
     pub(super) fn fixed(
         &mut self,
         dims: &[usize],
@@ -189,7 +189,7 @@ impl Evaluator<'_> {
         mut e: ExprId,
     ) -> Option<()> {
         let before = self.assigned.get(&v).copied();
-        // What comes after `break` leaves a variable as it was.
+        // Statements after `break` leave a variable as it was.
         if let (Some(broken), Some(before)) = (self.exits.broken, before) {
             e = self.graph.if_then_else(broken, before, e);
         }
@@ -204,7 +204,7 @@ impl Evaluator<'_> {
         Some(())
     }
 
-    /// A variable, as an expression that stands for what it holds before it is assigned.
+    /// A variable as an expression: the value before it is assigned.
     pub(crate) fn variable_itself(&mut self, v: VarId) -> Option<ExprId> {
         let (id, _) = *self.instance_of.get(v.0 as usize)?;
         match self.instances[id].kind {
@@ -248,7 +248,7 @@ impl Evaluator<'_> {
 }
 
 impl Selection {
-    /// True if only a run knows what is selected.
+    /// True if the selection is known only at run time.
     fn is_chosen(&self) -> bool {
         match self {
             Selection::Chosen(..) => true,

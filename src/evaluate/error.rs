@@ -17,7 +17,7 @@ impl Evaluator<'_> {
         (result, std::mem::replace(self.problems, before))
     }
 
-    /// A name in an expression that stands for nothing.
+    /// A name in an expression that is not declared.
     pub(crate) fn report_unknown_name(&mut self, wanted: Name, span: Span, scope: Scope) {
         let mut names = Vec::new();
         for name in self.frames.names() {

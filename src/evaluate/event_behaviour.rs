@@ -1,5 +1,5 @@
-//! Functions without events (section 12.4 of the specification): what a function compares or rounds
-//! makes none; what its arguments compare or round does, as anywhere.
+//! Functions without events (section 12.4 of the specification): relations and roundings inside a
+//! function generate no events; those in its arguments do, as anywhere.
 //!
 //! An inlined function is one expression with its arguments, so it is closed by `noEvent` as a whole
 //! only where no argument makes events. Otherwise each operator that the function adds is closed by
@@ -12,13 +12,13 @@ use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type};
 use crate::symbolic::rewrite::Rewriter;
 
-/// Relations of arguments below one relation of the function that are told apart by cases.
+/// Relations of arguments below one relation of the function that are distinguished by cases.
 const MAX_CASES: usize = 4;
 
-/// What is known of an expression.
+/// How an expression behaves at events and between them.
 #[derive(Clone, Copy, Default)]
 pub struct EventBehaviour {
-    /// It reads what changes between events.
+    /// It reads variables that change between events.
     reads: bool,
     /// It changes between events itself: a relation does not, for its changes are events.
     moves: bool,
@@ -26,7 +26,7 @@ pub struct EventBehaviour {
     live: bool,
 }
 
-/// What is known of expressions at events and between them.
+/// How expressions behave at events and between them.
 #[derive(Default)]
 pub struct Events {
     /// Of each expression, by its number.
@@ -36,7 +36,7 @@ pub struct Events {
 }
 
 impl Evaluator<'_> {
-    /// What is known of each expression so far; operands stand before their users.
+    /// Determines the behaviour of each expression so far; operands precede their users.
     fn note_motions(&mut self) {
         for k in self.events.of_nodes.len()..self.graph.len() {
             let motion = self.motion_of_node(ExprId(k as u32));
@@ -107,7 +107,7 @@ impl Evaluator<'_> {
         found
     }
 
-    /// What a function gives, without events but those of its arguments.
+    /// The result of a function, without events except those of its arguments.
     pub(crate) fn without_events(&mut self, result: &Value, given: &FastSet<ExprId>) -> Value {
         self.note_motions();
         let mut roots = Vec::new();
@@ -151,7 +151,7 @@ impl Evaluator<'_> {
         self.by_cases(e, &cases)
     }
 
-    /// The last case is the outermost: operands stand before their users.
+    /// The last case is the outermost: operands precede their users.
     fn by_cases(&mut self, e: ExprId, cases: &[ExprId]) -> ExprId {
         let Some((case, rest)) = cases.split_last() else { return self.graph.no_event(e) };
         let [yes, no] = [true, false].map(|holds| {
@@ -163,8 +163,8 @@ impl Evaluator<'_> {
         self.graph.if_then_else(*case, yes, no)
     }
 
-    /// Of the scalars of a result those of discrete type that change between events, since what the
-    /// function reads does.
+    /// Notes the scalars of discrete type in a result that change between events, because the
+    /// arguments of the function do.
     pub(crate) fn note_moving(&mut self, result: &Value) {
         self.note_motions();
         let mut moving = Vec::new();

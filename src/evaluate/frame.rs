@@ -4,7 +4,7 @@ use super::Evaluator;
 use super::value::Value;
 use crate::base::name::Name;
 
-/// What a frame belongs to.
+/// The kind of code that a frame belongs to.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) enum FrameKind {
     /// A class: components are visible.

@@ -122,7 +122,7 @@ impl Evaluator<'_> {
         let left = self.exits;
         // Where its caller was left before, it is not called.
         let reached = self.neither(left.broken, left.returned);
-        // What is called in a function becomes part of it.
+        // Calls inside a function become part of it.
         let outermost = !self.frames.in_function();
         self.with_exits_closed(|cx| {
             cx.under(reached, |cx| {
@@ -295,8 +295,8 @@ impl Evaluator<'_> {
         number.is_some_and(|x| x != 0.0)
     }
 
-    /// Reads the body of a function that nobody may call, with unknown arguments. Open sizes are taken
-    /// to be [`OPEN_SIZE`], so that what is said of sizes need not hold for others.
+    /// Checks the body of a function that may never be called, with unknown arguments. Open sizes
+    /// are taken to be [`OPEN_SIZE`], so diagnostics about sizes need not hold for others.
     pub fn read_function(&mut self, class: ClassId) {
         let components = self.components(class);
         let mut arguments = Vec::new();
@@ -399,7 +399,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// What the binding and the sizes of a declaration read: the first names of all references.
+    /// The first names of all references in the binding and the sizes of a declaration.
     pub(super) fn read_by(&self, entry: &Entry, declaration: &Declaration) -> Vec<Name> {
         let mut read: Vec<Name> = Vec::new();
         let mut see = |r: &crate::ir::ast::ComponentRef| read.push(r.parts[0].name.name);
@@ -431,7 +431,7 @@ impl Evaluator<'_> {
         order
     }
 
-    /// The value that a declaration, or what extends it, gives a local or a field.
+    /// The binding of a local or a field, from its declaration or from a class that extends it.
     fn declared_value(
         &self,
         entry: &Entry,
@@ -446,7 +446,7 @@ impl Evaluator<'_> {
                     && one.name == name
                     && let Some(binding) = &inner.binding
                 {
-                    // What the modification names are the other fields, and what its class sees.
+                    // The modification refers to other fields and to the scope of its class.
                     let scope = Scope { instance: self.classes[*class].holder, class: *class };
                     return Some((binding.clone(), scope));
                 }
@@ -456,8 +456,9 @@ impl Evaluator<'_> {
         Some((binding, self.declaration_scope(entry)))
     }
 
-    /// Evaluates what a declaration or a modification gives. A short class opens no scope for its
-    /// modifications: they see what is around it, and not the variables of the function (section 4.5.1).
+    /// Evaluates a binding of a declaration or a modification. A short class opens no scope for its
+    /// modifications: they see the enclosing scope, and not the variables of the function (section
+    /// 4.5.1).
     fn evaluate_declared(&mut self, binding: &Expr, written_in: Scope) -> Option<Value> {
         let text = self.text(written_in.class);
         if !text.is_some_and(|t| matches!(t.body, ClassBody::Short(_))) {
@@ -483,7 +484,8 @@ impl Evaluator<'_> {
         Some(sizes)
     }
 
-    /// The sizes that a type has of its own. It sees what is around it, and not the variables of a function.
+    /// The sizes of a type itself. They see the enclosing scope, and not the variables of a
+    /// function.
     fn sizes_of_type(&mut self, class: ClassId) -> Option<Vec<Option<usize>>> {
         let mut sizes = Vec::new();
         for (list, holder) in self.table(class).dims.clone() {
@@ -506,7 +508,7 @@ impl Evaluator<'_> {
         list.into_iter().map(size).collect()
     }
 
-    /// What a local variable, an output or an omitted input starts with.
+    /// The initial value of a local variable, an output or an omitted input.
     pub(super) fn local_start(
         &mut self,
         entry: &Entry,
@@ -562,7 +564,7 @@ impl Evaluator<'_> {
     }
 }
 
-/// What the sizes of a declaration read: the first names of all references.
+/// The first names of all references in the sizes of a declaration.
 pub(super) fn read_by_sizes(declaration: &Declaration) -> Vec<Name> {
     let mut read = Vec::new();
     for s in declaration.component().dims.iter().chain(&declaration.clause().type_dims) {
@@ -580,7 +582,7 @@ fn is_plain(declaration: &Declaration) -> bool {
     parts.len() == 1 && matches!(first, "Real" | "Integer" | "Boolean" | "String")
 }
 
-/// Constants and final fields that have a value are no inputs of the constructor (section 12.6).
+/// Constants and final fields with a value are not inputs of the constructor (section 12.6).
 pub(super) fn is_settled(declaration: &Declaration) -> bool {
     is_constant(declaration) || declaration.element.is_final && has_value(declaration)
 }

@@ -10,7 +10,7 @@ use crate::ir::ast::{Causality, ClassKind, Expr, ExprKind, Ident, Path};
 use crate::ir::instance::{ClassId, Scope};
 
 impl Evaluator<'_> {
-    /// Calls a function that is a value: with what was bound to its arguments before.
+    /// Calls a function value: with the arguments that were bound to it before.
     pub(crate) fn call_value(
         &mut self,
         f: &Partial,

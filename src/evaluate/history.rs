@@ -1,5 +1,5 @@
-//! What expressions were some time ago, and what is carried along a line: `delay` and `spatialDistribution`
-//! (section 3.7.4.2 of the specification).
+//! Delayed expressions and transport along a line: `delay` and `spatialDistribution` (sections
+//! 3.7.4.1 and 3.7.4.2 of the specification).
 
 use super::Evaluator;
 use super::builtin::argument;
@@ -12,7 +12,7 @@ use crate::ir::expr::{Binary, Carried, Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::AssertionLevel;
 use crate::ir::instance::Scope;
 
-/// What is read of the past, as far as it was met.
+/// Delays, transport lines and random numbers found so far.
 #[derive(Clone, Default)]
 pub(crate) struct History {
     /// The variables after all others, in their order.
@@ -21,7 +21,7 @@ pub(crate) struct History {
     pub lines: Vec<TransportCall>,
 }
 
-/// A variable that is made for what equations read.
+/// A synthetic variable that expressions of the model refer to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Synthetic {
     /// A delayed expression.
@@ -35,7 +35,7 @@ pub(crate) enum Synthetic {
 /// An expression that is delayed by a time that stays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DelayCall {
-    /// What is delayed.
+    /// The delayed expression.
     pub value: ExprId,
     /// By how much, s.
     pub time: ExprId,
@@ -48,11 +48,11 @@ pub(crate) struct DelayCall {
 pub(crate) struct TransportCall {
     /// Places of the low and of the high end.
     pub ends: [ExprId; 2],
-    /// What enters there, if anything does.
+    /// The value that enters there, if any.
     pub entering: [Option<ExprId>; 2],
-    /// What is on the line in the beginning: places from the low end on, and values.
+    /// The initial profile of the line: places from the low end on, and values.
     pub initial: Vec<(ExprId, ExprId)>,
-    /// Where time is the line, how far what is read lies back at most.
+    /// For a line in time: the longest delay.
     pub longest: Option<ExprId>,
     /// The places that are read.
     pub readers: Vec<ExprId>,
@@ -61,7 +61,7 @@ pub(crate) struct TransportCall {
 }
 
 impl Evaluator<'_> {
-    /// `delay(e, T)`: what `e` was a time `T` ago; a bound on `T` may follow.
+    /// `delay(e, T)`: the value of `e` a time `T` ago; a bound on `T` may follow.
     pub(crate) fn delay(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let ([e, time] | [e, time, _]) = args else {
             self.wrong_arguments(span, "an expression and a time are");
@@ -81,7 +81,7 @@ impl Evaluator<'_> {
         let fixed = self.parameters.structural.len();
         let known = self.parameter_expression(time, true).and_then(Const::number);
         if known != Some(0.0) {
-            // Only that there is no delay would be structure.
+            // Only a delay of zero would affect the structure.
             for id in self.parameters.structural.split_off(fixed) {
                 self.parameters.values.remove(&id);
             }
@@ -102,7 +102,7 @@ impl Evaluator<'_> {
         }
         value.map(|v| {
             let value = v.scalar()?;
-            // What never changes was always so.
+            // A value that never changes has no history.
             if self.variability(value) <= Variability::Parameter {
                 return Some(Value::Scalar(value));
             }
@@ -125,7 +125,7 @@ impl Evaluator<'_> {
         self.made_variable(self.history.made.len() - 1)
     }
 
-    /// How a variable changes that stands after all others.
+    /// The variability of a synthetic variable, which follows all others.
     pub(crate) fn made_variability(&self, v: VarId) -> Variability {
         let after = (v.0 as usize).checked_sub(self.instance_of.len());
         match after.and_then(|k| self.history.made.get(k)) {
@@ -181,8 +181,9 @@ impl Evaluator<'_> {
         self.carried(TransportCall { ends, entering, initial, longest, readers, span })
     }
 
-    /// `(out0, out1) = spatialDistribution(in0, in1, x, positiveVelocity, initialPoints, initialValues)`:
-    /// what has come to the ends of a line of length 1 along which `x` says how far everything has moved.
+    /// `(out0, out1) = spatialDistribution(in0, in1, x, positiveVelocity, initialPoints,
+    /// initialValues)`: the values that arrive at the ends of a line of length 1, where `x` is the
+    /// distance that its contents have moved.
     pub(crate) fn spatial_distribution(
         &mut self,
         args: &[Expr],
@@ -279,7 +280,7 @@ impl Evaluator<'_> {
         None
     }
 
-    /// What a reader of a line reads. Lines that are the same but for their readers are one.
+    /// The value at a place of a line. Lines that differ only in their readers are one.
     fn carried(&mut self, mut wanted: TransportCall) -> ExprId {
         let places = std::mem::take(&mut wanted.readers);
         let lines = &mut self.history.lines;

@@ -14,7 +14,7 @@ use crate::ir::ast::{
 };
 use crate::ir::instance::{InstanceKind, Scope};
 
-/// What the iterators run over.
+/// The code in the scope of the iterators.
 #[derive(Clone, Copy)]
 pub(crate) enum Body<'a> {
     /// A loop of equations.
@@ -107,7 +107,7 @@ impl Evaluator<'_> {
         };
         let holder = self.instances[id].scope;
         self.type_size(named, holder)?;
-        // Read again where the loop stands, it must be the same type.
+        // Where the loop is evaluated, the name must denote the same type.
         (self.type_size(named, scope) == self.type_size(named, holder)).then(|| named.clone())
     }
 }

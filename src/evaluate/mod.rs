@@ -1,9 +1,10 @@
 //! Expressions of the language to values over the expression graph.
 //!
-//! There is one evaluator. By default a variable stands for itself; while *folding*, parameters and
-//! constants stand for their values, and anything else is an error: so a size, a condition of a
-//! component or a range is computed by the same code that builds the equations. Functions are
-//! evaluated by running their algorithm on values that may be symbolic ([`algorithm`]).
+//! There is one evaluator. By default a variable stands for itself; in the folding [`mode`],
+//! parameters and constants stand for their values and anything else is an error. So a size, a
+//! condition of a component or a range is computed by the same code that builds the equations.
+//! Functions are evaluated by executing their algorithms on values that may be symbolic
+//! ([`algorithm`]).
 
 pub mod algorithm;
 mod array;
@@ -55,18 +56,18 @@ pub(crate) const MAX_ELEMENTS: usize = 10_000_000;
 /// How many calls of functions may be open at once.
 const MAX_DEPTH: usize = 200;
 
-/// Evaluates expressions, and remembers what it found. Each part of its state belongs to the file
-/// that defines the type.
+/// Evaluates expressions and keeps the results. Each part of its state belongs to the file that
+/// defines the type.
 pub struct Evaluator<'a> {
     /// Classes, and the component tree.
     pub class_graph: ClassGraph<'a>,
-    /// What names stand for.
+    /// The meaning of names.
     pub(crate) mode: mode::Mode,
     /// Iterators, and the variables of the functions being run.
     pub(crate) frames: frame::Frames,
     /// Sizes that `end` stands for, innermost last.
     pub(crate) ends: Vec<usize>,
-    /// What the algorithm section being run has assigned to variables of the model.
+    /// Values that the current algorithm section has assigned to variables of the model.
     pub(crate) assigned: FastMap<VarId, ExprId>,
     /// How the loop and the function being run were left.
     pub(crate) exits: algorithm::Exits,
@@ -287,7 +288,7 @@ impl Evaluator<'_> {
         Some(value)
     }
 
-    /// A truth value that must be known before the model runs.
+    /// A Boolean that must be known before simulation.
     pub fn fold_boolean(&mut self, e: &Expr, scope: Scope) -> Option<bool> {
         let value = self.fold(e, scope)?;
         match value.scalar().and_then(|s| self.graph.as_const(s)) {
@@ -299,7 +300,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// A size: a whole number, or the number of values of an enumeration or of `Boolean`.
+    /// A size: an Integer, or the number of values of an enumeration or of `Boolean`.
     pub fn fold_size(&mut self, e: &Expr, scope: Scope) -> Option<usize> {
         if let ExprKind::Ref(r) = &e.kind
             && let Some(n) = self.type_size(r, scope)
@@ -338,7 +339,7 @@ impl Evaluator<'_> {
         None
     }
 
-    /// Whole numbers that must be known before the model runs, such as the values of an iterator.
+    /// Integers that must be known before simulation, such as the values of an iterator.
     pub(crate) fn fold_range(
         &mut self,
         iterator: &ast::Iterator,

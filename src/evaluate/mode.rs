@@ -1,9 +1,9 @@
-//! The mode of the evaluator: what names stand for while an expression is evaluated.
+//! The mode of the evaluator: the meaning of names while an expression is evaluated.
 
 use super::Evaluator;
 use crate::ir::instance::InstanceId;
 
-/// What names stand for, and which of them may be read.
+/// The meaning of names, and which of them may be read.
 ///
 /// By default a variable stands for itself, or for the value that the algorithm being run has
 /// assigned to it. [`Evaluator::with_mode`] changes the mode for one evaluation.

@@ -132,7 +132,7 @@ impl Evaluator<'_> {
         self.problems.push(Diagnostic::error("MO0212", span, message).help(help));
     }
 
-    /// Something else stands where a condition is needed.
+    /// Reports a value that is not a condition.
     pub(crate) fn report_no_truth(&mut self, v: &Value, span: Span) {
         let given = match v {
             Value::Scalar(e) => crate::symbolic::print::type_name(&self.graph, self.graph.ty(*e)),
@@ -148,7 +148,7 @@ impl Evaluator<'_> {
         });
     }
 
-    /// The number of a scalar; texts are let through for `+`.
+    /// The number of a scalar; strings are accepted for `+`.
     pub(super) fn number(&mut self, v: &Value, span: Span) -> Option<ExprId> {
         let Some(e) = v.scalar() else {
             self.error("MO0212", span, "a number is needed here, and this is a record");
@@ -192,7 +192,7 @@ impl Evaluator<'_> {
             (BinaryOp::Or, Some(c)) => self.graph.not(c),
             _ => return self.evaluate(right, scope),
         };
-        // While a function is run on what is known, what does not count is not even read.
+        // While a function is executed on known values, an inactive operand is not even evaluated.
         if self.frames.in_function() && self.graph.as_const(counts) == Some(Const::Boolean(false)) {
             return Some(Value::Scalar(self.graph.boolean(false)));
         }
@@ -361,8 +361,8 @@ impl Evaluator<'_> {
         };
         let c = self.evaluate(condition, scope)?;
         let c = self.truth(&c, condition.span)?;
-        // Conditions on choices and truth values of parameters are decided here: the branch not taken
-        // need not even fit.
+        // Conditions on parameters of discrete type are decided here: the other branch need not
+        // even have the same type.
         match self.decided(c) {
             Some(Const::Boolean(true)) => self.evaluate(value, scope),
             Some(Const::Boolean(false)) => self.if_expression(rest, otherwise, scope),

@@ -1,5 +1,6 @@
 //! Operators of operator records (chapter 14 of the specification): `a + b` calls the function in
-//! `operator '+'` whose inputs fit, and a number beside a record is converted by its constructor.
+//! `operator '+'` whose inputs match, and a number next to a record is converted by its
+//! constructor.
 
 use std::sync::Arc;
 
@@ -119,9 +120,9 @@ impl Evaluator<'_> {
         (self.text(base)?.kind == ClassKind::OperatorRecord).then_some(class)
     }
 
-    /// The class with a text of its own that short classes lead to.
+    /// The long class definition that short classes lead to.
     fn written(&mut self, mut class: ClassId) -> ClassId {
-        // A circle of short classes was reported where it is read.
+        // A cycle of short class definitions was reported where it was read.
         for _ in 0..100 {
             let Some(text) = self.text(class).cloned() else { break };
             let ClassBody::Short(short) = &text.body else { break };

@@ -17,12 +17,13 @@ use crate::symbolic::rewrite::Rewriter;
 /// An input by which is differentiated.
 struct Symbol {
     variable: VarId,
-    /// What it stands for.
+    /// The argument that it represents.
     argument: ExprId,
 }
 
 impl Evaluator<'_> {
-    /// Runs a function, and differentiates what it gives by some of its inputs, one after the other.
+    /// Executes a function and differentiates its outputs by some of its inputs, one after the
+    /// other.
     pub(crate) fn run_differentiated(
         &mut self,
         class: ClassId,

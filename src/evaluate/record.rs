@@ -38,8 +38,8 @@ impl Evaluator<'_> {
         Some(Value::Record(Rc::new(Record { class: Some(class), fields: fields.ok()? })))
     }
 
-    /// The fields of a record in order. What a default reads of other fields is computed before it;
-    /// an error is the place of the field without a value.
+    /// The fields of a record in order. Fields that a default refers to are computed before it; an
+    /// error is the position of the field without a value.
     pub(super) fn fields(
         &mut self,
         components: &[(Entry, Declaration)],
@@ -123,7 +123,7 @@ impl Evaluator<'_> {
         if !outermost {
             return Some(made);
         }
-        // What the class says of the fields that nobody gives stands in the constructor.
+        // The class's bindings of fields that were not given are applied by the constructor.
         let made = self.without_events(&made, &events);
         self.note_moving(&made);
         Some(made)

@@ -1,12 +1,14 @@
-//! Functions that call themselves as deep as only a run knows: they become functions of the flat model.
+//! Recursive functions whose depth is known only at run time: they become functions of the flat
+//! model.
 //!
-//! A call is first run on its arguments like any other. Where it turns out that no condition ends it, all
-//! calls are left up to the outermost one; its body is run once on symbols, and calls of itself in it are
-//! calls of the flat model's function. What arguments are known stays known until a call of itself gives
-//! another value, so that sizes may depend on them.
+//! A call is first executed on its arguments like any other. If no condition ends the recursion,
+//! all calls are unwound up to the outermost one; its body is executed once on symbols, and its
+//! recursive calls become calls of the flat model's function. Known arguments stay known until a
+//! recursive call passes another value, so that sizes may depend on them.
 //!
-//! Each call says in its first argument whether it counts at all: branches become `if` expressions whose
-//! parts may be computed anywhere, and what ends the recursion must not depend on where that is.
+//! The first argument of each call is the condition under which it is active: branches become `if`
+//! expressions whose parts may be computed anywhere, and the end of the recursion must not depend
+//! on where that is.
 
 use super::algorithm::Exits;
 use super::assertion::Asserted;
@@ -34,7 +36,7 @@ pub(crate) struct Call {
     pub(super) class: ClassId,
     /// Whether it is certain that its caller makes it.
     certain: bool,
-    /// How many conditions it stands under.
+    /// The number of conditions around it.
     path: usize,
 }
 
@@ -47,7 +49,7 @@ enum Unwinding {
     Out,
 }
 
-/// What is known of functions that call themselves.
+/// State of recursive functions.
 #[derive(Default)]
 pub(crate) struct Recursions {
     /// Open calls, the innermost last.
@@ -65,7 +67,7 @@ pub(crate) struct Recursions {
 #[derive(Clone)]
 struct Recursive {
     id: FunctionId,
-    /// Its inputs: symbols, and what is the same in all calls.
+    /// Its inputs: symbols, and values that are the same in all calls.
     inputs: Vec<Value>,
     symbols: FastSet<ExprId>,
     /// The sizes and types of its outputs.
@@ -175,7 +177,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// What a call comes to that was left since it is too deep, where it is the outermost one.
+    /// Result of an outermost call that was unwound because the recursion is too deep.
     pub(super) fn caught(
         &mut self,
         class: ClassId,
@@ -247,7 +249,7 @@ impl Evaluator<'_> {
         self.recursions.widened.iter().filter(|(of, _)| *of == class).count()
     }
 
-    /// Reads the body of a function with symbols for what is not the same in all of its calls.
+    /// Executes the body of a function with symbols for the inputs that differ between calls.
     fn attempt(
         &mut self,
         class: ClassId,
@@ -299,8 +301,8 @@ impl Evaluator<'_> {
         });
     }
 
-    /// The inputs with symbols for those of their scalars that are unknown or were widened; whole numbers and
-    /// the like that parameters decide become known.
+    /// The inputs, with symbols for scalars that are unknown or were widened; discrete ones that
+    /// parameters determine become known.
     fn symbolic(
         &mut self,
         class: ClassId,
@@ -339,7 +341,7 @@ impl Evaluator<'_> {
         Some((inputs, symbols))
     }
 
-    /// The constant that stands for a scalar in all calls, if there is one.
+    /// The constant value of a scalar in all calls, if it has one.
     fn settled(&mut self, e: ExprId) -> Option<ExprId> {
         if self.graph.as_const(e).is_some() {
             return Some(e);
@@ -370,7 +372,7 @@ impl Evaluator<'_> {
                 if function.symbols.contains(&e) {
                     arguments.push(argument);
                 } else if argument != e {
-                    // Parameters that were fixed are what they were fixed to.
+                    // Parameters that fix the structure have their values.
                     let known = self.settled(argument);
                     if known != Some(e) {
                         others.push(number);
@@ -382,7 +384,7 @@ impl Evaluator<'_> {
         if others.is_empty() { Fit::Fits(arguments) } else { Fit::Others(others) }
     }
 
-    /// The condition under which what is being run counts.
+    /// The condition under which the code being executed is active.
     fn counts(&mut self) -> ExprId {
         let mut all = self.graph.boolean(true);
         for c in self.assertions.conditions.clone() {
@@ -536,7 +538,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Gives the inputs their values, and then these components and what they read.
+    /// Declares the inputs with their values, then these components and their dependencies.
     fn declare_for(
         &mut self,
         class: ClassId,

@@ -1,4 +1,4 @@
-//! Component references: what a dotted name with subscripts stands for.
+//! Component references: the meaning of a dotted name with subscripts.
 
 use std::rc::Rc;
 
@@ -25,7 +25,7 @@ pub enum Selection {
     Element(InstanceId, usize),
     /// Several, row-major.
     Many(Vec<usize>, Vec<Selection>),
-    /// One of these, by a subscript that only a run knows.
+    /// One of these, by a subscript known only at run time.
     Chosen(ExprId, Vec<Selection>),
     /// A component whose condition is false.
     Absent,
@@ -40,7 +40,7 @@ pub struct Units {
     has_unit: FastMap<InstanceId, bool>,
 }
 
-/// What the first identifiers of a reference stand for.
+/// The meaning of the first identifiers of a reference.
 enum Start {
     Instance(InstanceId, usize),
     Literal(ExprId),
@@ -79,7 +79,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// The components that a reference names, where a run may choose among them.
+    /// The components that a reference names, also with subscripts known only at run time.
     pub(crate) fn select_target(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
         match self.start_of(r, scope)? {
             Start::Literal(_) => {
@@ -141,7 +141,7 @@ impl Evaluator<'_> {
         None
     }
 
-    /// In what is partial nothing is looked up from outside (section 5.3.2).
+    /// Elements of a partial class are not accessed from outside (section 5.3.2).
     fn check_not_partial(&mut self, class: ClassId, part: Ident, scope: Scope) {
         let Some(partial) = self.partial_text(class) else { return };
         let mut around = Some(scope.class);
@@ -164,8 +164,8 @@ impl Evaluator<'_> {
         );
     }
 
-    /// The component of the instance in hand that a name in the text of `scope.class` means: what a class
-    /// that extends this one adds is not known in it (section 7.1).
+    /// The component of the current instance that a name in `scope.class` refers to: elements that
+    /// a derived class adds are not visible in it (section 7.1).
     fn visible(&mut self, scope: Scope, wanted: Name) -> Option<InstanceId> {
         let id = self.child(scope.instance, wanted)?;
         let own = self.instances[scope.instance].class;
@@ -176,7 +176,7 @@ impl Evaluator<'_> {
         if of_text.index.contains_key(&wanted) {
             return Some(id);
         }
-        // What connections have added to a bus stands in no class.
+        // Variables that connections added to a bus belong to no class.
         let of_instance = self.table_of(scope.instance);
         (!of_instance.index.contains_key(&wanted) || self.is_short(scope.class)).then_some(id)
     }
@@ -387,7 +387,7 @@ impl Evaluator<'_> {
         scope: Scope,
         span: Span,
     ) -> Option<Value> {
-        // A variable subscripted by what only a run knows is chosen among by conditions.
+        // A variable with a subscript known only at run time is selected by conditions.
         if let [part] = parts
             && !part.subscripts.is_empty()
         {
@@ -490,8 +490,8 @@ impl Evaluator<'_> {
         }
     }
 
-    /// The value of a constant, and while folding of a parameter; `Some(None)` where the variable stands
-    /// for itself.
+    /// The value of a constant, and in the folding mode of a parameter; `Some(None)` where the
+    /// variable stands for itself.
     fn known_value(&mut self, id: InstanceId, span: Span) -> Option<Option<Value>> {
         let variability = self.instances[id].prefix.variability;
         let folds = match variability {
@@ -528,7 +528,7 @@ impl Evaluator<'_> {
             return None;
         };
         if self.mode.sizes {
-            // What fixes the structure decides shapes too.
+            // Structural parameters determine sizes too.
             if variability == Some(Variability::Parameter)
                 && ty != Type::Real
                 && self.bound(id)
@@ -582,7 +582,7 @@ impl Evaluator<'_> {
         found
     }
 
-    /// A parameter that depends on itself has no value; what else is missing was reported before.
+    /// A parameter that depends on itself has no value; other causes were reported before.
     fn report_no_value(&mut self, id: InstanceId, span: Span) {
         if self.problems.has_errors() {
             return;

@@ -1,8 +1,8 @@
-//! Loops whose length only a run knows: they become functions of the flat model.
+//! Loops whose trip count is known only at run time: they become functions of the flat model.
 //!
-//! The variables that a loop changes are the locals of such a function. Its body is run once on them
-//! as symbols, and what it leaves in them is what one turn assigns. Whatever else the loop reads
-//! goes in as an argument.
+//! The variables that a loop changes are the locals of such a function. Its body is executed once
+//! on them as symbols; their final values are the assignments of one iteration. Anything else that
+//! the loop reads is passed as an argument.
 
 use super::Evaluator;
 use super::algorithm::{Exits, Flow};
@@ -27,29 +27,29 @@ pub(crate) fn symbol(k: u32) -> VarId {
 pub struct Loops {
     /// All of them.
     pub(crate) functions: Vec<Function>,
-    /// Those made of loops, by place, by how many arguments they have and by their expressions: a
-    /// loop that is met again is the same.
+    /// Those made of loops, by source span, number of arguments and expressions: an identical loop
+    /// is reused.
     pub(super) by_body: FastMap<(Span, usize, Vec<ExprId>), FunctionId>,
     /// How many symbols such functions have.
     pub(super) symbols: u32,
 }
 
-/// What one turn of a loop makes of what it finds, in terms of symbols.
+/// One iteration of a loop, in terms of symbols.
 #[derive(Default)]
 struct Turn {
     symbols: Vec<VarId>,
-    /// What the symbols stand for before the first turn.
+    /// The values of the symbols before the first iteration.
     initial: Vec<ExprId>,
-    /// What they stand for after a turn.
+    /// Their values after an iteration.
     turned: Vec<ExprId>,
-    /// What is asserted in a turn.
+    /// The assertions of an iteration.
     asserts: Vec<Asserted>,
     /// The condition for it.
     condition: Option<ExprId>,
 }
 
 impl Turn {
-    /// A new symbol for what is `initial` before the first turn.
+    /// A new symbol with the value `initial` before the first iteration.
     fn symbol(&mut self, graph: &mut Graph, counter: &mut u32, initial: ExprId) -> ExprId {
         let v = symbol(*counter);
         *counter += 1;
@@ -59,7 +59,7 @@ impl Turn {
     }
 }
 
-/// A range whose bounds only a run knows.
+/// A range whose bounds are known only at run time.
 struct Range {
     start: ExprId,
     step: ExprId,
@@ -84,8 +84,8 @@ impl Evaluator<'_> {
         })
     }
 
-    /// Makes a function of a loop over `iterators` whose first range has bounds that only a run knows, and
-    /// assigns its outputs; false if the bounds are known.
+    /// Makes a function of a loop over `iterators` whose first range has bounds known only at run
+    /// time, and assigns its outputs; false if the bounds are known.
     pub(crate) fn repeat_for(
         &mut self,
         iterators: &[Loop],
@@ -95,7 +95,8 @@ impl Evaluator<'_> {
         let Some((first, rest)) = iterators.split_first() else { return Some(false) };
         let Some(range) = self.open_range(first, scope)? else { return Some(false) };
         let span = first.range.as_ref().map_or(first.name.span, |r| r.span);
-        // The iterator is computed from the number of the turn: a sum of steps would round.
+        // The iterator is computed from the number of the iteration: a sum of steps would
+        // accumulate rounding errors.
         let turns = crate::base::name::name("$turn");
         let mut names: FastSet<Name> = std::iter::once(turns).collect();
         super::implicit_ranges::assigned(body, &mut names);
@@ -119,7 +120,7 @@ impl Evaluator<'_> {
         done.map(|()| true)
     }
 
-    /// What stands for every value of an iterator whose range only a run knows.
+    /// A symbol for the values of an iterator whose range is known only at run time.
     pub(crate) fn unknown_turn(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Value>> {
         let Some(range) = self.open_range(iterator, scope)? else { return Some(None) };
         let ty = self.graph.common_type(range.start, range.step);
@@ -128,7 +129,7 @@ impl Evaluator<'_> {
         Some(Some(Value::Scalar(self.graph.var(any, ty))))
     }
 
-    /// The bounds of a range that only a run knows.
+    /// The bounds of a range if they are known only at run time.
     fn open_range(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Range>> {
         let Some(range) = &iterator.range else { return Some(None) };
         let ExprKind::Range { start, step, stop } = &range.kind else { return Some(None) };
@@ -148,7 +149,8 @@ impl Evaluator<'_> {
         Some((!known).then_some(Range { start, step, stop }))
     }
 
-    /// Whether there is a turn of this number, counted from 0 (as many as a vector of the range has elements).
+    /// Whether there is an iteration of this number, counted from 0 (as many as a vector of the
+    /// range has elements).
     fn is_within(&mut self, turn: ExprId, range: &Range) -> ExprId {
         let way = self.graph.sub(range.stop, range.start);
         let whole = [way, range.step].into_iter().all(|e| self.graph.ty(e) == Type::Integer);
@@ -160,8 +162,8 @@ impl Evaluator<'_> {
         self.graph.binary(Binary::LessEqual, turn, last)
     }
 
-    /// Makes a function of a loop in which locals of these names change, and assigns its outputs. `turn` runs
-    /// one: the condition for it, and how it ends.
+    /// Makes a function of a loop that changes locals of these names, and assigns its outputs.
+    /// `run` executes one iteration and returns its condition and how it ends.
     fn repeat(
         &mut self,
         names: &FastSet<Name>,
@@ -177,7 +179,7 @@ impl Evaluator<'_> {
             let symbolic = before[k].1.each_scalar(&mut |e| turn.symbol(graph, counter, e));
             self.frames.visible_mut()[k].1 = symbolic;
         }
-        // In a model, what its algorithm assigns.
+        // In a model: the variables that its algorithm assigns.
         let outside = match self.frames.in_function() {
             true => FastMap::default(),
             false => self.assigned.clone(),
@@ -226,9 +228,9 @@ impl Evaluator<'_> {
         Some(())
     }
 
-    /// A loop that may be left by `break` or `return`, or was left before, goes on while a symbol says
-    /// so; a last symbol says whether it was left by `return`. In comes how it was left `before`, out go
-    /// the condition for another turn, and whether there is that last symbol.
+    /// A loop that contains `break` or `return`, or follows an exit, continues while a symbol
+    /// holds; a last symbol records whether it was left by `return`. Takes the exits `before` it;
+    /// returns the condition for another iteration, and whether there is that last symbol.
     fn until_left(
         &mut self,
         condition: ExprId,
@@ -267,9 +269,9 @@ impl Evaluator<'_> {
         result
     }
 
-    /// Calls a loop as a function: what its symbols stand for in the end.
+    /// Calls a loop as a function: the final values of its symbols.
     fn called_loop(&mut self, turn: Turn, condition: ExprId, span: Span) -> Vec<ExprId> {
-        // A whole number may become a real one in the loop.
+        // An Integer may become a Real in the loop.
         let both = turn.initial.iter().zip(&turn.turned);
         let types: Vec<Type> = both.map(|(a, b)| self.graph.common_type(*a, *b)).collect();
         let name = match self.recursions.calls.last() {
@@ -294,11 +296,11 @@ impl Evaluator<'_> {
     }
 }
 
-/// What an assertion in a loop may compute beside what a turn always does. One that needs more, such as what is
-/// computed in one branch alone, would make each turn take longer: it is left out.
+/// Nodes that an assertion in a loop may compute in addition to the iteration. One that needs more,
+/// such as a value of one branch alone, would slow each iteration down: it is dropped.
 const MOST_ASSERTED: usize = 32;
 
-/// A truth value that only an assertion reads may be computed from so many parts.
+/// Nodes of a Boolean argument that only an assertion reads.
 const MOST_CAPTURED: usize = 8;
 
 /// Whether these are so few, and none is a call.
@@ -333,7 +335,7 @@ fn outside(
     found
 }
 
-/// What is computed whatever branches are taken.
+/// Nodes that are computed whichever branches are taken.
 fn always(graph: &Graph, roots: &[ExprId]) -> FastSet<ExprId> {
     let mut found: FastSet<ExprId> = FastSet::default();
     let mut pending = roots.to_vec();
@@ -350,7 +352,7 @@ fn always(graph: &Graph, roots: &[ExprId]) -> FastSet<ExprId> {
     found
 }
 
-/// The function of a loop over symbols, and what it reads besides them.
+/// The function of a loop over symbols, and the expressions it captures.
 fn function(
     graph: &mut Graph,
     name: String,
@@ -360,7 +362,7 @@ fn function(
 ) -> (Function, Vec<ExprId>) {
     let mut asserts: Vec<(Assert, Span)> =
         asserts.iter().filter_map(Asserted::in_function).collect();
-    // In a turn its condition holds.
+    // In an iteration the condition holds.
     let mut rewriter = Rewriter::new();
     for (assert, _) in &mut asserts {
         assert.condition = rewriter.apply(graph, assert.condition, &mut |g, n| {
@@ -378,8 +380,8 @@ fn function(
     for (k, v) in symbols.iter().enumerate() {
         locals.insert(*v, k as u32);
     }
-    // What reads a symbol is computed inside, and so are calls in branches that may not be taken; the largest
-    // parts that are not are arguments.
+    // Expressions that read a symbol are computed inside, and so are calls in branches that may not
+    // be taken; the largest others become arguments.
     let mut inside: FastSet<ExprId> = FastSet::default();
     let mut calls: FastSet<ExprId> = FastSet::default();
     roots.extend(asserts.iter().flat_map(|(a, _)| [a.condition, a.message]));
@@ -397,7 +399,7 @@ fn function(
             inside.insert(n);
         }
     }
-    // A message is put together where it is said.
+    // A message is built where the assertion is checked.
     let messages = graph.postorder(asserts.iter().map(|(a, _)| a.message));
     inside.extend(messages.into_iter().filter(|n| graph.ty(*n) == Type::String));
     // Assertions have few arguments of their own: calls are differentiated by each.
@@ -445,7 +447,7 @@ fn function(
     }
     let (count, inputs) = (symbols.len(), symbols.len() + captured.len());
     let mut names: Vec<String> = (1..=inputs).map(|k| format!("x{k}")).collect();
-    // All are assigned at once: new values first stand beside the old ones.
+    // All variables are assigned at once: new values are first stored separately.
     names.extend((1..=count).map(|k| format!("next{k}")));
     let id = |k: usize| LocalId::from_usize(k);
     turn.extend(turned.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)));

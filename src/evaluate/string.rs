@@ -1,4 +1,4 @@
-//! `String(...)`: values as texts (section 3.7.2 of the specification).
+//! `String(...)`: conversion of values (section 3.7.2 of the specification).
 
 use super::Evaluator;
 use super::value::Value;
@@ -28,7 +28,7 @@ impl Evaluator<'_> {
         self.overloaded("'String'", &operands, span)
     }
 
-    /// Texts of values, which a run may know alone.
+    /// The strings of values, which may be known only at run time.
     pub(super) fn string_call(
         &mut self,
         args: &[Expr],
@@ -78,7 +78,7 @@ impl Evaluator<'_> {
         if let Some(chosen) = self.text_of_choice(e, form) {
             return Some(Value::Scalar(chosen));
         }
-        // What is declared Real is written as such, also if its value is whole.
+        // A Real is written as such, also if its value is an Integer.
         let real = self.graph.ty(e) == Type::Real;
         let e = match self.graph.as_const(e) {
             Some(Const::Integer(i)) if real => self.graph.real(i as f64),
@@ -87,7 +87,7 @@ impl Evaluator<'_> {
         Some(Value::Scalar(self.graph.unary(Unary::Text(form), e)))
     }
 
-    /// The text of a truth value or of an enumeration that only a run knows.
+    /// The string of a Boolean or of an enumeration value known only at run time.
     fn text_of_choice(&mut self, e: ExprId, form: Form) -> Option<ExprId> {
         if self.graph.as_const(e).is_some() {
             return None;

@@ -1,4 +1,4 @@
-//! Subscripts: what they select of an array, before the model runs and while it does (section 10.5 of the
+//! Subscripts of arrays, known before simulation or at run time (section 10.5 of the
 //! specification).
 
 use super::Evaluator;
@@ -21,7 +21,7 @@ pub(super) enum Selector {
 }
 
 impl Selector {
-    /// True if only a run knows what it selects.
+    /// True if the selected element is known only at run time.
     pub(super) fn is_chosen(&self) -> bool {
         matches!(self, Selector::Dynamic(_) | Selector::Each(_))
     }
@@ -51,7 +51,7 @@ impl Evaluator<'_> {
         self.apply(&value, &selectors, span)
     }
 
-    /// What selectors select of an array of the given sizes; `element` says what is at a position.
+    /// The selection of an array of the given sizes; `element` returns the one at a position.
     pub(super) fn selected(
         &mut self,
         dims: &[usize],
@@ -152,7 +152,7 @@ impl Evaluator<'_> {
             }
         };
         if i < 1 || i as usize > size {
-            // What does not count may be any of them, and where shapes alone do all serve.
+            // In inactive code, and where only sizes matter, any position serves.
             if size > 0 && (self.is_unreached() || self.mode.sizes) {
                 return Some(1);
             }
@@ -205,8 +205,8 @@ impl Evaluator<'_> {
     }
 }
 
-/// Where one of the selectors selects several that only a run knows: the sizes of what is selected, and
-/// selectors for each scalar of it, row-major.
+/// If one of the selectors selects several elements known only at run time: the sizes of the
+/// selection, and selectors for each of its scalars, row-major.
 pub(super) fn one_by_one(
     dims: &[usize],
     selectors: &[Selector],

@@ -1,4 +1,4 @@
-//! What an expression of the language stands for: scalars of the graph, arrays and records of them.
+//! Values of expressions: scalars of the graph, arrays and records of them.
 
 use std::rc::Rc;
 

@@ -8,7 +8,7 @@ use crate::ir::ast::Variability;
 use crate::ir::expr::{Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::InstanceKind;
 impl Evaluator<'_> {
-    /// The slowest class of change of what an expression reads.
+    /// The variability of an expression: the fastest of its operands.
     pub fn variability(&self, e: ExprId) -> Variability {
         let mut most = Variability::Constant;
         for n in self.graph.postorder([e]) {
@@ -25,8 +25,8 @@ impl Evaluator<'_> {
         most
     }
 
-    /// Whether a value may change between events: relations and what counts in steps change at events
-    /// only, unless they stand in a function (section 3.8.3). Who writes `noEvent` knows what that does.
+    /// Whether a value may change between events: relations and rounding functions change at events
+    /// only, except inside functions (section 3.8.3). `noEvent` is the user's responsibility.
     pub fn changes_between_events(&self, e: ExprId) -> bool {
         let mut moving: FastMap<ExprId, bool> = FastMap::default();
         for n in self.graph.postorder([e]) {
@@ -81,8 +81,8 @@ impl Evaluator<'_> {
         }
     }
 
-    /// The value of an expression that reads parameters of discrete type only (truth values, whole
-    /// numbers, choices): such parameters fix the structure, as conditions of components do.
+    /// The value of an expression that reads parameters of discrete type only (Booleans, Integers,
+    /// enumerations): such parameters fix the structure, as conditions of components do.
     pub(crate) fn structural_value(&mut self, e: ExprId) -> Option<Const> {
         self.parameter_expression(e, false)
     }
@@ -92,7 +92,7 @@ impl Evaluator<'_> {
         if let Some(c) = self.graph.as_const(e) {
             return Some(c);
         }
-        // Most of what has no value shows it on the first way down, whatever stands beside.
+        // Most unknown expressions show it at their first leaf.
         if !self.may_be_known(self.first_leaf(e), reals) {
             return None;
         }
@@ -120,7 +120,7 @@ impl Evaluator<'_> {
         self.graph.as_const(folded)
     }
 
-    /// A leaf of an expression that is no literal: the one that is reached by first operands.
+    /// The leaf of an expression that first operands lead to, literals excluded.
     pub(super) fn first_leaf(&self, mut e: ExprId) -> ExprId {
         loop {
             let mut next = None;
@@ -136,7 +136,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// False for a node that only a run knows; `reals` says whether Real parameters are known.
+    /// False for a node known only at run time; `reals` says whether Real parameters are known.
     pub(super) fn may_be_known(&self, n: ExprId, reals: bool) -> bool {
         match self.graph.node(n) {
             Node::Var(v) => {

@@ -28,7 +28,7 @@ pub fn complete_all(cx: &mut Evaluator<'_>, root: InstanceId) {
     }
 }
 
-/// What an instance is; `None` after an error.
+/// The kind of an instance; `None` after an error.
 pub(super) fn kind(cx: &mut Evaluator<'_>, id: InstanceId) -> Option<InstanceKind> {
     match cx.instances[id].declaration.clone() {
         Some(declaration) => match from_cache(cx, id, &declaration) {
@@ -39,7 +39,7 @@ pub(super) fn kind(cx: &mut Evaluator<'_>, id: InstanceId) -> Option<InstanceKin
     }
 }
 
-/// What a component is whose declaration means the same as for another one, and is known.
+/// The kind of a component whose declaration is cached.
 fn from_cache(
     cx: &mut Evaluator<'_>,
     id: InstanceId,
@@ -54,7 +54,7 @@ fn from_cache(
     }
 }
 
-/// What a declared component is; `None` after an error.
+/// The kind of a declared component; `None` after an error.
 fn declared(
     cx: &mut Evaluator<'_>,
     id: InstanceId,
@@ -79,7 +79,7 @@ fn declared(
     }
     let condition = match &component.condition {
         Some(condition) => Some((condition.clone(), scope)),
-        // What the redeclaration does not say stays as it was (section 7.3).
+        // Parts that the redeclaration omits stay as they were (section 7.3).
         None => replaced_declaration(cx, id, declaration)
             .and_then(|(before, own)| Some((before.component().condition.clone()?, own))),
     };
@@ -192,7 +192,7 @@ fn sizes_of_dimensions(
                 None if !cx.bound(id) => start_value(cx, id),
                 value => value,
             });
-            // Why a binding has no value was said.
+            // The reason why a binding has no value was reported.
             if value.is_none() && cx.bound(id) && cx.problems.has_errors() {
                 return None;
             }
@@ -322,7 +322,8 @@ fn child_instance(
     }
     let mut scope = own;
     let mut declared = declaration.clone();
-    // Of a chain of redeclarations the outermost counts; of the others what constrains it.
+    // In a chain of redeclarations the outermost one counts; the others contribute their
+    // constraining clauses.
     let mut replaced = false;
     for (replacement, at) in component_redeclarations(cx, &outer, entry, parent, wanted) {
         let constraint = constraint(&replacement.element).cloned();
@@ -339,7 +340,7 @@ fn child_instance(
             declared = replacement;
             let before = &declaration.element;
             if (before.inner, before.outer) != (declared.element.inner, declared.element.outer) {
-                // What the redeclaration does not say stays as it was (section 7.3).
+                // Parts that the redeclaration omits stay as they were (section 7.3).
                 let element = Rc::make_mut(&mut declared.element);
                 element.inner |= before.inner;
                 element.outer |= before.outer;
@@ -354,8 +355,8 @@ fn child_instance(
         };
         layer.child(wanted, &mut layers);
     }
-    // What the original declaration says also holds for a replacement (section 7.3.2), unless
-    // a constraining clause says what does.
+    // The modifications of the original declaration also hold for a replacement (section 7.3.2),
+    // unless a constraining clause has its own.
     let constraint = constraint(&declaration.element);
     if !replaced || constraint.is_none() {
         push_whole(cx, &mut layers, declaration.component().modification.as_ref(), own);
@@ -366,7 +367,7 @@ fn child_instance(
     let holder = &cx.instances[parent];
     let mut prefix = holder.prefix;
     if replaced {
-        // What the redeclaration does not say stays as it was (section 7.3).
+        // Parts that the redeclaration omits stay as they were (section 7.3).
         merge_prefix(&mut prefix, declaration.clause().prefix);
     }
     let protected = holder.protected || entry.protected;
@@ -461,7 +462,7 @@ fn check_final_attribute(cx: &mut Evaluator<'_>, id: InstanceId, attribute: Name
     }
 }
 
-/// What is `final` inside is not bound again further outside (section 7.2.6 of the specification).
+/// A `final` binding is not overridden further outside (section 7.2.6 of the specification).
 fn check_final(cx: &mut Evaluator<'_>, id: InstanceId) {
     let bindings: Vec<Binding> =
         cx.instances[id].layers.iter().filter_map(Layer::binding).collect();

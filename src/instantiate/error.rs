@@ -16,7 +16,7 @@ pub(crate) fn report_component_cycle(cx: &mut Evaluator<'_>, id: InstanceId) {
     cx.instances[id].kind = InstanceKind::Broken;
 }
 
-/// Partial classes and classes that are no types of components can not be instantiated.
+/// Partial classes, packages and functions cannot be instantiated, nor a class inside itself.
 pub(crate) fn check_instantiable(cx: &mut Evaluator<'_>, id: InstanceId, class: ClassId) {
     let Some(text) = cx.text(class).cloned() else { return };
     let Some(declaration) = cx.instances[id].declaration.clone() else { return };

@@ -1,5 +1,5 @@
-//! `inner` and `outer`: what an outer component promises, the inner one must have, and only the inner one
-//! is modified (section 5.4 of the specification).
+//! `inner` and `outer`: the `inner` component must be plug-compatible with the `outer` ones, and
+//! only it may be modified (section 5.4 of the specification).
 
 use std::rc::Rc;
 
@@ -41,8 +41,8 @@ fn around(cx: &Evaluator<'_>, id: InstanceId) -> Option<InstanceId> {
     instance.parent.or(holder).filter(|around| *around != ROOT.instance && *around != id)
 }
 
-/// What a name stands for where it is read: an `inner outer` component is the outer one to all but
-/// the components inside of its own (section 5.4).
+/// The component that a name refers to: to all but the components inside it, an `inner outer`
+/// component is the outer one (section 5.4).
 pub(crate) fn outer_of(cx: &mut Evaluator<'_>, id: InstanceId) -> InstanceId {
     let both = cx.instances[id]
         .declaration
@@ -55,8 +55,8 @@ pub(crate) fn outer_of(cx: &mut Evaluator<'_>, id: InstanceId) -> InstanceId {
     }
 }
 
-/// The `inner` component that is missing, at the top of the model and as its class makes it: what an
-/// `outer` model stands for is wanted once (section 5.4).
+/// Adds a missing `inner` component at the top of the model, with the defaults of its class: an
+/// `outer` model needs it only once (section 5.4).
 pub(crate) fn add_inner(
     cx: &mut Evaluator<'_>,
     id: InstanceId,
@@ -130,7 +130,7 @@ pub(crate) fn check_outer_unmodified(cx: &mut Evaluator<'_>, id: InstanceId, nam
     }
 }
 
-/// The `inner` component must have what the `outer` one promises.
+/// The `inner` component must have the elements of the `outer` one.
 pub(crate) fn check_inner_fits(
     cx: &mut Evaluator<'_>,
     id: InstanceId,
@@ -173,7 +173,7 @@ pub(crate) fn check_inner_fits(
     );
 }
 
-/// One that was added stands for `outer` components of one class only.
+/// An added `inner` component serves `outer` components of one class only.
 fn added_for_another(
     cx: &mut Evaluator<'_>,
     inner: InstanceId,

@@ -1,5 +1,5 @@
-//! Modifications without effect: allowed, and seldom meant. `mocc check` asks for them, of the classes
-//! of a file. What is overridden further outside is the way of the language, and no such case.
+//! Modifications without effect: allowed, but seldom meant. `mocc check` reports them for the
+//! classes of a file. Overriding a modification from further outside is common and not reported.
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -10,7 +10,7 @@ use crate::ir::ast::{
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::ir::modification::LayerSource;
 
-/// Warns of `each` in the modifications of what is no array (section 7.2.5).
+/// Warns of `each` in the modifications of a component that is not an array (section 7.2.5).
 pub fn report_each_of_one(cx: &mut ClassGraph<'_>, class: ClassId) {
     let Some(text) = cx.text(class).cloned() else { return };
     let ClassBody::Long(composition) = &text.body else { return };
@@ -40,8 +40,8 @@ fn is_array_type(cx: &mut ClassGraph<'_>, class: ClassId, clause: &ComponentClau
         || cx.find_class(&clause.type_name, scope).is_none_or(|of| !cx.table(of).dims.is_empty())
 }
 
-/// Warns of modifications, in the text of the model that was instantiated, of components that are
-/// switched off by a truth value that is written out.
+/// Warns of modifications, in the definition of the instantiated model, of components that are
+/// disabled by a Boolean literal.
 pub fn report_modified_absent(cx: &mut ClassGraph<'_>, class: ClassId) {
     let Some(file) = cx.text(class).map(|t| t.span.file) else { return };
     for id in cx.instances.ids().collect::<Vec<_>>() {
@@ -60,8 +60,8 @@ pub fn report_modified_absent(cx: &mut ClassGraph<'_>, class: ClassId) {
     }
 }
 
-/// The parameter beside a conditional component that is its condition, if its value is `true` or
-/// `false` as written: not one that something else decides.
+/// The sibling parameter that is the condition of a component, if its value is the literal `true`
+/// or `false`, not an expression.
 fn written_switch(cx: &mut ClassGraph<'_>, id: InstanceId) -> Option<InstanceId> {
     let condition = cx.instances[id].declaration.as_ref()?.component().condition.clone()?;
     let switch = match &condition.kind {

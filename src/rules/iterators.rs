@@ -1,4 +1,4 @@
-//! The iterators in the text of a class.
+//! The iterators in a class definition.
 
 use crate::ir::ast::{
     ArgumentKind, Composition, ElementKind, Equation, EquationKind, Expr, ExprKind, Ident,

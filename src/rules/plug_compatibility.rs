@@ -1,9 +1,9 @@
-//! What may be redeclared, and to what (sections 7.3.2 and 7.3.3 of the specification).
+//! Redeclarations and plug-compatibility (sections 6.4, 7.3.2 and 7.3.3 of the specification).
 //!
-//! Only what is `replaceable` can get another type, and that must have what the constraining class
-//! has: the class behind `constrainedby`, or else the one that is replaced. Asked are the names and
-//! kinds of public elements and predefined types; sizes and prefixes of elements are found to fit or
-//! not where they are used.
+//! Only a `replaceable` element can get another type, which must be plug-compatible with the
+//! constraining class: the class behind `constrainedby`, or else the one that is replaced. Names
+//! and kinds of public elements and predefined types are compared; sizes and prefixes of elements
+//! are checked where they are used.
 
 use std::rc::Rc;
 
@@ -22,8 +22,7 @@ struct Replacement {
     span: Span,
 }
 
-/// Whether everything that modifications of an instance redeclare may be redeclared so. What may
-/// not is reported.
+/// Checks all redeclarations in the modifications of an instance; false after an error.
 pub(crate) fn redeclarations_fit(
     cx: &mut ClassGraph<'_>,
     id: InstanceId,
@@ -42,8 +41,8 @@ pub(crate) fn redeclarations_fit(
     fit
 }
 
-/// The redeclarations of an element, outermost first: one of each modification, for a second one
-/// is an error of its text.
+/// The redeclarations of an element, outermost first: one per modification, since a second one is
+/// an error of its definition.
 fn replacements(cx: &ClassGraph<'_>, id: InstanceId, entry: &Entry) -> Vec<Replacement> {
     let inherited = entry.layers.iter().map(|(m, class)| Layer {
         source: LayerSource::Whole(m.clone()),
@@ -65,7 +64,8 @@ fn replacements(cx: &ClassGraph<'_>, id: InstanceId, entry: &Entry) -> Vec<Repla
     found
 }
 
-/// What is declared replaceable must fit its own constraining class; said once for each text.
+/// A replaceable element must be plug-compatible with its own constraining class; reported once per
+/// definition.
 fn check_own_constraint(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) {
     let Some(path) = entry.element.replaceable.as_ref().and_then(|r| r.constraint.clone()) else {
         return;
@@ -182,7 +182,7 @@ fn is_same(cx: &ClassGraph<'_>, a: ClassId, b: ClassId) -> bool {
     }
 }
 
-/// What `given` lacks of `wanted`, in words.
+/// The reason why `given` is not plug-compatible with `wanted`.
 fn misfit(cx: &mut ClassGraph<'_>, wanted: ClassId, given: ClassId) -> Option<String> {
     misfit_with(cx, wanted, given, 0)
 }

@@ -1,4 +1,4 @@
-//! Prefixes that do not go together: on components with components, on connectors, on what is redeclared
+//! Conflicting prefixes: of components with components, of connectors, of redeclared elements
 //! (sections 4.4.2, 7.3.3 and 9.3 of the specification).
 
 use crate::base::diag::Diagnostic;
@@ -104,7 +104,7 @@ pub(crate) fn check_prefix_conflict(
     }
 }
 
-/// What an element had must stay: final, constant, public or protected (section 7.3.3).
+/// A redeclaration keeps an element final, constant, public or protected (section 7.3.3).
 pub(crate) fn check_redeclared(cx: &mut ClassGraph<'_>, before: &Entry, after: &Entry) {
     let why = match () {
         () if before.element.is_final => "is final",

@@ -39,7 +39,7 @@ fn check_not_replaceable(
     class: ClassId,
 ) {
     let redeclared = replacement(cx, class, part.name);
-    // What has been redeclared without `replaceable` is settled.
+    // A class that was redeclared without `replaceable` cannot change any more.
     if !found.replaceable || redeclared {
         return;
     }

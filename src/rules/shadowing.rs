@@ -10,8 +10,8 @@ use crate::ir::ast::{
 };
 use crate::ir::instance::{ClassId, EntryKind};
 
-/// Warns of names in the text of a class, and in the classes in it, that hide others. The classes in
-/// a package are asked for by themselves.
+/// Warns of names in a class definition, and in its local classes, that shadow others. The classes
+/// of a package are checked separately.
 pub fn report_shadowed(cx: &mut ClassGraph<'_>, class: ClassId) {
     let Some(text) = cx.text(class).cloned() else { return };
     let ClassBody::Long(composition) = &text.body else { return };

@@ -1,5 +1,4 @@
-//! What classes of each kind may not have: the rules of specialised classes (Modelica specification,
-//! sections 4.7, 4.8 and 7.1.3).
+//! Restrictions of the specialised classes (sections 4.6, 4.8 and 7.1.3 of the specification).
 
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::name::Name;
@@ -11,14 +10,14 @@ use crate::ir::ast::{
 };
 use crate::ir::instance::{ClassId, ClassTable, Scope};
 
-/// Names of predefined types: they can not be given to anything else.
+/// Names of predefined types: nothing else can have them.
 const PREDEFINED: [&str; 5] = ["Real", "Integer", "Boolean", "String", "ExternalObject"];
 /// The name of a predefined enumeration, which no component can have.
 const STATE_SELECT: &str = "StateSelect";
 /// Attributes that would be hidden by literals of an enumeration.
 const ATTRIBUTES: [&str; 5] = ["quantity", "min", "max", "start", "fixed"];
 
-/// Checks the text of a class.
+/// Checks the definition of a class.
 pub(crate) fn check_definition(problems: &mut Problems, text: &Class) {
     check_name(problems, text.name.name, text.name.span, false);
     match &text.body {
@@ -196,7 +195,7 @@ fn report(problems: &mut Problems, span: Span, message: String, help: &str) {
 pub(crate) fn check_base(cx: &mut ClassGraph<'_>, text: &Class, base: ClassId, span: Span) {
     let of_base = match cx.text(base).map(|t| (t.kind, matches!(t.body, ClassBody::Long(_)))) {
         Some((kind, true)) => kind,
-        // Short classes and predefined types stand for what they name.
+        // Short classes and predefined types have the kind of the class that they name.
         _ => cx.kind(base),
     };
     use ClassKind as K;
@@ -241,8 +240,8 @@ pub(crate) fn check_base(cx: &mut ClassGraph<'_>, text: &Class, base: ClassId, s
     }
 }
 
-/// Operators belong to one record: it is extended by short classes only, and what is around it not
-/// at all (section 4.7).
+/// Operators belong to one record: it is extended by short class definitions only, and its
+/// enclosing class not at all (section 4.6).
 fn check_operator_base(
     problems: &mut Problems,
     text: &Class,
@@ -282,7 +281,7 @@ fn check_operator_base(
     );
 }
 
-/// A class with prefixes of its own is not extended beside anything else (section 4.6.2).
+/// A class with prefixes of its own must be the only `extends` (section 4.6).
 pub(crate) fn check_prefixed_base(
     cx: &mut ClassGraph<'_>,
     class: ClassId,
@@ -350,7 +349,7 @@ pub(crate) fn check_time(cx: &mut ClassGraph<'_>, span: Span, scope: Scope) {
     );
 }
 
-/// A class that is a number or an array has nothing besides (section 7.1.3).
+/// A class that is a predefined type or an array has no other elements (section 7.1.3).
 pub(crate) fn check_simple_type(
     cx: &mut ClassGraph<'_>,
     class: ClassId,

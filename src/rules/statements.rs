@@ -1,6 +1,6 @@
-//! What the text of a class may not say, wherever the class is used: `break` outside of loops, `when`
-//! inside of statements, inputs that are assigned, one thing modified twice (sections 7.2.3, 11.2, 12.2
-//! and 13.2.1 of the specification).
+//! Statements and modifications of a class definition, wherever the class is used: `break` outside
+//! loops, nested `when`, inputs that are assigned, elements that are modified twice (sections
+//! 7.2.3, 11.2, 12.2 and 13.2.1 of the specification).
 
 use std::sync::Arc;
 
@@ -15,19 +15,19 @@ use crate::ir::ast::{
 };
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 
-/// What stands around a statement.
+/// The context of a statement.
 #[derive(Clone, Copy)]
 struct Around<'a> {
     function: bool,
     initial: bool,
     in_loop: bool,
-    /// The statement that it stands in.
+    /// The enclosing statement.
     inside: Option<&'static str>,
     /// Inputs of the function.
     inputs: &'a FastMap<Name, Span>,
 }
 
-/// Checks the body of a class whose elements are known, once for each text.
+/// Checks the body of a class whose elements are known, once per definition.
 pub(crate) fn check_body(cx: &mut ClassGraph<'_>, class: ClassId, text: &Arc<Class>) {
     match &text.body {
         ClassBody::Short(short) => {
@@ -215,7 +215,7 @@ fn check_target(problems: &mut Problems, target: &ComponentRef, around: Around<'
     );
 }
 
-/// What a function may hold, asked for where it is called.
+/// Checks the components of a function where it is called.
 pub(crate) fn check_function(cx: &mut ClassGraph<'_>, class: ClassId) {
     if !cx.checked_functions.insert(class) {
         return;
@@ -252,7 +252,7 @@ pub(crate) fn check_function(cx: &mut ClassGraph<'_>, class: ClassId) {
     }
 }
 
-/// What a modification gives a value to, or redeclares, by its whole name; and where.
+/// The elements that a modification binds or redeclares, by full name, with their places.
 fn values(modification: &Modification, around: &str, out: &mut Vec<(String, bool, Span)>) {
     for arg in &modification.args {
         match &arg.kind {

@@ -19,7 +19,7 @@ pub(crate) fn check_member(cx: &mut ClassGraph<'_>, holder: InstanceId, part: as
     }
 }
 
-/// Through an `outer` component only what its own class has can be seen.
+/// Through an `outer` component only the elements of its own class are visible.
 pub(crate) fn check_outer_member(cx: &mut ClassGraph<'_>, outer: InstanceId, part: &ast::Ident) {
     let table = cx.table_of(outer);
     let expandable =
