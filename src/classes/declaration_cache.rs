@@ -6,7 +6,7 @@ use std::rc::Rc;
 use super::{ClassGraph, ROOT};
 use crate::ir::ast::{Element, TypePrefix};
 use crate::ir::expr::Type;
-use crate::ir::instance::{ClassId, ClassText, Declaration, InstanceId, Scope};
+use crate::ir::instance::{ClassDefinition, ClassId, Declaration, InstanceId, Scope};
 
 /// A declared component, by the address of its element, its position there and the class of its scope.
 pub(crate) type Key = (usize, usize, ClassId);
@@ -88,7 +88,7 @@ impl ClassGraph<'_> {
         let Some(class) = self.find_class(&head, scope) else { return false };
         let of = &self.classes[class];
         let around = of.enclosing.unwrap_or(ROOT.class);
-        matches!(of.body, ClassText::Predefined(_))
+        matches!(of.body, ClassDefinition::Predefined(_))
             || self.package_instances.get(&around) == Some(&of.holder)
     }
 }

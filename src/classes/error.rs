@@ -279,7 +279,12 @@ impl ClassGraph<'_> {
         );
     }
 
-    pub(crate) fn report_misfit(&mut self, text: Name, span: Span, (before, why): (Span, String)) {
+    pub(crate) fn report_incompatible(
+        &mut self,
+        text: Name,
+        span: Span,
+        (before, why): (Span, String),
+    ) {
         self.problems.push(
             Diagnostic::error(
                 "MO0225",
@@ -305,7 +310,7 @@ impl ClassGraph<'_> {
     }
 
     pub(crate) fn report_inheritance_cycle(&mut self, class: ClassId) {
-        let span = self.text(class).map_or(Span::NONE, |t| t.name.span);
+        let span = self.definition(class).map_or(Span::NONE, |t| t.name.span);
         let name = self.classes[class].full_name;
         self.problems.push(
             Diagnostic::error("MO0205", span, format!("`{name}` inherits from itself"))

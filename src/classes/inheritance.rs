@@ -11,7 +11,7 @@ use crate::base::source::Span;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::expr::{EnumId, Enumeration, Type};
 use crate::ir::instance::{
-    ClassId, ClassInstance, ClassTable, ClassText, Declaration, Entry, EntryKind, InstanceId,
+    ClassDefinition, ClassId, ClassInstance, ClassTable, Declaration, Entry, EntryKind, InstanceId,
     Redeclaration, Scope, Section, SectionKind,
 };
 
@@ -26,7 +26,7 @@ pub(crate) enum TableState {
 impl ClassGraph<'_> {
     pub(crate) fn add_class(
         &mut self,
-        body: ClassText,
+        body: ClassDefinition,
         full_name: Name,
         enclosing: Option<ClassId>,
         holder: InstanceId,
@@ -53,7 +53,7 @@ impl ClassGraph<'_> {
         } else {
             name(&format!("{outer}.{}", class.name.name))
         };
-        let body = ClassText::Written(class.clone());
+        let body = ClassDefinition::Written(class.clone());
         let id = self.add_class(body, full, Some(enclosing), holder, Rc::from([]));
         self.class_cache.insert(key, id);
         id
@@ -75,16 +75,16 @@ impl ClassGraph<'_> {
     }
 
     /// The definition of a class; `None` for a predefined one.
-    pub fn text(&self, class: ClassId) -> Option<&Arc<ast::Class>> {
+    pub fn definition(&self, class: ClassId) -> Option<&Arc<ast::Class>> {
         match &self.classes[class].body {
-            ClassText::Written(c) => Some(c),
+            ClassDefinition::Written(c) => Some(c),
             _ => None,
         }
     }
 
     /// The specialised kind of a class; short classes of kind `type` or `class` take their base's.
     pub fn kind(&mut self, class: ClassId) -> ClassKind {
-        let Some(text) = self.text(class) else { return ClassKind::Type };
+        let Some(text) = self.definition(class) else { return ClassKind::Type };
         let kind = text.kind;
         let ClassBody::Short(short) = &text.body else { return kind };
         if !matches!(kind, ClassKind::Type | ClassKind::Class) {
@@ -99,10 +99,10 @@ impl ClassGraph<'_> {
 
     /// The partial definition behind a class: its own, or that of the class it is a short form of
     /// (section 4.6).
-    pub(crate) fn partial_text(&mut self, mut class: ClassId) -> Option<Arc<ast::Class>> {
+    pub(crate) fn partial_definition(&mut self, mut class: ClassId) -> Option<Arc<ast::Class>> {
         // A cycle of short class definitions was reported where it was read.
         for _ in 0..100 {
-            let text = self.text(class)?.clone();
+            let text = self.definition(class)?.clone();
             if text.partial {
                 return Some(text);
             }
@@ -116,7 +116,7 @@ impl ClassGraph<'_> {
     /// The scope of a modification in the definition of `class`, for an instance of the class:
     /// inside a long class, around a short one.
     pub(crate) fn modification_scope(&self, class: ClassId, instance: InstanceId) -> Scope {
-        match self.text(class).map(|t| &t.body) {
+        match self.definition(class).map(|t| &t.body) {
             Some(ClassBody::Short(_)) => self.outside(class),
             _ => Scope { instance, class },
         }
@@ -183,9 +183,9 @@ impl ClassGraph<'_> {
     fn read_table(&mut self, class: ClassId) -> Rc<ClassTable> {
         let mut table = ClassTable::default();
         match self.classes[class].body.clone() {
-            ClassText::Root => {}
-            ClassText::Predefined(ty) => table.scalar = Some(ty),
-            ClassText::Written(text) => {
+            ClassDefinition::Root => {}
+            ClassDefinition::Predefined(ty) => table.scalar = Some(ty),
+            ClassDefinition::Written(text) => {
                 let first = !self.is_checked(&text);
                 if first {
                     self.check_definition(&text);
@@ -339,7 +339,8 @@ impl ClassGraph<'_> {
             if let ast::ArgumentKind::Redeclare(element) = &arg.kind
                 && let ElementKind::Class(c) = &element.kind
             {
-                let short = matches!(self.text(class).map(|t| &t.body), Some(ClassBody::Short(_)));
+                let short =
+                    matches!(self.definition(class).map(|t| &t.body), Some(ClassBody::Short(_)));
                 all.push(Redeclaration {
                     name: c.name.name,
                     class: c.clone(),
@@ -358,7 +359,7 @@ impl ClassGraph<'_> {
         if package != Some(self.classes[found].holder) {
             return found;
         }
-        match (self.text(found).cloned(), self.classes[found].enclosing) {
+        match (self.definition(found).cloned(), self.classes[found].enclosing) {
             (Some(text), Some(enclosing)) => self.class_in(&text, enclosing, holder),
             _ => found,
         }
@@ -367,11 +368,11 @@ impl ClassGraph<'_> {
     /// The class that `model extends M` extends: M as the enclosing class inherits it, with the
     /// other redeclarations of that class (section 7.3.1).
     fn inherited_class(&mut self, class: ClassId) -> Option<ClassId> {
-        let wanted = self.text(class)?.name;
+        let wanted = self.definition(class)?.name;
         let around = self.classes[class].enclosing?;
         let holder = self.classes[class].holder;
         if let Some(ClassBody::Long(composition)) =
-            self.text(around).cloned().map(|t| t.body.clone())
+            self.definition(around).cloned().map(|t| t.body.clone())
         {
             let mut redeclared = self.classes[around].redeclared.to_vec();
             redeclared.extend(redeclared_elements(around, &composition));
@@ -382,7 +383,7 @@ impl ClassGraph<'_> {
                 let Some(base) = self.find_class(&extends.base, scope) else { continue };
                 let base = self.with_redeclarations(base, redeclared.clone());
                 if let Some(found) = self.member_class(base, wanted.name, holder)
-                    && !self.is_text(found, class)
+                    && !self.is_same_definition(found, class)
                 {
                     return Some(self.seen_from(found, base, holder));
                 }
@@ -400,8 +401,8 @@ impl ClassGraph<'_> {
         None
     }
 
-    pub(crate) fn is_text(&self, a: ClassId, b: ClassId) -> bool {
-        matches!((self.text(a), self.text(b)), (Some(a), Some(b)) if Arc::ptr_eq(a, b))
+    pub(crate) fn is_same_definition(&self, a: ClassId, b: ClassId) -> bool {
+        matches!((self.definition(a), self.definition(b)), (Some(a), Some(b)) if Arc::ptr_eq(a, b))
     }
 
     fn inherit(

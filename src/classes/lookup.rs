@@ -9,7 +9,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind, ImportForm};
-use crate::ir::instance::{ClassId, ClassText, EntryKind, InstanceId, Scope};
+use crate::ir::instance::{ClassDefinition, ClassId, EntryKind, InstanceId, Scope};
 
 /// The meaning of a first identifier that is not a component of the instance itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -76,7 +76,7 @@ impl ClassGraph<'_> {
             }
             own = false;
             let here = &self.classes[class];
-            let encapsulated = matches!(&here.body, ClassText::Written(c) if c.encapsulated);
+            let encapsulated = matches!(&here.body, ClassDefinition::Written(c) if c.encapsulated);
             match here.enclosing {
                 Some(_) if encapsulated => {
                     instance = ROOT.instance;
@@ -164,7 +164,7 @@ impl ClassGraph<'_> {
 
     /// A class defined in `class` itself, or in a file of the package's folder.
     fn own_class(&mut self, class: ClassId, wanted: Name) -> Option<std::sync::Arc<ast::Class>> {
-        let text = self.text(class)?.clone();
+        let text = self.definition(class)?.clone();
         if let ClassBody::Long(composition) = &text.body {
             for element in &composition.elements {
                 if let ElementKind::Class(c) = &element.kind
@@ -179,7 +179,7 @@ impl ClassGraph<'_> {
     }
 
     pub(crate) fn is_package(&self, class: ClassId) -> bool {
-        self.text(class).is_some_and(|c| c.kind == ClassKind::Package)
+        self.definition(class).is_some_and(|c| c.kind == ClassKind::Package)
     }
 
     /// The instance that holds the constants of a package.
@@ -241,7 +241,7 @@ impl ClassGraph<'_> {
         let entry = &there.entries[*there.index.get(&wanted)?];
         // An element that merely has the same name is not inherited. A base may have several
         // redeclared variants.
-        let same = self.is_text(own.class, entry.class);
+        let same = self.is_same_definition(own.class, entry.class);
         let extends = matches!(&entry.kind, EntryKind::Class(c) if is_class_extends(c));
         (same || entry.element.redeclare || extends).then_some(derived)
     }
@@ -249,7 +249,7 @@ impl ClassGraph<'_> {
     /// Import clauses of `class` (they are not inherited): clauses that name the element take
     /// precedence over `import P.*`.
     fn imported(&mut self, class: ClassId, wanted: Name) -> Option<Found> {
-        let text = self.text(class)?.clone();
+        let text = self.definition(class)?.clone();
         let ClassBody::Long(composition) = &text.body else { return None };
         let mut open = Vec::new();
         for at in self.imports_of(class, composition).iter() {

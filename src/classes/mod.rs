@@ -26,7 +26,8 @@ use crate::base::source::{SourceMap, Span};
 use crate::ir::ast::{self, Class};
 use crate::ir::expr::{EnumId, Enumeration, Graph, Type};
 use crate::ir::instance::{
-    ClassId, ClassInstance, ClassTable, ClassText, Entry, Instance, InstanceId, InstanceKind, Scope,
+    ClassDefinition, ClassId, ClassInstance, ClassTable, Entry, Instance, InstanceId, InstanceKind,
+    Scope,
 };
 use crate::ir::modification::Layer;
 use crate::resolve::library::Library;
@@ -101,7 +102,8 @@ impl<'a> ClassGraph<'a> {
     ) -> Self {
         let snapshot = ContextSnapshot::default();
         let mut graph = ClassGraph::from_snapshot(sources, problems, library, snapshot);
-        let root = graph.add_class(ClassText::Root, name(""), None, ROOT.instance, Rc::from([]));
+        let root =
+            graph.add_class(ClassDefinition::Root, name(""), None, ROOT.instance, Rc::from([]));
         debug_assert_eq!(root, ROOT.class);
         graph.instances.push(Instance {
             kind: InstanceKind::Object(Rc::from([])),
@@ -139,7 +141,13 @@ impl<'a> ClassGraph<'a> {
 
     fn add_predefined_class(&mut self, text: &str, ty: Type) -> ClassId {
         let root = Some(ROOT.class);
-        self.add_class(ClassText::Predefined(ty), name(text), root, ROOT.instance, Rc::from([]))
+        self.add_class(
+            ClassDefinition::Predefined(ty),
+            name(text),
+            root,
+            ROOT.instance,
+            Rc::from([]),
+        )
     }
 
     /// The dotted name of an instance as the user knows it; empty for the model.

@@ -104,7 +104,7 @@ impl ClassGraph<'_> {
             return None;
         }
         if self.table_in_progress(class) {
-            let text = self.text(class)?.clone();
+            let text = self.definition(class)?.clone();
             let ClassBody::Long(composition) = &text.body else { return None };
             let own = |e: &&Element| e.names().iter().any(|(n, _)| *n == wanted);
             return composition.elements.iter().find(own).map(|e| of_element(e, e.protected));
@@ -117,7 +117,7 @@ impl ClassGraph<'_> {
 
     /// Whether a class could be a package: nothing in it but classes and constants.
     fn is_package_like(&mut self, class: ClassId) -> bool {
-        let Some(text) = self.text(class) else { return true };
+        let Some(text) = self.definition(class) else { return true };
         if matches!(text.kind, ClassKind::Package | ClassKind::Operator) {
             return true;
         }

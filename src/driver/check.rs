@@ -90,7 +90,7 @@ impl Session {
 
 /// A function with a body that could be called.
 fn is_function(cx: &Evaluator<'_>, class: ClassId) -> bool {
-    let Some(text) = cx.text(class) else { return false };
+    let Some(text) = cx.definition(class) else { return false };
     let ClassBody::Long(composition) = &text.body else { return false };
     matches!(text.kind, ClassKind::Function { .. })
         && !text.partial

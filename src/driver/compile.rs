@@ -196,7 +196,7 @@ impl Session {
         let mut out = Vec::new();
         for full in classes.iter().cloned() {
             let Some(class) = find(&mut cx, &full) else { continue };
-            let annotation = cx.text(class).and_then(|t| t.annotation.clone());
+            let annotation = cx.definition(class).and_then(|t| t.annotation.clone());
             let Some(annotation) = annotation else { continue };
             let scope = Scope { instance: ROOT.instance, class };
             let arguments = annotation
@@ -306,7 +306,7 @@ impl Session {
         let flat = self.flatten_by(request, |cx, class, settings| {
             read = Measures::read(measures, cx.class_graph.sources, cx.class_graph.problems);
             let base = cx.classes[class].full_name.to_string();
-            let annotation = cx.text(class).and_then(|t| t.annotation.clone());
+            let annotation = cx.definition(class).and_then(|t| t.annotation.clone());
             let file = extended::file(&read, &base, annotation, cx.sources);
             cx.class_graph.library.add_file(&file, cx.class_graph.problems);
             let extended = find(cx, extended::MODEL).unwrap_or(class);
@@ -448,7 +448,7 @@ pub(super) fn model(
         None => find(cx, &wanted),
     };
     if let Some(class) = found {
-        let text = cx.text(class).cloned();
+        let text = cx.definition(class).cloned();
         let kind = cx.kind(class);
         if let Some(text) = text {
             let why = if text.partial {

@@ -123,7 +123,7 @@ impl Evaluator<'_> {
             return self.run_statements(otherwise, scope);
         };
         let c = self.evaluate(condition, scope)?;
-        let c = self.truth(&c, condition.span)?;
+        let c = self.boolean_of(&c, condition.span)?;
         match self.decided(c) {
             Some(Const::Boolean(true)) => return self.run_statements(body, scope),
             Some(Const::Boolean(false)) => return self.run_if(rest, otherwise, scope, span),
@@ -222,7 +222,7 @@ impl Evaluator<'_> {
             return self.run_statements(body, scope);
         };
         self.in_loop(|cx| {
-            if !cx.mode.fold && cx.repeat_for(iterators, body, scope)? {
+            if !cx.mode.fold && cx.for_as_function(iterators, body, scope)? {
                 return Some(Flow::Next);
             }
             for value in cx.values_of(first, scope)? {
@@ -297,13 +297,13 @@ impl Evaluator<'_> {
     ) -> Option<Flow> {
         for _ in 0..MAX_ITERATIONS {
             let c = self.evaluate(condition, scope)?;
-            let c = self.truth(&c, condition.span)?;
+            let c = self.boolean_of(&c, condition.span)?;
             let left = self.exits.broken.is_some() || self.exits.returned != before;
             match self.decided(c) {
                 Some(Const::Boolean(false)) => return Some(Flow::Next),
                 Some(Const::Boolean(true)) if !left => {}
                 _ => {
-                    self.repeat_while(condition, body, scope)?;
+                    self.while_as_function(condition, body, scope)?;
                     return Some(Flow::Next);
                 }
             }
@@ -381,7 +381,7 @@ impl Evaluator<'_> {
                 }
                 _ => return None,
             },
-            Selection::Many(_, all) | Selection::Chosen(_, all) => {
+            Selection::Many(_, all) | Selection::Dynamic(_, all) => {
                 for s in all {
                     out.extend(self.selected_variables(s, span)?);
                 }

@@ -84,7 +84,7 @@ impl Evaluator<'_> {
             return None;
         };
         let value = self.evaluate(condition, scope)?;
-        let condition = self.truth(&value, condition.span)?;
+        let condition = self.boolean_of(&value, condition.span)?;
         if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
             return Some(());
         }

@@ -84,7 +84,7 @@ impl Evaluator<'_> {
     /// The value that the declaration or a modification binds to an instance: its own, or the field of
     /// the record around it that is bound as a whole.
     pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
-        if let Some(binding) = self.binding(id).filter(|_| !self.outranked(id)) {
+        if let Some(binding) = self.binding(id).filter(|_| !self.is_overridden(id)) {
             // A record is asked for by each of its fields.
             let record = matches!(self.instances[id].kind, InstanceKind::Object(_));
             let keep = !binding.subscripts.is_empty() || (record && self.assigned.is_empty());
@@ -93,7 +93,7 @@ impl Evaluator<'_> {
             if !binding.setting {
                 self.check_extent(id, &value, &dims, binding.value.span);
             }
-            return self.taken_apart(value, &dims, binding.setting, binding.value.span);
+            return self.element_value(value, &dims, binding.setting, binding.value.span);
         }
         let parent = self.instances[id].parent?;
         if !self.bound(parent) {
@@ -114,7 +114,7 @@ impl Evaluator<'_> {
 
     /// True if the binding of the enclosing record comes from further outside than that of the
     /// instance: the record as a whole then overrides the fields of its class (section 7.2.4).
-    pub(super) fn outranked(&self, id: InstanceId) -> bool {
+    pub(super) fn is_overridden(&self, id: InstanceId) -> bool {
         let Some(parent) = self.instances[id].parent else { return false };
         // A constant with a value is not a field that a constructor could set.
         if self.instances[id].declaration.as_ref().is_some_and(function::is_constant) {
@@ -123,7 +123,7 @@ impl Evaluator<'_> {
         match self.instances[parent].kind {
             InstanceKind::Object(_) => {}
             // An element follows its array.
-            InstanceKind::Array { .. } => return self.outranked(parent),
+            InstanceKind::Array { .. } => return self.is_overridden(parent),
             _ => return false,
         }
         let name = self.instances[id].name;
@@ -137,7 +137,7 @@ impl Evaluator<'_> {
                 return true;
             }
         }
-        self.outranked(parent)
+        self.is_overridden(parent)
     }
 
     /// True if the instance or a record around it has a binding.
@@ -242,7 +242,7 @@ impl Evaluator<'_> {
     }
 
     /// The part of a value for one element of an array of components.
-    pub(super) fn taken_apart(
+    pub(super) fn element_value(
         &mut self,
         value: Value,
         subscripts: &[usize],
@@ -279,7 +279,7 @@ impl Evaluator<'_> {
         subscripts: &Rc<[usize]>,
         span: Span,
     ) -> Option<Value> {
-        let value = self.taken_apart_softly(value, subscripts);
+        let value = self.element_or_whole(value, subscripts);
         if value.dims() == dims {
             return Some(value);
         }
@@ -292,7 +292,7 @@ impl Evaluator<'_> {
         None
     }
 
-    pub(super) fn taken_apart_softly(&self, value: Value, subscripts: &[usize]) -> Value {
+    pub(super) fn element_or_whole(&self, value: Value, subscripts: &[usize]) -> Value {
         if value.dims().is_empty() {
             return value;
         }

@@ -125,7 +125,7 @@ impl Evaluator<'_> {
             return self.call_value(&f, args, named, span, scope);
         }
         if let Some(name) = name
-            && (function.global || !self.is_hidden_builtin(name, scope))
+            && (function.global || !self.is_shadowed_builtin(name, scope))
             && let Some(result) = self.builtin(name, args, named, span, scope)
         {
             return result;
@@ -148,7 +148,7 @@ impl Evaluator<'_> {
 
     /// Whether a function of an enclosing scope shadows the predefined one of its name, which
     /// belongs to the outermost scope (section 5.3.1).
-    fn is_hidden_builtin(&mut self, name: Name, scope: Scope) -> bool {
+    fn is_shadowed_builtin(&mut self, name: Name, scope: Scope) -> bool {
         let place = (scope.class, name);
         if self.builtins.unshadowed.contains(&place) {
             return false;
@@ -460,11 +460,11 @@ impl Evaluator<'_> {
     ) -> Option<Value> {
         let mode = self.mode.unassigned();
         let value = self.with_mode(mode, |cx| cx.one(args, span, scope));
-        value?.map(|v| self.of_chosen(v.scalar()?, span, &act).map(Value::Scalar))
+        value?.map(|v| self.of_dynamic(v.scalar()?, span, &act).map(Value::Scalar))
     }
 
     /// As [`Evaluator::of_variable`], for a variable or for one that is selected at run time.
-    fn of_chosen(
+    fn of_dynamic(
         &mut self,
         e: ExprId,
         span: Span,
@@ -478,7 +478,7 @@ impl Evaluator<'_> {
             // A value that never changes equals its `pre` value.
             Node::Const(_) => Some(e),
             Node::If(c, a, b) => {
-                let (a, b) = (self.of_chosen(a, span, act)?, self.of_chosen(b, span, act)?);
+                let (a, b) = (self.of_dynamic(a, span, act)?, self.of_dynamic(b, span, act)?);
                 Some(self.graph.if_then_else(c, a, b))
             }
             _ => {
@@ -575,7 +575,7 @@ impl Evaluator<'_> {
                 counts.get(&id).copied().unwrap_or(0)
             }
             Selection::Absent => 0,
-            Selection::Element(..) | Selection::Many(..) | Selection::Chosen(..) => {
+            Selection::Element(..) | Selection::Many(..) | Selection::Dynamic(..) => {
                 self.unsupported(span, "`cardinality` of an array");
                 return None;
             }

@@ -26,7 +26,7 @@ impl Evaluator<'_> {
     /// The components that a reference names, for `connect`, `der`, and left sides of equations.
     pub(crate) fn select(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
         let selection = self.select_target(r, scope)?;
-        if selection.is_chosen() {
+        if selection.is_dynamic() {
             self.unsupported(r.span, "components chosen while the model runs");
             return None;
         }
@@ -216,7 +216,7 @@ impl Evaluator<'_> {
     /// Each scalar of a selection: the variables that it may be.
     fn alternatives(&mut self, selection: &Selection, span: Span) -> Option<Vec<Vec<Alternative>>> {
         match selection {
-            Selection::Chosen(e, all) => {
+            Selection::Dynamic(e, all) => {
                 let mut merged: Vec<Vec<Alternative>> = Vec::new();
                 for (k, part) in all.iter().enumerate() {
                     let here = self.is_subscript(*e, k + 1);
@@ -232,7 +232,7 @@ impl Evaluator<'_> {
                 }
                 Some(merged)
             }
-            Selection::Many(_, all) if selection.is_chosen() => {
+            Selection::Many(_, all) if selection.is_dynamic() => {
                 let mut out = Vec::new();
                 for part in all {
                     out.extend(self.alternatives(part, span)?);
@@ -249,10 +249,10 @@ impl Evaluator<'_> {
 
 impl Selection {
     /// True if the selection is known only at run time.
-    fn is_chosen(&self) -> bool {
+    fn is_dynamic(&self) -> bool {
         match self {
-            Selection::Chosen(..) => true,
-            Selection::Many(_, all) => all.iter().any(Selection::is_chosen),
+            Selection::Dynamic(..) => true,
+            Selection::Many(_, all) => all.iter().any(Selection::is_dynamic),
             Selection::Whole(_) | Selection::Element(..) | Selection::Absent => false,
         }
     }

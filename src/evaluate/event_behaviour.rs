@@ -37,14 +37,14 @@ pub struct Events {
 
 impl Evaluator<'_> {
     /// Determines the behaviour of each expression so far; operands precede their users.
-    fn note_motions(&mut self) {
+    fn note_behaviours(&mut self) {
         for k in self.events.of_nodes.len()..self.graph.len() {
-            let motion = self.motion_of_node(ExprId(k as u32));
-            self.events.of_nodes.push(motion);
+            let behaviour = self.behaviour_of_node(ExprId(k as u32));
+            self.events.of_nodes.push(behaviour);
         }
     }
 
-    fn motion_of_node(&self, e: ExprId) -> EventBehaviour {
+    fn behaviour_of_node(&self, e: ExprId) -> EventBehaviour {
         let mut all = EventBehaviour::default();
         self.graph.for_each_operand(e, |a| {
             let of = self.events.of_nodes[a.0 as usize];
@@ -73,13 +73,13 @@ impl Evaluator<'_> {
         }
     }
 
-    fn motion(&self, e: ExprId) -> EventBehaviour {
+    fn behaviour(&self, e: ExprId) -> EventBehaviour {
         self.events.of_nodes[e.0 as usize]
     }
 
     /// The operators in arguments that make events.
     pub(crate) fn events_of_arguments(&mut self, arguments: &[Option<Value>]) -> FastSet<ExprId> {
-        self.note_motions();
+        self.note_behaviours();
         let mut roots = Vec::new();
         for value in arguments.iter().flatten() {
             value.for_each_scalar(&mut |e| roots.push(e));
@@ -96,7 +96,7 @@ impl Evaluator<'_> {
         let mut seen = FastSet::default();
         let mut found = FastSet::default();
         while let Some(e) = roots.pop() {
-            if !self.motion(e).live || !seen.insert(e) {
+            if !self.behaviour(e).live || !seen.insert(e) {
                 continue;
             }
             if makes_events(&self.graph, e) && wanted(e) {
@@ -109,21 +109,21 @@ impl Evaluator<'_> {
 
     /// The result of a function, without events except those of its arguments.
     pub(crate) fn without_events(&mut self, result: &Value, given: &FastSet<ExprId>) -> Value {
-        self.note_motions();
+        self.note_behaviours();
         let mut roots = Vec::new();
         result.for_each_scalar(&mut |e| roots.push(e));
         let mut closed: FastMap<ExprId, ExprId> = FastMap::default();
         let mut operands = Vec::new();
         for e in self.graph.postorder(roots) {
-            if given.contains(&e) || !self.motion(e).live {
+            if given.contains(&e) || !self.behaviour(e).live {
                 closed.insert(e, e);
                 continue;
             }
             operands.clear();
             self.graph.for_each_operand(e, |a| operands.push(closed[&a]));
             let rebuilt = self.graph.rebuild(e, &operands);
-            self.note_motions();
-            let new = match makes_events(&self.graph, rebuilt) && self.is_on_moving(rebuilt) {
+            self.note_behaviours();
+            let new = match makes_events(&self.graph, rebuilt) && self.has_moving_operand(rebuilt) {
                 true if !given.contains(&rebuilt) => self.close(rebuilt, given),
                 _ => rebuilt,
             };
@@ -133,9 +133,9 @@ impl Evaluator<'_> {
     }
 
     /// Whether an operand changes between events.
-    fn is_on_moving(&self, e: ExprId) -> bool {
+    fn has_moving_operand(&self, e: ExprId) -> bool {
         let mut moves = false;
-        self.graph.for_each_operand(e, |a| moves |= self.motion(a).moves);
+        self.graph.for_each_operand(e, |a| moves |= self.behaviour(a).moves);
         moves
     }
 
@@ -165,12 +165,12 @@ impl Evaluator<'_> {
 
     /// Notes the scalars of discrete type in a result that change between events, because the
     /// arguments of the function do.
-    pub(crate) fn note_moving(&mut self, result: &Value) {
-        self.note_motions();
+    pub(crate) fn note_moving_results(&mut self, result: &Value) {
+        self.note_behaviours();
         let mut moving = Vec::new();
         result.for_each_scalar(&mut |e| {
             let discrete = !matches!(self.graph.ty(e), Type::Real | Type::String);
-            if discrete && self.motion(e).moves {
+            if discrete && self.behaviour(e).moves {
                 moving.push(e);
             }
         });

@@ -85,7 +85,7 @@ impl Evaluator<'_> {
         crate::rules::statements::check_function(self, class);
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
-        if let Some(partial) = self.partial_text(class) {
+        if let Some(partial) = self.partial_definition(class) {
             self.problems.push(
                 Diagnostic::error("MO0208", span, format!("function `{full_name}` is partial"))
                     .also(partial.name.span, "declared `partial` here")
@@ -108,7 +108,7 @@ impl Evaluator<'_> {
             return result;
         }
         let result = self.run_function(class, &components, given.clone(), span);
-        self.caught(class, &components, &given, span).unwrap_or(result)
+        self.unwound_result(class, &components, &given, span).unwrap_or(result)
     }
 
     /// Runs a function on its arguments.
@@ -157,7 +157,7 @@ impl Evaluator<'_> {
                 true => made.each_scalar(&mut |e| self.graph.no_event(e)),
                 false => self.without_events(made, &events),
             };
-            self.note_moving(made);
+            self.note_moving_results(made);
         }
         result
     }
@@ -327,7 +327,7 @@ impl Evaluator<'_> {
             });
             arguments.push(unknown);
         }
-        let span = self.text(class).map_or(Span::NONE, |t| t.name.span);
+        let span = self.definition(class).map_or(Span::NONE, |t| t.name.span);
         self.call_function(class, arguments, Vec::new(), span);
     }
 
@@ -460,7 +460,7 @@ impl Evaluator<'_> {
     /// modifications: they see the enclosing scope, and not the variables of the function (section
     /// 4.5.1).
     fn evaluate_declared(&mut self, binding: &Expr, written_in: Scope) -> Option<Value> {
-        let text = self.text(written_in.class);
+        let text = self.definition(written_in.class);
         if !text.is_some_and(|t| matches!(t.body, ClassBody::Short(_))) {
             return self.evaluate(binding, written_in);
         }
@@ -583,7 +583,7 @@ fn is_plain(declaration: &Declaration) -> bool {
 }
 
 /// Constants and final fields with a value are not inputs of the constructor (section 12.6).
-pub(super) fn is_settled(declaration: &Declaration) -> bool {
+pub(super) fn has_fixed_value(declaration: &Declaration) -> bool {
     is_constant(declaration) || declaration.element.is_final && has_value(declaration)
 }
 

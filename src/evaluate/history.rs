@@ -16,7 +16,7 @@ use crate::ir::instance::Scope;
 #[derive(Clone, Default)]
 pub(crate) struct History {
     /// The variables after all others, in their order.
-    pub made: Vec<Synthetic>,
+    pub synthetic: Vec<Synthetic>,
     /// Lines along which something is carried.
     pub lines: Vec<TransportCall>,
 }
@@ -110,9 +110,9 @@ impl Evaluator<'_> {
                 return Some(Value::Scalar(self.varying_delay(value, time, bound, span)));
             }
             let same = |m: &Synthetic| matches!(m, Synthetic::Delay(d) if (d.value, d.time) == (value, time));
-            let known = self.history.made.iter().position(same);
+            let known = self.history.synthetic.iter().position(same);
             let v = match known {
-                Some(k) => self.made_variable(k),
+                Some(k) => self.synthetic_variable(k),
                 None => self.make(Synthetic::Delay(DelayCall { value, time, span })),
             };
             Some(Value::Scalar(self.graph.intern(Node::Recorded(v, 0), Type::Real)))
@@ -121,21 +121,21 @@ impl Evaluator<'_> {
 
     /// A variable after all others.
     pub(crate) fn make(&mut self, made: Synthetic) -> VarId {
-        self.history.made.push(made);
-        self.made_variable(self.history.made.len() - 1)
+        self.history.synthetic.push(made);
+        self.synthetic_variable(self.history.synthetic.len() - 1)
     }
 
     /// The variability of a synthetic variable, which follows all others.
-    pub(crate) fn made_variability(&self, v: VarId) -> Variability {
+    pub(crate) fn synthetic_variability(&self, v: VarId) -> Variability {
         let after = (v.0 as usize).checked_sub(self.instance_of.len());
-        match after.and_then(|k| self.history.made.get(k)) {
+        match after.and_then(|k| self.history.synthetic.get(k)) {
             Some(Synthetic::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
             Some(Synthetic::Number(_) | Synthetic::Counter(_)) => Variability::Discrete,
             Some(Synthetic::Delay(_)) | None => Variability::Continuous,
         }
     }
 
-    fn made_variable(&self, k: usize) -> VarId {
+    fn synthetic_variable(&self, k: usize) -> VarId {
         VarId((self.instance_of.len() + k) as u32)
     }
 
@@ -178,7 +178,7 @@ impl Evaluator<'_> {
         let place = self.graph.sub(now, by);
         let entering = [None, Some(value)];
         let (initial, longest, readers) = (Vec::new(), Some(bound), vec![place]);
-        self.carried(TransportCall { ends, entering, initial, longest, readers, span })
+        self.transported(TransportCall { ends, entering, initial, longest, readers, span })
     }
 
     /// `(out0, out1) = spatialDistribution(in0, in1, x, positiveVelocity, initialPoints,
@@ -234,7 +234,8 @@ impl Evaluator<'_> {
             readers,
             span,
         };
-        let (at_low, at_high) = (self.carried(line(vec![low])), self.carried(line(vec![high])));
+        let (at_low, at_high) =
+            (self.transported(line(vec![low])), self.transported(line(vec![high])));
         let out0 = self.graph.if_then_else(forward, in0, at_low);
         let out1 = self.graph.if_then_else(forward, at_high, in1);
         Some(Value::Tuple([out0, out1].map(Value::Scalar).into()))
@@ -281,7 +282,7 @@ impl Evaluator<'_> {
     }
 
     /// The value at a place of a line. Lines that differ only in their readers are one.
-    fn carried(&mut self, mut wanted: TransportCall) -> ExprId {
+    fn transported(&mut self, mut wanted: TransportCall) -> ExprId {
         let places = std::mem::take(&mut wanted.readers);
         let lines = &mut self.history.lines;
         let same = |l: &TransportCall| {

@@ -294,7 +294,7 @@ impl Evaluator<'_> {
         match value.scalar().and_then(|s| self.graph.as_const(s)) {
             Some(Const::Boolean(b)) => Some(b),
             _ => {
-                self.report_no_truth(&value, e.span);
+                self.report_not_boolean(&value, e.span);
                 None
             }
         }

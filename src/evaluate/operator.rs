@@ -25,7 +25,7 @@ impl Evaluator<'_> {
                 a.map(|v| self.overloaded("'not'", std::slice::from_ref(v), span))
             }
             UnaryOp::Not => {
-                a.map(|v| Some(Value::Scalar(self.truth(v, span).map(|e| self.graph.not(e))?)))
+                a.map(|v| Some(Value::Scalar(self.boolean_of(v, span).map(|e| self.graph.not(e))?)))
             }
         }
     }
@@ -77,7 +77,7 @@ impl Evaluator<'_> {
                         let operator = format!("'{}'", op.name());
                         return cx.overloaded(&operator, &[x.clone(), y.clone()], span);
                     }
-                    let (x, y) = (cx.truth(x, span)?, cx.truth(y, span)?);
+                    let (x, y) = (cx.boolean_of(x, span)?, cx.boolean_of(y, span)?);
                     Some(Value::Scalar(cx.graph.binary(op, x, y)))
                 })
             }
@@ -133,7 +133,7 @@ impl Evaluator<'_> {
     }
 
     /// Reports a value that is not a condition.
-    pub(crate) fn report_no_truth(&mut self, v: &Value, span: Span) {
+    pub(crate) fn report_not_boolean(&mut self, v: &Value, span: Span) {
         let given = match v {
             Value::Scalar(e) => crate::symbolic::print::type_name(&self.graph, self.graph.ty(*e)),
             Value::Array(a) => format!("an array of size {:?}", a.dims),
@@ -168,11 +168,11 @@ impl Evaluator<'_> {
         }
     }
 
-    pub(crate) fn truth(&mut self, v: &Value, span: Span) -> Option<ExprId> {
+    pub(crate) fn boolean_of(&mut self, v: &Value, span: Span) -> Option<ExprId> {
         match v.scalar() {
             Some(e) if self.graph.ty(e) == Type::Boolean => Some(e),
             _ => {
-                self.report_no_truth(v, span);
+                self.report_not_boolean(v, span);
                 None
             }
         }
@@ -360,7 +360,7 @@ impl Evaluator<'_> {
             return self.evaluate(otherwise, scope);
         };
         let c = self.evaluate(condition, scope)?;
-        let c = self.truth(&c, condition.span)?;
+        let c = self.boolean_of(&c, condition.span)?;
         // Conditions on parameters of discrete type are decided here: the other branch need not
         // even have the same type.
         match self.decided(c) {

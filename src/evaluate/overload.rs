@@ -117,14 +117,14 @@ impl Evaluator<'_> {
             _ => return None,
         };
         let base = self.written(class);
-        (self.text(base)?.kind == ClassKind::OperatorRecord).then_some(class)
+        (self.definition(base)?.kind == ClassKind::OperatorRecord).then_some(class)
     }
 
     /// The long class definition that short classes lead to.
     fn written(&mut self, mut class: ClassId) -> ClassId {
         // A cycle of short class definitions was reported where it was read.
         for _ in 0..100 {
-            let Some(text) = self.text(class).cloned() else { break };
+            let Some(text) = self.definition(class).cloned() else { break };
             let ClassBody::Short(short) = &text.body else { break };
             let scope = self.outside(class);
             match self.find_class(&short.base, scope) {
@@ -137,7 +137,7 @@ impl Evaluator<'_> {
 
     fn same_record(&mut self, a: ClassId, b: ClassId) -> bool {
         let (a, b) = (self.written(a), self.written(b));
-        match (self.text(a), self.text(b)) {
+        match (self.definition(a), self.definition(b)) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             _ => a == b,
         }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::Evaluator;
 use super::frame::FrameKind;
-use super::function::is_settled;
+use super::function::has_fixed_value;
 use super::value::{Record, Value};
 use crate::base::index::FastSet;
 use crate::base::name::Name;
@@ -99,11 +99,11 @@ impl Evaluator<'_> {
         let components = self.components(class);
         let full_name = self.classes[class].full_name;
         let fields: Vec<&(Entry, Declaration)> =
-            components.iter().filter(|(_, d)| !is_settled(d)).collect();
+            components.iter().filter(|(_, d)| !has_fixed_value(d)).collect();
         let mut given = self.matched(full_name, &fields, args, named, span)?.into_iter();
         let given: Vec<Option<Value>> = components
             .iter()
-            .map(|(_, d)| if is_settled(d) { None } else { given.next().flatten() })
+            .map(|(_, d)| if has_fixed_value(d) { None } else { given.next().flatten() })
             .collect();
         let outermost = !self.frames.in_function();
         let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
@@ -125,7 +125,7 @@ impl Evaluator<'_> {
         }
         // The class's bindings of fields that were not given are applied by the constructor.
         let made = self.without_events(&made, &events);
-        self.note_moving(&made);
+        self.note_moving_results(&made);
         Some(made)
     }
 }

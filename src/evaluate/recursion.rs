@@ -178,7 +178,7 @@ impl Evaluator<'_> {
     }
 
     /// Result of an outermost call that was unwound because the recursion is too deep.
-    pub(super) fn caught(
+    pub(super) fn unwound_result(
         &mut self,
         class: ClassId,
         components: &Components,
@@ -191,7 +191,7 @@ impl Evaluator<'_> {
             return None;
         }
         self.recursions.unwinding = None;
-        Some(self.call_made(class, components, given, span))
+        Some(self.call_as_flat_function(class, components, given, span))
     }
 
     /// Notes why a function can be none of the flat model, and leaves its calls.
@@ -202,7 +202,7 @@ impl Evaluator<'_> {
     }
 
     /// Makes a function of the flat model, and calls it; one that cannot be made is called as any other.
-    fn call_made(
+    fn call_as_flat_function(
         &mut self,
         class: ClassId,
         components: &Components,
@@ -323,7 +323,7 @@ impl Evaluator<'_> {
                 count += 1;
                 at += 1;
                 if !self.recursions.widened.contains(&(class, count - 1))
-                    && let Some(known) = self.settled(e)
+                    && let Some(known) = self.constant_argument(e)
                 {
                     return known;
                 }
@@ -342,7 +342,7 @@ impl Evaluator<'_> {
     }
 
     /// The constant value of a scalar in all calls, if it has one.
-    fn settled(&mut self, e: ExprId) -> Option<ExprId> {
+    fn constant_argument(&mut self, e: ExprId) -> Option<ExprId> {
         if self.graph.as_const(e).is_some() {
             return Some(e);
         }
@@ -358,7 +358,7 @@ impl Evaluator<'_> {
         if function.inputs.len() != actual.len() {
             return Fit::Differs;
         }
-        let mut arguments = vec![self.counts()];
+        let mut arguments = vec![self.active_condition()];
         let (mut others, mut number) = (Vec::new(), 0);
         for (formal, actual) in function.inputs.iter().zip(actual) {
             if !same_shape(formal, actual) {
@@ -373,7 +373,7 @@ impl Evaluator<'_> {
                     arguments.push(argument);
                 } else if argument != e {
                     // Parameters that fix the structure have their values.
-                    let known = self.settled(argument);
+                    let known = self.constant_argument(argument);
                     if known != Some(e) {
                         others.push(number);
                     }
@@ -385,7 +385,7 @@ impl Evaluator<'_> {
     }
 
     /// The condition under which the code being executed is active.
-    fn counts(&mut self) -> ExprId {
+    fn active_condition(&mut self) -> ExprId {
         let mut all = self.graph.boolean(true);
         for c in self.assertions.conditions.clone() {
             all = self.graph.and(all, c);

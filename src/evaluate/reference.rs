@@ -26,7 +26,7 @@ pub enum Selection {
     /// Several, row-major.
     Many(Vec<usize>, Vec<Selection>),
     /// One of these, by a subscript known only at run time.
-    Chosen(ExprId, Vec<Selection>),
+    Dynamic(ExprId, Vec<Selection>),
     /// A component whose condition is false.
     Absent,
 }
@@ -143,10 +143,10 @@ impl Evaluator<'_> {
 
     /// Elements of a partial class are not accessed from outside (section 5.3.2).
     fn check_not_partial(&mut self, class: ClassId, part: Ident, scope: Scope) {
-        let Some(partial) = self.partial_text(class) else { return };
+        let Some(partial) = self.partial_definition(class) else { return };
         let mut around = Some(scope.class);
         while let Some(at) = around {
-            if self.text(at).is_some_and(|t| std::sync::Arc::ptr_eq(t, &partial)) {
+            if self.definition(at).is_some_and(|t| std::sync::Arc::ptr_eq(t, &partial)) {
                 return;
             }
             around = self.classes[at].enclosing;
@@ -184,7 +184,7 @@ impl Evaluator<'_> {
     fn is_short(&self, class: ClassId) -> bool {
         let short =
             |t: &crate::ir::ast::Class| matches!(t.body, crate::ir::ast::ClassBody::Short(_));
-        self.text(class).is_none_or(|t| short(t))
+        self.definition(class).is_none_or(|t| short(t))
     }
 
     fn literal(&mut self, class: ClassId, part: &Ident) -> Option<ExprId> {
@@ -395,7 +395,7 @@ impl Evaluator<'_> {
             if let InstanceKind::Variable { dims, .. } = self.instances[id].kind.clone() {
                 self.check_index_types(id, &part.subscripts, scope);
                 let selectors = self.selectors(&dims, &part.subscripts, scope, span)?;
-                if selectors.iter().any(Selector::is_chosen) {
+                if selectors.iter().any(Selector::is_dynamic) {
                     let whole = self.instance_value(id, span)?;
                     return self.apply(&whole, &selectors, span);
                 }
@@ -421,7 +421,7 @@ impl Evaluator<'_> {
                 }
                 Some(Value::array(dims, values))
             }
-            Selection::Chosen(e, all) => {
+            Selection::Dynamic(e, all) => {
                 let values: Vec<Value> =
                     all.iter().map(|s| self.selection_value(s, span)).collect::<Option<_>>()?;
                 self.choose(*e, &values, span)

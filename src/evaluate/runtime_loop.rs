@@ -36,19 +36,19 @@ pub struct Loops {
 
 /// One iteration of a loop, in terms of symbols.
 #[derive(Default)]
-struct Turn {
+struct Iteration {
     symbols: Vec<VarId>,
     /// The values of the symbols before the first iteration.
     initial: Vec<ExprId>,
     /// Their values after an iteration.
-    turned: Vec<ExprId>,
+    next_values: Vec<ExprId>,
     /// The assertions of an iteration.
     asserts: Vec<Asserted>,
     /// The condition for it.
     condition: Option<ExprId>,
 }
 
-impl Turn {
+impl Iteration {
     /// A new symbol with the value `initial` before the first iteration.
     fn symbol(&mut self, graph: &mut Graph, counter: &mut u32, initial: ExprId) -> ExprId {
         let v = symbol(*counter);
@@ -68,7 +68,7 @@ struct Range {
 
 impl Evaluator<'_> {
     /// Makes a function of `while condition loop body` and assigns its outputs.
-    pub(crate) fn repeat_while(
+    pub(crate) fn while_as_function(
         &mut self,
         condition: &Expr,
         body: &[Statement],
@@ -76,9 +76,9 @@ impl Evaluator<'_> {
     ) -> Option<()> {
         let mut names = FastSet::default();
         super::implicit_ranges::assigned(body, &mut names);
-        self.repeat(&names, condition.span, |cx| {
+        self.loop_as_function(&names, condition.span, |cx| {
             let value = cx.evaluate(condition, scope)?;
-            let holds = cx.truth(&value, condition.span)?;
+            let holds = cx.boolean_of(&value, condition.span)?;
             let flow = cx.under(holds, |cx| cx.run_statements(body, scope))?;
             Some((holds, flow))
         })
@@ -86,7 +86,7 @@ impl Evaluator<'_> {
 
     /// Makes a function of a loop over `iterators` whose first range has bounds known only at run
     /// time, and assigns its outputs; false if the bounds are known.
-    pub(crate) fn repeat_for(
+    pub(crate) fn for_as_function(
         &mut self,
         iterators: &[Loop],
         body: &[Statement],
@@ -97,22 +97,22 @@ impl Evaluator<'_> {
         let span = first.range.as_ref().map_or(first.name.span, |r| r.span);
         // The iterator is computed from the number of the iteration: a sum of steps would
         // accumulate rounding errors.
-        let turns = crate::base::name::name("$turn");
-        let mut names: FastSet<Name> = std::iter::once(turns).collect();
+        let counter = crate::base::name::name("$iteration");
+        let mut names: FastSet<Name> = std::iter::once(counter).collect();
         super::implicit_ranges::assigned(body, &mut names);
         let zero = Value::Scalar(self.graph.integer(0));
         let at = self.frames.visible().len();
-        let done = self.with_local(turns, zero, |cx| {
-            cx.repeat(&names, span, |cx| {
-                let turn = cx.frames.visible()[at].1.scalar()?;
-                let holds = cx.is_within(turn, &range);
-                let passed = cx.graph.binary(Binary::Mul, turn, range.step);
+        let done = self.with_local(counter, zero, |cx| {
+            cx.loop_as_function(&names, span, |cx| {
+                let iteration = cx.frames.visible()[at].1.scalar()?;
+                let holds = cx.is_within(iteration, &range);
+                let passed = cx.graph.binary(Binary::Mul, iteration, range.step);
                 let value = cx.graph.binary(Binary::Add, range.start, passed);
                 let flow = cx.with_local(first.name.name, Value::Scalar(value), |cx| {
                     cx.under(holds, |cx| cx.run_for(rest, body, scope))
                 });
                 let one = cx.graph.integer(1);
-                let next = cx.graph.binary(Binary::Add, turn, one);
+                let next = cx.graph.binary(Binary::Add, iteration, one);
                 cx.frames.visible_mut()[at].1 = Value::Scalar(next);
                 Some((holds, flow?))
             })
@@ -121,7 +121,11 @@ impl Evaluator<'_> {
     }
 
     /// A symbol for the values of an iterator whose range is known only at run time.
-    pub(crate) fn unknown_turn(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Value>> {
+    pub(crate) fn unknown_iterator(
+        &mut self,
+        iterator: &Loop,
+        scope: Scope,
+    ) -> Option<Option<Value>> {
         let Some(range) = self.open_range(iterator, scope)? else { return Some(None) };
         let ty = self.graph.common_type(range.start, range.step);
         let any = symbol(self.loops.symbols);
@@ -151,7 +155,7 @@ impl Evaluator<'_> {
 
     /// Whether there is an iteration of this number, counted from 0 (as many as a vector of the
     /// range has elements).
-    fn is_within(&mut self, turn: ExprId, range: &Range) -> ExprId {
+    fn is_within(&mut self, iteration: ExprId, range: &Range) -> ExprId {
         let way = self.graph.sub(range.stop, range.start);
         let whole = [way, range.step].into_iter().all(|e| self.graph.ty(e) == Type::Integer);
         let mut last = self.graph.div(way, range.step);
@@ -159,12 +163,12 @@ impl Evaluator<'_> {
             let margin = self.graph.real(super::collection::MARGIN);
             last = self.graph.add(last, margin);
         }
-        self.graph.binary(Binary::LessEqual, turn, last)
+        self.graph.binary(Binary::LessEqual, iteration, last)
     }
 
     /// Makes a function of a loop that changes locals of these names, and assigns its outputs.
     /// `run` executes one iteration and returns its condition and how it ends.
-    fn repeat(
+    fn loop_as_function(
         &mut self,
         names: &FastSet<Name>,
         span: Span,
@@ -173,10 +177,10 @@ impl Evaluator<'_> {
         let before: Vec<(Name, Value)> = self.frames.visible().to_vec();
         let changed: Vec<usize> =
             (0..before.len()).filter(|k| names.contains(&before[*k].0)).collect();
-        let mut turn = Turn::default();
+        let mut iteration = Iteration::default();
         for &k in &changed {
             let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
-            let symbolic = before[k].1.each_scalar(&mut |e| turn.symbol(graph, counter, e));
+            let symbolic = before[k].1.each_scalar(&mut |e| iteration.symbol(graph, counter, e));
             self.frames.visible_mut()[k].1 = symbolic;
         }
         // In a model: the variables that its algorithm assigns.
@@ -188,7 +192,7 @@ impl Evaluator<'_> {
         variables.sort_unstable();
         for v in &variables {
             let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
-            let symbolic = turn.symbol(graph, counter, outside[v]);
+            let symbolic = iteration.symbol(graph, counter, outside[v]);
             self.assigned.insert(*v, symbolic);
         }
         let left = std::mem::take(&mut self.exits);
@@ -196,13 +200,13 @@ impl Evaluator<'_> {
         // An assertion about an iteration has no place outside of the loop.
         let (run, asserts) = self.collect_assertions(|cx| cx.under(reached, run));
         let (condition, flow) = run?;
-        turn.asserts = asserts;
-        turn.condition = Some(condition);
+        iteration.asserts = asserts;
+        iteration.condition = Some(condition);
         for &k in &changed {
-            self.frames.visible()[k].1.for_each_scalar(&mut |e| turn.turned.push(e));
+            self.frames.visible()[k].1.for_each_scalar(&mut |e| iteration.next_values.push(e));
         }
-        turn.turned.extend(variables.iter().map(|v| self.assigned[v]));
-        if turn.turned.len() != turn.symbols.len() {
+        iteration.next_values.extend(variables.iter().map(|v| self.assigned[v]));
+        if iteration.next_values.len() != iteration.symbols.len() {
             self.unsupported(span, "arrays that grow in a loop");
             return None;
         }
@@ -213,8 +217,8 @@ impl Evaluator<'_> {
             );
             return None;
         }
-        let (condition, returns) = self.until_left(condition, flow, left, &mut turn);
-        let results = self.called_loop(turn, condition, span);
+        let (condition, returns) = self.until_left(condition, flow, left, &mut iteration);
+        let results = self.called_loop(iteration, condition, span);
         let mut next = results.iter().copied();
         for &k in &changed {
             let result = before[k].1.each_scalar(&mut |e| next.next().unwrap_or(e));
@@ -236,7 +240,7 @@ impl Evaluator<'_> {
         condition: ExprId,
         flow: Flow,
         before: Exits,
-        turn: &mut Turn,
+        iteration: &mut Iteration,
     ) -> (ExprId, bool) {
         let sure = self.graph.boolean(true);
         let now = |kind: Flow, part: Option<ExprId>| if flow == kind { Some(sure) } else { part };
@@ -248,13 +252,13 @@ impl Evaluator<'_> {
         let goes_on = self.neither(before.broken, before.returned);
         let next = self.neither(broken, returned);
         let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
-        let goes_on = turn.symbol(graph, counter, goes_on);
-        turn.turned.push(next);
+        let goes_on = iteration.symbol(graph, counter, goes_on);
+        iteration.next_values.push(next);
         let condition = graph.and(goes_on, condition);
         if let Some(returned) = returned {
             let never = graph.boolean(false);
-            turn.symbol(graph, counter, before.returned.unwrap_or(never));
-            turn.turned.push(returned);
+            iteration.symbol(graph, counter, before.returned.unwrap_or(never));
+            iteration.next_values.push(returned);
         }
         (condition, returned.is_some())
     }
@@ -270,22 +274,22 @@ impl Evaluator<'_> {
     }
 
     /// Calls a loop as a function: the final values of its symbols.
-    fn called_loop(&mut self, turn: Turn, condition: ExprId, span: Span) -> Vec<ExprId> {
+    fn called_loop(&mut self, iteration: Iteration, condition: ExprId, span: Span) -> Vec<ExprId> {
         // An Integer may become a Real in the loop.
-        let both = turn.initial.iter().zip(&turn.turned);
+        let both = iteration.initial.iter().zip(&iteration.next_values);
         let types: Vec<Type> = both.map(|(a, b)| self.graph.common_type(*a, *b)).collect();
         let name = match self.recursions.calls.last() {
             Some(call) => self.classes[call.class].full_name.to_string(),
             None => "an algorithm".to_string(),
         };
-        let (function, captured) = function(&mut self.graph, name, span, &turn, condition);
+        let (function, captured) = function(&mut self.graph, name, span, &iteration, condition);
         let key = (span, function.inputs.len(), function.values());
         let next = FunctionId::from_usize(self.loops.functions.len());
         let id = *self.loops.by_body.entry(key).or_insert(next);
         if id == next {
             self.loops.functions.push(function);
         }
-        let mut arguments = turn.initial;
+        let mut arguments = iteration.initial;
         arguments.extend(captured);
         let args = self.graph.intern_list(&arguments);
         let calls = types.into_iter().enumerate().map(|(output, ty)| {
@@ -357,7 +361,7 @@ fn function(
     graph: &mut Graph,
     name: String,
     span: Span,
-    Turn { symbols, turned, asserts, condition: turns, .. }: &Turn,
+    Iteration { symbols, next_values, asserts, condition: continues, .. }: &Iteration,
     condition: ExprId,
 ) -> (Function, Vec<ExprId>) {
     let mut asserts: Vec<(Assert, Span)> =
@@ -366,10 +370,11 @@ fn function(
     let mut rewriter = Rewriter::new();
     for (assert, _) in &mut asserts {
         assert.condition = rewriter.apply(graph, assert.condition, &mut |g, n| {
-            (Some(n) == *turns).then(|| g.boolean(true))
+            (Some(n) == *continues).then(|| g.boolean(true))
         });
     }
-    let mut roots: Vec<ExprId> = std::iter::once(condition).chain(turned.iter().copied()).collect();
+    let mut roots: Vec<ExprId> =
+        std::iter::once(condition).chain(next_values.iter().copied()).collect();
     let always = always(graph, &roots);
     asserts.retain(|(a, _)| {
         let more = graph.postorder([a.condition]).into_iter().filter(|n| !always.contains(n));
@@ -403,7 +408,8 @@ fn function(
     let messages = graph.postorder(asserts.iter().map(|(a, _)| a.message));
     inside.extend(messages.into_iter().filter(|n| graph.ty(*n) == Type::String));
     // Assertions have few arguments of their own: calls are differentiated by each.
-    let read = outside(graph, std::iter::once(condition).chain(turned.iter().copied()), &inside);
+    let read =
+        outside(graph, std::iter::once(condition).chain(next_values.iter().copied()), &inside);
     let is_cheap = |graph: &Graph, n: ExprId| {
         graph.ty(n) == Type::Boolean && costs_at_most(graph, graph.postorder([n]), MOST_CAPTURED)
     };
@@ -439,22 +445,22 @@ fn function(
         })
     };
     let condition = local(graph, condition);
-    let turned: Vec<ExprId> = turned.iter().map(|e| local(graph, *e)).collect();
-    let mut turn: Vec<Step> = Vec::new();
+    let next_values: Vec<ExprId> = next_values.iter().map(|e| local(graph, *e)).collect();
+    let mut iteration: Vec<Step> = Vec::new();
     for (a, span) in asserts {
         let (condition, message) = (local(graph, a.condition), local(graph, a.message));
-        turn.push(Step::Assert(Assert { condition, message, ..a }, span));
+        iteration.push(Step::Assert(Assert { condition, message, ..a }, span));
     }
     let (count, inputs) = (symbols.len(), symbols.len() + captured.len());
     let mut names: Vec<String> = (1..=inputs).map(|k| format!("x{k}")).collect();
     // All variables are assigned at once: new values are first stored separately.
     names.extend((1..=count).map(|k| format!("next{k}")));
     let id = |k: usize| LocalId::from_usize(k);
-    turn.extend(turned.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)));
-    for (k, e) in turned.iter().enumerate().take(count) {
+    iteration.extend(next_values.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)));
+    for (k, e) in next_values.iter().enumerate().take(count) {
         let ty = graph.ty(*e);
         let next = graph.var(VarId((inputs + k) as u32), ty);
-        turn.push(Step::Assign(id(k), next));
+        iteration.push(Step::Assign(id(k), next));
     }
     let function = Function {
         name,
@@ -462,7 +468,7 @@ fn function(
         inputs: (0..inputs).map(id).collect(),
         outputs: (0..count).map(id).collect(),
         locals: names.into_iter().collect(),
-        body: vec![Step::While(condition, turn)],
+        body: vec![Step::While(condition, iteration)],
     };
     (function, captured)
 }

@@ -22,7 +22,7 @@ pub(super) enum Selector {
 
 impl Selector {
     /// True if the selected element is known only at run time.
-    pub(super) fn is_chosen(&self) -> bool {
+    pub(super) fn is_dynamic(&self) -> bool {
         matches!(self, Selector::Dynamic(_) | Selector::Each(_))
     }
 }
@@ -72,7 +72,7 @@ impl Evaluator<'_> {
                 selectors[k] = Selector::One(i);
                 all.push(self.selected(dims, selectors.clone(), element)?);
             }
-            return Some(Selection::Chosen(e, all));
+            return Some(Selection::Dynamic(e, all));
         }
         let (sizes, positions) = positions(dims, &selectors);
         let all = positions.into_iter().map(|k| element(self, k)).collect::<Option<_>>()?;

@@ -69,7 +69,7 @@ impl Evaluator<'_> {
 
     pub(super) fn variable_variability(&self, v: VarId) -> Variability {
         let Some((id, _)) = self.instance_of.get(v.0 as usize) else {
-            return self.made_variability(v);
+            return self.synthetic_variability(v);
         };
         let instance = &self.instances[*id];
         let discrete_type =

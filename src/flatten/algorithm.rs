@@ -95,7 +95,7 @@ fn start_values_of_loop(
     let Some((first, rest)) = iterators.split_first() else {
         return start_values(cx, body, scope, target, outputs);
     };
-    let values = match cx.unknown_turn(first, scope)? {
+    let values = match cx.unknown_iterator(first, scope)? {
         Some(value) => vec![value],
         None => cx.values_of(first, scope)?,
     };

@@ -61,7 +61,7 @@ impl AssemblyBuilder {
             own.or_else(|| d.clause().components.last().and_then(|c| c.description.clone()))
         });
         let class = cx.instances[id].class;
-        let meaning = class.and_then(|c| cx.text(c)).and_then(|t| t.description.clone());
+        let meaning = class.and_then(|c| cx.definition(c)).and_then(|t| t.description.clone());
         let parent = self.holder(cx, id);
         let part = AssemblyPart {
             name: cx.path(id),

@@ -320,7 +320,7 @@ pub(super) fn assertion(
         return None;
     };
     let c = cx.evaluate(condition, scope)?;
-    let c = cx.truth(&c, condition.span)?;
+    let c = cx.boolean_of(&c, condition.span)?;
     if cx.graph.as_const(c) == Some(Const::Boolean(true)) {
         // The message of an assertion that always holds is not evaluated.
         let empty = cx.graph.string("");

@@ -15,7 +15,7 @@ pub(super) fn inherited(
     root: InstanceId,
     depth: usize,
 ) -> Experiment {
-    let Some(text) = cx.text(class).cloned() else { return Experiment::default() };
+    let Some(text) = cx.definition(class).cloned() else { return Experiment::default() };
     if let Some(annotation) = &text.annotation {
         let own = declared(cx, annotation, Scope { instance: root, class });
         if own != Experiment::default() {

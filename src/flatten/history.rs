@@ -19,10 +19,10 @@ use crate::symbolic::rewrite::Rewriter;
 /// has already numbered them in this order.
 pub fn elaborate(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
     let draws = std::mem::take(&mut cx.random_draws);
-    let draws_any = cx.history.made.iter().any(|m| matches!(m, Synthetic::Number(_)));
+    let draws_any = cx.history.synthetic.iter().any(|m| matches!(m, Synthetic::Number(_)));
     let generator = draws.generator.as_ref().filter(|_| draws_any);
     let generator = generator.and_then(|state| generator_state(cx, flat, state));
-    for (k, made) in std::mem::take(&mut cx.history.made).into_iter().enumerate() {
+    for (k, made) in std::mem::take(&mut cx.history.synthetic).into_iter().enumerate() {
         match made {
             Synthetic::Delay(delay) => {
                 let name = format!("$delay{}", flat.delays.len() + 1);

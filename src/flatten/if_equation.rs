@@ -23,7 +23,7 @@ pub(super) fn expand(
         return Some(());
     };
     let c = cx.evaluate(condition, scope)?;
-    let c = cx.truth(&c, condition.span)?;
+    let c = cx.boolean_of(&c, condition.span)?;
     // Connections are part of the structure, and so are the conditions they depend on.
     let structural = branches.iter().any(|(_, body)| connects(body)) || connects(otherwise);
     match cx.parameter_expression(c, structural) {
@@ -54,7 +54,7 @@ pub(super) fn expand(
     // If a branch has to be chosen, a parameter without a value decides by its start value.
     if count(&first) != count(&second) && cx.variability(c) <= ast::Variability::Parameter {
         let known = cx.fold(condition, scope)?;
-        let known = cx.truth(&known, condition.span)?;
+        let known = cx.boolean_of(&known, condition.span)?;
         if let Some(Const::Boolean(chosen)) = cx.graph.as_const(known) {
             target.list().extend(if chosen { first } else { second });
             return Some(());

@@ -85,7 +85,7 @@ fn flatten_with(
     mut connections: connect::Connections,
     inspect: impl FnOnce(&mut Evaluator<'_>, InstanceId, &mut connect::Connections, &FlatModel),
 ) -> FlatModel {
-    let text = cx.text(class).cloned();
+    let text = cx.definition(class).cloned();
     let full_name = cx.classes[class].full_name.to_string();
     let span = text.as_ref().map_or(crate::base::source::Span::NONE, |t| t.name.span);
     let mut flat = FlatModel::new(full_name, span);

@@ -34,7 +34,7 @@ pub(super) fn branches(
 /// The scalar conditions of a branch: one, or the elements of a vector.
 fn conditions(cx: &mut Evaluator<'_>, e: &Expr, scope: Scope) -> Option<Vec<ExprId>> {
     let value = cx.evaluate(e, scope)?;
-    value.elements().iter().map(|v| cx.truth(v, e.span)).collect()
+    value.elements().iter().map(|v| cx.boolean_of(v, e.span)).collect()
 }
 
 fn action(
@@ -253,7 +253,7 @@ fn if_actions(
         return Some(());
     };
     let c = cx.evaluate(condition, scope)?;
-    let c = cx.truth(&c, condition.span)?;
+    let c = cx.boolean_of(&c, condition.span)?;
     let actions_of_body = |cx: &mut Evaluator<'_>, out: &mut Vec<Action>| {
         body.iter().try_for_each(|e| action(cx, e, scope, out))
     };

@@ -71,7 +71,7 @@ fn declared(
         if let Some(inner) = inner.or_else(|| super::inner_outer::add_inner(cx, id, declaration)) {
             let class = cx.class_or_report(&clause.type_name, scope)?;
             cx.instances[id].class = Some(class);
-            super::inner_outer::check_inner_fits(cx, id, inner, class, component.name);
+            super::inner_outer::check_inner(cx, id, inner, class, component.name);
             return Some(InstanceKind::Outer(inner));
         }
         cx.report_no_inner(component.name);
@@ -295,7 +295,7 @@ pub(crate) fn object(cx: &mut Evaluator<'_>, id: InstanceId) -> Option<InstanceK
     let class = cx.instances[id].class?;
     let table = cx.table(class);
     check_modified_names(cx, id, &table);
-    if !crate::rules::plug_compatibility::redeclarations_fit(cx, id, &table) {
+    if !crate::rules::plug_compatibility::check_redeclarations(cx, id, &table) {
         return None;
     }
     let mut children = Vec::with_capacity(table.component_count);

@@ -3,7 +3,7 @@
 use crate::base::diag::Diagnostic;
 use crate::evaluate::Evaluator;
 use crate::ir::ast;
-use crate::ir::instance::{ClassId, ClassText, InstanceId, InstanceKind};
+use crate::ir::instance::{ClassDefinition, ClassId, InstanceId, InstanceKind};
 
 pub(crate) fn report_component_cycle(cx: &mut Evaluator<'_>, id: InstanceId) {
     let span = cx.declared_at(id);
@@ -18,11 +18,11 @@ pub(crate) fn report_component_cycle(cx: &mut Evaluator<'_>, id: InstanceId) {
 
 /// Partial classes, packages and functions cannot be instantiated, nor a class inside itself.
 pub(crate) fn check_instantiable(cx: &mut Evaluator<'_>, id: InstanceId, class: ClassId) {
-    let Some(text) = cx.text(class).cloned() else { return };
+    let Some(text) = cx.definition(class).cloned() else { return };
     let Some(declaration) = cx.instances[id].declaration.clone() else { return };
     let span = declaration.clause().type_name.span;
     let replaceable = declaration.element.replaceable.is_some();
-    if let Some(partial) = cx.partial_text(class) {
+    if let Some(partial) = cx.partial_definition(class) {
         let d = Diagnostic::error(
             "MO0208",
             span,
@@ -50,7 +50,7 @@ pub(crate) fn check_instantiable(cx: &mut Evaluator<'_>, id: InstanceId, class: 
     let mut depth = 0;
     while let Some(holder) = around {
         if let Some(c) = cx.instances[holder].class
-            && let ClassText::Written(outer) = &cx.classes[c].body
+            && let ClassDefinition::Written(outer) = &cx.classes[c].body
             && std::sync::Arc::ptr_eq(outer, &text)
             && cx.instances[holder].subscripts.is_empty()
         {

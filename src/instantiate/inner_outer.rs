@@ -65,7 +65,7 @@ pub(crate) fn add_inner(
     let scope = cx.instances[id].scope;
     let class = cx.find_class(&outer.clause().type_name, scope)?;
     if matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
-        || cx.partial_text(class).is_some()
+        || cx.partial_definition(class).is_some()
         || !outer.component().dims.is_empty()
     {
         return None;
@@ -131,7 +131,7 @@ pub(crate) fn check_outer_unmodified(cx: &mut Evaluator<'_>, id: InstanceId, nam
 }
 
 /// The `inner` component must have the elements of the `outer` one.
-pub(crate) fn check_inner_fits(
+pub(crate) fn check_inner(
     cx: &mut Evaluator<'_>,
     id: InstanceId,
     inner: InstanceId,
@@ -154,11 +154,11 @@ pub(crate) fn check_inner_fits(
     };
     let (a, b) = (rank(&declared, wanted), rank(&found, given));
     let why = if a == b {
-        crate::rules::plug_compatibility::misfit_without_sizes(cx, wanted, given)
+        crate::rules::plug_compatibility::incompatibility_without_sizes(cx, wanted, given)
     } else {
         Some(format!("it has {a} dimensions, and the `inner` one has {b}"))
     };
-    let why = why.or_else(|| size_misfit(cx, id, inner, &declared, wanted));
+    let why = why.or_else(|| size_mismatch(cx, id, inner, &declared, wanted));
     let why = why.or_else(|| added_for_another(cx, inner, wanted, given));
     let Some(why) = why else { return };
     cx.problems.push(
@@ -180,7 +180,7 @@ fn added_for_another(
     wanted: ClassId,
     given: ClassId,
 ) -> Option<String> {
-    let same = match (cx.text(wanted), cx.text(given)) {
+    let same = match (cx.definition(wanted), cx.definition(given)) {
         (Some(a), Some(b)) => std::sync::Arc::ptr_eq(a, b),
         _ => wanted == given,
     };
@@ -191,7 +191,7 @@ fn added_for_another(
 }
 
 /// Sizes of an `outer` component that differ from those of the `inner` one, in words.
-fn size_misfit(
+fn size_mismatch(
     cx: &mut Evaluator<'_>,
     id: InstanceId,
     inner: InstanceId,

@@ -36,7 +36,7 @@ pub struct Scope {
 #[derive(Clone, Debug)]
 pub struct ClassInstance {
     /// Its text, or a predefined type.
-    pub body: ClassText,
+    pub body: ClassDefinition,
     /// Full dotted name.
     pub full_name: Name,
     /// The class around it; `None` for the root.
@@ -49,7 +49,7 @@ pub struct ClassInstance {
 
 /// The text of a class.
 #[derive(Clone, Debug)]
-pub enum ClassText {
+pub enum ClassDefinition {
     /// The unnamed root package.
     Root,
     /// `Real`, `Integer`, `Boolean`, `String`.

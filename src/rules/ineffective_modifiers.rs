@@ -12,7 +12,7 @@ use crate::ir::modification::LayerSource;
 
 /// Warns of `each` in the modifications of a component that is not an array (section 7.2.5).
 pub fn report_each_of_one(cx: &mut ClassGraph<'_>, class: ClassId) {
-    let Some(text) = cx.text(class).cloned() else { return };
+    let Some(text) = cx.definition(class).cloned() else { return };
     let ClassBody::Long(composition) = &text.body else { return };
     for element in &composition.elements {
         let ElementKind::Components(clause) = &element.kind else { continue };
@@ -43,7 +43,7 @@ fn is_array_type(cx: &mut ClassGraph<'_>, class: ClassId, clause: &ComponentClau
 /// Warns of modifications, in the definition of the instantiated model, of components that are
 /// disabled by a Boolean literal.
 pub fn report_modified_absent(cx: &mut ClassGraph<'_>, class: ClassId) {
-    let Some(file) = cx.text(class).map(|t| t.span.file) else { return };
+    let Some(file) = cx.definition(class).map(|t| t.span.file) else { return };
     for id in cx.instances.ids().collect::<Vec<_>>() {
         if !matches!(cx.instances[id].kind, InstanceKind::Absent) {
             continue;

@@ -35,7 +35,7 @@ impl DefinitionRules for ClassGraph<'_> {
     }
 
     fn check_extends(&mut self, class: ClassId, base: ClassId, path: &Path, scope: Scope) {
-        if let Some(definition) = self.text(class).cloned() {
+        if let Some(definition) = self.definition(class).cloned() {
             specialized_class::check_base(self, &definition, base, path.span);
         }
         replaceable_base::check(self, path, scope);

@@ -23,7 +23,7 @@ struct Replacement {
 }
 
 /// Checks all redeclarations in the modifications of an instance; false after an error.
-pub(crate) fn redeclarations_fit(
+pub(crate) fn check_redeclarations(
     cx: &mut ClassGraph<'_>,
     id: InstanceId,
     table: &ClassTable,
@@ -32,7 +32,7 @@ pub(crate) fn redeclarations_fit(
     for entry in &table.entries {
         let found = replacements(cx, id, entry);
         if !found.is_empty() {
-            fit &= fits(cx, id, entry, &found);
+            fit &= is_compatible(cx, id, entry, &found);
         }
         if entry.element.replaceable.as_ref().is_some_and(|r| r.constraint.is_some()) {
             check_own_constraint(cx, id, entry);
@@ -76,7 +76,7 @@ fn check_own_constraint(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) 
     let own = Scope { instance: id, class: entry.class };
     let Some(wanted) = cx.find_class(&path, own) else { return };
     let Some(given) = original(cx, id, entry) else { return };
-    if let Some(why) = misfit_with(cx, wanted, given, own_rank(entry)) {
+    if let Some(why) = incompatibility_with(cx, wanted, given, own_rank(entry)) {
         let text = entry.name.name;
         cx.problems.push(
             crate::base::diag::Diagnostic::error(
@@ -91,7 +91,12 @@ fn check_own_constraint(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) 
     }
 }
 
-fn fits(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry, found: &[Replacement]) -> bool {
+fn is_compatible(
+    cx: &mut ClassGraph<'_>,
+    id: InstanceId,
+    entry: &Entry,
+    found: &[Replacement],
+) -> bool {
     let text = entry.name.name;
     let own = Scope { instance: id, class: entry.class };
     let Some(outermost) = found.first() else { return true };
@@ -139,8 +144,8 @@ fn fits(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry, found: &[Replace
     let narrower = narrower.and_then(|path| cx.find_class(&path, outermost.scope));
     let given = [Some(after), narrower].into_iter().flatten();
     for given in given {
-        if let Some(why) = misfit(cx, wanted, given) {
-            cx.report_misfit(text, outermost.span, (span, why));
+        if let Some(why) = incompatibility(cx, wanted, given) {
+            cx.report_incompatible(text, outermost.span, (span, why));
             return false;
         }
     }
@@ -176,19 +181,19 @@ fn replaced(
 }
 
 fn is_same(cx: &ClassGraph<'_>, a: ClassId, b: ClassId) -> bool {
-    match (cx.text(a), cx.text(b)) {
+    match (cx.definition(a), cx.definition(b)) {
         (Some(a), Some(b)) => std::sync::Arc::ptr_eq(a, b),
         _ => a == b,
     }
 }
 
 /// The reason why `given` is not plug-compatible with `wanted`.
-fn misfit(cx: &mut ClassGraph<'_>, wanted: ClassId, given: ClassId) -> Option<String> {
-    misfit_with(cx, wanted, given, 0)
+fn incompatibility(cx: &mut ClassGraph<'_>, wanted: ClassId, given: ClassId) -> Option<String> {
+    incompatibility_with(cx, wanted, given, 0)
 }
 
-/// As `misfit`, not counting the last `added` dimensions of `given`.
-fn misfit_with(
+/// As [`incompatibility`], not counting the last `added` dimensions of `given`.
+fn incompatibility_with(
     cx: &mut ClassGraph<'_>,
     wanted: ClassId,
     given: ClassId,
@@ -203,16 +208,16 @@ fn misfit_with(
         let (wanted, given) = (cx.classes[wanted].full_name, cx.classes[given].full_name);
         return Some(format!("`{given}` has {has} dimensions, and `{wanted}` has {needs}"));
     }
-    misfit_without_sizes(cx, wanted, given)
+    incompatibility_without_sizes(cx, wanted, given)
 }
 
 /// `enumeration(:)`: any enumeration takes its place (section 4.9.5).
 fn is_open_enumeration(cx: &ClassGraph<'_>, class: ClassId) -> bool {
-    matches!(cx.text(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
+    matches!(cx.definition(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
 }
 
-/// As `misfit`, whatever the dimensions.
-pub(crate) fn misfit_without_sizes(
+/// As [`incompatibility`], whatever the dimensions.
+pub(crate) fn incompatibility_without_sizes(
     cx: &mut ClassGraph<'_>,
     wanted: ClassId,
     given: ClassId,

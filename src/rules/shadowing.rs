@@ -13,7 +13,7 @@ use crate::ir::instance::{ClassId, EntryKind};
 /// Warns of names in a class definition, and in its local classes, that shadow others. The classes
 /// of a package are checked separately.
 pub fn report_shadowed(cx: &mut ClassGraph<'_>, class: ClassId) {
-    let Some(text) = cx.text(class).cloned() else { return };
+    let Some(text) = cx.definition(class).cloned() else { return };
     let ClassBody::Long(composition) = &text.body else { return };
     check_loops(cx, class, composition);
     check_imports(cx, class, composition);
@@ -88,7 +88,7 @@ fn check_components(cx: &mut ClassGraph<'_>, class: ClassId, composition: &Compo
 fn constant_around(cx: &mut ClassGraph<'_>, class: ClassId, wanted: Name) -> Option<Span> {
     let mut inner = class;
     loop {
-        if cx.text(inner).is_some_and(|t: &std::sync::Arc<Class>| t.encapsulated) {
+        if cx.definition(inner).is_some_and(|t: &std::sync::Arc<Class>| t.encapsulated) {
             return None;
         }
         inner = cx.classes[inner].enclosing.filter(|c| *c != ROOT.class)?;

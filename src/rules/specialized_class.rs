@@ -193,7 +193,8 @@ fn report(problems: &mut Problems, span: Span, message: String, help: &str) {
 
 /// A class may extend classes of these kinds only (section 7.1.3).
 pub(crate) fn check_base(cx: &mut ClassGraph<'_>, text: &Class, base: ClassId, span: Span) {
-    let of_base = match cx.text(base).map(|t| (t.kind, matches!(t.body, ClassBody::Long(_)))) {
+    let of_base = match cx.definition(base).map(|t| (t.kind, matches!(t.body, ClassBody::Long(_))))
+    {
         Some((kind, true)) => kind,
         // Short classes and predefined types have the kind of the class that they name.
         _ => cx.kind(base),
@@ -216,7 +217,7 @@ pub(crate) fn check_base(cx: &mut ClassGraph<'_>, text: &Class, base: ClassId, s
             matches!(base, K::Record | K::OperatorRecord | K::Block | K::Model)
         }
     };
-    if let Some(of) = cx.text(base).cloned()
+    if let Some(of) = cx.definition(base).cloned()
         && let ClassBody::Long(composition) = &of.body
     {
         check_operator_base(cx.problems, text, &of, composition, span);
@@ -288,7 +289,8 @@ pub(crate) fn check_prefixed_base(
     base: ClassId,
     span: Span,
 ) {
-    let (Some(text), Some(of)) = (cx.text(class).cloned(), cx.text(base).cloned()) else {
+    let (Some(text), Some(of)) = (cx.definition(class).cloned(), cx.definition(base).cloned())
+    else {
         return;
     };
     let ClassBody::Long(composition) = &text.body else { return };
@@ -359,7 +361,7 @@ pub(crate) fn check_simple_type(
     if table.scalar.is_none() && table.dims.is_empty() {
         return;
     }
-    let Some(text) = cx.text(class).cloned() else { return };
+    let Some(text) = cx.definition(class).cloned() else { return };
     let ClassBody::Long(composition) = &text.body else { return };
     let components =
         composition.elements.iter().any(|e| matches!(e.kind, ElementKind::Components(_)));

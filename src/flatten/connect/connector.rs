@@ -49,7 +49,7 @@ pub(crate) fn check(cx: &mut Evaluator<'_>, root: InstanceId) {
             && !matches!(cx.instances[id].kind, InstanceKind::Array { .. })
             && cx.kind(class) == ClassKind::Connector
         {
-            let text = cx.text(class).cloned();
+            let text = cx.definition(class).cloned();
             if seen.insert(class) && text.is_some_and(|t| !t.partial) {
                 let mut counts = ScalarCounts::default();
                 count_scalars(cx, id, &mut counts);
@@ -167,7 +167,7 @@ fn report(cx: &mut Evaluator<'_>, id: InstanceId, class: ClassId, counts: &Scala
     let ScalarCounts { potentials, flows, streams, overdetermined } = *counts;
     let full_name = cx.classes[class].full_name;
     let name = full_name.rsplit('.').next().unwrap_or_default();
-    let declared = cx.text(class).map_or(Span::NONE, |t| t.name.span);
+    let declared = cx.definition(class).map_or(Span::NONE, |t| t.name.span);
     if streams > 0 && flows != 1 {
         let message = format!(
             "connector `{name}` has {} and {}",

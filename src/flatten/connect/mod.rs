@@ -374,7 +374,9 @@ fn mismatch(cx: &mut Evaluator<'_>, pair: &ConnectedPair, why: &str) -> Option<(
 fn first_instance(s: &Selection) -> Option<InstanceId> {
     match s {
         Selection::Whole(id) | Selection::Element(id, _) => Some(*id),
-        Selection::Many(_, all) | Selection::Chosen(_, all) => all.first().and_then(first_instance),
+        Selection::Many(_, all) | Selection::Dynamic(_, all) => {
+            all.first().and_then(first_instance)
+        }
         Selection::Absent => None,
     }
 }
