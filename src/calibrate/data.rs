@@ -10,7 +10,7 @@ use crate::io::csv::{ReadError, TextTable, read_text};
 use super::noise::{self, third_differences};
 use super::plan::Plan;
 use super::unit::Unit;
-use super::window::{Begin, Cut};
+use super::window::{Cut, InitialSignal};
 use crate::numeric::smoothing::smoothed;
 use crate::numeric::time_series::{Interpolation, TimeSeries};
 
@@ -125,7 +125,7 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
 
 /// The recordings that the plan itself lists. A file that several are parts of is read once.
 fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Vec<Recording> {
-    let mut files: Vec<(&str, Option<Measured>)> = Vec::new();
+    let mut files: Vec<(&str, Option<FileContent>)> = Vec::new();
     let mut out = Vec::new();
     for entry in &plan.listed {
         let path = plan.folder.join(&entry.file);
@@ -153,7 +153,7 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
             every: plan.every,
         };
         let before = out.len();
-        out.extend(cut.apply(&whole, &measured.begins));
+        out.extend(cut.apply(&whole, &measured.initial_signals));
         if out.len() == before {
             let message = format!("{}: no row of `{}` is left", path.display(), entry.name);
             let d = Diagnostic::error("MO1011", Span::NONE, message);
@@ -204,7 +204,7 @@ fn tabled(
         let name = name.flatten().map_or_else(|| row[file].clone(), |k| row[k].clone());
         let source = plan.folder.join(&row[file]);
         let Some(measured) = measured(plan, &source, problems, repairs) else { continue };
-        let Measured { time, signals, courses, begins } = measured;
+        let FileContent { time, signals, courses, initial_signals } = measured;
         let conditions = values;
         let whole = Recording {
             of: name.clone(),
@@ -212,7 +212,7 @@ fn tabled(
             path: source,
             split,
             conditions,
-            starts: begins.iter().map(|b| b.at(time[0])).collect(),
+            starts: initial_signals.iter().map(|b| b.at(time[0])).collect(),
             courses,
             start: None,
             time,
@@ -221,7 +221,7 @@ fn tabled(
         if plan.window.is_finite() || plan.skip > 0.0 || plan.every > 1 {
             let part = (f64::NEG_INFINITY, f64::INFINITY);
             let cut = Cut { part, window: plan.window, skip: plan.skip, every: plan.every };
-            out.extend(cut.apply(&whole, &begins));
+            out.extend(cut.apply(&whole, &initial_signals));
         } else {
             out.push(whole);
         }
@@ -230,14 +230,14 @@ fn tabled(
 }
 
 /// The content of a file.
-struct Measured {
+struct FileContent {
     time: Arc<[f64]>,
     /// Signal by signal.
     signals: Vec<Vec<f64>>,
     /// Input by input.
     courses: Vec<Arc<TimeSeries>>,
     /// Start by start.
-    begins: Vec<Begin>,
+    initial_signals: Vec<InitialSignal>,
 }
 
 /// Instants, values, and if these were smoothed, rates.
@@ -272,7 +272,7 @@ fn measured(
     path: &Path,
     problems: &mut Problems,
     repairs: &mut Vec<String>,
-) -> Option<Measured> {
+) -> Option<FileContent> {
     let table = match read_text(path) {
         Ok(table) => table,
         Err(why) => {
@@ -368,7 +368,7 @@ fn measured(
         }
     }
     let mut courses = Vec::new();
-    let mut begins = Vec::new();
+    let mut initial_signals = Vec::new();
     for input in &plan.inputs {
         let found = column_course(&time, &rest.next()?, input.unit, input.smooth);
         let Some((times, values, _)) = found else {
@@ -393,12 +393,12 @@ fn measured(
             (true, Some(rates)) => (rates, 0),
             (rate, _) => (values, usize::from(rate)),
         };
-        begins.push(Begin {
+        initial_signals.push(InitialSignal {
             series: TimeSeries::new(times.into(), values, Interpolation::Linear),
             order: order as u8,
         });
     }
-    Some(Measured { time: time.into(), signals, courses, begins })
+    Some(FileContent { time: time.into(), signals, courses, initial_signals })
 }
 
 fn empty(path: &Path, column: &str, span: Span) -> Diagnostic {

@@ -26,7 +26,7 @@ pub struct Plan {
     /// Folder of the recordings.
     pub folder: PathBuf,
     /// The recordings that the plan itself lists.
-    pub listed: Vec<Listed>,
+    pub listed: Vec<ListedRecording>,
     /// Recordings are cut into windows of this length, s, each a run of its own; whole if infinite.
     pub window: f64,
     /// Time at the start of each run that is not compared, s.
@@ -44,9 +44,9 @@ pub struct Plan {
     /// Its columns that set parameters.
     pub conditions: Vec<Condition>,
     /// Columns of the recordings that drive inputs of the model.
-    pub inputs: Vec<Driven>,
+    pub inputs: Vec<DrivenInput>,
     /// Columns of the recordings that determine the initial values of runs.
-    pub starts: Vec<Begun>,
+    pub starts: Vec<InitialValue>,
     /// The column of the time in each recording.
     pub time: String,
     /// Its unit.
@@ -91,7 +91,7 @@ pub struct Signal {
 
 /// A recording that the plan lists: a file, or a part of one.
 #[derive(Clone, Debug)]
-pub struct Listed {
+pub struct ListedRecording {
     /// The file.
     pub file: String,
     /// Its name.
@@ -108,7 +108,7 @@ pub struct Listed {
 
 /// A column of the recordings that drives an input.
 #[derive(Clone, Debug)]
-pub struct Driven {
+pub struct DrivenInput {
     /// The column.
     pub column: String,
     /// The input.
@@ -129,7 +129,7 @@ pub struct Driven {
 
 /// A column of the recordings that determines an initial value.
 #[derive(Clone, Debug)]
-pub struct Begun {
+pub struct InitialValue {
     /// The target: a parameter, or `start(x)` for the start value of `x`.
     pub target: String,
     /// The column.

@@ -11,7 +11,7 @@ use crate::base::source::{FileId, SourceMap, Span};
 use crate::numeric::time_series::Interpolation;
 
 use super::data::Split;
-use super::plan::{Begun, Condition, Driven, Free, Listed, Plan, Signal};
+use super::plan::{Condition, DrivenInput, Free, InitialValue, ListedRecording, Plan, Signal};
 use super::unit::Unit;
 
 /// Reads a plan file. Errors are added to `problems`.
@@ -141,7 +141,7 @@ impl PlanReader<'_> {
         out
     }
 
-    fn listed(&mut self, root: &Table<'_>) -> Vec<Listed> {
+    fn listed(&mut self, root: &Table<'_>) -> Vec<ListedRecording> {
         let Some(value) = root.get("recordings") else { return Vec::new() };
         let DeValue::Array(list) = value.get_ref() else {
             self.wrong(value, "a list of tables `[[recordings]]`");
@@ -161,7 +161,7 @@ impl PlanReader<'_> {
                 }
             };
             let [from, to] = ["from", "to"].map(|key| self.number(table, key).map(|x| x.0));
-            out.push(Listed {
+            out.push(ListedRecording {
                 name: self.text(table, "name").unwrap_or_else(|| file.clone()),
                 file,
                 split,
@@ -173,7 +173,7 @@ impl PlanReader<'_> {
         out
     }
 
-    fn inputs(&mut self, root: &Table<'_>) -> Vec<Driven> {
+    fn inputs(&mut self, root: &Table<'_>) -> Vec<DrivenInput> {
         let mut out = Vec::new();
         for (column, value) in self.entries(root, "inputs") {
             let Some((table, span)) = self.as_table(&column, value) else { continue };
@@ -195,7 +195,7 @@ impl PlanReader<'_> {
             let absent = self.number(table, "absent").map(|(value, _)| value);
             if let (Some((unit, _)), Some((_, interpolation))) = (self.unit(table, &span), found) {
                 let (interpolation, span) = (*interpolation, self.at(&span));
-                out.push(Driven {
+                out.push(DrivenInput {
                     column,
                     input,
                     unit,
@@ -210,7 +210,7 @@ impl PlanReader<'_> {
         out
     }
 
-    fn starts(&mut self, root: &Table<'_>) -> Vec<Begun> {
+    fn starts(&mut self, root: &Table<'_>) -> Vec<InitialValue> {
         let mut out = Vec::new();
         for (target, value) in self.entries(root, "starts") {
             let Some((table, span)) = self.as_table(&target, value) else { continue };
@@ -226,7 +226,7 @@ impl PlanReader<'_> {
             };
             let smooth = self.positive(table, "smooth").unwrap_or(0.0);
             if let Some((unit, _)) = self.unit(table, &span) {
-                out.push(Begun { target, column, unit, rate, smooth, span: self.at(&span) });
+                out.push(InitialValue { target, column, unit, rate, smooth, span: self.at(&span) });
             }
         }
         out
@@ -277,12 +277,13 @@ impl PlanReader<'_> {
                 );
             }
         }
-        for begun in &plan.starts {
-            let is_free = |f: &&Free| f.targets.contains(&begun.target);
+        for initial in &plan.starts {
+            let is_free = |f: &&Free| f.targets.contains(&initial.target);
             if plan.free.iter().any(|f| is_free(&f)) {
-                let message = format!("`{}` is both free and set by the recordings", begun.target);
+                let message =
+                    format!("`{}` is both free and set by the recordings", initial.target);
                 self.problems.push(
-                    Diagnostic::error("MO1018", begun.span, message)
+                    Diagnostic::error("MO1018", initial.span, message)
                         .help("remove it from `[starts]` or from `[free]`"),
                 );
             }

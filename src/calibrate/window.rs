@@ -5,14 +5,14 @@ use crate::numeric::time_series::TimeSeries;
 use super::data::Recording;
 
 /// The source of an initial value.
-pub struct Begin {
+pub struct InitialSignal {
     /// The signal.
     pub series: TimeSeries,
     /// Order of its derivative by time that counts.
     pub order: u8,
 }
 
-impl Begin {
+impl InitialSignal {
     /// The initial value of a run that begins at `t`, in SI units.
     pub fn at(&self, t: f64) -> f64 {
         self.series.value(t, self.order)
@@ -32,8 +32,8 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The runs of a recording. `begins` holds the signals of their initial values.
-    pub fn apply(&self, whole: &Recording, begins: &[Begin]) -> Vec<Recording> {
+    /// The runs of a recording. `initial_signals` holds the signals of their initial values.
+    pub fn apply(&self, whole: &Recording, initial_signals: &[InitialSignal]) -> Vec<Recording> {
         let time = &whole.time;
         let mut first = time.partition_point(|t| *t < self.part.0);
         let end = time.partition_point(|t| *t <= self.part.1);
@@ -66,7 +66,7 @@ impl Cut {
                     if cut { format!("{} {number}", whole.name) } else { whole.name.clone() };
                 out.push(Recording {
                     name,
-                    starts: begins.iter().map(|b| b.at(t0)).collect(),
+                    starts: initial_signals.iter().map(|b| b.at(t0)).collect(),
                     start: Some(t0),
                     time: rows.iter().map(|k| time[*k]).collect(),
                     signals,

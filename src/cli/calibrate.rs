@@ -15,7 +15,7 @@ use crate::io::atomic_file::write_file;
 
 /// Runs the command.
 pub fn run(options: &Calibrate) -> Status {
-    let begun = Instant::now();
+    let started_at = Instant::now();
     let mut session = Session::default();
     let folder = options.study.folder("calibration");
     let terminal = Terminal::new(folder.clone(), None);
@@ -32,7 +32,7 @@ pub fn run(options: &Calibrate) -> Status {
         Err(error) => return terminal.failed(&error, &session),
     };
     terminal.finish();
-    let seconds = begun.elapsed().as_secs_f64();
+    let seconds = started_at.elapsed().as_secs_f64();
     let written = match write(&folder, &outcome, seconds) {
         Ok(written) => written,
         Err(why) => {

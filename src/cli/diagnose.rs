@@ -16,10 +16,10 @@ use crate::io::csv::write_csv;
 
 /// Runs the command.
 pub fn run(options: &Diagnose) -> Status {
-    let begun = Instant::now();
+    let started_at = Instant::now();
     let mut session = Session::default();
     let folder = options.study.folder("diagnosis");
-    let terminal = Terminal::new(folder.clone(), options.verbose.then_some(begun));
+    let terminal = Terminal::new(folder.clone(), options.verbose.then_some(started_at));
     let request = Request {
         plan: options.study.plan.clone(),
         data: options.study.data.clone(),
@@ -38,7 +38,7 @@ pub fn run(options: &Diagnose) -> Status {
             return Status::Numerics;
         }
     };
-    let seconds = begun.elapsed().as_secs_f64();
+    let seconds = started_at.elapsed().as_secs_f64();
     let written = match write(options, &folder, &outcome, seconds) {
         Ok(written) => written,
         Err(why) => {

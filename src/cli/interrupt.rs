@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Status;
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// From here on Ctrl-C requests an end of the run; a second one ends the process at once, in case a step
 /// takes too long.
 pub fn listen() {
     let handler = || {
-        if ASKED.swap(true, Ordering::Relaxed) {
+        if REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(Status::Interrupted as i32);
         }
     };
@@ -20,6 +20,6 @@ pub fn listen() {
 }
 
 /// Whether Ctrl-C was pressed since [`listen`].
-pub fn asked() -> bool {
-    ASKED.load(Ordering::Relaxed)
+pub fn is_requested() -> bool {
+    REQUESTED.load(Ordering::Relaxed)
 }

@@ -117,7 +117,7 @@ impl Drop for Working {
 
 fn draw(shared: &Shared, start: f64, stop: f64, text: &dyn Fn(f64) -> String) {
     let is_done = || shared.done.load(Ordering::Acquire);
-    let begun = Instant::now();
+    let started_at = Instant::now();
     park_timeout(PATIENCE);
     if is_done() {
         return;
@@ -130,7 +130,7 @@ fn draw(shared: &Shared, start: f64, stop: f64, text: &dyn Fn(f64) -> String) {
     while !is_done() {
         let time = f64::from_bits(shared.reached.load(Ordering::Relaxed));
         let part = part(time, start, stop);
-        let left = match left(begun.elapsed(), part) {
+        let left = match left(started_at.elapsed(), part) {
             Some(left) => format!(", {} left", HumanDuration(left)),
             None => String::new(),
         };

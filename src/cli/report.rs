@@ -252,7 +252,7 @@ impl Sink for Kept {
         if let Some(progress) = &self.progress {
             progress.reached(time);
         }
-        !interrupt::asked()
+        !interrupt::is_requested()
     }
 }
 

@@ -24,7 +24,7 @@ pub fn run(options: &Simulate) -> Status {
         eprintln!("error: {why}");
         return Status::Usage;
     }
-    let begun = Instant::now();
+    let started_at = Instant::now();
     let mut session = Session { is_last: true, ..Session::default() };
     let request = running::request(&options.model, &options.running);
     let program = match options.measures.as_slice() {
@@ -40,7 +40,7 @@ pub fn run(options: &Simulate) -> Status {
         eprintln!("error: {why}");
         return Status::Usage;
     }
-    let compiled = begun.elapsed();
+    let compiled = started_at.elapsed();
 
     let mut settings = running::settings(&options.running, &program.blocks.dae.experiment);
     let files = Files::of(options, &program);
@@ -78,7 +78,7 @@ pub fn run(options: &Simulate) -> Status {
     for warning in &statistics.warnings {
         eprintln!("{}\n", render(warning, &session.sources, style()));
     }
-    let begun = Instant::now();
+    let started_at = Instant::now();
     let table = stream.finish(statistics.end).map_err(|e| e.to_string());
     let run = Run { trajectory: stream.trajectory, statistics };
     let picture = files.draw(options, &program, &run);
@@ -90,7 +90,7 @@ pub fn run(options: &Simulate) -> Status {
         }
     };
     let mut text = if options.events { events(&run.trajectory) } else { String::new() };
-    text.push_str(&summary(&program, &run, compiled, begun.elapsed(), &written));
+    text.push_str(&summary(&program, &run, compiled, started_at.elapsed(), &written));
     if let Some(plan) = &measures {
         text.push_str(&measured(&plan.columns, &values));
     }

@@ -19,7 +19,7 @@ const MOST_KEPT: usize = 2000;
 
 /// A file of results.
 enum Output {
-    /// Not begun yet.
+    /// Not yet started.
     Waiting(Results),
     /// Takes rows.
     Begun(Writer),
@@ -29,7 +29,7 @@ enum Output {
 /// that of a few curves.
 pub struct Stream {
     output: Option<(Output, PathBuf)>,
-    /// The results could not be begun; the run ends.
+    /// The results could not be started; the run ends.
     trouble: Option<TableError>,
     progress: Option<Progress>,
     kept: Vec<usize>,
@@ -156,7 +156,7 @@ impl Sink for Stream {
             Some((Output::Begun(writer), _)) => writer.has_failed(),
             _ => self.trouble.is_some(),
         };
-        !failed && !interrupt::asked()
+        !failed && !interrupt::is_requested()
     }
 }
 

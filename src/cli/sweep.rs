@@ -82,12 +82,12 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     let mut journal = files.journal(options.restart, fingerprint)?;
     let before = journal.lines;
     interrupt::listen();
-    let begun = Instant::now();
+    let started_at = Instant::now();
     let progress = Progress::of_runs(before, design.count);
     let on_progress = |done| progress.iter().for_each(|p| p.reached(done as f64));
-    let complete = sweep.run(&mut journal, &interrupt::asked, on_progress)?;
+    let complete = sweep.run(&mut journal, &interrupt::is_requested, on_progress)?;
     drop(progress);
-    let seconds = begun.elapsed().as_secs_f64();
+    let seconds = started_at.elapsed().as_secs_f64();
     if !complete {
         let text = format!(
             "{name}: interrupted after {} of {} runs; the same command resumes from there\n",

@@ -80,6 +80,6 @@ impl Observer for Terminal {
     }
 
     fn is_cancelled(&self) -> bool {
-        interrupt::asked()
+        interrupt::is_requested()
     }
 }

@@ -14,7 +14,7 @@ use crate::runtime::jit::tiering::Execution;
 use crate::simulate::settings::Settings;
 
 /// Programs to keep; more only while more are in use.
-const KEPT: usize = 16;
+const MAX_CACHED: usize = 16;
 
 /// The model of a sweep.
 pub struct Model {
@@ -59,12 +59,12 @@ pub struct Variants {
     /// One for each axis.
     pub entries: Vec<Entry>,
     base: Arc<Compiled>,
-    others: Mutex<Vec<Kept>>,
+    others: Mutex<Vec<Cached>>,
 }
 
 type Outcome = Arc<OnceLock<Result<Arc<Compiled>, String>>>;
 
-struct Kept {
+struct Cached {
     values: Vec<String>,
     outcome: Outcome,
 }
@@ -168,11 +168,11 @@ impl Variants {
         // The most recent is the last.
         let kept = match others.iter().position(|k| k.values == values) {
             Some(at) => others.remove(at),
-            None => Kept { values, outcome: Outcome::default() },
+            None => Cached { values, outcome: Outcome::default() },
         };
         let outcome = Arc::clone(&kept.outcome);
         others.push(kept);
-        if others.len() > KEPT {
+        if others.len() > MAX_CACHED {
             others.remove(0);
         }
         outcome

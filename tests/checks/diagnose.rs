@@ -309,6 +309,8 @@ end Cubic;
 ";
     let scratch = Scratch::new();
     scratch.file("effects/Cubic.mo", effect);
+    let broken = effect.replace("Cubic", "Broken").replace("amplitude=k", "amplitude=k; w=max(s");
+    scratch.file("effects/Broken.mo", &broken);
     let folder = scratch.path().join("effects");
     let mut table = "file,split,s_0\n".to_owned();
     scratch.file("swing.mo", MODEL);
@@ -328,7 +330,65 @@ end Cubic;
     let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
     let found: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(found["effects"][0]["component"], "Cubic", "{found:#}");
+    let warning = "warning[MO1019]: cannot use `Broken`: cannot read the entry `w=max(s`";
+    assert!(ended.err.contains(warning) && ended.err.contains("Broken.mo:"), "{}", ended.err);
     assert_eq!(found["effects"][0]["explains"], "The spring at mass hardens.");
+}
+
+/// The workflow as another front end calls it: nothing is written, progress and the end of the search are up to
+/// the observer, and the result is typed.
+#[test]
+fn a_front_end_observes_and_cancels() {
+    use std::cell::Cell;
+
+    use mocc::base::diag::Problems;
+    use mocc::base::source::SourceMap;
+    use mocc::calibrate::observer::{Event, Observer};
+    use mocc::diagnose::policy::SearchPolicy;
+    use mocc::diagnose::result::Verdict;
+    use mocc::diagnose::run::{Request, run};
+    use mocc::driver::compile::Session;
+
+    #[derive(Default)]
+    struct FrontEnd {
+        started: Cell<bool>,
+        notes: Cell<usize>,
+        refuses: bool,
+    }
+
+    impl Observer for FrontEnd {
+        fn start(&self, problems: &Problems, _: &SourceMap) -> Result<(), String> {
+            self.started.set(problems.is_empty());
+            if self.refuses { Err("not today".to_owned()) } else { Ok(()) }
+        }
+        fn event(&self, event: &Event<'_>) {
+            self.notes.set(self.notes.get() + usize::from(matches!(event, Event::Note(_))));
+        }
+        fn is_cancelled(&self) -> bool {
+            self.notes.get() > 2
+        }
+    }
+
+    let scratch = Scratch::new();
+    scratch.file("swing.mo", MODEL);
+    scratch.file("plan.toml", PLAN);
+    scratch.file("0.csv", &recording(0.1, 17, |_, v| -0.9 * v.abs() * v, |s| s));
+    scratch.file("table.csv", "file,split,s_0\n0.csv,train,0.1\n");
+    let request = Request {
+        plan: scratch.path().join("plan.toml"),
+        data: None,
+        effects: None,
+        modelica_path: None,
+        policy: SearchPolicy::default(),
+    };
+    let front_end = FrontEnd::default();
+    let outcome = run(&request, &mut Session::default(), &front_end).expect("an outcome");
+    assert!(front_end.started.get() && !outcome.complete);
+    assert_eq!(outcome.verdict(), Verdict::Unexplained);
+    let refusing = FrontEnd { refuses: true, ..FrontEnd::default() };
+    let refused = run(&request, &mut Session::default(), &refusing);
+    assert_eq!(refused.map(|_| ()).map_err(|e| e.to_string()), Err("not today".to_owned()));
+    assert_eq!(refusing.notes.get(), 0);
 }
 
 /// The verdicts on the recordings of the test stand; minutes without optimisation:
