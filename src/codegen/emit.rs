@@ -338,7 +338,8 @@ impl Emitter {
     fn emit_node(&mut self, e: ExprId) {
         match self.dae.graph.node(e) {
             Node::Unary(op, a) => {
-                let op = string_ops::unary(op, self.dae.graph.ty(a));
+                let ty = self.dae.graph.ty(a);
+                let op = string_ops::unary(&mut self.dae.graph, op, ty);
                 let (a, level) = self.operand(a);
                 match op {
                     Unary::Ordinal => self.alias(e, (a, level)),
@@ -350,7 +351,8 @@ impl Emitter {
                 }
             }
             Node::Binary(op, a, b) => {
-                let op = string_ops::binary(op, self.dae.graph.ty(a));
+                let ty = self.dae.graph.ty(a);
+                let op = string_ops::binary(&mut self.dae.graph, op, ty);
                 let ((a, la), (b, lb)) = (self.operand(a), self.operand(b));
                 let op = match op {
                     Binary::Add => Op::Add,

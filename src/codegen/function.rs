@@ -335,12 +335,14 @@ impl Body {
             Node::Unary(op, a) => match op {
                 Unary::Ordinal => computed[&a],
                 _ => {
-                    let op = string_ops::unary(op, e.dae.graph.ty(a));
+                    let ty = e.dae.graph.ty(a);
+                    let op = string_ops::unary(&mut e.dae.graph, op, ty);
                     self.emit_op(e, Op::Unary(op), computed[&a], computed[&a])
                 }
             },
             Node::Binary(op, a, b) => {
-                let op = string_ops::binary(op, e.dae.graph.ty(a));
+                let ty = e.dae.graph.ty(a);
+                let op = string_ops::binary(&mut e.dae.graph, op, ty);
                 self.emit_op(e, Op::Binary(op), computed[&a], computed[&b])
             }
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => computed[&a],

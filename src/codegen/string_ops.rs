@@ -1,30 +1,34 @@
 //! String operations. The runtime represents strings by numbers; equal strings have equal numbers.
 
-use std::cmp::Ordering::{Equal, Greater, Less};
+use std::cmp::Ordering::{self, Equal, Greater, Less};
+use std::sync::Arc;
 
-use crate::ir::expr::{Binary, Type, Unary};
-use crate::ir::native::{Function, Native};
+use crate::external::string_operator::{CompareStrings, Concatenate, FormatNumber};
+use crate::ir::expr::{Binary, Graph, Type, Unary};
 
 /// The operator for an operand of type `ty`.
-pub fn unary(op: Unary, ty: Type) -> Unary {
+pub fn unary(graph: &mut Graph, op: Unary, ty: Type) -> Unary {
     match op {
-        Unary::Text(form) => Unary::Native(Native::of(Function::Written(form, ty != Type::Real))),
+        Unary::Text(form) => {
+            let format = FormatNumber { form, is_integer: ty != Type::Real };
+            Unary::External(graph.add_external(Arc::new(format)))
+        }
         op => op,
     }
 }
 
 /// The operator for operands of type `ty`.
-pub fn binary(op: Binary, ty: Type) -> Binary {
+pub fn binary(graph: &mut Graph, op: Binary, ty: Type) -> Binary {
     if ty != Type::String {
         return op;
     }
-    let function = match op {
-        Binary::Add => Function::Joined,
-        Binary::Less => Function::Ordered(vec![Less]),
-        Binary::LessEqual => Function::Ordered(vec![Less, Equal]),
-        Binary::Greater => Function::Ordered(vec![Greater]),
-        Binary::GreaterEqual => Function::Ordered(vec![Greater, Equal]),
+    let orders: &[Ordering] = match op {
+        Binary::Add => return Binary::External(graph.add_external(Arc::new(Concatenate))),
+        Binary::Less => &[Less],
+        Binary::LessEqual => &[Less, Equal],
+        Binary::Greater => &[Greater],
+        Binary::GreaterEqual => &[Greater, Equal],
         op => return op,
     };
-    Binary::Native(Native::of(function))
+    Binary::External(graph.add_external(Arc::new(CompareStrings(orders.to_vec()))))
 }

@@ -2,16 +2,18 @@
 //! selects among all candidates; an assignment goes to each candidate under its condition and
 //! leaves the others as they were.
 
+use std::sync::Arc;
+
 use super::Evaluator;
 use super::reference::Selection;
 use super::subscript::Selector;
 use super::value::Value;
 use crate::base::source::Span;
+use crate::external::array_access::ArrayAccess;
 use crate::ir::ast::ComponentRef;
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary, VarId};
 use crate::ir::flat::AssertionLevel;
 use crate::ir::instance::{InstanceKind, Scope};
-use crate::ir::native::{Function, Native};
 
 /// So many numbers are looked up in a table.
 const MANY: usize = 8;
@@ -125,8 +127,9 @@ impl Evaluator<'_> {
             }
         }
         let mut chosen = columns.into_iter().zip(whole).map(|(column, whole)| {
-            let elements = Native::of(Function::Elements(column, whole));
-            self.graph.unary(Unary::Native(elements), e)
+            let access = ArrayAccess { elements: column, is_integer: whole };
+            let access = self.graph.add_external(Arc::new(access));
+            self.graph.unary(Unary::External(access), e)
         });
         Some(first.each_scalar(&mut |e| chosen.next().unwrap_or(e)))
     }

@@ -5,6 +5,7 @@
 //! it passes through parameters, modifications and arguments like any other value.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::Evaluator;
 use super::value::Value;
@@ -14,15 +15,16 @@ use crate::base::source::Span;
 use crate::external::files::{self, Files};
 use crate::external::table::Extrapolation;
 use crate::external::table::curve::Curve;
+use crate::external::table::operator::{CurveValue, NextTimeEvent, SurfaceValue, TimeTableValue};
 use crate::external::table::surface::Surface;
 use crate::external::table::time_table::{Placing, Stops, TimeTable};
 use crate::external::{Data, Fault, Function};
 use crate::io::matrix_file::Matrix;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, External};
-use crate::ir::expr::{Binary, Const, EnumId, ExprId, Type, Unary};
+use crate::ir::expr::{Binary, Const, EnumId, ExprId, Graph, Type, Unary};
+use crate::ir::external::ExternalId;
 use crate::ir::flat::AssertionLevel;
 use crate::ir::instance::{ClassId, Scope};
-use crate::ir::native::{Function as NativeFunction, Native};
 use crate::numeric::hermite::Smoothness;
 use crate::resolve::library::Library;
 
@@ -33,11 +35,11 @@ const MARK: &str = "external object ";
 #[derive(Clone, Debug)]
 pub(crate) enum Object {
     /// Columns over the first one.
-    Curves(Vec<Curve>),
+    Curves(Vec<Arc<Curve>>),
     /// Columns over time.
-    TimeTables(Vec<TimeTable>),
+    TimeTables(Vec<Arc<TimeTable>>),
     /// A grid.
-    Surface(Surface),
+    Surface(Arc<Surface>),
 }
 
 /// Why an external function has no result.
@@ -292,22 +294,15 @@ impl Evaluator<'_> {
             }
             (Object::TimeTables(all), "nextTimeEvent", [t]) => {
                 let table = all.first().ok_or(Refusal::Unknown)?.clone();
-                let f = Native::of(NativeFunction::NextStop(table));
-                one(self.graph.unary(Unary::Native(f), *t))
+                let f = self.graph.add_external(Arc::new(NextTimeEvent(table)));
+                one(self.graph.unary(Unary::External(f), *t))
             }
             (Object::TimeTables(all), _, [column, t, next, _, rates @ ..]) => {
                 let table = self.column(all, *column)?;
-                let f = Native::of(NativeFunction::TimeTable(0, table));
-                let value = self.graph.binary(Binary::Native(f), *t, *next);
-                let by = |order: usize| -> Option<Native> {
-                    (0..order).try_fold(f, |f, _| f.derivative(0))
-                };
-                let slopes: Vec<ExprId> = (1..=2)
-                    .map(|k| match by(k) {
-                        Some(f) => self.graph.binary(Binary::Native(f), *t, *next),
-                        None => self.graph.real(0.0),
-                    })
-                    .collect();
+                let f = self.graph.add_external(Arc::new(TimeTableValue { table, order: 0 }));
+                let value = self.graph.binary(Binary::External(f), *t, *next);
+                let slopes =
+                    self.slopes(f, |graph, f| graph.binary(Binary::External(f), *t, *next));
                 self.rate(what, value, &slopes, rates)
             }
             (Object::Curves(all), "minimumAbscissa", []) => {
@@ -321,14 +316,9 @@ impl Evaluator<'_> {
                 if curve.extrapolation() == Extrapolation::Forbidden {
                     self.inside(*u, curve.range(), span)?;
                 }
-                let f = Native::of(NativeFunction::Curve(0, curve));
-                let value = self.graph.unary(Unary::Native(f), *u);
-                let slopes: Vec<ExprId> = (1..=2)
-                    .map(|k| match (0..k).try_fold(f, |f, _| f.derivative(0)) {
-                        Some(f) => self.graph.unary(Unary::Native(f), *u),
-                        None => self.graph.real(0.0),
-                    })
-                    .collect();
+                let f = self.graph.add_external(Arc::new(CurveValue { curve, order: 0 }));
+                let value = self.graph.unary(Unary::External(f), *u);
+                let slopes = self.slopes(f, |graph, f| graph.unary(Unary::External(f), *u));
                 self.rate(what, value, &slopes, rates)
             }
             (Object::Surface(surface), "minimumAbscissa" | "maximumAbscissa", []) => {
@@ -342,14 +332,15 @@ impl Evaluator<'_> {
                     self.inside(*u, x, span)?;
                     self.inside(*v, y, span)?;
                 }
-                let f = Native::of(NativeFunction::Surface((0, 0), surface.clone()));
+                let value = SurfaceValue { surface: surface.clone(), orders: (0, 0) };
+                let f = self.graph.add_external(Arc::new(value));
                 if what == "getValue" {
-                    return one(self.graph.binary(Binary::Native(f), *u, *v));
+                    return one(self.graph.binary(Binary::External(f), *u, *v));
                 }
                 let mut terms = Vec::new();
                 for (k, rate) in rates.iter().take(2).enumerate() {
-                    if let Some(d) = f.derivative(k) {
-                        let slope = self.graph.binary(Binary::Native(d), *u, *v);
+                    if let Some(d) = self.graph.external_derivative(f, k) {
+                        let slope = self.graph.binary(Binary::External(d), *u, *v);
                         terms.push(self.graph.mul(slope, *rate));
                     }
                 }
@@ -357,6 +348,20 @@ impl Evaluator<'_> {
             }
             _ => Err(Refusal::Unknown),
         }
+    }
+
+    /// The first and second derivative of a function by its first argument.
+    fn slopes(
+        &mut self,
+        f: ExternalId,
+        apply: impl Fn(&mut Graph, ExternalId) -> ExprId,
+    ) -> [ExprId; 2] {
+        let first = self.graph.external_derivative(f, 0);
+        let second = first.and_then(|f| self.graph.external_derivative(f, 0));
+        [first, second].map(|f| match f {
+            Some(f) => apply(&mut self.graph, f),
+            None => self.graph.real(0.0),
+        })
     }
 
     /// The value of a function of one argument, or its first or second derivative by time.
@@ -421,9 +426,9 @@ impl Evaluator<'_> {
         for k in self.numbers(columns)? {
             let y = table.column(k as usize).map_err(Refusal::Wrong)?;
             let curve = Curve::new(&x, &y, smoothness, extrapolation);
-            all.push(curve.ok_or_else(|| {
+            all.push(Arc::new(curve.ok_or_else(|| {
                 Refusal::Wrong("the first column of the table must rise from row to row".into())
-            })?);
+            })?));
         }
         Ok(Object::Curves(all))
     }
@@ -465,9 +470,9 @@ impl Evaluator<'_> {
         for k in self.numbers(columns)? {
             let y = table.column(k as usize).map_err(Refusal::Wrong)?;
             let table = TimeTable::new(&t, &y, smoothness, extrapolation, placing);
-            all.push(table.ok_or_else(|| {
+            all.push(Arc::new(table.ok_or_else(|| {
                 Refusal::Wrong("the first column of the table must not fall from row to row".into())
-            })?);
+            })?));
         }
         Ok(Object::TimeTables(all))
     }
@@ -487,7 +492,7 @@ impl Evaluator<'_> {
         let rows = table.elements.chunks_exact(table.columns).skip(1);
         let z: Vec<f64> = rows.flat_map(|row| row[1..].iter().copied()).collect();
         let surface = Surface::new(&x, &y, &z, smoothness, extrapolation);
-        surface.map(Object::Surface).ok_or_else(|| {
+        surface.map(|s| Object::Surface(Arc::new(s))).ok_or_else(|| {
             Refusal::Wrong("the first row and column must rise, and a grid is linear, constant or with continuous derivatives".into())
         })
     }

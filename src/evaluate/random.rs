@@ -5,13 +5,14 @@
 //! (2016); S. Vigna, Further scramblings of Marsaglia's xorshift generators, J. Comput. Appl. Math. 315
 //! (2017).* States are words of 64 bits, each held as two Integers, the lower half first.
 
+use std::sync::Arc;
+
 use super::Evaluator;
 use super::external::Refusal;
 use super::value::Value;
 use crate::base::source::Span;
 use crate::external::split_u64::{Half, Operation};
 use crate::ir::expr::{Binary, ExprId, Graph};
-use crate::ir::native::{Function, Native};
 
 /// A word of 64 bits: lower and upper half.
 #[derive(Clone, Copy)]
@@ -103,7 +104,8 @@ fn is_number(graph: &mut Graph, e: ExprId, k: usize) -> ExprId {
 }
 
 fn operation(graph: &mut Graph, f: Operation, a: ExprId, b: ExprId) -> ExprId {
-    graph.binary(Binary::Native(Native::of(Function::Word(f))), a, b)
+    let f = graph.add_external(Arc::new(f));
+    graph.binary(Binary::External(f), a, b)
 }
 
 impl Word {

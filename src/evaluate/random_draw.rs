@@ -5,6 +5,8 @@
 //! when-clause counts what it has drawn; at one instant the clauses draw one after the other. What is drawn
 //! at the start comes before all others.
 
+use std::sync::Arc;
+
 use super::Evaluator;
 use super::external::Refusal;
 use super::history::Synthetic;
@@ -12,7 +14,6 @@ use super::value::Value;
 use crate::base::source::Span;
 use crate::external::xorshift1024::Stream;
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
-use crate::ir::native::{Function, Native};
 
 /// Where the evaluator stands, for what may be called there.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -103,8 +104,8 @@ impl Evaluator<'_> {
         let half = |k: usize| u64::from(state.get(k).map_or(0, |half| *half as u32));
         let seed = std::array::from_fn(|k| half(2 * k + 1) << 32 | half(2 * k));
         let last = state.last().map_or(0, |last| last.rem_euclid(16) as usize);
-        let stream = Native::of(Function::Drawn(Stream::new(seed, last)));
-        self.graph.unary(Unary::Native(stream), number)
+        let stream = self.graph.add_external(Arc::new(Stream::new(seed, last)));
+        self.graph.unary(Unary::External(stream), number)
     }
 
     /// Looks at what stands in a place.

@@ -3,16 +3,74 @@
 //!
 //! Nothing here knows a model. Functions of strings and files need arguments that are known before
 //! simulation: [`Function::call`] takes [`Data`] and returns [`Data`]. Tables and random numbers are functions
-//! of Reals that are evaluated while the model is simulated ([`table`], [`xorshift1024`]).
+//! of Reals that are evaluated while the model is simulated ([`table`], [`xorshift1024`]); they
+//! implement [`External`].
 
+pub mod array_access;
 pub mod files;
 pub mod printf;
 pub mod split_u64;
+pub mod string_operator;
 pub mod strings;
 pub mod table;
 pub mod xorshift1024;
 
+use std::any::Any;
+use std::fmt::Debug;
+use std::sync::Arc;
+
 use files::Files;
+
+/// A function of Reals that carries data, evaluated while the model is simulated.
+pub trait External: Debug + Send + Sync {
+    /// Its name, number of arguments, and type of result.
+    fn signature(&self) -> Signature;
+    /// Its value; `args` has as many elements as the signature says.
+    fn eval(&self, args: &[f64]) -> f64;
+    /// The partial derivative by an argument (counted from 0); `None` if it is 0 everywhere.
+    fn derivative(&self, _argument: usize) -> Option<Arc<dyn External>> {
+        None
+    }
+    /// The value of the partial derivative by an argument; must agree with
+    /// [`derivative`](Self::derivative).
+    fn slope(&self, _argument: usize, _args: &[f64]) -> f64 {
+        0.0
+    }
+    /// The array that it indexes, and whether its elements are Integers, if it is an array access.
+    fn elements(&self) -> Option<(&[f64], bool)> {
+        None
+    }
+    /// True if `other` is the same function.
+    fn is_same(&self, other: &dyn External) -> bool;
+    /// Itself, for [`is_same`](Self::is_same).
+    fn as_any(&self) -> &dyn Any;
+}
+
+/// Implements the methods of [`External`] that compare functions by `==`.
+macro_rules! same_if_equal {
+    () => {
+        fn is_same(&self, other: &dyn $crate::external::External) -> bool {
+            other.as_any().downcast_ref::<Self>().is_some_and(|other| other == self)
+        }
+        fn as_any(&self) -> &dyn std::any::Any {
+            self
+        }
+    };
+}
+pub(crate) use same_if_equal;
+
+/// How an [`External`] function is called.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Signature {
+    /// Its name in printed models.
+    pub name: &'static str,
+    /// Number of arguments: 1 or 2.
+    pub arity: usize,
+    /// True if its value is an Integer.
+    pub is_integer: bool,
+    /// False for a function that is piecewise constant.
+    pub is_differentiable: bool,
+}
 
 /// A known argument or result.
 #[derive(Clone, PartialEq, Debug)]

@@ -4,6 +4,8 @@
 //! In: halves as floats in the range of signed 32-bit integers. Out: a half, or a fraction between 0 and
 //! 1. All operations are exact and wrap around.
 
+use super::{External, Signature, same_if_equal};
+
 /// A half of a word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Half {
@@ -32,6 +34,19 @@ pub enum Operation {
     Fraction,
 }
 
+impl External for Operation {
+    fn signature(&self) -> Signature {
+        let is_integer = *self != Operation::Fraction;
+        Signature { name: "word", arity: 2, is_integer, is_differentiable: false }
+    }
+
+    fn eval(&self, args: &[f64]) -> f64 {
+        self.at(args[0], args[1])
+    }
+
+    same_if_equal!();
+}
+
 impl Operation {
     /// The value of the function.
     pub fn at(self, a: f64, b: f64) -> f64 {
@@ -46,11 +61,6 @@ impl Operation {
             Operation::Times(factor, half) => part(word.wrapping_mul(factor), half),
             Operation::Fraction => word as i64 as f64 / 2.0_f64.powi(64) + 0.5,
         }
-    }
-
-    /// True if the value is an integer.
-    pub fn is_whole(self) -> bool {
-        self != Operation::Fraction
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::sync::Mutex;
 
+use super::{External, Signature, same_if_equal};
+
 /// Words of the state of xorshift1024*.
 const WORDS: usize = 16;
 
@@ -64,6 +66,18 @@ impl Clone for Stream {
     fn clone(&self) -> Self {
         Stream::new(self.seed, self.first)
     }
+}
+
+impl External for Stream {
+    fn signature(&self) -> Signature {
+        Signature { name: "randomNumber", arity: 1, is_integer: false, is_differentiable: false }
+    }
+
+    fn eval(&self, args: &[f64]) -> f64 {
+        self.number(args[0])
+    }
+
+    same_if_equal!();
 }
 
 impl PartialEq for Stream {

@@ -8,14 +8,16 @@
 
 use hashbrown::HashTable;
 use std::hash::{BuildHasher, Hash};
+use std::sync::Arc;
 
 use crate::base::index::{FastMap, Id, IndexVec};
 use crate::base::name::{self, Name};
 use crate::base::visited::VisitedSet;
 use crate::define_id;
+use crate::external::External;
 pub use crate::external::printf::Form;
 use crate::ir::builtin::{BinaryFacts, Shape, Syntax, UnaryFacts, binary_builtins, unary_builtins};
-use crate::ir::native::Native;
+use crate::ir::external::{ExternalId, Externals};
 
 define_id! {
     /// A node of the [`Graph`].
@@ -75,8 +77,8 @@ macro_rules! define_unary {
         #[allow(missing_docs)]
         pub enum Unary {
             $($(#[$doc])* $op,)*
-            /// A function that is made of data.
-            Native(Native),
+            /// An external function.
+            External(ExternalId),
             /// The value on a transport line at the position that the operand gives.
             Carried(Carried),
             /// `String(x)` in this form.
@@ -109,7 +111,7 @@ macro_rules! define_unary {
                 }
                 match self {
                     $(Unary::$op => row!($facts),)*
-                    Unary::Native(_) | Unary::Carried(_) | Unary::Text(_) => None,
+                    Unary::External(_) | Unary::Carried(_) | Unary::Text(_) => None,
                 }
             }
         }
@@ -136,8 +138,8 @@ macro_rules! define_binary {
         #[allow(missing_docs)]
         pub enum Binary {
             $($(#[$doc])* $op,)*
-            /// A function that is made of data.
-            Native(Native),
+            /// An external function.
+            External(ExternalId),
         }
 
         impl Binary {
@@ -164,7 +166,7 @@ macro_rules! define_binary {
                 }
                 match self {
                     $(Binary::$op => row!($facts),)*
-                    Binary::Native(_) => None,
+                    Binary::External(_) => None,
                 }
             }
         }
@@ -244,12 +246,30 @@ pub struct Graph {
     list_table: FastMap<Box<[ExprId]>, ListId>,
     /// The enumeration types of the model.
     pub enumerations: IndexVec<EnumId, Enumeration>,
+    externals: Arc<Externals>,
 }
 
 impl Graph {
     /// An empty graph.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The external functions.
+    pub fn externals(&self) -> &Arc<Externals> {
+        &self.externals
+    }
+
+    /// The id of an external function, which is added unless an equal one exists.
+    pub fn add_external(&mut self, function: Arc<dyn External>) -> ExternalId {
+        Arc::make_mut(&mut self.externals).add(function)
+    }
+
+    /// The partial derivative of an external function by an argument (counted from 0); `None` if it
+    /// is 0 everywhere.
+    pub fn external_derivative(&mut self, f: ExternalId, argument: usize) -> Option<ExternalId> {
+        let derivative = self.externals.get(f).derivative(argument)?;
+        Some(self.add_external(derivative))
     }
 
     /// The node of an id.
@@ -477,7 +497,7 @@ impl Unary {
     /// The operator or the function's name in Modelica.
     pub fn name(self) -> &'static str {
         match self {
-            Unary::Native(f) => f.name(),
+            Unary::External(_) => "external",
             Unary::Carried(_) => "carried",
             Unary::Text(_) => "String",
             _ => self.facts().map_or("", |row| row.names[0]),
@@ -504,7 +524,7 @@ impl Binary {
     /// The operator or the function's name in Modelica.
     pub fn name(self) -> &'static str {
         match self {
-            Binary::Native(f) => f.name(),
+            Binary::External(_) => "external",
             _ => self.facts().map_or("", |row| row.names[0]),
         }
     }

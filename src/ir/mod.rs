@@ -2,7 +2,7 @@
 pub mod ast;
 pub mod modification;
 pub mod instance;
-pub mod native;
+pub mod external;
 pub mod builtin;
 pub mod expr;
 pub mod flat;

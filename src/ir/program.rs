@@ -16,10 +16,12 @@
 //! point then `jacobian`, or `roots` followed by `outputs`; `state_selection` after each step.
 
 use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
 
 use super::blocks::{Blocks, Source};
 use super::dae::Dae;
 use super::expr::{Binary, ExprId, Unary, VarId};
+use super::external::Externals;
 use crate::base::source::Span;
 
 /// Index of a value in the memory.
@@ -512,6 +514,11 @@ pub struct Continuation {
 }
 
 impl Program {
+    /// The external functions that its instructions refer to.
+    pub fn externals(&self) -> &Arc<Externals> {
+        self.blocks.dae.graph.externals()
+    }
+
     /// Number of components that the integrator sees: states, then algebraic unknowns.
     pub fn order(&self) -> usize {
         self.layout.derivatives.len()

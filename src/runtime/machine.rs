@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::base::index::Id;
 use crate::ir::expr::{Unary, VarId};
+use crate::ir::external::Externals;
 use crate::ir::program::{CallSite, Instr, Op, Program, Slot, Tape};
 use crate::numeric::time_series::TimeSeries;
 use crate::symbolic::eval;
@@ -329,7 +330,7 @@ impl<'p> Machine<'p> {
                 Ok(())
             }
             _ => {
-                compute::<CLAMP>(&mut self.memory, i);
+                compute::<CLAMP>(&mut self.memory, i, self.program.externals());
                 Ok(())
             }
         }
@@ -503,8 +504,8 @@ impl<'p> Machine<'p> {
                     jumps += 1;
                 }
                 Op::Call => self.call(i.a as usize)?,
-                _ if self.clamp_domain => compute::<true>(&mut self.memory, i),
-                _ => compute::<false>(&mut self.memory, i),
+                _ if self.clamp_domain => compute::<true>(&mut self.memory, i, program.externals()),
+                _ => compute::<false>(&mut self.memory, i, program.externals()),
             }
             jumps += u32::from(i.op == Op::Jump);
             if jumps > JUMP_LIMIT {
@@ -516,7 +517,7 @@ impl<'p> Machine<'p> {
 
 /// Executes an instruction without control flow or calls.
 #[inline(always)]
-pub fn compute<const CLAMP: bool>(memory: &mut [f64], i: &Instr) {
+pub fn compute<const CLAMP: bool>(memory: &mut [f64], i: &Instr, externals: &Externals) {
     let (a, b) = (memory[i.a as usize], memory[i.b as usize]);
     memory[i.dst as usize] = match i.op {
         Op::Copy => a,
@@ -541,10 +542,10 @@ pub fn compute<const CLAMP: bool>(memory: &mut [f64], i: &Instr) {
         Op::Div if CLAMP && a == 0.0 && b == 0.0 => 0.0,
         Op::Div => a / b,
         Op::Neg => -a,
-        Op::Unary(op) if CLAMP => eval::unary_inside(op, a),
-        Op::Binary(op) if CLAMP => eval::binary_inside(op, a, b),
-        Op::Unary(op) => eval::unary(op, a),
-        Op::Binary(op) => eval::binary(op, a, b),
+        Op::Unary(op) if CLAMP => eval::unary_inside(op, a, externals),
+        Op::Binary(op) if CLAMP => eval::binary_inside(op, a, b, externals),
+        Op::Unary(op) => eval::unary(op, a, externals),
+        Op::Binary(op) => eval::binary(op, a, b, externals),
         // Executed by the callers.
         Op::Solve | Op::Differentiate | Op::Iterate | Op::Call => return,
         Op::Jump | Op::JumpUnless | Op::Assert => return,

@@ -163,9 +163,9 @@ fn zeros(graph: &Graph, values: &FastMap<VarId, ExprId>) -> FastSet<ExprId> {
             Node::Var(v) => {
                 values.get(&v).and_then(|value| graph.as_const(*value)).map(Const::register)
             }
-            Node::Unary(op, a) => of(a).map(|a| eval::unary(op, a)),
+            Node::Unary(op, a) => of(a).map(|a| eval::unary(op, a, graph.externals())),
             Node::Binary(op, a, b) => match (of(a), of(b)) {
-                (Some(a), Some(b)) => Some(eval::binary(op, a, b)),
+                (Some(a), Some(b)) => Some(eval::binary(op, a, b, graph.externals())),
                 _ => None,
             },
             Node::If(c, a, b) => of(c).and_then(|c| of(if c != 0.0 { a } else { b })),

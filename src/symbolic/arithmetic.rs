@@ -3,6 +3,7 @@
 
 use super::eval;
 use crate::ir::expr::{Binary, ExprId, Graph, Unary};
+use crate::ir::external::Externals;
 
 /// Computes with numbers or builds expressions.
 pub trait Arithmetic {
@@ -64,11 +65,11 @@ impl Arithmetic for Numbers {
     }
     #[inline]
     fn unary(&mut self, op: Unary, a: f64) -> f64 {
-        eval::unary(op, a)
+        eval::unary(op, a, &Externals::EMPTY)
     }
     #[inline]
     fn binary(&mut self, op: Binary, a: f64, b: f64) -> f64 {
-        eval::binary(op, a, b)
+        eval::binary(op, a, b, &Externals::EMPTY)
     }
 }
 

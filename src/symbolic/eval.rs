@@ -3,15 +3,16 @@
 
 use crate::ir::builtin::{Domain, binary_builtins, unary_builtins};
 use crate::ir::expr::{Binary, Unary};
+use crate::ir::external::Externals;
 
 /// The value of a unary operator; Boolean values are 0 and 1.
 #[inline]
-pub fn unary(op: Unary, x: f64) -> f64 {
+pub fn unary(op: Unary, x: f64, externals: &Externals) -> f64 {
     macro_rules! value {
         (($a:ident, $_y:ident, $_g:ident) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
             match op {
                 $(Unary::$op => { let $a = x; $value })*
-                Unary::Native(f) => f.unary(x),
+                Unary::External(f) => externals.get(f).eval(&[x]),
                 // Known at run time only.
                 Unary::Carried(_) | Unary::Text(_) => f64::NAN,
             }
@@ -22,13 +23,13 @@ pub fn unary(op: Unary, x: f64) -> f64 {
 
 /// The value of a binary operator; Boolean values are 0 and 1.
 #[inline]
-pub fn binary(op: Binary, x: f64, y: f64) -> f64 {
+pub fn binary(op: Binary, x: f64, y: f64, externals: &Externals) -> f64 {
     macro_rules! value {
         (($a:ident, $b:ident, $_y:ident, $_g:ident, $_seed:ident)
          $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {
             match op {
                 $(Binary::$op => { let ($a, $b) = (x, y); $value })*
-                Binary::Native(f) => f.binary(x, y),
+                Binary::External(f) => externals.get(f).eval(&[x, y]),
             }
         };
     }
@@ -49,16 +50,16 @@ pub fn power(a: f64, b: f64) -> f64 {
 
 /// The value of a unary operator, with an argument outside of its domain moved to the border: how a
 /// branch continues, for a moment, beyond the point at which it will be left.
-pub fn unary_inside(op: Unary, a: f64) -> f64 {
+pub fn unary_inside(op: Unary, a: f64, externals: &Externals) -> f64 {
     let domain = op.facts().map_or(Domain::Everywhere, |row| row.domain);
-    unary(op, domain.clamp(a))
+    unary(op, domain.clamp(a), externals)
 }
 
 /// The value of a binary operator, with arguments outside of its domain moved to the border.
-pub fn binary_inside(op: Binary, a: f64, b: f64) -> f64 {
+pub fn binary_inside(op: Binary, a: f64, b: f64, externals: &Externals) -> f64 {
     match op {
         Binary::Pow if a < 0.0 && b.fract() != 0.0 => power(0.0, b),
-        _ => binary(op, a, b),
+        _ => binary(op, a, b, externals),
     }
 }
 
@@ -107,7 +108,7 @@ mod tests {
             (Unary::Ordinal, 2.0, 2.0),
         ];
         for (op, a, expected) in unary {
-            let value = super::unary(op, a);
+            let value = super::unary(op, a, &Externals::EMPTY);
             assert!((value - expected).abs() < 1e-15 * expected.abs().max(1.0), "{op:?}: {value}");
         }
         let binary = [
@@ -119,7 +120,7 @@ mod tests {
             (Binary::Rem, -7.0, 2.0, -1.0),
         ];
         for (op, a, b, expected) in binary {
-            assert_eq!(super::binary(op, a, b), expected, "{op:?}");
+            assert_eq!(super::binary(op, a, b, &Externals::EMPTY), expected, "{op:?}");
         }
         let rows = Unary::TABLE.iter().filter(|op| !op.called_names().is_empty()).count();
         assert_eq!(rows, unary.len(), "a function has no test of its value");

@@ -107,9 +107,9 @@ fn unary_partial(graph: &mut Graph, op: Unary, x: ExprId, value: ExprId) -> Opti
                     $slope
                 })*
                 Unary::Text(_) => None,
-                Unary::Native(f) => {
-                    let derivative = f.derivative(0)?;
-                    Some(graph.unary(Unary::Native(derivative), x))
+                Unary::External(f) => {
+                    let derivative = graph.external_derivative(f, 0)?;
+                    Some(graph.unary(Unary::External(derivative), x))
                 }
                 Unary::Carried(what) => {
                     let order = what.order.saturating_add(1);
@@ -138,9 +138,9 @@ fn binary_partials(
                     let ($a, $b, $y, $g, $seed) = (x, y, value, graph, around);
                     $chain
                 })*
-                Binary::Native(f) => [0, 1].map(|k| {
-                    let derivative = f.derivative(k)?;
-                    let d = graph.binary(Binary::Native(derivative), x, y);
+                Binary::External(f) => [0, 1].map(|k| {
+                    let derivative = graph.external_derivative(f, k)?;
+                    let d = graph.binary(Binary::External(derivative), x, y);
                     Some(graph.mul(around, d))
                 }),
             }
@@ -282,6 +282,7 @@ fn first_chosen(g: &mut Graph, relation: Binary, a: ExprId, b: ExprId) -> ExprId
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ir::external::Externals;
     use crate::symbolic::{eval, partial};
 
     /// Evaluates an expression of `x = Var(0)` alone.
@@ -291,8 +292,8 @@ mod tests {
             let y = match g.node(e) {
                 Node::Const(c) => c.register(),
                 Node::Var(_) => x,
-                Node::Unary(op, a) => eval::unary(op, v[&a]),
-                Node::Binary(op, a, b) => eval::binary(op, v[&a], v[&b]),
+                Node::Unary(op, a) => eval::unary(op, v[&a], g.externals()),
+                Node::Binary(op, a, b) => eval::binary(op, v[&a], v[&b], g.externals()),
                 Node::If(c, a, b) => {
                     if v[&c] != 0.0 {
                         v[&a]
@@ -349,6 +350,7 @@ mod tests {
 
     #[test]
     fn formulas_and_numbers_are_the_same_derivative() {
+        let none = &Externals::EMPTY;
         let mut g = Graph::new();
         let x = g.var(VarId(0), Type::Real);
         for op in Unary::TABLE {
@@ -356,12 +358,16 @@ mod tests {
             let d = gradient(&mut g, e, |_| true);
             let at = 0.43;
             let formula = d.first().map_or(0.0, |(_, d)| value(&g, *d, at));
-            assert_eq!(formula, partial::unary(*op, at, eval::unary(*op, at)), "{op:?}");
+            assert_eq!(
+                formula,
+                partial::unary(*op, at, eval::unary(*op, at, none), none),
+                "{op:?}"
+            );
         }
         for op in Binary::TABLE {
             let (a, b) = (0.43, 0.7);
             let literals = [a, b].map(|value| g.real(value));
-            let numbers = partial::binary(*op, a, b, eval::binary(*op, a, b));
+            let numbers = partial::binary(*op, a, b, eval::binary(*op, a, b, none), none);
             let by_a = g.binary(*op, x, literals[1]);
             let by_b = g.binary(*op, literals[0], x);
             for (e, at, number) in [(by_a, a, numbers.0), (by_b, b, numbers.1)] {

@@ -102,13 +102,14 @@ pub fn is_linear(
 /// The variables on which `root` depends in a way that [`super::gradient`] does not see: conditions
 /// written as operators, functions that jump, arguments of called functions.
 pub fn hidden_variables(graph: &Graph, root: ExprId) -> FastSet<VarId> {
+    let differentiable = |f| graph.externals().get(f).signature().is_differentiable;
     let mut tops = Vec::new();
     for node in graph.postorder([root]) {
         match graph.node(node) {
             Node::If(c, ..) => tops.push(c),
             Node::Call { .. } | Node::Homotopy(..) => tops.push(node),
-            Node::Unary(Unary::Native(f), _) if !f.has_slope() => tops.push(node),
-            Node::Binary(Binary::Native(f), ..) if !f.has_slope() => tops.push(node),
+            Node::Unary(Unary::External(f), _) if !differentiable(f) => tops.push(node),
+            Node::Binary(Binary::External(f), ..) if !differentiable(f) => tops.push(node),
             Node::Unary(op, _) if jumps(op.shape()) => tops.push(node),
             Node::Binary(op, ..) if jumps(op.shape()) => tops.push(node),
             _ => {}

@@ -5,9 +5,10 @@
 use super::arithmetic::{Arithmetic, Numbers};
 use crate::ir::builtin::{binary_builtins, unary_builtins};
 use crate::ir::expr::{Binary, Unary};
+use crate::ir::external::Externals;
 
 /// `d op(x) / dx`, where `value` is `op(x)`.
-pub fn unary(op: Unary, x: f64, value: f64) -> f64 {
+pub fn unary(op: Unary, x: f64, value: f64, externals: &Externals) -> f64 {
     macro_rules! derivative {
         (($a:ident, $y:ident, $g:ident) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
             match op {
@@ -18,7 +19,7 @@ pub fn unary(op: Unary, x: f64, value: f64) -> f64 {
                     slope.unwrap_or(0.0)
                 })*
                 Unary::Text(_) => 0.0,
-                Unary::Native(f) => f.slope(x),
+                Unary::External(f) => externals.get(f).slope(0, &[x]),
                 // A program that reads the past is not differentiated.
                 Unary::Carried(_) => f64::NAN,
             }
@@ -28,7 +29,7 @@ pub fn unary(op: Unary, x: f64, value: f64) -> f64 {
 }
 
 /// `(d op(x, y) / dx, d op(x, y) / dy)`, where `value` is `op(x, y)`.
-pub fn binary(op: Binary, x: f64, y: f64, value: f64) -> (f64, f64) {
+pub fn binary(op: Binary, x: f64, y: f64, value: f64, externals: &Externals) -> (f64, f64) {
     macro_rules! derivatives {
         (($a:ident, $b:ident, $y:ident, $_g:ident, $_seed:ident)
          $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {
@@ -38,7 +39,10 @@ pub fn binary(op: Binary, x: f64, y: f64, value: f64) -> (f64, f64) {
                     let ($a, $b, $y) = (x, y, value);
                     $slopes
                 })*
-                Binary::Native(f) => f.slopes(x, y),
+                Binary::External(f) => {
+                    let f = externals.get(f);
+                    (f.slope(0, &[x, y]), f.slope(1, &[x, y]))
+                }
             }
         };
     }
@@ -58,7 +62,7 @@ mod tests {
 
     #[test]
     fn an_integral_power_of_a_negative_base_has_a_slope() {
-        assert_eq!(binary(Binary::Pow, -2.0, 3.0, -8.0), (12.0, 0.0));
-        assert_eq!(binary(Binary::Pow, 0.0, 1.0, 0.0).0, 1.0);
+        assert_eq!(binary(Binary::Pow, -2.0, 3.0, -8.0, &Externals::EMPTY), (12.0, 0.0));
+        assert_eq!(binary(Binary::Pow, 0.0, 1.0, 0.0, &Externals::EMPTY).0, 1.0);
     }
 }

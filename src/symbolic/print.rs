@@ -92,7 +92,7 @@ impl Printer<'_> {
             Node::Const(c) => self.literal(c, out),
             Node::Time => out.push_str("time"),
             node @ (Node::Recorded(..)
-            | Node::Unary(Unary::Carried(_) | Unary::Native(_), _)
+            | Node::Unary(Unary::Carried(_) | Unary::External(_), _)
             | Node::Binary(Binary::Equal | Binary::NotEqual, ..))
                 if (self.special)(node, out) => {}
             Node::Recorded(v, order) => {
@@ -116,13 +116,15 @@ impl Printer<'_> {
                 out.push_str("not ");
                 self.write(a, RELATION, out);
             }
-            Node::Unary(Unary::Native(f), a) if let Some((all, whole)) = f.elements() => {
+            Node::Unary(Unary::External(f), a)
+                if let Some((all, whole)) = g.externals().get(f).elements() =>
+            {
                 push_elements(all, whole, out);
                 out.push('[');
                 self.write(a, 0, out);
                 out.push(']');
             }
-            Node::Unary(op, a) => call(out, op.name(), |out| {
+            Node::Unary(op, a) => call(out, self.unary_name(op), |out| {
                 self.write(a, 0, out);
                 if let Unary::Text(form) = op {
                     push_form(form, g.ty(a), out);
@@ -141,7 +143,7 @@ impl Printer<'_> {
                     }
                     self.write(b, right, out);
                 }
-                None => call(out, op.name(), |out| {
+                None => call(out, self.binary_name(op), |out| {
                     self.write(a, 0, out);
                     out.push_str(", ");
                     self.write(b, 0, out);
@@ -187,6 +189,20 @@ impl Printer<'_> {
         }
         if parenthesised {
             out.push(')');
+        }
+    }
+
+    fn unary_name(&self, op: Unary) -> &'static str {
+        match op {
+            Unary::External(f) => self.graph.externals().get(f).signature().name,
+            op => op.name(),
+        }
+    }
+
+    fn binary_name(&self, op: Binary) -> &'static str {
+        match op {
+            Binary::External(f) => self.graph.externals().get(f).signature().name,
+            op => op.name(),
         }
     }
 

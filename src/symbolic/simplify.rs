@@ -6,6 +6,7 @@ use super::{eval, string};
 use crate::base::name::Name;
 use crate::ir::builtin::ValueType;
 use crate::ir::expr::{Binary, Const, ExprId, Graph, ListId, Node, Type, Unary, VarId};
+use crate::ir::external::ExternalId;
 
 impl Graph {
     /// `-a`
@@ -57,6 +58,10 @@ impl Graph {
         self.intern(Node::Der(v), Type::Real)
     }
 
+    fn is_integer_valued(&self, f: ExternalId) -> bool {
+        self.externals().get(f).signature().is_integer
+    }
+
     /// An operator or function of one argument.
     pub fn unary(&mut self, op: Unary, a: ExprId) -> ExprId {
         if let Some(c) = self.as_const(a)
@@ -73,7 +78,7 @@ impl Graph {
         }
         let ty = match op {
             Unary::Text(_) => Type::String,
-            Unary::Native(f) if f.is_whole() => Type::Integer,
+            Unary::External(f) if self.is_integer_valued(f) => Type::Integer,
             _ => match op.facts().map(|row| row.result) {
                 Some(ValueType::Operand) => self.ty(a),
                 Some(ValueType::Integer) => Type::Integer,
@@ -96,7 +101,7 @@ impl Graph {
             return e;
         }
         let ty = match op {
-            Binary::Native(f) if f.is_whole() => Type::Integer,
+            Binary::External(f) if self.is_integer_valued(f) => Type::Integer,
             _ => match op.facts().map(|row| row.result) {
                 Some(ValueType::Operand) => self.common_type(a, b),
                 Some(ValueType::Integer) => Type::Integer,
@@ -209,7 +214,7 @@ impl Graph {
             (Unary::Ordinal, Const::Enumeration(_, k)) => Some(self.integer(i64::from(k))),
             (Unary::Ordinal, Const::Boolean(b)) => Some(self.integer(i64::from(b))),
             (Unary::ToInteger | Unary::Sign, _) => {
-                let value = eval::unary(op, c.number()?);
+                let value = eval::unary(op, c.number()?, self.externals());
                 (value.abs() < 9e15).then(|| self.integer(value as i64))
             }
             // What stands there only a run knows.
@@ -218,10 +223,10 @@ impl Graph {
                 let text = string::text(self, c, form)?;
                 Some(self.string(&text))
             }
-            (Unary::Native(f), _) if f.is_whole() => {
-                Some(self.integer(eval::unary(op, c.number()?) as i64))
+            (Unary::External(f), _) if self.is_integer_valued(f) => {
+                Some(self.integer(eval::unary(op, c.number()?, self.externals()) as i64))
             }
-            _ => self.finite(eval::unary(op, c.number()?)),
+            _ => self.finite(eval::unary(op, c.number()?, self.externals())),
         }
     }
 
@@ -259,11 +264,11 @@ impl Graph {
                 return None;
             }
         }
-        let value = eval::binary(op, a.register(), b.register());
+        let value = eval::binary(op, a.register(), b.register(), self.externals());
         if op.is_relation() || matches!(op, Binary::And | Binary::Or) {
             return Some(self.boolean(value != 0.0));
         }
-        if matches!(op, Binary::Native(f) if f.is_whole()) {
+        if matches!(op, Binary::External(f) if self.is_integer_valued(f)) {
             return Some(self.integer(value as i64));
         }
         self.finite(value)

@@ -1,6 +1,7 @@
 //! Adding a built-in function takes one row of the table in `src/ir/builtin.rs`: nothing else names it.
 
 use mocc::ir::expr::{Binary, Unary};
+use mocc::ir::external::Externals;
 
 use super::architecture::{paths, program, tokens, without_tests};
 use super::door::{Case, Reading};
@@ -46,7 +47,7 @@ const SPECIAL: [&str; 28] = [
     "Floor",
     "Ceil",
     "Log",
-    "Native",
+    "External",
     "Carried",
     "Text",
     "Add",
@@ -92,14 +93,22 @@ fn modelica_calls_every_function_by_its_name() {
             let run =
                 Case::text(&format!("model M Real y = {name}({argument}); end M;")).stop(1.0).run();
             let x = if *op == Unary::Ordinal { 1.0 } else { 0.75 };
-            assert_eq!(run.last("y"), mocc::symbolic::eval::unary(*op, x), "{name}");
+            assert_eq!(
+                run.last("y"),
+                mocc::symbolic::eval::unary(*op, x, &Externals::EMPTY),
+                "{name}"
+            );
         }
     }
     for op in Binary::TABLE {
         for name in op.called_names() {
             let text = format!("model M Real y = {name}(2 + time, 1.75 * time); end M;");
             let run = Case::text(&text).stop(1.0).run();
-            assert_eq!(run.last("y"), mocc::symbolic::eval::binary(*op, 3.0, 1.75), "{name}");
+            assert_eq!(
+                run.last("y"),
+                mocc::symbolic::eval::binary(*op, 3.0, 1.75, &Externals::EMPTY),
+                "{name}"
+            );
         }
     }
 }

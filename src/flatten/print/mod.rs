@@ -10,8 +10,8 @@ mod identifier;
 use crate::base::index::FastSet;
 use crate::ir::ast::{Causality, Variability};
 use crate::ir::expr::{Binary, EnumId, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::external::ExternalId;
 use crate::ir::flat::{Equation, FlatModel, StateSelect, Transport, Variable};
-use crate::ir::native::Native;
 use crate::symbolic::print::{Printer, real_literal, type_name};
 use common_subexpressions::TooLong;
 use identifier::{push_quoted, quoted};
@@ -82,11 +82,11 @@ fn implicit(flat: &FlatModel) -> FastSet<VarId> {
 }
 
 /// The tables whose subscripts vary during simulation.
-fn tables(flat: &FlatModel) -> Vec<Native> {
+fn tables(flat: &FlatModel) -> Vec<ExternalId> {
     let mut found = Vec::new();
     for e in flat.graph.ids() {
-        if let Node::Unary(Unary::Native(f), _) = flat.graph.node(e)
-            && f.elements().is_some()
+        if let Node::Unary(Unary::External(f), _) = flat.graph.node(e)
+            && flat.graph.externals().get(f).elements().is_some()
             && !found.contains(&f)
         {
             found.push(f);
@@ -149,18 +149,18 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
 struct ModelPrinter<'a> {
     flat: &'a FlatModel,
     implicit: &'a FastSet<VarId>,
-    tables: &'a [Native],
+    tables: &'a [ExternalId],
     out: String,
 }
 
 /// Prints an element of a table, given a printer for its subscript.
 pub(super) fn element(
-    tables: &[Native],
+    tables: &[ExternalId],
     node: Node,
     out: &mut String,
     subscript: &mut dyn FnMut(ExprId, &mut String),
 ) -> bool {
-    let Node::Unary(Unary::Native(f), a) = node else { return false };
+    let Node::Unary(Unary::External(f), a) = node else { return false };
     let Some(k) = tables.iter().position(|t| *t == f) else { return false };
     out.push_str(&table_name(k));
     out.push('[');
@@ -184,7 +184,7 @@ impl ModelPrinter<'_> {
             self.push(&["  type ", &quoted(&ty.name), " = enumeration(", &literals, ");\n"]);
         }
         for (k, f) in self.tables.iter().enumerate() {
-            let Some((all, whole)) = f.elements() else { continue };
+            let Some((all, whole)) = flat.graph.externals().get(*f).elements() else { continue };
             let literal = |x: &f64| if whole { format!("{x}") } else { real_literal(*x) };
             let ty = if whole { "Integer" } else { "Real" };
             let list: Vec<String> = all.iter().map(literal).collect();

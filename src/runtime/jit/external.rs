@@ -2,7 +2,10 @@
 
 use crate::ir::builtin::{binary_builtins, unary_builtins};
 use crate::ir::expr::{Binary, Unary};
-use crate::ir::native::Native;
+use std::sync::Arc;
+
+use crate::external::External;
+use crate::ir::external::Externals;
 use crate::symbolic::eval;
 
 /// Address of a function `extern "C" fn(f64) -> f64` that computes a unary operator.
@@ -11,12 +14,12 @@ pub fn unary(op: Unary) -> usize {
         (($($_:ident),*) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
             match op {
                 // Has a different signature.
-                Unary::Native(_) => native_unary(),
+                Unary::External(_) => external_unary(),
                 // Interpreted between fragments, or used in messages only.
-                Unary::Carried(_) | Unary::Text(_) => native_unary(),
+                Unary::Carried(_) | Unary::Text(_) => external_unary(),
                 $(Unary::$op => {
                     extern "C" fn compute(a: f64) -> f64 {
-                        eval::unary(Unary::$op, a)
+                        eval::unary(Unary::$op, a, &Externals::EMPTY)
                     }
                     compute as *const () as usize
                 })*
@@ -26,20 +29,38 @@ pub fn unary(op: Unary) -> usize {
     unary_builtins!(address)
 }
 
-/// Address of a function `extern "C" fn(f64, f64) -> f64` that calls a function made of data, by
-/// its number and its argument.
-pub fn native_unary() -> usize {
-    extern "C" fn compute(number: f64, a: f64) -> f64 {
-        Native::numbered(number as u32).unary(a)
+/// The external function `f` as an argument of [`external_unary`] and [`external_binary`]: the bits of
+/// its address. All arguments of calls from machine code are floats.
+pub fn handle(f: &Arc<dyn External>) -> f64 {
+    f64::from_bits(std::ptr::from_ref(f) as u64)
+}
+
+/// The external function behind a handle.
+///
+/// # Safety
+/// The handle is of a function in the [`Externals`] of the program that the machine code was made from.
+/// The code owns a share of them, so they are neither moved nor dropped while it runs.
+unsafe fn resolve<'a>(handle: f64) -> &'a dyn External {
+    // SAFETY: see above.
+    unsafe { &**(handle.to_bits() as *const Arc<dyn External>) }
+}
+
+/// Address of a function `extern "C" fn(f64, f64) -> f64` that calls an external function, by its
+/// handle and its argument.
+pub fn external_unary() -> usize {
+    extern "C" fn compute(f: f64, a: f64) -> f64 {
+        // SAFETY: machine code passes handles of the externals that it owns.
+        unsafe { resolve(f) }.eval(&[a])
     }
     compute as *const () as usize
 }
 
-/// Address of a function `extern "C" fn(f64, f64, f64) -> f64` that calls a function made of data, by
-/// its number and its arguments.
-pub fn native_binary() -> usize {
-    extern "C" fn compute(number: f64, a: f64, b: f64) -> f64 {
-        Native::numbered(number as u32).binary(a, b)
+/// Address of a function `extern "C" fn(f64, f64, f64) -> f64` that calls an external function, by its
+/// handle and its arguments.
+pub fn external_binary() -> usize {
+    extern "C" fn compute(f: f64, a: f64, b: f64) -> f64 {
+        // SAFETY: machine code passes handles of the externals that it owns.
+        unsafe { resolve(f) }.eval(&[a, b])
     }
     compute as *const () as usize
 }
@@ -50,10 +71,10 @@ pub fn binary(op: Binary) -> usize {
         (($($_:ident),*) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {
             match op {
                 // Has a different signature.
-                Binary::Native(_) => native_binary(),
+                Binary::External(_) => external_binary(),
                 $(Binary::$op => {
                     extern "C" fn compute(a: f64, b: f64) -> f64 {
-                        eval::binary(Binary::$op, a, b)
+                        eval::binary(Binary::$op, a, b, &Externals::EMPTY)
                     }
                     compute as *const () as usize
                 })*

@@ -317,7 +317,8 @@ impl Translator<'_> {
         context.func.name = UserFuncName::user(0, id.as_u32());
         let call_conv = module.target_config().default_call_conv;
         let building = FunctionBuilder::new(&mut context.func, builder);
-        let mut fragment = FragmentBuilder::begin(building, registers, call_conv);
+        let mut fragment =
+            FragmentBuilder::begin(building, registers, &source.externals, call_conv);
         let mut imported = vec![None; functions.len()];
         let mut call = |fragment: &mut FragmentBuilder<'_, '_>, k: usize| {
             let site = &source.calls[k];

@@ -16,6 +16,7 @@ use crate::base::index::FastMap;
 
 use crate::ir::builtin::Code;
 use crate::ir::expr::{Binary, Unary};
+use crate::ir::external::Externals;
 use crate::ir::program::{Instr, Op, Slot};
 use crate::symbolic::eval;
 
@@ -72,6 +73,7 @@ pub struct FragmentBuilder<'a, 'k> {
     registers: &'k mut RegisterState,
     memory: Value,
     memo: Value,
+    externals: &'k Externals,
     call_conv: isa::CallConv,
     signatures: [Option<SigRef>; 3],
 }
@@ -81,6 +83,7 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
     pub fn begin(
         mut build: FunctionBuilder<'a>,
         registers: &'k mut RegisterState,
+        externals: &'k Externals,
         call_conv: isa::CallConv,
     ) -> Self {
         let entry = build.create_block();
@@ -89,7 +92,8 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
         let parameters = build.block_params(entry);
         let (memory, memo) = (parameters[0], parameters[1]);
         registers.invalidate();
-        FragmentBuilder { build, registers, memory, memo, call_conv, signatures: [None; 3] }
+        let signatures = [None; 3];
+        FragmentBuilder { build, registers, memory, memo, externals, call_conv, signatures }
     }
 
     /// Invalidates all registers: at joins of control flow, and after code that may write to the
@@ -224,16 +228,19 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
                 self.build.ins().sqrt(a)
             }
             Unary::Ordinal => self.get(i.a),
-            Unary::Native(f) => {
-                let (number, a) = (self.number(f64::from(f.number())), self.get(i.a));
-                self.external(external::native_unary(), &[number, a])
+            Unary::External(f) => {
+                let handle = external::handle(self.externals.get(f));
+                let (handle, a) = (self.number(handle), self.get(i.a));
+                self.external(external::external_unary(), &[handle, a])
             }
             _ => {
                 let a = self.get(i.a);
                 match op.facts().map(|row| row.code) {
-                    Some(Code::Memo) => {
-                        self.memoized(external::unary(op), &[a], eval::unary(op, 0.0))
-                    }
+                    Some(Code::Memo) => self.memoized(
+                        external::unary(op),
+                        &[a],
+                        eval::unary(op, 0.0, &Externals::EMPTY),
+                    ),
                     _ => self.external(external::unary(op), &[a]),
                 }
             }
@@ -266,9 +273,9 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
         }
         let (a, b) = (self.get(i.a), self.get(i.b));
         let value = match op {
-            Binary::Native(f) => {
-                let number = self.number(f64::from(f.number()));
-                self.external(external::native_binary(), &[number, a, b])
+            Binary::External(f) => {
+                let handle = self.number(external::handle(self.externals.get(f)));
+                self.external(external::external_binary(), &[handle, a, b])
             }
             Binary::Add => self.build.ins().fadd(a, b),
             Binary::Sub => self.build.ins().fsub(a, b),
@@ -278,9 +285,11 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
             Binary::Max => self.extreme(FloatCC::GreaterThan, a, b),
             Binary::Pow if let Some(n) = self.short_exponent(i.b) => self.product(a, n),
             _ => match op.facts().map(|row| row.code) {
-                Some(Code::Memo) => {
-                    self.memoized(external::binary(op), &[a, b], eval::binary(op, 0.0, 0.0))
-                }
+                Some(Code::Memo) => self.memoized(
+                    external::binary(op),
+                    &[a, b],
+                    eval::binary(op, 0.0, 0.0, &Externals::EMPTY),
+                ),
                 _ => self.external(external::binary(op), &[a, b]),
             },
         };

@@ -1,6 +1,9 @@
 //! The part of a program that is compiled to machine code.
 
+use std::sync::Arc;
+
 use crate::ir::expr::Unary;
+use crate::ir::external::Externals;
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Program, Slot, TornBlock};
 
 /// A linear block with one unknown, solved by a division: `z = -r(0) / J`.
@@ -34,6 +37,8 @@ pub struct Source {
     pub scalar_blocks: Vec<Option<ScalarBlock>>,
     /// Slots of literals and their values.
     pub literals: Vec<(Slot, f64)>,
+    /// External functions.
+    pub externals: Arc<Externals>,
     /// Number of slots.
     pub slots: usize,
 }
@@ -54,6 +59,7 @@ impl Source {
                 .collect(),
             interpreted,
             literals: literals(program).collect(),
+            externals: program.externals().clone(),
             slots: program.image.len(),
         }
     }
@@ -74,6 +80,7 @@ impl Source {
             && literals(program)
                 .map(|(slot, value)| (slot, value.to_bits()))
                 .eq(self.literals.iter().map(|(slot, value)| (*slot, value.to_bits())))
+            && *program.externals() == self.externals
             && program.image.len() == self.slots
     }
 

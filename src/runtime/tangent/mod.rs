@@ -346,9 +346,9 @@ impl Tangents {
     fn compute_and_propagate(&mut self, machine: &mut Machine<'_>, i: &Instr) {
         let (a, b) = (machine.get(i.a), machine.get(i.b));
         if machine.clamp_domain {
-            compute::<true>(&mut machine.memory, i);
+            compute::<true>(&mut machine.memory, i, machine.program.externals());
         } else {
-            compute::<false>(&mut machine.memory, i);
+            compute::<false>(&mut machine.memory, i, machine.program.externals());
         }
         let value = machine.get(i.dst);
         let overwritten = i.dst == i.a || i.dst == i.b;
@@ -358,9 +358,11 @@ impl Tangents {
         match i.op {
             Op::Mul => self.combine(i, b, a),
             Op::Div => self.combine(i, 1.0 / b, -value / b),
-            Op::Unary(op) => self.scale(i, partial::unary(op, a, value)),
+            Op::Unary(op) => {
+                self.scale(i, partial::unary(op, a, value, machine.program.externals()))
+            }
             Op::Binary(op) => {
-                let (by_a, by_b) = partial::binary(op, a, b, value);
+                let (by_a, by_b) = partial::binary(op, a, b, value, machine.program.externals());
                 self.combine(i, by_a, by_b);
             }
             Op::CopyIf if a != 0.0 => self.copy(i.dst, i.b),
@@ -404,13 +406,14 @@ fn rule(machine: &Machine<'_>, i: &Instr) -> Rule {
         Op::Div => Rule::Combine(1.0 / b, -value / b),
         Op::Neg => Rule::Scale(-1.0),
         Op::Unary(op) => {
-            let factor = partial::unary(op, a, value);
+            let factor = partial::unary(op, a, value, machine.program.externals());
             // Beyond a domain boundary the clamped function is constant.
             let level = machine.clamp_domain && !factor.is_finite();
             Rule::Scale(if level { 0.0 } else { factor })
         }
         Op::Binary(op) => {
-            let (mut by_a, mut by_b) = partial::binary(op, a, b, value);
+            let (mut by_a, mut by_b) =
+                partial::binary(op, a, b, value, machine.program.externals());
             if machine.clamp_domain {
                 by_a = if by_a.is_finite() { by_a } else { 0.0 };
                 by_b = if by_b.is_finite() { by_b } else { 0.0 };

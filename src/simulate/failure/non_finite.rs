@@ -263,8 +263,8 @@ impl<'a> Explainer<'a> {
                     let pre = layout.pre.iter().find(|(w, ..)| *w == v);
                     pre.map_or_else(|| self.value(v), |(_, _, slot)| at(*slot))
                 }
-                Node::Unary(op, a) => eval::unary(op, of(&a)),
-                Node::Binary(op, a, b) => eval::binary(op, of(&a), of(&b)),
+                Node::Unary(op, a) => eval::unary(op, of(&a), graph.externals()),
+                Node::Binary(op, a, b) => eval::binary(op, of(&a), of(&b), graph.externals()),
                 Node::If(c, a, b) => {
                     if of(&c) != 0.0 {
                         of(&a)

@@ -45,8 +45,10 @@ impl Values<'_, '_> {
             Node::Var(v) => {
                 (dae.variables[v].kind == VariableKind::Parameter).then(|| self.machine.value(v))
             }
-            Node::Unary(op, a) => Some(eval::unary(op, self.of(a)?)),
-            Node::Binary(op, a, b) => Some(eval::binary(op, self.of(a)?, self.of(b)?)),
+            Node::Unary(op, a) => Some(eval::unary(op, self.of(a)?, dae.graph.externals())),
+            Node::Binary(op, a, b) => {
+                Some(eval::binary(op, self.of(a)?, self.of(b)?, dae.graph.externals()))
+            }
             Node::If(c, a, b) => {
                 if self.of(c)? != 0.0 {
                     self.of(a)
@@ -58,7 +60,7 @@ impl Values<'_, '_> {
             Node::Relation(k) => {
                 let relation = dae.relations.get(k as usize)?;
                 let (lhs, rhs) = (self.of(relation.lhs)?, self.of(relation.rhs)?);
-                Some(eval::binary(relation.op, lhs, rhs))
+                Some(eval::binary(relation.op, lhs, rhs, dae.graph.externals()))
             }
             _ => None,
         }
