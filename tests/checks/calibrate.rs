@@ -7,7 +7,7 @@ use std::path::Path;
 use mocc::io::csv::read_csv;
 use serde_json::Value;
 
-use super::door::{Reading, Scratch, assert_close};
+use super::door::{Reading, Scratch, assert_close, suite_model};
 use super::program::{Ended, mocc};
 
 /// Standard deviation of the noise of all recordings here, m.
@@ -15,16 +15,9 @@ const SIGMA: f64 = 0.01;
 /// The 95 % quantile of chi-square with one degree of freedom.
 const QUANTILE: f64 = 3.841_458_820_694_124;
 
-const DECAY: &str = "
-model Decay
-  parameter Real k(unit = \"1/s\") = 1 \"Rate\";
-  parameter Real unseen = 3;
-  Real x(start = 1, fixed = true, unit = \"m\");
-  Real z = unseen*time;
-equation
-  der(x) = -k*x;
-end Decay;
-";
+fn decay_model() -> String {
+    suite_model("calibrate/models/decay")
+}
 
 const PLAN: &str = r#"
 model = "decay.mo"
@@ -127,7 +120,7 @@ fn bisect(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 
 #[test]
 fn rate_and_start_of_a_decay_have_the_errors_of_the_closed_form() {
-    let scratch = stand(DECAY, PLAN);
+    let scratch = stand(&decay_model(), PLAN);
     let (found, ended) = calibrate(&scratch);
     assert_eq!(ended.err, "", "nothing to say where the errors go");
     let (k, x0) = (number(&found, "/parameters/0/value"), number(&found, "/parameters/1/value"));
@@ -170,13 +163,13 @@ fn rate_and_start_of_a_decay_have_the_errors_of_the_closed_form() {
 
 #[test]
 fn the_calibrated_model_runs_by_itself() {
-    let scratch = stand(DECAY, PLAN);
+    let scratch = stand(&decay_model(), PLAN);
     let (found, ended) = calibrate(&scratch);
     assert!(ended.out.contains("out/decay_calibrated.mol"), "{}", ended.out);
     let alone = Scratch::new();
     let text = std::fs::read_to_string(scratch.path().join("out/decay_calibrated.mol"));
     let text = text.expect("a model");
-    assert!(text.starts_with(DECAY.trim_end()) && text.contains("// +- "), "{text}");
+    assert!(text.starts_with(decay_model().trim_end()) && text.contains("// +- "), "{text}");
     alone.file("m.mol", &text);
     let run =
         mocc(alone.path(), &["simulate", "m.mol", "--output", "r.csv", "--tolerance", "1e-9"]);
@@ -190,18 +183,7 @@ fn the_calibrated_model_runs_by_itself() {
 
 #[test]
 fn tied_parameters_take_one_value() {
-    let model = "
-model Part
-  parameter Real k = 1;
-  Real x(start = 1, fixed = true);
-equation
-  der(x) = -k*x;
-end Part;
-model Two
-  Part a, b[2];
-  Real x(unit = \"m\") = a.x + 0.5*b[1].x + 0.5*b[2].x;
-end Two;
-";
+    let model = &suite_model("calibrate/models/tied_parts");
     let plan = PLAN.replace(
         "k          = {}\n\"start(x)\" = {}",
         "rate = { tied = [\"a.k\", \"b[1].k\", \"b[2].k\"], start = 1.2 }",
@@ -223,7 +205,7 @@ end Two;
 
 #[test]
 fn what_the_data_do_not_see_is_said() {
-    let scratch = stand(DECAY, &format!("{PLAN}unseen = {{ min = 1, max = 10 }}\n"));
+    let scratch = stand(&decay_model(), &format!("{PLAN}unseen = {{ min = 1, max = 10 }}\n"));
     let (found, ended) = calibrate(&scratch);
     assert!(ended.out.contains("the data do not determine `unseen`"), "{}", ended.out);
     let unseen = &found["parameters"][2];
@@ -231,14 +213,14 @@ fn what_the_data_do_not_see_is_said() {
     assert_eq!(number(unseen, "/value"), 3.0);
     assert_eq!([number(unseen, "/interval_95/0"), number(unseen, "/interval_95/1")], [1.0, 10.0]);
     // The others are as sure as without it.
-    let without = calibrate(&stand(DECAY, PLAN)).0;
+    let without = calibrate(&stand(&decay_model(), PLAN)).0;
     let error = "/parameters/0/standard_error";
     assert_close(number(&found, error), number(&without, error), 1e-9);
 }
 
 #[test]
 fn two_parameters_of_one_effect_are_named_together() {
-    let model = DECAY.replace("-k*x", "-k*unseen*x/3");
+    let model = decay_model().replace("-k*x", "-k*unseen*x/3");
     let scratch = stand(&model, &format!("{PLAN}unseen = {{}}\n"));
     let (found, _) = calibrate(&scratch);
     assert_eq!(
@@ -252,7 +234,7 @@ fn two_parameters_of_one_effect_are_named_together() {
 #[test]
 fn a_parameter_at_its_bound_says_so() {
     let plan = PLAN.replace("k          = {}", "k = { min = 0.5, max = 1.2 }");
-    let (found, ended) = calibrate(&stand(DECAY, &plan));
+    let (found, ended) = calibrate(&stand(&decay_model(), &plan));
     assert_eq!(number(&found, "/parameters/0/value"), 1.2);
     assert_eq!(found["parameters"][0]["at_bound"], true);
     assert!(ended.out.contains("at its bound"), "{}", ended.out);
@@ -261,7 +243,7 @@ fn a_parameter_at_its_bound_says_so() {
 /// Rows out of order, missing values and a gap are repaired and reported.
 #[test]
 fn recordings_are_repaired() {
-    let scratch = stand(DECAY, PLAN);
+    let scratch = stand(&decay_model(), PLAN);
     let mut rows = decay(1);
     rows.drain(100..140);
     let mut lines: Vec<String> = csv(&rows).lines().map(str::to_owned).collect();
@@ -287,7 +269,7 @@ fn recordings_are_repaired() {
 
 /// What is said to a plan or a recording in which `old` is replaced by `new`.
 fn refused(file: &str, old: &str, new: &str) -> String {
-    let scratch = stand(DECAY, PLAN);
+    let scratch = stand(&decay_model(), PLAN);
     let path = scratch.path().join(file);
     let text = std::fs::read_to_string(&path).expect("a file");
     assert!(text.contains(old), "{file} has no {old}");
@@ -326,7 +308,7 @@ fn bad_plans_and_recordings_are_refused_with_place_and_remedy() {
 
 #[test]
 fn results_go_to_a_folder_called_after_the_plan() {
-    let scratch = stand(DECAY, PLAN);
+    let scratch = stand(&decay_model(), PLAN);
     let ended = mocc(scratch.path(), &["calibrate", "plan.toml"]);
     assert_eq!(ended.status, 0, "{}", ended.err);
     let list = std::fs::read_dir(scratch.path().join("plan-calibration")).expect("a folder");

@@ -8,34 +8,14 @@ use super::door::{Case, Reading, Scratch, suite_model};
 use super::program::{command, mocc};
 
 /// A model with a parameter of each type and an array whose size is one.
-const MODEL: &str = "
-package Shop
-  type Kind = enumeration(Slow, Fast);
-  model Part
-    parameter Real rate = 1;
-    Real x(start = 1, fixed = true);
-  equation
-    der(x) = -rate*x;
-  end Part;
-  model Other
-    Real y = 7*time;
-  end Other;
-  model Machine
-    parameter Integer n = 2;
-    parameter Boolean running = true;
-    parameter Kind kind = Kind.Slow;
-    parameter Real gain = 1;
-    Part part[n];
-    Real out = (if running then gain else 0)*(if kind == Kind.Fast then 10 else 1);
-    annotation(experiment(StopTime = 1, Interval = 0.1, Tolerance = 1e-8));
-  end Machine;
-end Shop;
-";
+fn shop_model() -> String {
+    suite_model("driver/requests/shop")
+}
 
 /// A folder with the model in it.
 fn shop() -> Scratch {
     let scratch = Scratch::new();
-    scratch.file("shop.mo", MODEL);
+    scratch.file("shop.mo", &shop_model());
     scratch
 }
 

@@ -5,29 +5,15 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use super::door::Scratch;
+use super::door::{Scratch, suite_model};
 use super::program::mocc;
 
 /// Standard deviation of the noise, m.
 const SIGMA: f64 = 5e-4;
 
-const MODEL: &str = "
-model Swing
-  parameter Real c = 80 \"Stiffness\";
-  parameter Real d = 1.5 \"Damping\";
-  parameter Real s_0 = 0.1 \"Deflection at the start\";
-  Translational.Mass   mass(m = 1, s_start = s_0);
-  Translational.Spring spring(c = c);
-  Translational.Damper damper(d = d);
-  Translational.Fixed  wall;
-equation
-  connect(wall.flange, spring.flange_a);
-  connect(wall.flange, damper.flange_a);
-  connect(spring.flange_b, mass.flange);
-  connect(damper.flange_b, mass.flange);
-  annotation(experiment(StopTime = 2, Tolerance = 1e-8));
-end Swing;
-";
+fn swing_model() -> String {
+    suite_model("diagnose/models/swing")
+}
 
 const PLAN: &str = r#"
 model = "swing.mo"
@@ -88,7 +74,7 @@ fn diagnosis(more: impl Fn(f64, f64) -> f64) -> (Value, Scratch) {
 /// The same with a sensor that may be wrong.
 fn diagnosis_by(more: impl Fn(f64, f64) -> f64, says: impl Fn(f64) -> f64) -> (Value, Scratch) {
     let scratch = Scratch::new();
-    scratch.file("swing.mo", MODEL);
+    scratch.file("swing.mo", &swing_model());
     scratch.file("plan.toml", PLAN);
     let mut table = "file,split,s_0\n".to_owned();
     for (k, (s_0, split)) in
@@ -198,7 +184,7 @@ fn refused(file: &str, old: &str, new: &str) -> String {
     let scratch = Scratch::new();
     let recording = recording(0.1, 5, |_, _| 0.0, |s| s);
     let files = [
-        ("swing.mo", MODEL),
+        ("swing.mo", &*swing_model()),
         ("plan.toml", PLAN),
         ("table.csv", "file,split,s_0\n1.csv,train,0.1\n"),
         ("1.csv", &recording),
@@ -241,8 +227,8 @@ fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
 #[test]
 fn recordings_are_repaired_and_idle_parameters_borne() {
     let scratch = Scratch::new();
-    let model =
-        MODEL.replace("  Translational.Mass ", "  parameter Real idle = 1;\n  Translational.Mass ");
+    let model = swing_model()
+        .replace("  Translational.Mass ", "  parameter Real idle = 1;\n  Translational.Mass ");
     scratch.file("swing.mo", &model);
     scratch.file("plan.toml", &PLAN.replace("d = {}", "d = {}\nidle = {}"));
     let mut table = "file,split,s_0\n".to_owned();
@@ -298,22 +284,14 @@ fn an_interrupted_diagnosis_writes_what_it_has() {
 /// A catalogue of the user's own: the effect is one more model with an annotation.
 #[test]
 fn a_users_effect_is_found_too() {
-    let effect = "within;
-model Cubic \"Spring that hardens\"
-  parameter Real k = 0 \"Force per cube of the deflection\";
-  Translational.Flange flange;
-equation
-  flange.f = k*flange.s^3;
-  annotation(__mocc(effect = \"amplitude=k\", explains = \"The spring at %at hardens.\"));
-end Cubic;
-";
+    let effect = &suite_model("diagnose/models/cubic_spring");
     let scratch = Scratch::new();
     scratch.file("effects/Cubic.mo", effect);
     let broken = effect.replace("Cubic", "Broken").replace("amplitude=k", "amplitude=k; w=max(s");
     scratch.file("effects/Broken.mo", &broken);
     let folder = scratch.path().join("effects");
     let mut table = "file,split,s_0\n".to_owned();
-    scratch.file("swing.mo", MODEL);
+    scratch.file("swing.mo", &swing_model());
     scratch.file("plan.toml", PLAN);
     for (k, (s_0, split)) in
         [(0.1, "train"), (0.05, "train"), (0.08, "validation")].iter().enumerate()

@@ -7,19 +7,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::door::Scratch;
+use super::door::{Scratch, suite_model};
 use super::program::mocc;
 
-const LAG: &str = "
-model Lag
-  parameter Real k(unit = \"1/s\") = 1 \"Rate\";
-  input Real u(unit = \"V\");
-  Real x(start = 0, fixed = true, unit = \"V\");
-equation
-  der(x) = k*(u - x);
-  annotation(experiment(Tolerance = 1e-9));
-end Lag;
-";
+fn lag_model() -> String {
+    suite_model("measure/models/lag")
+}
 
 fn plan(interpolation: &str, more: &str) -> String {
     format!(
@@ -57,7 +50,7 @@ fn table(n: usize, step: f64, u: impl Fn(f64) -> f64, x: impl Fn(f64) -> f64) ->
 /// Calibrates; the value found for `k` and the root of the mean square of the residuals, V.
 fn calibrated(plan: &str, table: &str) -> (f64, f64) {
     let folder = Scratch::new();
-    folder.file("lag.mo", LAG);
+    folder.file("lag.mo", &lag_model());
     folder.file("plan.toml", plan);
     folder.file("run.csv", table);
     let ended = mocc(folder.path(), &["calibrate", "plan.toml", "--no-profiles", "--out", "out"]);
@@ -150,7 +143,7 @@ fn long_recordings_stream() {
 /// What is said to a plan, or a recording, in which `from` is replaced by `to`.
 fn refused(file: &str, from: &str, to: &str) -> String {
     let texts = [
-        ("lag.mo", LAG.to_owned()),
+        ("lag.mo", lag_model().to_owned()),
         ("plan.toml", plan("linear", "")),
         ("run.csv", table(41, 0.1, |t| t, |t| t - 1.0 + (-t).exp())),
     ];
@@ -225,7 +218,7 @@ fn recordings_that_drive_are_repaired() {
     let text = lines.join("\n").replace(',', ";");
     for (more, runs) in [("", 1), ("window = 0.5", 6), ("window = 99", 1)] {
         let folder = Scratch::new();
-        folder.file("lag.mo", LAG);
+        folder.file("lag.mo", &lag_model());
         folder.file("plan.toml", &plan("linear", more));
         folder.file("run.csv", &text);
         let asked = ["calibrate", "plan.toml", "--no-profiles", "--out", "out"];

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::door::{Case, Reading, Scratch};
+use super::door::{Case, Reading, Scratch, suite_model};
 use super::program::mocc;
 
 /// All that the command is shown with.
@@ -316,20 +316,14 @@ fn the_spool_is_found_from_the_structure() {
 }
 
 /// A model whose texts look like markup.
-const NASTY: &str = "
-model Nasty \"</script><script>window.nasty = 1</script> & <b>\"
-  parameter Real k(unit = \"</title>\") = 1 \"<img src=x onerror='window.nasty = 2'>\";
-  Real x(start = 1, fixed = true) \"</script> --> \\\" ' &amp; {body}\";
-  // <!-- </pre></section></script><script>window.nasty = 3</script>
-equation
-  der(x) = -k*x;
-end Nasty;
-";
+fn nasty_model() -> String {
+    suite_model("report/models/markup_in_strings")
+}
 
 #[test]
 fn texts_of_models_stay_texts() {
     let folder = Scratch::new();
-    folder.file("nasty.mo", NASTY);
+    folder.file("nasty.mo", &nasty_model());
     let run = "</script><i>: k=2";
     let page = page(folder.path(), &["nasty.mo", "--run", run, "--run", "b: k=3"]);
     for broken in ["<img", "<i>", "</script><script>w", "<b>,", "</pre></section></script>"] {
@@ -506,7 +500,7 @@ fn all_examples_open_without_a_word_of_the_console() {
         let (said, console) = browse(&chromium, folder.path(), &page, script);
         assert_eq!((said.as_str(), console.as_str()), ("true", ""), "{name}");
     }
-    folder.file("nasty.mo", NASTY);
+    folder.file("nasty.mo", &nasty_model());
     let page = page(folder.path(), &["nasty.mo", "--run", "</script><i>: k=2", "--run", "b: k=3"]);
     let script = "return [window.nasty, document.querySelectorAll('path.trace').length, document.querySelectorAll('i i, main > img, b b').length].join();";
     let (said, console) = browse(&chromium, folder.path(), &page, script);

@@ -10,29 +10,9 @@ use super::door::{Reading, Scratch, suite_model};
 use super::program::mocc;
 
 /// Aliases, a negative one, a constant, a parameter of initialisation, events, and each type.
-const MODEL: &str = "
-model Machine \"A bit of everything\"
-  type Mode = enumeration(Slow, Fast);
-  parameter Real m(unit = \"kg\") = 2.5 \"Mass\";
-  parameter Real k(fixed = false, start = 1) \"Found at the start\";
-  constant Real two = 2;
-  Real x(start = 1, fixed = true, unit = \"m\", displayUnit = \"mm\") \"Place\";
-  Real same = x;
-  Real other = -x;
-  Real rest = 3*m + two;
-  Boolean high(start = true, fixed = true) = x > 0.5;
-  Integer n(start = 0, fixed = true);
-  Mode mode = if high then Mode.Slow else Mode.Fast;
-initial equation
-  der(x) = -3;
-equation
-  der(x) = -k*x;
-  when x < 0.25 then
-    n = pre(n) + 1;
-  end when;
-  annotation(experiment(StopTime = 1, Interval = 0.1));
-end Machine;
-";
+fn machine_model() -> String {
+    suite_model("io/models/machine")
+}
 
 /// A file of MATLAB level 4: matrices by name, column by column.
 struct Matrices(HashMap<String, (usize, Vec<u8>)>);
@@ -89,7 +69,7 @@ impl Matrices {
 #[test]
 fn a_mat_file_says_what_the_table_says() {
     let folder = Scratch::new();
-    folder.file("machine.mo", MODEL);
+    folder.file("machine.mo", &machine_model());
     for output in ["run.csv", "run.mat"] {
         let ended = mocc(folder.path(), &["simulate", "machine.mo", "--output", output]);
         assert_eq!((ended.status, ended.err.as_str()), (0, ""));
@@ -136,7 +116,7 @@ fn a_mat_file_says_what_the_table_says() {
 #[test]
 fn the_result_is_that_of_the_closed_form() {
     let folder = Scratch::new();
-    folder.file("machine.mo", MODEL);
+    folder.file("machine.mo", &machine_model());
     let ended = mocc(folder.path(), &["simulate", "machine.mo", "--output", "run.csv"]);
     assert_eq!(ended.status, 0, "{}", ended.err);
     let run: Trajectory = read_csv(folder.path().join("run.csv")).expect("a table");
@@ -149,7 +129,7 @@ fn the_result_is_that_of_the_closed_form() {
 #[test]
 fn the_format_is_that_of_the_extension() {
     let folder = Scratch::new();
-    folder.file("machine.mo", MODEL);
+    folder.file("machine.mo", &machine_model());
     let ended = mocc(folder.path(), &["simulate", "machine.mo", "--output", "run.parquet"]);
     assert_eq!((ended.status, ended.err.as_str()), (0, ""));
     let bytes = std::fs::read(folder.path().join("run.parquet")).expect("a file");
@@ -164,7 +144,7 @@ fn the_format_is_that_of_the_extension() {
 #[test]
 fn a_filter_holds_for_parameters_too() {
     let folder = Scratch::new();
-    folder.file("machine.mo", MODEL);
+    folder.file("machine.mo", &machine_model());
     let arguments =
         ["simulate", "machine.mo", "--output", "run.mat", "--variables", "^(other|m|same)$"];
     let ended = mocc(folder.path(), &arguments);

@@ -12,7 +12,7 @@ use mocc::sweep::runs::Sweep;
 use mocc::sweep::variant::{Model, Variants};
 use mocc::sweep::vary::Axis;
 
-use super::door::{Scratch, assert_close};
+use super::door::{Scratch, assert_close, suite_model};
 use super::program::{Ended, mocc};
 
 /// A table as columns of texts.
@@ -70,26 +70,14 @@ fn measures(model: &str, more: &[&str], list: &[&str]) -> Vec<f64> {
     list.iter().map(|m| table.of(m.split('=').next().expect("a name").trim())[0]).collect()
 }
 
-const DECAY: &str = "
-model Decay
-  parameter Real rate = 1;
-  parameter Integer n = 2;
-  parameter Boolean doubled = false;
-  Real x[n](each start = 1, each fixed = true);
-  Real total = (if doubled then 2 else 1)*sum(x);
-equation
-  for i in 1:n loop
-    der(x[i]) = -i*rate*x[i];
-  end for;
-  assert(rate < 4, \"too fast\");
-  annotation(experiment(StopTime = 1, Tolerance = 1e-9));
-end Decay;
-";
+fn decay_model() -> String {
+    suite_model("sweep/models/decay")
+}
 
 #[test]
 fn a_grid_has_a_row_for_each_combination_in_order() {
     let table = table(
-        DECAY,
+        &decay_model(),
         &["--vary", "rate=1:2:3", "--vary", "x[1].start=1,2", "--measure", "last = final(total)"],
     );
     assert_eq!(
@@ -109,7 +97,7 @@ fn a_grid_has_a_row_for_each_combination_in_order() {
 #[test]
 fn structural_parameters_are_compiled_for_each_value() {
     let table = table(
-        DECAY,
+        &decay_model(),
         &["--vary", "n=1,2,3", "--vary", "doubled=false,true", "--measure", "last = final(total)"],
     );
     let sum = |n: i32| (1..=n).map(|i| (-f64::from(i)).exp()).sum::<f64>();
@@ -123,7 +111,7 @@ fn structural_parameters_are_compiled_for_each_value() {
 #[test]
 fn a_failure_has_a_row_and_does_not_stop_the_rest() {
     let arguments = ["--vary", "rate=1,5,2", "--measure", "last = final(x[1])", "--jobs", "2"];
-    let (folder, ended) = sweep(DECAY, &arguments);
+    let (folder, ended) = sweep(&decay_model(), &arguments);
     assert_eq!(ended.status, 0, "{}", ended.err);
     assert!(
         ended.out.contains("3 runs, 1 failed") && ended.out.contains("run 2: "),
@@ -134,7 +122,7 @@ fn a_failure_has_a_row_and_does_not_stop_the_rest() {
     assert_eq!(table.texts("status"), ["ok", "failed", "ok"]);
     assert_eq!(table.texts("last")[1], "");
     assert!(table.texts("error")[1].contains("too fast"), "{}", table.texts("error")[1]);
-    let (_, ended) = sweep(DECAY, &["--vary", "rate=5,6"]);
+    let (_, ended) = sweep(&decay_model(), &["--vary", "rate=5,6"]);
     assert_eq!(ended.status, 3, "{}", ended.out);
 }
 
@@ -142,7 +130,7 @@ fn a_failure_has_a_row_and_does_not_stop_the_rest() {
 fn a_latin_hypercube_hits_each_stratum_once() {
     let sample =
         ["--vary", "rate=1:3", "--vary", "x[2].start=0:10", "--sample", "lhs:40", "--seed", "3"];
-    let table = table(DECAY, &sample);
+    let table = table(&decay_model(), &sample);
     for (name, from, length) in [("rate", 1.0, 2.0), ("x[2].start", 0.0, 10.0)] {
         let mut strata: Vec<u64> =
             table.of(name).iter().map(|x| ((x - from) / length * 40.0) as u64).collect();
@@ -184,21 +172,23 @@ fn the_table_does_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn courses_are_kept_on_request() {
-    let (folder, ended) =
-        sweep(DECAY, &["--vary", "rate=1,2", "--show", "x[1], total", "--interval", "0.5"]);
+    let (folder, ended) = sweep(
+        &decay_model(),
+        &["--vary", "rate=1,2", "--show", "x[1], total", "--interval", "0.5"],
+    );
     assert_eq!(ended.status, 0, "{}", ended.err);
     let run = mocc::io::csv::read_csv(folder.path().join("out/runs/00002.csv")).expect("a course");
     assert_eq!(run.time, [0.0, 0.5, 1.0]);
     assert_eq!(run.columns.len(), 2);
     assert_close(run.values("x[1]").expect("x[1]")[2], (-2.0_f64).exp(), 1e-7);
-    let (_, ended) = sweep(DECAY, &["--vary", "rate=1", "--show", "nothing"]);
+    let (_, ended) = sweep(&decay_model(), &["--vary", "rate=1", "--show", "nothing"]);
     assert_eq!(ended.status, 2);
 }
 
 /// Sweeps in process up to some number of runs, so that the interruption does not depend on a clock.
 fn sweep_until(journal: &Path, jobs: usize, stop_after: u64) -> Option<Vec<u8>> {
     let file = journal.with_file_name("model.mo");
-    std::fs::write(&file, DECAY).expect("a model");
+    std::fs::write(&file, &decay_model()).expect("a model");
     let axes = vec![Axis::read("rate=0.5:3.5:600").expect("an axis")];
     let design = Design::grid(axes).expect("a grid");
     let model = Model {
@@ -247,7 +237,7 @@ fn an_interrupted_sweep_goes_on_to_the_same_table() {
 #[test]
 fn another_sweep_at_the_same_place_is_refused() {
     let folder = Scratch::new();
-    folder.file("model.mo", DECAY);
+    folder.file("model.mo", &decay_model());
     let run = |more: &[&str]| {
         let mut all = vec!["sweep", "model.mo", "--output", "out"];
         all.extend(more);
@@ -266,7 +256,7 @@ fn another_sweep_at_the_same_place_is_refused() {
 #[test]
 fn what_is_wrong_with_the_request_is_said_at_once() {
     let said = |more: &[&str]| {
-        let (_, ended) = sweep(DECAY, more);
+        let (_, ended) = sweep(&decay_model(), more);
         assert_eq!(ended.status, 2, "{}", ended.err);
         ended.err
     };

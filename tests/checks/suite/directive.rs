@@ -55,7 +55,7 @@ pub struct Options {
     pub tolerance: Option<f64>,
     pub method: Option<String>,
     /// Algebraic loops are left to the integrator.
-    pub implicit: bool,
+    pub dae: bool,
     /// The flat model, printed and read again, must fulfil the same claims.
     pub also_flat: bool,
     /// Units that do not match are errors.
@@ -201,7 +201,7 @@ fn options(text: &str) -> Result<Options, String> {
             "interval" => out.interval = Some(number()?),
             "tolerance" => out.tolerance = Some(number()?),
             "method" => out.method = Some(value.to_string()),
-            "mode" if value == "implicit" => out.implicit = true,
+            "mode" if value == "dae" => out.dae = true,
             "also" if value == "flat" => out.also_flat = true,
             "units" if value == "error" => out.strict_units = true,
             "mode" | "also" | "units" => return Err(format!("`{key}` cannot be `{value}`")),

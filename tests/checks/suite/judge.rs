@@ -75,7 +75,7 @@ fn make(case: &TestCase, run: &Run, model: &str, scratch: &Scratch) -> Made {
     let is_flat = !std::ptr::eq(model, case.model.as_str());
     let name = if is_flat { "flat.mo".to_string() } else { format!("{}.mo", case.topic) };
     let file = scratch.file(&name, model);
-    let form = if options.implicit { SystemForm::Dae } else { SystemForm::Ode };
+    let form = if options.dae { SystemForm::Dae } else { SystemForm::Ode };
     let request = match is_flat {
         true => Request { file: Some(file), form, ..Request::default() },
         false => Request {

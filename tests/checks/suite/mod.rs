@@ -28,8 +28,8 @@ macro_rules! stages {
 }
 
 stages! {
-    check classes driver evaluate external flatten format instantiate library lower parse rules runtime
-    sensitivity simulate structure
+    calibrate check classes diagnose driver evaluate external flatten format instantiate io library lower measure
+    parse report rules runtime sensitivity simulate structure sweep
 }
 
 fn run(stage: &str) {

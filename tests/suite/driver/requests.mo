@@ -84,3 +84,27 @@ equation
   z ^ 3 + z = 0.625 * x;
   der(x) = -z;
 end Loop;
+
+//@ case shop
+//@ used by cli.rs
+package Shop
+  type Kind = enumeration(Slow, Fast);
+  model Part
+    parameter Real rate = 1;
+    Real x(start = 1, fixed = true);
+  equation
+    der(x) = -rate*x;
+  end Part;
+  model Other
+    Real y = 7*time;
+  end Other;
+  model Machine
+    parameter Integer n = 2;
+    parameter Boolean running = true;
+    parameter Kind kind = Kind.Slow;
+    parameter Real gain = 1;
+    Part part[n];
+    Real out = (if running then gain else 0)*(if kind == Kind.Fast then 10 else 1);
+    annotation(experiment(StopTime = 1, Interval = 0.1, Tolerance = 1e-8));
+  end Machine;
+end Shop;
