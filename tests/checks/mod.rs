@@ -1,4 +1,4 @@
-//! What must hold, by subject; models and data are beside this folder in `suite/` and `data/`.
+//! Tests from outside, by subject. Models are in `../suite/`, recordings in `../data/`.
 
 mod door;
 mod program;

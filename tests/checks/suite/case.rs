@@ -216,7 +216,7 @@ fn parse(file: &str, stage: &str, topic: &str, text: &str) -> Result<Vec<TestCas
             continue;
         }
         let Some(case) = cases.last_mut() else {
-            return Err(wrong(line, "a directive stands before the first case".to_string()));
+            return Err(wrong(line, "a directive is before the first case".to_string()));
         };
         let directive = directive::read(&text).map_err(|e| wrong(line, e))?;
         match directive {
@@ -231,7 +231,7 @@ fn parse(file: &str, stage: &str, topic: &str, text: &str) -> Result<Vec<TestCas
     }
     finish(cases.last_mut(), &mut waiting).map_err(|e| format!("{file}: {e}"))?;
     match cases.is_empty() {
-        true => Err(format!("{file}: there is no case in it")),
+        true => Err(format!("{file}: the file has no case")),
         false => Ok(cases),
     }
 }
@@ -280,7 +280,7 @@ fn malformed_files_are_refused_with_their_line() {
         ("//@ case m\nmodel M //@ expect x = 1\n".to_string(), ":2: a directive has its own line"),
         ("//@ case m\n//@ expect accepted\n".to_string(), "the case `m` has no model"),
         (format!("//@ case m\n{model}//@ expect x = \\\n"), ":5: nothing follows"),
-        ("// nothing\n".to_string(), "there is no case"),
+        ("// nothing\n".to_string(), "the file has no case"),
     ] {
         let found = parse("f.mo", "s", "f", &text).err().unwrap_or_default();
         assert!(found.starts_with("f.mo:") && found.contains(why), "{found} instead of {why}");

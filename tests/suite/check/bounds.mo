@@ -1,6 +1,6 @@
 //@ case values_beyond_their_bounds
 //@ check
-// Values beyond the bounds of their parameters, as far as the text says them.
+// Values beyond the bounds of their parameters, as far as they are known without a run.
 model Bounds
   type Length = Real(final unit = "m", min = 0);
   //@ warning[MO0273] 20-23

@@ -1,7 +1,7 @@
 //@ case several_problems
 //@ check
 //@ used by check.rs
-// Each of these is wrong by itself, in the order of the text.
+// Each of these is wrong by itself, in source order.
 package Several
   connector Pin
     Real v;
@@ -98,7 +98,7 @@ end Uncalled;
 //@ case protected_inputs_and_open_parameters
 //@ check
 //@ expect accepted
-// Protected elements are no inputs; a parameter without a value decides by its start value.
+// Protected elements are not inputs; a parameter without a value decides by its start value.
 block Source
   connector RealInput = input Real;
   connector RealOutput = output Real;

@@ -2,7 +2,7 @@
 //@ expect accepted
 //@ check
 //@ used by check.rs
-// What `mocc check` says of units: the equation, both units, and where they are declared.
+// Unit warnings name the equation, both units, and their declarations.
 package Units
   model Tank
     parameter Real area(unit = "m2") = 2;

@@ -1,7 +1,7 @@
 //@ case hidden_names_and_modifications_without_effect
 //@ expect accepted
 //@ check
-// Nothing of this is wrong, and none of it is meant: each is warned of, and nothing else.
+// Nothing here is an error, and none of it is intended: each gets a warning, and nothing else.
 package Doubtful
   constant Real g = 9.81;
 

@@ -23,7 +23,7 @@ model Enumerations
 end Enumerations;
 
 //@ case size_of_something_missing
-// A size that hangs on something missing is not a second error.
+// A size that depends on something missing is not a second error.
 model Sizes
   //@ error[MO0202] 29-32
   parameter Real given[:] = rows(3);

@@ -37,7 +37,7 @@ model Bounds
 end Bounds;
 
 //@ case spatial_distribution_arguments
-// What `spatialDistribution` may be given.
+// The arguments that `spatialDistribution` accepts.
 model Pipe
   Real x(start = 0, fixed = true), y[10];
   parameter Real p = 0.5;
@@ -56,7 +56,7 @@ equation
 end Pipe;
 
 //@ case operators_refused
-// What operator records may not have, and how their operators are not called.
+// Elements that operator records may not have, and invalid calls of their operators.
 package P
   operator record Pair
     Real a;

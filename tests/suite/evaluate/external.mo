@@ -1,5 +1,5 @@
 //@ case random_number_of_a_variable
-// A generator that keeps its state gives another number at each call: what holds all the time can not call it.
+// A generator that keeps its state returns another number at each call, so continuous equations cannot call it.
 package P
   impure function draw
     input Integer id;

@@ -68,7 +68,7 @@ model DerivedFunctions
 end DerivedFunctions;
 
 //@ case recursion_without_end
-// A depth that only a run knows, of vectors that get shorter: such a function has no sizes of its own.
+// A depth known only at run time, with vectors that get shorter: such a function has no fixed sizes.
 model Sums
   function sum
     input Real x;

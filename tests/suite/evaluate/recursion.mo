@@ -195,7 +195,7 @@ model Trees
     output Real y;
   algorithm
     y := x;
-    // As many calls as only a run knows, of as many.
+    // The number of calls is known only at run time, at each level.
     for i in 1:n loop
       y := y + permutations(x/n, n - 1);
     end for;

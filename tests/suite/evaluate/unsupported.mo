@@ -34,7 +34,7 @@ equation
 end NotNow;
 
 //@ case clock_connectors
-// What can not be known is said once: nothing follows from it where it is used.
+// An unknown type is reported once: its uses cause no further errors.
 model Sampled
   "A clock that comes in from outside"
   //@ error[MO0200] 32-36

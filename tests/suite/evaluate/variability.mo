@@ -42,7 +42,7 @@ equation
 end Discrete;
 
 //@ case string_that_changes
-// Texts are compared at events; that of what changes between them is good for messages only.
+// Strings are compared at events; a String of a continuous value is allowed only in messages.
 model Gauge
   Real p(start = 1, fixed = true);
   Integer n = if time > 0.5 then 2 else 1;

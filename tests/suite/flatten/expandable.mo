@@ -1,6 +1,6 @@
 //@ case buses
 //@ snapshot flat
-// A bus that begins empty: what stands on it comes from what is connected, from either end.
+// A bus that begins empty: connections from either end add its variables.
 package Buses
   connector RealOutput = output Real;
   connector RealInput = input Real;

@@ -1,6 +1,6 @@
 //@ case spatial_distribution
 //@ snapshot flat
-// What is carried along a line, there and back, and a delay that changes.
+// Transport along a line, there and back, and a delay that changes.
 model Carried
   Real x(start = 0, fixed = true) "how far everything has moved";
   Real v = 0.4*cos(time);
@@ -39,7 +39,7 @@ end Carried;
 //@ case delay
 //@ run stop=2 tolerance=1e-9
 //@ snapshot flat
-// What was, some time ago: of a smooth course, of a jump, and around a loop.
+// Delayed values of a smooth signal, of a jump, and around a loop.
 model Delays
   parameter Real T = 0.3;
   Real x(start = 1, fixed = true);

@@ -1,7 +1,7 @@
 //@ case counted_at_run_time
 //@ run stop=1
 //@ snapshot flat
-// A loop that only a run can count becomes a function; a record as a whole replaces what its class says; a
+// A loop counted at run time becomes a function; a record value replaces the defaults of its class; a
 // constructor knows what extends its class; two when-statements of one algorithm.
 package Loops
   function root

@@ -1,7 +1,7 @@
 //@ case operator_records
 //@ run stop=2
 //@ snapshot flat
-// An operator record: overloaded operators, its constructor beside a number, and sums of arrays.
+// An operator record: overloaded operators, its constructor combined with a number, and sums of arrays.
 package Numbers
   operator record Dual
     Real value;

@@ -1,7 +1,7 @@
 //@ case what_is_allowed
 //@ run stop=1
 //@ snapshot flat
-// What is allowed beside what `diagnostics` refuses: redeclarations, class extensions, lookup, records.
+// Valid counterparts of models that are refused: redeclarations, class extensions, lookup, records.
 package Rules
   // A constant that a package gives to what it inherits.
   package General

@@ -1,7 +1,7 @@
 //@ case components_of_one_class
 //@ used by stages.rs
 //@ snapshot flat
-// Components of one class beside each other, modified and not.
+// Several components of one class, modified and not.
 package Siblings
   package Water
     constant Real rho = 1000;

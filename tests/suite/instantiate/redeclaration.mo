@@ -105,7 +105,7 @@ package Closed
 end Closed;
 
 //@ case not_a_subtype
-// Translational.Mass does not fit `constrainedby Friction.Law`.
+// Translational.Mass is not a subtype of `constrainedby Friction.Law`.
 model Slider
   //@ error[MO0225] 76-86
   Seals.SingleSeal seal(contact = Seals.Contact.CloseOnly, redeclare model FrictionLaw = Translational.Mass(m = 1));

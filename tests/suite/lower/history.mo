@@ -1,5 +1,5 @@
 //@ case initial_profile_that_changes
-// What a line begins with is known before the model runs.
+// The initial profile of a line must be known before the simulation.
 model Pipe
   Real x(start = 0, fixed = true);
   Real y, z;

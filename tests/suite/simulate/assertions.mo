@@ -22,7 +22,7 @@ end Valve;
 
 //@ case in_an_initial_algorithm
 //@ status 3
-// What an initial section asserts is checked at the start, when initialisation has found the values.
+// Assertions of an initial section are checked once initialization has found the values.
 model Filled
   Real p(start = 1);
 initial equation
@@ -48,7 +48,7 @@ end Root;
 
 //@ case in_a_loop
 //@ status 3
-// What is asserted in a loop whose length only a run knows.
+// An assertion in a loop whose length is known only at run time.
 model Newton
   function root
     input Real a;
@@ -69,7 +69,7 @@ end Newton;
 
 //@ case in_a_recursion
 //@ status 3
-// What a function asserts that calls itself, with a text that the run puts together.
+// An assertion in a recursive function, with a message that is built at run time.
 model Halves
   function steps
     input Real x;
@@ -91,7 +91,7 @@ end Halves;
 
 //@ case subscript_out_of_range
 //@ status 3
-// A subscript that only a run knows leaves the array.
+// A subscript known only at run time leaves the array.
 model Gearbox
   parameter Real ratios[3] = {4, 2, 1};
   discrete Integer gear(start = 1, fixed = true);

@@ -21,7 +21,7 @@ equation
 end Twice;
 
 //@ case dependent_equations
-// A ring of differences says two things in three equations: the level stays open, the rest is right.
+// A ring of differences has two independent equations in three: the level stays free, the rest is determined.
 model Ring
   Real a;
   Real b;
@@ -63,8 +63,8 @@ end Winding;
 //@ expect i = 1 - exp(-1) rel 1e-8
 
 //@ case ideal_switches
-// Two switches in opposite directions, one of them closed: what is left of the voltage across them is
-// 1e-9 of the current, and must not be the rounding of the voltages beside it.
+// Two switches in opposite directions, one of them closed: the remaining voltage across them is
+// 1e-9 of the current, and must not be a rounding error of the adjacent voltages.
 model Pair
   Real i(start = 1e-3, fixed = true);
   Real left = 100*cos(time);

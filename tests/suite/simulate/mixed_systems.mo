@@ -39,7 +39,7 @@ end Contact;
 //@ expect mode = 1
 
 //@ case multivibrator
-// An amplifier that feeds back to itself leaves each limit where that is no solution any more, and jumps to
+// An amplifier that feeds back to itself leaves each limit where it ceases to be a solution, and jumps to
 // the other: between two jumps the capacitor goes from one threshold to the other.
 model Multivibrator
   parameter Real V0 = 15000;

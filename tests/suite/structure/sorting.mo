@@ -27,7 +27,7 @@ end Chain;
 //@ case closed_end
 //@ run stop=2
 //@ snapshot structure
-// A closed end: nothing flows, so the balance says nothing of what would come in. It is what is behind it.
+// A closed end: nothing flows, so the balance does not determine the inflowing enthalpy. It is that of the boundary.
 model ClosedEnd
   connector Port
     Real p;

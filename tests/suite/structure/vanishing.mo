@@ -1,8 +1,8 @@
 //@ case parameters_of_zero
 //@ run stop=1 tolerance=1e-9
 //@ snapshot structure
-// Parameters that are 0 in the text: a shorted resistor, iron losses that are switched off, and no mass.
-// What they make vanish determines nothing, and the index is that of the circuit without it.
+// Parameters that are 0 by declaration: a shorted resistor, iron losses that are switched off, and no mass.
+// Terms that vanish determine nothing, and the index is that of the circuit without them.
 model Vanishing
   parameter Real R = 0;
   parameter Real loss = 0;
