@@ -4,9 +4,9 @@
 //!
 //! ```sh
 //! cargo bench --bench specimens -- starts 20          # calibrations from random starts
-//! cargo bench --bench specimens -- healthy 20 [1]     # diagnoses of intact specimens, from number 1
+//! cargo bench --bench specimens -- healthy 20 [1]     # diagnoses of intact specimens
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
-//! cargo bench --bench specimens -- foreign [NAME]     # the same, effect missing from the catalogue
+//! cargo bench --bench specimens -- foreign [NAME]     # the same, effect not in the catalogue
 //! cargo bench --bench specimens -- pairs 20 [1]       # two effects at once, from number 1
 //! cargo bench --bench specimens -- valve32 effects    # with the other valve
 //! ```
