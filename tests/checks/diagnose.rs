@@ -348,7 +348,7 @@ fn a_front_end_observes_and_cancels() {
     }
 
     let scratch = Scratch::new();
-    scratch.file("swing.mo", MODEL);
+    scratch.file("swing.mo", &swing_model());
     scratch.file("plan.toml", PLAN);
     scratch.file("0.csv", &recording(0.1, 17, |_, v| -0.9 * v.abs() * v, |s| s));
     scratch.file("table.csv", "file,split,s_0\n0.csv,train,0.1\n");
