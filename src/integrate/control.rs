@@ -1,7 +1,7 @@
-//! How long the next step should be.
+//! Step size control shared by all methods: start points, first steps, fitting to stops.
 
 use crate::integrate::options::Options;
-use crate::integrate::outcome::Failure;
+use crate::integrate::outcome::{Failure, Step};
 use crate::integrate::stats::Stats;
 use crate::integrate::system::System;
 use crate::numeric::norm::{first_non_finite, weighted_square_sum};
@@ -85,6 +85,40 @@ pub fn fit_to_stop(t: f64, wanted: f64, t_stop: f64) -> StepInterval {
     } else {
         StepInterval { h: wanted, end: t + wanted, last: false }
     }
+}
+
+impl StepInterval {
+    /// The outcome of a step over this interval.
+    pub fn outcome(self) -> Step {
+        let t = self.end;
+        if self.last { Step::Reached { t } } else { Step::Advanced { t } }
+    }
+}
+
+/// The interval of the next attempt from `t` with the wanted length `h`. Fails if the limit of steps is
+/// exhausted, or if the step is too small to advance `t`; then `worst` gives the component to blame.
+pub fn next_interval(
+    t: f64,
+    h: f64,
+    t_stop: f64,
+    options: &Options,
+    stats: &Stats,
+    worst: impl FnOnce() -> usize,
+) -> Result<StepInterval, Failure> {
+    let limit = options.max_steps;
+    if stats.steps + stats.rejected >= limit {
+        return Err(Failure::TooManySteps { t, steps: limit });
+    }
+    let interval = fit_to_stop(t, h, t_stop);
+    if !(interval.end > t) {
+        return Err(Failure::StepTooSmall { t, h: interval.h, component: worst() });
+    }
+    Ok(interval)
+}
+
+/// The first step after a restart at `t`, within the limits of the options.
+pub fn first_step(options: &Options, t: f64, h: f64) -> f64 {
+    h.max(options.min_step).max(resolution(t)).min(options.max_step)
 }
 
 /// Maximum stretching of a step to reach the stop; RADAU5 has the same value.

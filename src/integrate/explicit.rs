@@ -6,7 +6,7 @@
 //! the first of the next.
 
 use crate::integrate::control::{
-    Point, StepInterval, error_weights, fit_to_stop, initial_step, resolution,
+    Point, StepInterval, error_weights, first_step, initial_step, next_interval, resolution,
 };
 use crate::integrate::options::{OptionError, Options};
 use crate::integrate::outcome::{Failure, Step};
@@ -308,24 +308,13 @@ impl Stepper for DormandPrince {
         }
         let mut cuts = 0;
         loop {
-            let limit = self.options.max_steps;
-            if self.stats.steps + self.stats.rejected >= limit {
-                return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
-            }
-            let interval = fit_to_stop(self.now.t, self.h, t_stop);
-            if !(interval.end > self.now.t) {
-                let component = worst_component(&self.trial, &self.weights).unwrap_or(0);
-                return Err(Failure::StepTooSmall { t: self.now.t, h: interval.h, component });
-            }
+            let (t, h) = (self.now.t, self.h);
+            let worst = || worst_component(&self.trial, &self.weights).unwrap_or(0);
+            let interval = next_interval(t, h, t_stop, &self.options, &self.stats, worst)?;
             match self.attempt(system, interval) {
                 Ok(error) => {
                     self.complete(interval, error, cuts > 0);
-                    let t = self.now.t;
-                    return Ok(if interval.last {
-                        Step::Reached { t }
-                    } else {
-                        Step::Advanced { t }
-                    });
+                    return Ok(interval.outcome());
                 }
                 Err(rejection) => {
                     cuts += 1;
@@ -392,7 +381,7 @@ impl Stepper for DormandPrince {
                 &mut self.stats,
             ),
         };
-        self.h = h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
+        self.h = first_step(&self.options, t, h);
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::excessive_precision, reason = "all digits of the sources are kept")]
 
 use crate::integrate::outcome::{Failure, Step};
+use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
 use crate::integrate::system::{EvalError, System};
 use crate::numeric::pattern::Pattern;
@@ -69,6 +70,127 @@ pub fn run(
 /// Largest `|a_i - b_i| / (|b_i| + floor)`.
 pub fn relative_error(a: &[f64], b: &[f64], floor: f64) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs() / (b.abs() + floor)).fold(0.0, f64::max)
+}
+
+/// A system with a known solution.
+pub struct Problem {
+    pub system: Box<dyn System>,
+    /// Nominal values of the components.
+    pub nominals: Vec<f64>,
+    /// The solution at time zero.
+    pub start: Vec<f64>,
+    /// Later instants and the solution there.
+    pub solution: Vec<(f64, Vec<f64>)>,
+    /// Added to the denominator of the relative error.
+    pub floor: f64,
+}
+
+/// Integrates a problem at each tolerance and compares the relative error with the allowed one:
+/// `(rtol, allowed)`. Returns the statistics of each run.
+pub fn check_stepper<S: Stepper>(
+    make: impl Fn(f64, &[f64]) -> S,
+    problem: Problem,
+    tolerances: &[(f64, f64)],
+) -> Vec<Stats> {
+    let Problem { mut system, nominals, start, solution, floor } = problem;
+    let mut stats = Vec::new();
+    for &(rtol, allowed) in tolerances {
+        let mut stepper = make(rtol, &nominals);
+        stepper.restart(&mut *system, 0.0, &start, JacobianMemory::Forget).unwrap();
+        for (t, reference) in &solution {
+            advance(&mut stepper, &mut *system, *t).unwrap();
+            let error = relative_error(stepper.y(), reference, floor);
+            assert!(error < allowed, "rtol {rtol}, t = {t:e}: {error}");
+        }
+        stats.push(*stepper.stats());
+    }
+    stats
+}
+
+/// [`robertson`] over eleven decades of time.
+pub fn robertson_problem() -> Problem {
+    let decades = ROBERTSON.iter().enumerate();
+    Problem {
+        system: Box::new(robertson()),
+        nominals: vec![1e-6, 1e-12, 1e-2],
+        start: vec![1.0, 0.0, 0.0],
+        solution: decades.map(|(k, y)| (10.0_f64.powi(k as i32), y.to_vec())).collect(),
+        floor: 1e-10,
+    }
+}
+
+/// [`hires`] at its published end.
+pub fn hires_problem() -> Problem {
+    Problem {
+        system: Box::new(hires()),
+        nominals: vec![1e-3; 8],
+        start: HIRES_START.to_vec(),
+        solution: vec![(HIRES_TIME, HIRES_END.to_vec())],
+        floor: 1e-6,
+    }
+}
+
+/// [`van_der_pol`] at its published end.
+pub fn van_der_pol_problem() -> Problem {
+    Problem {
+        system: Box::new(van_der_pol(1e-6)),
+        nominals: vec![1.0; 2],
+        start: vec![2.0, 0.0],
+        solution: vec![(2.0, VAN_DER_POL_END.to_vec())],
+        floor: 0.0,
+    }
+}
+
+/// `y' = z, 0 = y^2 + z^2 - 1` with `y = sin t, z = cos t`: index 1.
+pub fn algebraic_problem() -> Problem {
+    let mut system = ode(
+        2,
+        |_, y: &[f64], f: &mut [f64]| {
+            f.copy_from_slice(&[y[1], y[0] * y[0] + y[1] * y[1] - 1.0]);
+            Ok(())
+        },
+        |_, y: &[f64], j: &mut [f64]| j.copy_from_slice(&[0.0, 2.0 * y[0], 1.0, 2.0 * y[1]]),
+    );
+    system.differential[1] = false;
+    Problem {
+        system: Box::new(system),
+        nominals: vec![1.0; 2],
+        start: vec![0.0, 1.0],
+        solution: vec![(1.2, vec![1.2_f64.sin(), 1.2_f64.cos()])],
+        floor: 0.0,
+    }
+}
+
+/// Equal inputs give equal bits, also in a stepper that was used before.
+pub fn check_repeatability<S: Stepper>(make: impl Fn(f64, &[f64]) -> S) {
+    let bits = |stepper: &mut S| -> Vec<u64> {
+        let y = run(stepper, &mut hires(), (0.0, &HIRES_START), 100.0).unwrap();
+        y.iter().map(|y| y.to_bits()).collect()
+    };
+    let mut stepper = make(1e-6, &[1e-3; 8]);
+    let first = bits(&mut stepper);
+    assert_eq!(bits(&mut stepper), first);
+    assert_eq!(bits(&mut make(1e-6, &[1e-3; 8])), first);
+}
+
+/// A stop in the past changes nothing, and one a single double ahead is reached.
+pub fn check_stops<S: Stepper>(make: impl Fn(f64, &[f64]) -> S) {
+    let mut stepper = make(1e-6, &[1.0; 2]);
+    let mut system = van_der_pol(1e-3);
+    run(&mut stepper, &mut system, (0.0, &[2.0, 0.0]), 0.1).unwrap();
+    let stats = *stepper.stats();
+    for stop in [0.1, 0.0] {
+        assert_eq!(stepper.step(&mut system, stop).unwrap(), Step::Reached { t: 0.1 });
+    }
+    assert_eq!(*stepper.stats(), stats);
+    let next = 0.1_f64.next_up();
+    assert_eq!(stepper.step(&mut system, next).unwrap(), Step::Reached { t: next });
+}
+
+/// A system without components only advances time.
+pub fn check_empty_system<S: Stepper>(make: impl Fn(f64, &[f64]) -> S) {
+    let mut system = ode(0, |_, _: &[f64], _: &mut [f64]| Ok(()), |_, _: &[f64], _: &mut [f64]| {});
+    assert_eq!(run(&mut make(1e-6, &[]), &mut system, (0.0, &[]), 10.0).unwrap(), [0.0; 0]);
 }
 
 /// The oscillator `y1' = y2, y2' = -y1`, solved by `(sin t, cos t)`.

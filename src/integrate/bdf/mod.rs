@@ -22,7 +22,7 @@ use crate::integrate::bdf::corrector::{Corrector, Equations};
 use crate::integrate::bdf::nordsieck::Nordsieck;
 use crate::integrate::bdf::order::{Change, OrderControl, growth};
 use crate::integrate::control::{
-    Point, StepInterval, error_weights, fit_to_stop, initial_step, resolution,
+    Point, StepInterval, error_weights, first_step, initial_step, next_interval, resolution,
 };
 use crate::integrate::matrix::{IterationMatrix, Planes, Shift};
 use crate::integrate::options::{OptionError, Options};
@@ -355,24 +355,13 @@ impl Bdf {
     fn try_step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure> {
         let (mut cuts, mut errors) = (0, 0);
         loop {
-            let limit = self.options.max_steps;
-            if self.stats.steps + self.stats.rejected >= limit {
-                return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
-            }
-            let interval = fit_to_stop(self.now.t, self.h, t_stop);
-            if !(interval.end > self.now.t) {
-                let component = self.worst();
-                return Err(Failure::StepTooSmall { t: self.now.t, h: interval.h, component });
-            }
+            let worst = || self.worst();
+            let (t, h) = (self.now.t, self.h);
+            let interval = next_interval(t, h, t_stop, &self.options, &self.stats, worst)?;
             let rejection = match self.attempt(system, interval) {
                 Ok((formula, error)) if error <= 1.0 => {
                     self.complete(&formula, interval, error, cuts);
-                    let t = self.now.t;
-                    return Ok(if interval.last {
-                        Step::Reached { t }
-                    } else {
-                        Step::Advanced { t }
-                    });
+                    return Ok(interval.outcome());
                 }
                 Ok((_, size)) => Rejection::Error { component: self.worst(), size },
                 Err(rejection) => rejection,
@@ -463,7 +452,7 @@ impl Stepper for Bdf {
                 initial_step(system, &self.now, &self.weights, 1, e, r, &mut self.stats)
             }
         };
-        self.h = h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
+        self.h = first_step(&self.options, t, h);
         let slopes = self.now.f.iter().zip(system.differential());
         let slopes = slopes.map(|(f, d)| if *d { *f } else { 0.0 });
         self.array.start(self.h, &self.now.y, slopes);

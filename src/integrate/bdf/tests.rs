@@ -2,7 +2,7 @@
 
 use crate::integrate::bdf::Bdf;
 use crate::integrate::options::Options;
-use crate::integrate::outcome::{Failure, Step};
+use crate::integrate::outcome::Failure;
 use crate::integrate::problems::*;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::{JacobianMemory, Stepper};
@@ -24,38 +24,13 @@ fn solve(
     (y, *stepper.stats())
 }
 
-/// Errors of single steps meet the tolerance; those of many add up, the more the tighter it is, as
+/// Errors of single steps meet the tolerance; those of many steps add up, the more the tighter it is, as
 /// published work-precision diagrams of multistep codes show (Hairer & Wanner II, sec. V.5).
 #[test]
-fn robertson_over_eleven_decades() {
-    for (rtol, allowed) in [(1e-4, 5e-3), (1e-6, 5e-5), (1e-8, 1e-6)] {
-        let mut system = robertson();
-        let mut stepper = bdf(rtol, &[1e-6, 1e-12, 1e-2]);
-        stepper.restart(&mut system, 0.0, &[1.0, 0.0, 0.0], JacobianMemory::Forget).unwrap();
-        for (k, reference) in ROBERTSON.iter().enumerate() {
-            advance(&mut stepper, &mut system, 10.0_f64.powi(k as i32)).unwrap();
-            let error = relative_error(stepper.y(), reference, 1e-10);
-            assert!(error < allowed, "rtol {rtol}, t = 1e{k}: {error}");
-        }
-    }
-}
-
-#[test]
-fn hires_published_end() {
-    for (rtol, allowed) in [(1e-4, 5e-3), (1e-6, 1e-4), (1e-8, 1e-6), (1e-10, 5e-8)] {
-        let (y, _) = solve(&mut hires(), rtol, &[1e-3; 8], &HIRES_START, HIRES_TIME);
-        let error = relative_error(&y, &HIRES_END, 1e-6);
-        assert!(error < allowed, "rtol {rtol}: {error}");
-    }
-}
-
-#[test]
-fn van_der_pol_published_end() {
-    for (rtol, allowed) in [(1e-4, 5e-3), (1e-6, 5e-5), (1e-8, 1e-6)] {
-        let (y, _) = solve(&mut van_der_pol(1e-6), rtol, &[1.0; 2], &[2.0, 0.0], 2.0);
-        let error = relative_error(&y, &VAN_DER_POL_END, 0.0);
-        assert!(error < allowed, "rtol {rtol}: {error}");
-    }
+fn published_solutions_are_met() {
+    check_stepper(bdf, robertson_problem(), &[(1e-4, 5e-3), (1e-6, 5e-5), (1e-8, 1e-6)]);
+    check_stepper(bdf, hires_problem(), &[(1e-4, 5e-3), (1e-6, 1e-4), (1e-8, 1e-6), (1e-10, 5e-8)]);
+    check_stepper(bdf, van_der_pol_problem(), &[(1e-4, 5e-3), (1e-6, 5e-5), (1e-8, 1e-6)]);
 }
 
 /// The work is part of the contract: a change here is a change of the method.
@@ -69,23 +44,12 @@ fn statistics_of_hires() {
     assert_eq!((stats.jacobians, stats.decompositions), (10, 98));
 }
 
-/// `y' = z, 0 = y^2 + z^2 - 1` with `y = sin t, z = cos t`.
 #[test]
 fn algebraic_equation_of_index_one() {
-    let mut system = ode(
-        2,
-        |_, y: &[f64], f: &mut [f64]| {
-            f.copy_from_slice(&[y[1], y[0] * y[0] + y[1] * y[1] - 1.0]);
-            Ok(())
-        },
-        |_, y: &[f64], j: &mut [f64]| j.copy_from_slice(&[0.0, 2.0 * y[0], 1.0, 2.0 * y[1]]),
-    );
-    system.differential[1] = false;
-    for rtol in [1e-4, 1e-6, 1e-9] {
-        let (y, stats) = solve(&mut system, rtol, &[1.0; 2], &[0.0, 1.0], 1.2);
-        let error = relative_error(&y, &[1.2_f64.sin(), 1.2_f64.cos()], 0.0);
-        assert!(error < 100.0 * rtol, "rtol {rtol}: {error}");
-        assert!(stats.rejected <= stats.steps / 4, "{rtol} {stats:?}");
+    for stats in
+        check_stepper(bdf, algebraic_problem(), &[(1e-4, 1e-2), (1e-6, 1e-4), (1e-9, 1e-7)])
+    {
+        assert!(stats.rejected <= stats.steps / 4, "{stats:?}");
     }
 }
 
@@ -264,29 +228,15 @@ fn failures_end_and_name_the_culprit() {
     assert!(matches!(failure, Failure::TooManySteps { steps: 5, .. }));
 }
 
-/// Equal inputs give equal bits, also in a stepper that was used before; a stop in the past changes
-/// nothing, and one a double away is reached.
 #[test]
 fn runs_repeat_to_the_bit() {
-    let mut stepper = bdf(1e-6, &[1e-3; 8]);
-    let bits = |stepper: &mut Bdf| -> Vec<u64> {
-        let y = run(stepper, &mut hires(), (0.0, &HIRES_START), 100.0).unwrap();
-        y.iter().map(|y| y.to_bits()).collect()
-    };
-    let first = bits(&mut stepper);
-    assert_eq!(bits(&mut stepper), first);
-    assert_eq!(bits(&mut bdf(1e-6, &[1e-3; 8])), first);
-    let stats = *stepper.stats();
-    assert_eq!(stepper.step(&mut hires(), 50.0).unwrap(), Step::Reached { t: 100.0 });
-    assert_eq!(*stepper.stats(), stats);
-    let next = 100.0_f64.next_up();
-    assert_eq!(stepper.step(&mut hires(), next).unwrap(), Step::Reached { t: next });
+    check_repeatability(bdf);
+    check_stops(bdf);
 }
 
 #[test]
-fn a_system_without_components_only_passes_time() {
-    let mut system = ode(0, |_, _: &[f64], _: &mut [f64]| Ok(()), |_, _: &[f64], _: &mut [f64]| {});
-    assert_eq!(run(&mut bdf(1e-6, &[]), &mut system, (0.0, &[]), 10.0).unwrap(), [0.0; 0]);
+fn a_system_without_components_only_advances_time() {
+    check_empty_system(bdf);
 }
 
 /// Dense and sparse decompositions differ by rounding only; the first mode of the linear heat equation

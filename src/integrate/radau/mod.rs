@@ -14,7 +14,7 @@ pub mod variation;
 mod tests;
 
 use crate::integrate::control::{
-    Point, StepInterval, error_weights, fit_to_stop, initial_step, resolution,
+    Point, StepInterval, error_weights, first_step, initial_step, next_interval, resolution,
 };
 use crate::integrate::matrix::{IterationMatrix, Planes, Shift};
 use crate::integrate::options::{OptionError, Options};
@@ -398,14 +398,6 @@ impl Radau {
             }
         }
     }
-
-    fn check_budget(&self) -> Result<(), Failure> {
-        let limit = self.options.max_steps;
-        if self.stats.steps + self.stats.rejected >= limit {
-            return Err(Failure::TooManySteps { t: self.now.t, steps: limit });
-        }
-        Ok(())
-    }
 }
 
 impl Stepper for Radau {
@@ -415,21 +407,13 @@ impl Stepper for Radau {
         }
         let mut cuts = 0;
         loop {
-            self.check_budget()?;
-            let interval = fit_to_stop(self.now.t, self.history.h, t_stop);
-            if !(interval.end > self.now.t) {
-                let component = self.estimate.worst(&self.weights);
-                return Err(Failure::StepTooSmall { t: self.now.t, h: interval.h, component });
-            }
+            let (t, h) = (self.now.t, self.history.h);
+            let worst = || self.estimate.worst(&self.weights);
+            let interval = next_interval(t, h, t_stop, &self.options, &self.stats, worst)?;
             match self.attempt(system, interval, cuts > 0) {
                 Ok(success) => {
                     self.complete(interval, &success, cuts > 0);
-                    let t = self.now.t;
-                    return Ok(if interval.last {
-                        Step::Reached { t }
-                    } else {
-                        Step::Advanced { t }
-                    });
+                    return Ok(interval.outcome());
                 }
                 Err(rejection) => {
                     cuts += 1;
@@ -492,7 +476,7 @@ impl Stepper for Radau {
                 initial_step(system, now, weights, ORDER, trial, slope, &mut self.stats)
             }
         };
-        self.history.h = h.max(self.options.min_step).max(resolution(t)).min(self.options.max_step);
+        self.history.h = first_step(&self.options, t, h);
         Ok(())
     }
 

@@ -25,35 +25,14 @@ fn solve(
 }
 
 #[test]
-fn robertson_over_eleven_decades() {
-    for rtol in [1e-4, 1e-6, 1e-8] {
-        let mut system = robertson();
-        let mut stepper = radau(rtol, &[1e-6, 1e-12, 1e-2]);
-        stepper.restart(&mut system, 0.0, &[1.0, 0.0, 0.0], JacobianMemory::Forget).unwrap();
-        for (k, reference) in ROBERTSON.iter().enumerate() {
-            advance(&mut stepper, &mut system, 10.0_f64.powi(k as i32)).unwrap();
-            let error = relative_error(stepper.y(), reference, 1e-10);
-            assert!(error < rtol, "rtol {rtol}, t = 1e{k}: {error}");
-        }
-    }
-}
-
-#[test]
-fn hires_published_end() {
-    for (rtol, allowed) in [(1e-4, 2e-4), (1e-6, 1e-6), (1e-8, 1e-8), (1e-10, 1e-10)] {
-        let (y, _) = solve(&mut hires(), rtol, &[1e-3; 8], &HIRES_START, HIRES_TIME);
-        let error = relative_error(&y, &HIRES_END, 1e-6);
-        assert!(error < allowed, "rtol {rtol}: {error}");
-    }
-}
-
-#[test]
-fn van_der_pol_published_end() {
-    for rtol in [1e-4, 1e-6, 1e-8] {
-        let (y, _) = solve(&mut van_der_pol(1e-6), rtol, &[1.0; 2], &[2.0, 0.0], 2.0);
-        let error = relative_error(&y, &VAN_DER_POL_END, 0.0);
-        assert!(error < rtol, "rtol {rtol}: {error}");
-    }
+fn published_solutions_are_met() {
+    check_stepper(radau, robertson_problem(), &[(1e-4, 1e-4), (1e-6, 1e-6), (1e-8, 1e-8)]);
+    check_stepper(
+        radau,
+        hires_problem(),
+        &[(1e-4, 2e-4), (1e-6, 1e-6), (1e-8, 1e-8), (1e-10, 1e-10)],
+    );
+    check_stepper(radau, van_der_pol_problem(), &[(1e-4, 1e-4), (1e-6, 1e-6), (1e-8, 1e-8)]);
 }
 
 /// The work is part of the contract: a change here is a change of the method.
@@ -67,23 +46,9 @@ fn statistics_of_hires() {
     assert!(stats.jacobians < stats.decompositions && stats.decompositions < stats.steps);
 }
 
-/// `y' = z, 0 = y^2 + z^2 - 1` with `y = sin t, z = cos t`.
 #[test]
 fn algebraic_equation_of_index_one() {
-    let mut system = ode(
-        2,
-        |_, y: &[f64], f: &mut [f64]| {
-            f.copy_from_slice(&[y[1], y[0] * y[0] + y[1] * y[1] - 1.0]);
-            Ok(())
-        },
-        |_, y: &[f64], j: &mut [f64]| j.copy_from_slice(&[0.0, 2.0 * y[0], 1.0, 2.0 * y[1]]),
-    );
-    system.differential[1] = false;
-    for rtol in [1e-4, 1e-6, 1e-9] {
-        let (y, _) = solve(&mut system, rtol, &[1.0; 2], &[0.0, 1.0], 1.2);
-        let error = relative_error(&y, &[1.2_f64.sin(), 1.2_f64.cos()], 0.0);
-        assert!(error < rtol, "rtol {rtol}: {error}");
-    }
+    check_stepper(radau, algebraic_problem(), &[(1e-4, 1e-4), (1e-6, 1e-6), (1e-9, 1e-9)]);
 }
 
 /// A system whose volumes exchange contents at rates over nine decades.
@@ -440,38 +405,15 @@ fn limits_and_starts_are_checked() {
     assert!(Radau::new(2, Options::new(3)).is_err());
 }
 
-/// Equal inputs give equal bits, also in a stepper that was used before.
 #[test]
 fn runs_repeat_to_the_bit() {
-    let mut stepper = radau(1e-6, &[1e-3; 8]);
-    let bits = |stepper: &mut Radau| -> Vec<u64> {
-        let y = run(stepper, &mut hires(), (0.0, &HIRES_START), 100.0).unwrap();
-        y.iter().map(|y| y.to_bits()).collect()
-    };
-    let first = bits(&mut stepper);
-    assert_eq!(bits(&mut stepper), first);
-    assert_eq!(bits(&mut radau(1e-6, &[1e-3; 8])), first);
+    check_repeatability(radau);
+    check_stops(radau);
 }
 
 #[test]
-fn a_stop_in_the_past_changes_nothing() {
-    let mut stepper = radau(1e-6, &[1.0; 2]);
-    let mut system = van_der_pol(1e-3);
-    run(&mut stepper, &mut system, (0.0, &[2.0, 0.0]), 0.1).unwrap();
-    let stats = *stepper.stats();
-    assert_eq!(stepper.step(&mut system, 0.1).unwrap(), Step::Reached { t: 0.1 });
-    assert_eq!(stepper.step(&mut system, 0.0).unwrap(), Step::Reached { t: 0.1 });
-    assert_eq!(*stepper.stats(), stats);
-    // A stop one double away is still reached.
-    let next = 0.1_f64.next_up();
-    assert_eq!(stepper.step(&mut system, next).unwrap(), Step::Reached { t: next });
-}
-
-#[test]
-fn a_system_without_components_only_passes_time() {
-    let mut system = ode(0, |_, _: &[f64], _: &mut [f64]| Ok(()), |_, _: &[f64], _: &mut [f64]| {});
-    let mut stepper = radau(1e-6, &[]);
-    assert_eq!(run(&mut stepper, &mut system, (0.0, &[]), 10.0).unwrap(), [0.0; 0]);
+fn a_system_without_components_only_advances_time() {
+    check_empty_system(radau);
 }
 
 /// The heat equation on a grid too large for the plain loops; its first mode decays by
