@@ -23,8 +23,8 @@ use super::emit::{CONTINUOUS, DISCRETE, Emitter};
 use super::layout::{block_expressions, block_unknowns};
 use super::sequence::{Dependencies, reset_levels};
 
-/// The unknowns and equations of the continuously varying loops that derivatives depend on, in order
-/// of the blocks.
+/// The unknowns and equations of the continuously varying loops that derivatives depend on, in
+/// order of the blocks.
 pub fn find(e: &mut Emitter, blocks: &SortedBlocks) -> Vec<AlgebraicUnknown> {
     reset_levels(e, true);
     e.continuous_level = CONTINUOUS;

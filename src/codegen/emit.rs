@@ -171,7 +171,8 @@ impl Emitter {
         self.layers.pop().map(|l| l.code).unwrap_or_default()
     }
 
-    /// Invalidates the values of the top layer but keeps its code: its variables are about to change.
+    /// Invalidates the values of the top layer but keeps its code: its variables are about to
+    /// change.
     pub fn invalidate_top(&mut self) {
         if let Some(layer) = self.layers.last_mut() {
             for e in layer.defined.drain(..) {
@@ -261,7 +262,8 @@ impl Emitter {
         layer
     }
 
-    /// Makes the last instruction write to `to` instead of `from`; a selection has two instructions.
+    /// Makes the last instruction write to `to` instead of `from`; a selection has two
+    /// instructions.
     fn retarget(&mut self, level: Level, from: Slot, to: Slot) -> bool {
         let code = &mut self.layers[level].code;
         let Some(last) = code.last().copied() else { return false };
@@ -484,8 +486,8 @@ impl Emitter {
         level
     }
 
-    /// The variables below `roots` in order of first use, eliminated ones replaced by those in their
-    /// definition.
+    /// The variables below `roots` in order of first use, eliminated ones replaced by those in
+    /// their definition.
     pub fn reads(&self, roots: &[ExprId]) -> Vec<VarId> {
         let graph = &self.dae.graph;
         VisitedSet::traverse(graph.len(), |seen| {

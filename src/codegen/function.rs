@@ -80,7 +80,7 @@ fn independent<'s>(graph: &Graph, list: &'s [Statement]) -> &'s [Statement] {
     };
     let count = list.iter().position(|s| !is_independent(s)).unwrap_or(list.len());
     let list = &list[..count.max(1)];
-    // An assertion may be what stops a recursion: it comes before the calls.
+    // An assertion may stop a recursion, so it comes before the calls.
     let is_call = |n: &ExprId| matches!(graph.node(*n), Node::Call { .. });
     let calls = |s: &Statement| graph.postorder(value_of(s)).iter().any(is_call);
     let asserts = |s: &&Statement| matches!(s, Statement::Assert(..)) && !calls(s);

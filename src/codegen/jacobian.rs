@@ -2,9 +2,9 @@
 //! implicit function theorem at torn blocks.
 //!
 //! The derivative of a variable is a *row*: one expression for each seed (a state, or a tearing
-//! variable within its block) that it depends on. The row of an assignment follows from the gradient
-//! of its right side by the chain rule. Selections are differentiated branch by branch, so that an
-//! infinite derivative in the branch not taken does not affect the other.
+//! variable within its block) that it depends on. The row of an assignment follows from the
+//! gradient of its right side by the chain rule. Selections are differentiated branch by branch, so
+//! that an infinite derivative in the branch not taken does not affect the other.
 
 use std::collections::BTreeMap;
 
@@ -246,8 +246,8 @@ pub fn of_system(
     entries
 }
 
-/// Computes the rows of the variables of a torn block from `J dz = -B`, where `B` is the derivative of
-/// the residuals at constant `z`.
+/// Computes the rows of the variables of a torn block from `J dz = -B`, where `B` is the derivative
+/// of the residuals at constant `z`.
 fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, torn_block: u32, first_seed: u32) {
     rows.recent.clear();
     for (k, &z) in torn.unknowns.iter().enumerate() {
@@ -288,7 +288,8 @@ fn through_torn(e: &mut Emitter, rows: &mut Rows, torn: &Torn, torn_block: u32, 
     for (&z, row) in torn.unknowns.iter().zip(unknowns) {
         rows.set(z, row);
     }
-    // Auxiliary variables within the block have rows with respect to its unknowns: do not reuse them.
+    // Auxiliary variables within the block have rows with respect to its unknowns: do not reuse
+    // them.
     rows.lifted.clear();
     for v in std::mem::take(&mut rows.recent) {
         let inside = |row: &Row| row.iter().any(|(seed, _)| *seed >= first_seed);

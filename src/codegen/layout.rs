@@ -9,7 +9,8 @@ use crate::ir::program::Slot;
 use super::SortedBlocks;
 use super::emit::Emitter;
 
-/// Allocates a slot for every variable, flag and input; components of the integrator are contiguous.
+/// Allocates a slot for every variable, flag and input; components of the integrator are
+/// contiguous.
 pub fn allocate(e: &mut Emitter, blocks: &SortedBlocks) {
     e.layout.time = e.new_slot(0.0);
     e.layout.initial = e.new_slot(0.0);

@@ -1,7 +1,7 @@
 //! From the sorted system to a program of flat tapes.
 //!
-//! In: [`Blocks`]. Out: an immutable [`Program`] that any number of runs share, or diagnostics about
-//! unsupported constructs. `runtime` executes programs.
+//! In: [`Blocks`]. Out: an immutable [`Program`] that any number of runs share, or diagnostics
+//! about unsupported constructs. `runtime` executes programs.
 //!
 //! Sources: A. Griewank, A. Walther, *Evaluating Derivatives* (2nd ed. 2008) for the Jacobian;
 //! Modelica specification 3.6, section 8.6 for the event sequence.

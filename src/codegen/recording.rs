@@ -30,7 +30,8 @@ fn selected(dae: &Dae, wanted: impl Fn(VariableKind) -> bool) -> Vec<VarId> {
 }
 
 /// Restricts the recorded variables to those whose names `keep` accepts, and removes instructions
-/// from the tape `outputs` that nothing else reads: in a large model most of the work between steps.
+/// from the tape `outputs` that nothing else reads: in a large model most of the work between
+/// steps.
 pub fn only(program: &mut Program, keep: impl Fn(&str) -> bool) {
     let variables = &program.blocks.dae.variables;
     program.recorded.retain(|v| keep(&variables[*v].name));

@@ -1,4 +1,5 @@
-//! Compiles relations: their evaluation at events, and their zero-crossing indicators between events.
+//! Compiles relations: their evaluation at events, and their zero-crossing indicators between
+//! events.
 
 use crate::ir::dae::Trigger;
 use crate::ir::expr::{Binary, ExprId, Node};
@@ -7,8 +8,8 @@ use crate::symbolic::gradient::{Leaf, gradient};
 
 use super::emit::Emitter;
 
-/// Emits candidate values and zero-crossing indicators of state-dependent relations, and the instants
-/// of time-dependent ones.
+/// Emits candidate values and zero-crossing indicators of state-dependent relations, and the
+/// instants of time-dependent ones.
 pub fn emit_indicators(e: &mut Emitter) {
     for k in 0..e.dae.relations.len() {
         let relation = e.dae.relations[k].clone();

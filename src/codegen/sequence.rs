@@ -346,8 +346,8 @@ impl Dependencies {
     }
 }
 
-/// Compiles a sequence that evaluates relations, each as soon as its operands are known. Returns the
-/// relations that are read before that.
+/// Compiles a sequence that evaluates relations, each as soon as its operands are known. Returns
+/// the relations that are read before that.
 fn compile_with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence) -> Vec<u32> {
     let need = Dependencies::new(e, blocks);
     let count = e.dae.relations.len();

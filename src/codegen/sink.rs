@@ -1,5 +1,5 @@
-//! Sinking of expensive calls: a call whose results are used only in branches of `if` expressions or
-//! when-clauses is made only if such a branch is taken.
+//! Sinking of expensive calls: a call whose results are used only in branches of `if` expressions
+//! or when-clauses is made only if such a branch is taken.
 
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::graph::scc::nodes_on_cycles;

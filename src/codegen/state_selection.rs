@@ -1,5 +1,5 @@
-//! Compiles the criterion of dynamic state selection: derivatives of the constraints with respect to
-//! the candidates.
+//! Compiles the criterion of dynamic state selection: derivatives of the constraints with respect
+//! to the candidates.
 
 use crate::base::index::Id;
 use crate::ir::blocks::StateSet;

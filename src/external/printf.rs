@@ -1,5 +1,5 @@
-//! Formats numbers like `printf` of C (C17, section 7.21.6.1), for `String(...)` (Modelica specification
-//! 3.6, section 3.7.1).
+//! Formats numbers like `printf` of C (C17, section 7.21.6.1), for `String(...)` (Modelica
+//! specification 3.6, section 3.7.1).
 
 /// Format of a number.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -1,7 +1,8 @@
-//! Arithmetic of 64-bit words that are split into two 32-bit Integers, the lower half first: the state of
-//! the random number generators of the Modelica Standard Library.
+//! Arithmetic of 64-bit words that are split into two 32-bit Integers, the lower half first: the
+//! state of the random number generators of the Modelica Standard Library.
 //!
-//! In: halves as floats in the range of signed 32-bit integers. Out: a half, or a fraction between 0 and
+//! In: halves as floats in the range of signed 32-bit integers. Out: a half, or a fraction between
+//! 0 and
 //! 1. All operations are exact and wrap around.
 
 use super::{External, Signature, same_if_equal};

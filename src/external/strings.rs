@@ -120,8 +120,8 @@ fn quoted(text: &[char]) -> usize {
     0
 }
 
-/// The length of the number at the start of `text`: a sign and digits, for a Real also a fraction and
-/// an exponent; 0 if there is none.
+/// The length of the number at the start of `text`: a sign and digits, for a Real also a fraction
+/// and an exponent; 0 if there is none.
 fn number(text: &[char], real: bool) -> usize {
     let digits = |from: usize| text[from..].iter().take_while(|c| c.is_ascii_digit()).count();
     let mut at = usize::from(matches!(text.first(), Some('+' | '-')));
@@ -146,8 +146,8 @@ fn number(text: &[char], real: bool) -> usize {
     if !real && matches!(text.get(at), Some('.' | 'e' | 'E')) { 0 } else { at }
 }
 
-/// Arash Partow's hash on 32 bits (General Purpose Hash Function Algorithms, 2002). Noise blocks are
-/// seeded with the hash of their instance name.
+/// Arash Partow's hash on 32 bits (General Purpose Hash Function Algorithms, 2002). Noise blocks
+/// are seeded with the hash of their instance name.
 fn arash_partow_hash(bytes: &[u8]) -> u32 {
     bytes.iter().enumerate().fold(0xAAAA_AAAA, |hash: u32, (k, byte)| {
         let byte = u32::from(*byte);

@@ -10,9 +10,9 @@ const WORDS: usize = 16;
 /// Maximum distance of a requested index from the numbers generated so far.
 const AHEAD: usize = 1 << 20;
 
-/// The sequence of xorshift1024* from a state on. *S. Vigna, An experimental exploration of Marsaglia's
-/// xorshift generators, scrambled, ACM TOMS 42 (2016).* Generated numbers are cached, so that a run may
-/// read each any number of times.
+/// The sequence of xorshift1024* from a state on. *S. Vigna, An experimental exploration of
+/// Marsaglia's xorshift generators, scrambled, ACM TOMS 42 (2016).* Generated numbers are cached,
+/// so that a run may read each any number of times.
 #[derive(Debug)]
 pub struct Stream {
     seed: [u64; WORDS],
@@ -35,7 +35,8 @@ impl Stream {
         Stream { seed, first, drawn: Mutex::new(drawn) }
     }
 
-    /// Number `k`, counted from 1, between 0 and 1; NaN if `k` is far beyond the numbers generated so far.
+    /// Number `k`, counted from 1, between 0 and 1; NaN if `k` is far beyond the numbers generated
+    /// so far.
     pub fn number(&self, k: f64) -> f64 {
         let mut drawn = self.drawn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let k = k.max(1.0) as usize;

@@ -73,8 +73,8 @@ pub struct StepInterval {
     pub last: bool,
 }
 
-/// Fits a step into the remaining interval: slightly longer if it would just miss the stop, half of the
-/// interval if it would leave a tiny remainder.
+/// Fits a step into the remaining interval: slightly longer if it would just miss the stop, half of
+/// the interval if it would leave a tiny remainder.
 pub fn fit_to_stop(t: f64, wanted: f64, t_stop: f64) -> StepInterval {
     let rest = t_stop - t;
     if wanted * STRETCH >= rest {
@@ -95,8 +95,9 @@ impl StepInterval {
     }
 }
 
-/// The interval of the next attempt from `t` with the wanted length `h`. Fails if the limit of steps is
-/// exhausted, or if the step is too small to advance `t`; then `worst` gives the component to blame.
+/// The interval of the next attempt from `t` with the wanted length `h`. Fails if the limit of
+/// steps is exhausted, or if the step is too small to advance `t`; then `worst` gives the component
+/// to blame.
 pub fn next_interval(
     t: f64,
     h: f64,
@@ -124,11 +125,11 @@ pub fn first_step(options: &Options, t: f64, h: f64) -> f64 {
 /// Maximum stretching of a step to reach the stop; RADAU5 has the same value.
 const STRETCH: f64 = 1.0001;
 
-/// The starting step size of Hairer, Nørsett & Wanner I, sec. II.4, p. 169, for a method whose error
-/// estimate has order `order`; needs one evaluation of the right side.
+/// The starting step size of Hairer, Nørsett & Wanner I, sec. II.4, p. 169, for a method whose
+/// error estimate has order `order`; needs one evaluation of the right side.
 ///
-/// Algebraic rows have no slope and are ignored. If the trial point cannot be evaluated, returns the
-/// reduced first guess of the algorithm.
+/// Algebraic rows have no slope and are ignored. If the trial point cannot be evaluated, returns
+/// the reduced first guess of the algorithm.
 pub fn initial_step(
     system: &mut dyn System,
     point: &Point,

@@ -2,8 +2,8 @@
 //!
 //! Hairer, Nørsett & Wanner I, sec. II.5, table 5.2 (the pair) and sec. II.6, eq. (6.12) (the dense
 //! output of order 4); J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980), 19-26. Step
-//! size control of DOPRI5 with its stabilisation (sec. IV.2 of vol. II). The last stage of a step is
-//! the first of the next.
+//! size control of DOPRI5 with its stabilisation (sec. IV.2 of vol. II). The last stage of a step
+//! is the first of the next.
 
 use crate::integrate::control::{
     Point, StepInterval, error_weights, first_step, initial_step, next_interval, resolution,
@@ -60,8 +60,8 @@ const OUT_OF_DOMAIN: f64 = 0.25;
 
 /// Approximate end of the stability region on the negative real axis.
 const STABILITY: f64 = 3.25;
-/// Minimum of [`border`]: a component that follows slow ones with a large eigenvalue also limits steps by
-/// accuracy, to products with that eigenvalue of this size.
+/// Minimum of [`border`]: a component that follows slow ones with a large eigenvalue also limits
+/// steps by accuracy, to products with that eigenvalue of this size.
 const MIN_BORDER: f64 = 1.0;
 /// Number of stability-limited steps after which a system counts as stiff.
 const STIFF_STEPS: u32 = 15;
@@ -104,8 +104,8 @@ struct Stiffness {
 }
 
 impl Stiffness {
-    /// Updates the counts with the product of an accepted step and the dominant eigenvalue: Hairer &
-    /// Wanner II, sec. IV.2, "automatic stiffness detection", with the counts of DOPRI5.
+    /// Updates the counts with the product of an accepted step and the dominant eigenvalue: Hairer
+    /// & Wanner II, sec. IV.2, "automatic stiffness detection", with the counts of DOPRI5.
     fn observe(&mut self, product: f64, border: f64) {
         if product > border {
             self.free = 0;
@@ -152,14 +152,14 @@ impl DormandPrince {
         })
     }
 
-    /// True if stability limits the steps since the restart: the system is stiff, and an implicit method
-    /// would take longer steps.
+    /// True if stability limits the steps since the restart: the system is stiff, and an implicit
+    /// method would take longer steps.
     pub fn is_stiff(&self) -> bool {
         self.stiffness.found
     }
 
-    /// The product of the step and the dominant eigenvalue, from the two stages at its end; zero if they
-    /// coincide.
+    /// The product of the step and the dominant eigenvalue, from the two stages at its end; zero if
+    /// they coincide.
     fn spectral_step(&self, h: f64) -> f64 {
         let (mut slopes, mut arguments) = (0.0, 0.0);
         for (i, w) in self.weights.iter().enumerate() {
@@ -294,9 +294,9 @@ impl DormandPrince {
     }
 }
 
-/// The product of step and dominant eigenvalue above which accuracy cannot be what limits the step: three
-/// times that of `y' = lambda y` with a local error of `rtol`, whose error constant is about 1e-4; at most
-/// the stability limit.
+/// The product of step and dominant eigenvalue above which accuracy cannot be what limits the step:
+/// three times that of `y' = lambda y` with a local error of `rtol`, whose error constant is about
+/// 1e-4; at most the stability limit.
 fn border(rtol: f64) -> f64 {
     (3.0 * (1e4 * rtol).powf(0.2)).clamp(MIN_BORDER, STABILITY)
 }
@@ -325,7 +325,8 @@ impl Stepper for DormandPrince {
     }
 
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure> {
-        // The last stage still holds the slope at the previous point, unless a later attempt failed.
+        // The last stage still holds the slope at the previous point, unless a later attempt
+        // failed.
         if !(self.t_previous < t && t < self.now.t && self.whole) {
             return Ok(());
         }

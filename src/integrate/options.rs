@@ -12,8 +12,9 @@ pub const DEFAULT_MAX_CUTS: u32 = 60;
 /// Options of one integration. All times are in the unit of `t`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
-    /// Tolerated error of a step relative to `|y_i|`, dimensionless, at least [`MIN_RTOL`] and below 1. The
-    /// step size is proportional to its fourth root (Radau) or fifth root (Dormand-Prince).
+    /// Tolerated error of a step relative to `|y_i|`, dimensionless, at least [`MIN_RTOL`] and
+    /// below 1. The step size is proportional to its fourth root (Radau) or fifth root
+    /// (Dormand-Prince).
     pub rtol: f64,
     /// Tolerated absolute error of a step per component, in its unit, positive. It dominates where
     /// `|y_i|` is less than `atol_i / rtol`.

@@ -18,8 +18,8 @@ pub enum Step {
     },
 }
 
-/// An integration that cannot continue from the current point. `component` is the index in `y` that is
-/// most likely the cause, so that the caller can name the variable.
+/// An integration that cannot continue from the current point. `component` is the index in `y` that
+/// is most likely the cause, so that the caller can name the variable.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Failure {
     /// An option is out of its range.
@@ -54,8 +54,8 @@ pub enum Failure {
         /// Component with the largest weighted correction.
         component: usize,
     },
-    /// The matrix of the stage equations is singular for every step tried: the algebraic rows do not
-    /// determine the algebraic components.
+    /// The matrix of the stage equations is singular for every step tried: the algebraic rows do
+    /// not determine the algebraic components.
     #[error("at t = {t} the iteration matrix is singular at component {component}")]
     Singular {
         /// Time before the failed step.

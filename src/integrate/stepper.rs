@@ -6,9 +6,9 @@ use crate::integrate::system::System;
 
 /// A one-step or multistep method, positioned at an accepted point.
 ///
-/// Usage: `restart`, then `step` until it returns `Reached`; `interpolate` within the last step. After
-/// a failure the stepper remains at the last accepted point. Nothing allocates after construction, and
-/// equal inputs give equal bits.
+/// Usage: `restart`, then `step` until it returns `Reached`; `interpolate` within the last step.
+/// After a failure the stepper remains at the last accepted point. Nothing allocates after
+/// construction, and equal inputs give equal bits.
 pub trait Stepper {
     /// Moves to `(t, y)` and discards the history: at the start and after every discontinuity.
     ///
@@ -26,11 +26,11 @@ pub trait Stepper {
     /// `t_stop`. Without effect if `t_stop` is not after `t()`.
     fn step(&mut self, system: &mut dyn System, t_stop: f64) -> Result<Step, Failure>;
 
-    /// Repeats the last step so that it ends at `t` in `(t_previous(), t())`, with the accuracy of a
-    /// step end rather than that of the interpolation: for the state at an event within the step.
+    /// Repeats the last step so that it ends at `t` in `(t_previous(), t())`, with the accuracy of
+    /// a step end rather than that of the interpolation: for the state at an event within the step.
     ///
-    /// Without effect for other `t`, or if `step` has failed since. After a failure the stepper is at
-    /// `t_previous()`, and `interpolate` still covers the whole last step.
+    /// Without effect for other `t`, or if `step` has failed since. After a failure the stepper is
+    /// at `t_previous()`, and `interpolate` still covers the whole last step.
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure>;
 
     /// Time of the accepted point.
@@ -42,8 +42,8 @@ pub trait Stepper {
     /// Start of the last step; equals `t()` after a restart.
     fn t_previous(&self) -> f64;
 
-    /// Writes the solution at `t` in `[t_previous(), t()]` to `out`. Between the ends the error is of
-    /// the size of the tolerances, for stiff components up to about ten times that.
+    /// Writes the solution at `t` in `[t_previous(), t()]` to `out`. Between the ends the error is
+    /// of the size of the tolerances, for stiff components up to about ten times that.
     fn interpolate(&self, t: f64, out: &mut [f64]);
 
     /// The next step size if no stop interferes.

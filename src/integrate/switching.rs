@@ -1,15 +1,16 @@
-//! Switches from Dormand-Prince to Radau when the system turns out to be stiff, and to BDF if Radau's
-//! steps are often rejected.
+//! Switches from Dormand-Prince to Radau when the system turns out to be stiff, and to BDF if
+//! Radau's steps are often rejected.
 //!
-//! A system that was stiff once is expected to become stiff again, so it never switches back. The step
-//! size of the explicit method falls to its stability limit before the error grows, so the solution up
-//! to the switch is as accurate as any.
+//! A system that was stiff once is expected to become stiff again, so it never switches back. The
+//! step size of the explicit method falls to its stability limit before the error grows, so the
+//! solution up to the switch is as accurate as any.
 //!
-//! Radau takes longer steps on a smooth solution. Where fronts, stops and saturations follow each other
-//! its steps are rejected repeatedly, by the error test or because the iteration does not converge
-//! across a kink. A rejected step costs a dozen right sides and two decompositions, whereas a multistep
-//! method loses one or two right sides. `benches/peer.rs` has examples of both: the reactions of
-//! Robertson and HIRES, where at most one step in a hundred is rejected, and a valve with one in five.
+//! Radau takes longer steps on a smooth solution. Where fronts, stops and saturations follow each
+//! other its steps are rejected repeatedly, by the error test or because the iteration does not
+//! converge across a kink. A rejected step costs a dozen right sides and two decompositions,
+//! whereas a multistep method loses one or two right sides. `benches/peer.rs` has examples of both:
+//! the reactions of Robertson and HIRES, where at most one step in a hundred is rejected, and a
+//! valve with one in five.
 
 use crate::integrate::bdf::Bdf;
 use crate::integrate::explicit::DormandPrince;
@@ -256,8 +257,9 @@ mod tests {
         check_shortening(&mut stepper, 1e-8);
     }
 
-    /// `y' = (tanh(50 sin 40 t) - tanh(1000 y)) 1e3`: a front every 80 ms, each met by kinks of the right
-    /// side. At the end of the tests both branches rest at `tanh(1000 y) = tanh(50 sin 40 t)`.
+    /// `y' = (tanh(50 sin 40 t) - tanh(1000 y)) 1e3`: a front every 80 ms, each met by kinks of the
+    /// right side. At the end of the tests both branches rest at `tanh(1000 y) = tanh(50 sin 40
+    /// t)`.
     #[test]
     fn a_rough_system_is_handed_on() {
         let mut system = ode(

@@ -5,8 +5,8 @@ use crate::numeric::pattern::Pattern;
 /// A semi-explicit system `M y' = f(t, y)` whose `M` is diagonal with entries one and zero.
 ///
 /// A row with entry zero is an algebraic equation `0 = f_i(t, y)`. With such rows the system must
-/// have index 1: the Jacobian of the algebraic rows with respect to the algebraic components is regular.
-/// Both functions may use internal memory; for equal arguments they must give equal bits.
+/// have index 1: the Jacobian of the algebraic rows with respect to the algebraic components is
+/// regular. Both functions may use internal memory; for equal arguments they must give equal bits.
 pub trait System {
     /// Number of components of `y`.
     fn dim(&self) -> usize;
@@ -25,16 +25,16 @@ pub trait System {
         None
     }
 
-    /// Writes `df_i/dy_j (t, y)` for all entries `(i, j)` of `pattern`, in its order. Called only for
-    /// systems that provide a pattern.
+    /// Writes `df_i/dy_j (t, y)` for all entries `(i, j)` of `pattern`, in its order. Called only
+    /// for systems that provide a pattern.
     fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
         let _ = (t, y, values);
         Err(EvalError::Fatal(u32::MAX))
     }
 }
 
-/// A right side or Jacobian that could not be evaluated. The code is defined by the system and returned
-/// unchanged in the failure if no smaller step helps.
+/// A right side or Jacobian that could not be evaluated. The code is defined by the system and
+/// returned unchanged in the failure if no smaller step helps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EvalError {
     /// Outside the domain here (the root of a negative number, an inner iteration that does not

@@ -7,7 +7,8 @@ use crate::integrate::system::EvalError;
 ///
 /// A step evaluates them at several points: its stages.
 pub trait Variational {
-    /// Evaluates `J` and all `b` at the point `(t, y)` of the solution, and stores them for `stage`.
+    /// Evaluates `J` and all `b` at the point `(t, y)` of the solution, and stores them for
+    /// `stage`.
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError>;
 
     /// Writes `J s + b` of one direction at a stage to `out`. Slices have the length of `y`.

@@ -1,5 +1,5 @@
-//! CSV tables (RFC 4180). Written numbers read back exactly. Sole user of `csv` (reading) and `zmij`
-//! (printing numbers).
+//! CSV tables (RFC 4180). Written numbers read back exactly. Sole user of `csv` (reading) and
+//! `zmij` (printing numbers).
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ pub enum TableError {
     /// The format cannot hold so many columns or rows.
     #[error("{what} {count} is more than the format can hold; write .csv or .parquet")]
     TooLarge {
-        /// What is counted.
+        /// The counted objects.
         what: &'static str,
         /// The number.
         count: usize,
@@ -190,8 +190,9 @@ pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), 
     Ok(())
 }
 
-/// Prints integers below 2^53 without a point if the column is `whole`, otherwise the shortest text that
-/// reads back as the same value. A negative zero keeps its sign, except in columns of integers.
+/// Prints integers below 2^53 without a point if the column is `whole`, otherwise the shortest text
+/// that reads back as the same value. A negative zero keeps its sign, except in columns of
+/// integers.
 pub(crate) fn push_number(text: &mut Vec<u8>, value: f64, whole: bool) {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let value = if whole { value + 0.0 } else { value };
@@ -231,7 +232,7 @@ pub enum ReadError {
         path: PathBuf,
         /// The line.
         line: u64,
-        /// What is wrong.
+        /// Description of the error.
         what: String,
     },
     /// There is no header.
@@ -247,7 +248,7 @@ pub enum ReadError {
         path: PathBuf,
         /// Position of the column.
         column: usize,
-        /// What is wrong.
+        /// Description of the error.
         what: String,
     },
     /// A line has more or fewer fields than the header.
@@ -290,8 +291,9 @@ pub enum ReadError {
     },
 }
 
-/// Reads a table of numbers with a header; the first column is the time in s, whatever its name. The
-/// columns have no units and count as continuous. Spaces around fields and a byte order mark are skipped.
+/// Reads a table of numbers with a header; the first column is the time in s, whatever its name.
+/// The columns have no units and count as continuous. Spaces around fields and a byte order mark
+/// are skipped.
 pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
     let path = path.as_ref();
     let at = || path.to_path_buf();
@@ -331,8 +333,8 @@ impl TextTable {
     }
 }
 
-/// Reads a table of strings with a header. Spaces around fields and a byte order mark are skipped. Fields
-/// are separated by commas, or by semicolons or tabs if the header has no comma.
+/// Reads a table of strings with a header. Spaces around fields and a byte order mark are skipped.
+/// Fields are separated by commas, or by semicolons or tabs if the header has no comma.
 pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
     let path = path.as_ref();
     let at = || path.to_path_buf();
@@ -381,8 +383,8 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// The line of a record; records must come in order. `csv` includes preceding empty lines in the
-    /// position of a record.
+    /// The line of a record; records must come in order. `csv` includes preceding empty lines in
+    /// the position of a record.
     fn of(&mut self, record: &csv::StringRecord) -> u64 {
         let bytes = self.bytes;
         let start = record.position().map_or(0, |p| p.byte() as usize).min(bytes.len());
@@ -520,7 +522,7 @@ mod tests {
 
     #[test]
     fn copied_text_is_that_of_the_row_above() {
-        // Texts of different lengths on both sides of what stands still.
+        // Numbers of different lengths on both sides of a constant column.
         let columns: Vec<Column> = (0..5).map(|i| Column::new(format!("x{i}"), "")).collect();
         let rows: [(f64, &[f64]); 4] = [
             (0.0, &[0.125, 7.5, -8.25, 3.0, 1e-7]),

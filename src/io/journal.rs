@@ -1,8 +1,8 @@
-//! Journals: files with the results of a long task, line by line, so that an interrupted task can be
-//! resumed.
+//! Journals: files with the results of a long task, line by line, so that an interrupted task can
+//! be resumed.
 //!
-//! The first line identifies the task by a fingerprint. A line that was truncated because the process was
-//! killed is dropped. The file is locked while a process uses it.
+//! The first line identifies the task by a fingerprint. A line that was truncated because the
+//! process was killed is dropped. The file is locked while a process uses it.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};

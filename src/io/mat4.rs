@@ -1,12 +1,13 @@
 //! Results in the format of Dymola and OpenModelica: six matrices in a MATLAB file of level 4.
 //!
-//! `Aclass` names the layout; `name` and `description` hold a string per variable; `dataInfo` gives the
-//! matrix and row of each variable; `data_1` has two instants (start and end) for constant variables,
-//! `data_2` all instants for the others. Everything is transposed (`binTrans`): an instant is a column,
-//! so that it can be appended. The number of columns is in a header, which is patched at the end.
+//! `Aclass` names the layout; `name` and `description` hold a string per variable; `dataInfo` gives
+//! the matrix and row of each variable; `data_1` has two instants (start and end) for constant
+//! variables, `data_2` all instants for the others. Everything is transposed (`binTrans`): an
+//! instant is a column, so that it can be appended. The number of columns is in a header, which is
+//! patched at the end.
 //!
 //! Sources: MAT-File Format, The MathWorks, chapter on level 4; Dymola User Manual, volume 1,
-//! section "Saving and restoring results"; what DyMat and scipy read.
+//! section "Saving and restoring results"; the behaviour of DyMat and scipy.
 
 use std::io::Write;
 

@@ -1,5 +1,5 @@
-//! Reads MAT files of level 5, written by versions 5 to 7 of MATLAB ("MAT-File Format", The MathWorks):
-//! tagged elements, possibly compressed, that contain matrices of numbers.
+//! Reads MAT files of level 5, written by versions 5 to 7 of MATLAB ("MAT-File Format", The
+//! MathWorks): tagged elements, possibly compressed, that contain matrices of numbers.
 
 use std::io::Read;
 
@@ -79,7 +79,8 @@ fn next<'a>(rest: &mut &'a [u8]) -> Result<Element<'a>, String> {
     Ok(Element { kind, data })
 }
 
-/// The matrix, if it has that name and holds real numbers; `a.b` is the field `b` of the structure `a`.
+/// The matrix, if it has that name and holds real numbers; `a.b` is the field `b` of the structure
+/// `a`.
 fn named(mut parts: &[u8], name: &str) -> Result<Option<Matrix>, String> {
     let flags = next(&mut parts)?;
     let class = flags.data.first().map_or(0, |c| u32::from(*c));
@@ -96,8 +97,8 @@ fn named(mut parts: &[u8], name: &str) -> Result<Option<Matrix>, String> {
     content(parts, class, &sizes, name).map(Some)
 }
 
-/// The matrix in a field of a structure: first the names of all fields, with equal lengths, then the
-/// fields, which have empty names.
+/// The matrix in a field of a structure: first the names of all fields, with equal lengths, then
+/// the fields, which have empty names.
 fn in_structure(mut parts: &[u8], path: &str) -> Result<Option<Matrix>, String> {
     let (wanted, inner) = match path.split_once('.') {
         Some((wanted, inner)) => (wanted, Some(inner)),

@@ -1,7 +1,7 @@
 //! Reads matrices from data files.
 //!
-//! *Text:* a first line `#1`, then for each matrix `double NAME(ROWS, COLUMNS)` or `float ...` and its
-//! numbers row by row, separated by blanks, commas, semicolons or tabs; `#` starts a comment.
+//! *Text:* a first line `#1`, then for each matrix `double NAME(ROWS, COLUMNS)` or `float ...` and
+//! its numbers row by row, separated by blanks, commas, semicolons or tabs; `#` starts a comment.
 //! *Binary:* MAT of levels 4 and 5, with full matrices of numbers.
 
 /// A matrix, row by row.

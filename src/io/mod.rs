@@ -1,9 +1,10 @@
 //! File formats.
 //!
 //! Results of a run are written row by row through [`results::Results`], tables of a sweep through
-//! [`records::Records`]; [`mod@format`] lists the formats, whose writers are in [`csv`], [`parquet`]
-//! and [`mat4`]. Recordings and matrices are read from CSV, MAT levels 4 and 5 ([`mat5`]) and text
-//! ([`matrix_file`]). Every file appears complete or not at all ([`atomic_file`]).
+//! [`records::Records`]; [`mod@format`] lists the formats, whose writers are in [`csv`],
+//! [`parquet`] and [`mat4`]. Recordings and matrices are read from CSV, MAT levels 4 and 5
+//! ([`mat5`]) and text ([`matrix_file`]). Every file appears complete or not at all
+//! ([`atomic_file`]).
 
 pub mod atomic_file;
 pub mod csv;

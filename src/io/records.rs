@@ -1,4 +1,5 @@
-//! Record tables: rows of numbers and strings without a time, with missing values, as CSV or Parquet.
+//! Record tables: rows of numbers and strings without a time, with missing values, as CSV or
+//! Parquet.
 
 use std::io::Write;
 use std::path::Path;
@@ -60,8 +61,8 @@ pub enum RecordError {
     File(#[from] WriteError),
 }
 
-/// A row as a line of CSV (RFC 4180) without line end. Line breaks in strings become blanks. Numbers
-/// read back exactly.
+/// A row as a line of CSV (RFC 4180) without line end. Line breaks in strings become blanks.
+/// Numbers read back exactly.
 pub fn line(cells: &[Cell]) -> String {
     let mut text = Vec::new();
     for (i, cell) in cells.iter().enumerate() {

@@ -23,7 +23,8 @@ pub struct Header<'a> {
 /// Writes results in one format. Created with a [`Header`] by a row of
 /// [`FORMATS`](super::format::FORMATS).
 pub trait ResultWriter: Send {
-    /// Records parameters and constants, before the first row. Formats without metadata ignore them.
+    /// Records parameters and constants, before the first row. Formats without metadata ignore
+    /// them.
     fn constants(&mut self, _constants: Vec<Constant>) {}
 
     /// Writes one row; `values` in the order of the columns, all finite.

@@ -211,8 +211,8 @@ pub struct CallSite {
     pub partial: Option<(usize, usize)>,
     /// Slot of the condition under which the results are read; if it is false the call is skipped.
     pub condition: Option<Slot>,
-    /// For expensive functions, the first of the slots that hold the arguments of the last call, one
-    /// per argument. The call is skipped while its arguments are unchanged, as in inactive
+    /// For expensive functions, the first of the slots that hold the arguments of the last call,
+    /// one per argument. The call is skipped while its arguments are unchanged, as in inactive
     /// when-clauses. The first slot is NaN if the results come from elsewhere.
     pub memo: Option<Slot>,
 }
@@ -367,7 +367,8 @@ pub struct Layout {
     pub delays: Vec<DelaySlots>,
     /// Transport lines (`spatialDistribution`, `delay` with a variable time).
     pub transports: Vec<TransportSlots>,
-    /// Start values that a run may set: variable, input slot (NaN: not set), slot of the start value.
+    /// Start values that a run may set: variable, input slot (NaN: not set), slot of the start
+    /// value.
     pub starts: Vec<(VarId, Slot, Slot)>,
 }
 
@@ -428,8 +429,8 @@ pub struct Tapes {
     /// Entries of the Jacobian of the derivatives (and residuals) with respect to the states (and
     /// algebraic unknowns).
     pub jacobian: Tape,
-    /// Derivatives of the constraints that state selection is based on; all variables must be in the
-    /// memory.
+    /// Derivatives of the constraints that state selection is based on; all variables must be in
+    /// the memory.
     pub state_selection: Tape,
 }
 
@@ -502,7 +503,8 @@ pub struct Program {
     pub continuation: Option<Box<Continuation>>,
 }
 
-/// The model with `(1 - lambda) simplified + lambda actual` for each `homotopy(actual, simplified)`.
+/// The model with `(1 - lambda) simplified + lambda actual` for each `homotopy(actual,
+/// simplified)`.
 #[derive(Clone)]
 pub struct Continuation {
     /// Its program.

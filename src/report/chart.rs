@@ -1,5 +1,5 @@
-//! Charts of tables as SVG or PNG: curves over any column, several runs in one panel, and groups of runs
-//! side by side with common axes, such as measurements and simulations.
+//! Charts of tables as SVG or PNG: curves over any column, several runs in one panel, and groups of
+//! runs side by side with common axes, such as measurements and simulations.
 
 use std::path::Path;
 

@@ -11,8 +11,8 @@ const MAX_LINES: usize = 12;
 const MAX_TEXT_WIDTH: f64 = 420.0;
 const SIZE: f64 = 12.0;
 
-/// Prints a node for each block with its equations, numbered in order, and an edge from each block to
-/// those that read it.
+/// Prints a node for each block with its equations, numbered in order, and an edge from each block
+/// to those that read it.
 pub fn dot(diagram: &Diagram) -> String {
     let mut out = String::from("digraph blocks {\n");
     let title = format!("{}, {}", diagram.model, diagram.phase);

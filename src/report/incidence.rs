@@ -330,8 +330,8 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// The labelled rows. If not all fit: first the tearing variables, then the first rows of simultaneous
-/// blocks, then the others, each if its neighbours leave enough space.
+/// The labelled rows. If not all fit: first the tearing variables, then the first rows of
+/// simultaneous blocks, then the others, each if its neighbours leave enough space.
 fn named(diagram: &Diagram, cell: f64) -> Vec<usize> {
     let n = diagram.lines.len();
     if cell >= LINE {

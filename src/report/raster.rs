@@ -1,5 +1,5 @@
-//! Renders SVG to PNG with an embedded typeface, so that pictures do not depend on installed fonts. Sole
-//! user of `resvg`.
+//! Renders SVG to PNG with an embedded typeface, so that pictures do not depend on installed fonts.
+//! Sole user of `resvg`.
 
 use std::sync::Arc;
 
@@ -12,8 +12,8 @@ pub const FAMILY: &str = "Inter";
 const REGULAR: &[u8] = include_bytes!("font/Inter-Regular.otf");
 const SEMI_BOLD: &[u8] = include_bytes!("font/Inter-SemiBold.otf");
 
-/// Renders a PNG file with `scale` pixels per unit of length of the SVG. An error for pictures of this
-/// crate is a bug.
+/// Renders a PNG file with `scale` pixels per unit of length of the SVG. An error for pictures of
+/// this crate is a bug.
 pub fn png(svg: &str, scale: u32) -> Result<Vec<u8>, String> {
     let mut fonts = Database::new();
     fonts.load_font_data(REGULAR.to_vec());

@@ -21,9 +21,9 @@ impl Scale {
     }
 }
 
-/// Chooses the display unit for values in the SI unit `unit`, the largest of magnitude `largest`. A known
-/// `display_unit` is used as it is; without one the numbers are scaled to between 1 and 1000 if the unit
-/// allows.
+/// Chooses the display unit for values in the SI unit `unit`, the largest of magnitude `largest`. A
+/// known `display_unit` is used as it is; without one the numbers are scaled to between 1 and 1000
+/// if the unit allows.
 pub fn choose(unit: &str, display_unit: &str, largest: f64) -> Scale {
     if let Some(scale) = declared(unit, display_unit) {
         return scale;
@@ -81,8 +81,8 @@ const CONVERSIONS: &[(&str, &str, f64, f64)] = &[
     ("", "%", 0.01, 0.0),
 ];
 
-/// Customary units that take precedence over prefixes: (SI unit, bound of the largest magnitude, display
-/// unit, its size). The first matching row applies.
+/// Customary units that take precedence over prefixes: (SI unit, bound of the largest magnitude,
+/// display unit, its size). The first matching row applies.
 const CUSTOMARY: &[(&str, f64, &str, f64)] = &[
     ("Pa", 1.0, "Pa", 1.0),
     ("Pa", 1e4, "mbar", 1e2),

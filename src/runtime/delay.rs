@@ -1,9 +1,9 @@
 //! Histories of delayed expressions: `delay(e, T)` (Modelica specification 3.6, section 3.7.4.1).
 //!
 //! A history is a sequence of segments between jumps. Within a segment values are interpolated by
-//! cubic polynomials through four points. A jump appears at the output a time `T` after it occurred,
-//! as a time event. Until that event is handled, the segment before it is extrapolated, so that a step
-//! sees a smooth signal up to its end.
+//! cubic polynomials through four points. A jump appears at the output a time `T` after it
+//! occurred, as a time event. Until that event is handled, the segment before it is extrapolated,
+//! so that a step sees a smooth signal up to its end.
 
 use crate::ir::program::{DelaySlots, Layout, Slot};
 use crate::numeric::polynomial_segment::{Extrapolation, PolynomialSegment, jumps};
@@ -121,8 +121,8 @@ impl DelayBuffers {
         self.lines.iter().any(|l| l.moves)
     }
 
-    /// The shortest delay of a continuously varying variable, s. A longer step would need values that
-    /// are not yet computed.
+    /// The shortest delay of a continuously varying variable, s. A longer step would need values
+    /// that are not yet computed.
     pub fn shortest_delay(&self, memory: &[f64]) -> f64 {
         let moving = self.lines.iter().filter(|l| l.moves);
         let positive = moving.map(|l| memory[l.delay as usize]).filter(|t| *t > 0.0);

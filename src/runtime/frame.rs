@@ -1,5 +1,5 @@
-//! Frames of recursive functions. The slots of a function are fixed, so a recursive call saves them and
-//! restores them on return.
+//! Frames of recursive functions. The slots of a function are fixed, so a recursive call saves them
+//! and restores them on return.
 
 use crate::ir::program::{CallSite, Program, Slot};
 

@@ -1,5 +1,5 @@
-//! Inputs driven by recorded signals. Their values are written to the memory whenever time is set, so
-//! the interpreter and machine code read an input like a state.
+//! Inputs driven by recorded signals. Their values are written to the memory whenever time is set,
+//! so the interpreter and machine code read an input like a state.
 
 use std::sync::Arc;
 
@@ -66,8 +66,8 @@ impl InputSignals {
         has_breakpoints.map(|p| p.series.end_of(p.interval)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Advances past the breakpoints up to `t`; true if a value or rate that the program reads may jump
-    /// there.
+    /// Advances past the breakpoints up to `t`; true if a value or rate that the program reads may
+    /// jump there.
     pub fn advance_past(&mut self, t: f64) -> bool {
         let mut jumps = false;
         for p in self.signals.iter_mut().filter(|p| p.has_breakpoints) {

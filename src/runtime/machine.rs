@@ -1,6 +1,7 @@
 //! A virtual machine: the memory of one run of a program, and the reference interpreter.
 //!
-//! Straight-line code runs as machine code as soon as it is available, and is interpreted otherwise.
+//! Straight-line code runs as machine code as soon as it is available, and is interpreted
+//! otherwise.
 
 use std::sync::Arc;
 
@@ -92,16 +93,16 @@ pub struct Machine<'p> {
     pub branch_switch: bool,
     /// Clamps the arguments of functions to their domain.
     pub clamp_domain: bool,
-    /// Executes mixed blocks once instead of iterating them, and solves inconsistent linear equations
-    /// in the least-squares sense: intermediate steps of a search for consistent values.
+    /// Executes mixed blocks once instead of iterating them, and solves inconsistent linear
+    /// equations in the least-squares sense: intermediate steps of a search for consistent values.
     pub relaxed: bool,
     /// The last relaxed execution has not converged yet.
     pub still_changing: bool,
     tier: Tier,
     /// If present, the derivatives of every executed tape are propagated.
     pub tangents: Option<Box<Tangents>>,
-    /// A linear block that was solved although it leaves an unknown undetermined, and the position of
-    /// the unknown. Cleared by the reader.
+    /// A linear block that was solved although it leaves an unknown undetermined, and the position
+    /// of the unknown. Cleared by the reader.
     pub undetermined: Option<(usize, usize)>,
     /// Messages of violated when-clause assertions that are not errors, with the position of the
     /// assertion. Cleared by the reader.
@@ -361,8 +362,8 @@ impl<'p> Machine<'p> {
         outcome
     }
 
-    /// Saves memory and fault of a failed attempt in case the next one fails too. Pass the result to
-    /// [`Machine::restore_fault`] or [`Machine::discard_fault`].
+    /// Saves memory and fault of a failed attempt in case the next one fails too. Pass the result
+    /// to [`Machine::restore_fault`] or [`Machine::discard_fault`].
     pub fn save_fault(&mut self) -> FaultSnapshot {
         let memory = self.snapshot();
         let mut fault_memory = self.free_buffers.pop().unwrap_or_default();
@@ -467,8 +468,8 @@ impl<'p> Machine<'p> {
         self.run_body(site.function, depth).inspect_err(|_| self.frames.unwind(depth))
     }
 
-    /// Executes a function whose inputs are set, and its recursive calls; `depth` frames are open on
-    /// entry.
+    /// Executes a function whose inputs are set, and its recursive calls; `depth` frames are open
+    /// on entry.
     fn run_body(&mut self, mut function: usize, depth: usize) -> Result<(), Fault> {
         let program = self.program;
         let mut tape = &program.routines.functions[function].tape;

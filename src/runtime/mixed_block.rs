@@ -1,6 +1,6 @@
 //! Mixed blocks: relations and equations that must be solved together. They are iterated to a fixed
-//! point; if the iteration cycles or meets equations without a solution, values of the relations that
-//! are consistent with the equations are searched for.
+//! point; if the iteration cycles or meets equations without a solution, values of the relations
+//! that are consistent with the equations are searched for.
 
 use crate::ir::program::{DiscreteUnknown, Program, Slot};
 use crate::numeric::combinations::Combinations;
@@ -117,7 +117,8 @@ impl MixedBlockSolver {
         let mixed = &machine.program.routines.mixed_blocks[k];
         machine.memory.copy_from_slice(&self.entry_memory);
         let was_relaxed = std::mem::replace(&mut machine.relaxed, true);
-        // The first pass updates the discrete variables, the second one the equations that read them.
+        // The first pass updates the discrete variables, the second one the equations that read
+        // them.
         let followed = (0..2).all(|_| {
             self.set_relations(machine, flipped);
             machine.run(&mixed.tape).is_ok()

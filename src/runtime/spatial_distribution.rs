@@ -1,11 +1,11 @@
-//! Transport lines: `spatialDistribution` (Modelica specification 3.6, section 3.7.4.2), and `delay`
-//! with a variable delay time, where the line coordinate is time itself.
+//! Transport lines: `spatialDistribution` (Modelica specification 3.6, section 3.7.4.2), and
+//! `delay` with a variable delay time, where the line coordinate is time itself.
 //!
 //! The transported profile is fixed to the line; the window of readable coordinates moves over it.
-//! When an end of the window moves outwards, the inflow is appended there; when it moves inwards, the
-//! values beyond it have left. The profile consists of segments between jumps; within a segment values
-//! are interpolated by cubic polynomials. A reader stays on its segment until an event moves it to the
-//! next one, so that a step sees a smooth signal up to its end.
+//! When an end of the window moves outwards, the inflow is appended there; when it moves inwards,
+//! the values beyond it have left. The profile consists of segments between jumps; within a segment
+//! values are interpolated by cubic polynomials. A reader stays on its segment until an event moves
+//! it to the next one, so that a step sees a smooth signal up to its end.
 
 use std::collections::VecDeque;
 
@@ -99,8 +99,8 @@ impl TransportLines {
         segment.at(place, u32::from(what.order), beyond)
     }
 
-    /// Records a point of a step; called in ascending order of `t`. A value that differs after an event
-    /// starts a new segment.
+    /// Records a point of a step; called in ascending order of `t`. A value that differs after an
+    /// event starts a new segment.
     pub fn record(&mut self, t: f64, memory: &[f64], after_event: bool) {
         for line in &mut self.lines {
             line.record(t, memory, after_event);
@@ -186,8 +186,8 @@ impl Line {
         for end in 0..2 {
             let opens = self.slots.entering[end].is_some();
             if opens && outwards[end] > 0.0 && !self.is_inflow[end] {
-                // Flow reversal: the outflow has left, and the inflow starts at the old end. Even if
-                // it starts with the same value, its slope differs.
+                // Flow reversal: the outflow has left, and the inflow starts at the old end. Even
+                // if it starts with the same value, its slope differs.
                 self.cut(end);
                 self.begin_segment(end, self.inflow[end], memory);
             }

@@ -1,8 +1,8 @@
 //! Solves torn blocks.
 //!
-//! Linear blocks are solved from zero, so that the result depends on the inputs only; nonlinear ones
-//! start from their last solution and iterate to rounding error. If linear equations are dependent
-//! but consistent, the undetermined unknowns keep their values.
+//! Linear blocks are solved from zero, so that the result depends on the inputs only; nonlinear
+//! ones start from their last solution and iterate to rounding error. If linear equations are
+//! dependent but consistent, the undetermined unknowns keep their values.
 
 use crate::ir::program::{BlockDerivative, TornBlock};
 use crate::numeric::linear::DenseLu;
@@ -137,8 +137,8 @@ impl TornBlockSolver {
     }
 }
 
-/// The root of a scalar equation nearest to `start`, found by searching outwards for a sign change and
-/// bisecting. Jumps and poles also change sign; they are rejected.
+/// The root of a scalar equation nearest to `start`, found by searching outwards for a sign change
+/// and bisecting. Jumps and poles also change sign; they are rejected.
 fn other_branch(equations: &mut BlockEquations<'_, '_>, start: f64, nominal: f64) -> Option<f64> {
     let mut value = |z: f64| {
         let mut g = [0.0];

@@ -1,8 +1,8 @@
-//! Warnings about values outside of the `min` and `max` of their variables (Modelica specification 3.6,
-//! section 4.8.1).
+//! Warnings about values outside of the `min` and `max` of their variables (Modelica specification
+//! 3.6, section 4.8.1).
 //!
-//! The specification treats bounds as assertions. mocc checks them in every row and only warns, because
-//! many published models exceed a bound slightly.
+//! The specification treats bounds as assertions. mocc checks them in every row and only warns,
+//! because many published models exceed a bound slightly.
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::Id;
@@ -23,8 +23,8 @@ pub struct BoundWarnings {
 }
 
 impl BoundWarnings {
-    /// Monitors the recorded variables. Violations smaller than `tolerance`, relative to the bound and to
-    /// the nominal value, are ignored.
+    /// Monitors the recorded variables. Violations smaller than `tolerance`, relative to the bound
+    /// and to the nominal value, are ignored.
     pub fn new(program: &Program, tolerance: f64) -> BoundWarnings {
         let mut recorded = vec![false; program.blocks.dae.variables.len()];
         for v in program.recorded.iter().chain(&program.constants) {

@@ -12,8 +12,8 @@ pub fn columns(program: &Program) -> Vec<Column> {
     program.recorded.iter().map(|v| column(&program.blocks.dae.variables[*v])).collect()
 }
 
-/// How each column is determined: aliases refer to another column, and expressions of parameters are
-/// constant.
+/// How each column is determined: aliases refer to another column, and expressions of parameters
+/// are constant.
 pub fn column_storage(program: &Program) -> Vec<ColumnStorage> {
     let dae = &program.blocks.dae;
     let values: FastMap<VarId, ExprId> = dae.eliminated.iter().copied().collect();

@@ -1,7 +1,8 @@
 //! Extrema of variables over a run, including between its rows.
 //!
-//! After each step the variables are probed on the dense output. If a parabola through three adjacent
-//! probes exceeds the best value so far, the maximum is refined there. At events both limits count.
+//! After each step the variables are probed on the dense output. If a parabola through three
+//! adjacent probes exceeds the best value so far, the maximum is refined there. At events both
+//! limits count.
 
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
@@ -27,8 +28,8 @@ pub struct ExtremumRequest {
 const MIN_PROBES: f64 = 5.0;
 /// Maximum number of intervals between probes of a step.
 const MAX_PROBES: f64 = 1e4;
-/// Tolerance of the location of an extremum, relative to the distance of probes. The error of its value
-/// is of the order of the square.
+/// Tolerance of the location of an extremum, relative to the distance of probes. The error of its
+/// value is of the order of the square.
 const LOCATION_TOLERANCE: f64 = 1e-6;
 
 /// The extrema so far.

@@ -1,8 +1,8 @@
 //! Homotopy: continuation from the simplified system to the actual one.
 //!
-//! `lambda` goes from 0 to 1 in steps whose length adapts to the success of the initialization (natural
-//! continuation: E. L. Allgower, K. Georg, *Introduction to Numerical Continuation Methods*, 2003, ch.
-//! 2). Each solution is the guess for the next.
+//! `lambda` goes from 0 to 1 in steps whose length adapts to the success of the initialization
+//! (natural continuation: E. L. Allgower, K. Georg, *Introduction to Numerical Continuation
+//! Methods*, 2003, ch. 2). Each solution is the guess for the next.
 
 use crate::ir::program::{Continuation, Slot};
 use crate::runtime::machine::Machine;

@@ -38,15 +38,15 @@ impl From<EventError> for StartError {
 /// Result of the initialization.
 pub type Start = (Clocks, StateSelector, EventEffects);
 
-/// Initializes all variables: by homotopy from a simplified system if the model provides one, else from
-/// the start values.
+/// Initializes all variables: by homotopy from a simplified system if the model provides one, else
+/// from the start values.
 pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     machine.branch_switch = false;
     let started = from_homotopy(machine, settings);
     machine.branch_switch = true;
     match started {
-        // Finally, allow solutions far from the start values. If there are none, report the failure of
-        // the first attempt.
+        // Finally, allow solutions far from the start values. If there are none, report the failure
+        // of the first attempt.
         Err(StartError::Event(_)) => {
             let saved = (machine.memory.clone(), machine.fault_memory.clone(), machine.fault);
             initialise_from(machine, settings, &[]).or_else(|_| {
@@ -58,9 +58,9 @@ pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Star
     }
 }
 
-/// Initializes by homotopy if the model provides a simplified system, else from the start values. Among
-/// several solutions, the one reached by homotopy is intended (Modelica specification 3.6, section
-/// 3.7.4.4).
+/// Initializes by homotopy if the model provides a simplified system, else from the start values.
+/// Among several solutions, the one reached by homotopy is intended (Modelica specification 3.6,
+/// section 3.7.4.4).
 fn from_homotopy(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     if let Some(continuation) = &machine.program.continuation
         && let Some(guess) = homotopy::follow(continuation, settings)
@@ -114,7 +114,8 @@ pub fn initialise_from(
     machine.set(program.layout.time, settings.start);
     machine.set(program.layout.initial, 1.0);
     machine.run(&program.tapes.parameters).map_err(EventError::Fault)?;
-    // Check assertions about parameters first: their messages are better than those of consequences.
+    // Check assertions about parameters first: their messages are better than those of
+    // consequences.
     if let Some(k) = precondition::violated(machine) {
         return Err(StartError::Assertion(k));
     }

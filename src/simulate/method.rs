@@ -6,16 +6,16 @@
 //! - Radau if the solution may be non-smooth or is differentiated: relations, state selection,
 //!   sensitivities. It restarts at full order, whereas a multistep method restarts with order 1.
 //! - BDF for large systems without events, where factorizations dominate: it factorizes one real
-//!   matrix instead of a real and a complex one, and does so less often. At equal error it takes half
-//!   the time of Radau on a plate of 400 to 3600 cells, and a quarter more on a rod, whose matrices are
-//!   cheap to factorize.
-//! - Otherwise Dormand-Prince until the system turns out to be stiff, then Radau, and BDF if Radau's
-//!   steps are often rejected ([`Switching`]).
+//!   matrix instead of a real and a complex one, and does so less often. At equal error it takes
+//!   half the time of Radau on a plate of 400 to 3600 cells, and a quarter more on a rod, whose
+//!   matrices are cheap to factorize.
+//! - Otherwise Dormand-Prince until the system turns out to be stiff, then Radau, and BDF if
+//!   Radau's steps are often rejected ([`Switching`]).
 //!
 //! A system with algebraic equations is never given to an explicit method.
 //!
-//! The same tolerance should give about the same error with every method: Radau meets it with digits to
-//! spare; the others do not and get a tighter one.
+//! The same tolerance should give about the same error with every method: Radau meets it with
+//! digits to spare; the others do not and get a tighter one.
 
 use std::ops::{Deref, DerefMut};
 
@@ -156,10 +156,10 @@ impl Integrator {
     }
 }
 
-/// The options of BDF. A component that decays far below its initial size would keep an error of the
-/// size of the absolute tolerance, which Radau undercuts by orders of magnitude. With the factor applied
-/// twice, Robertson's reaction, whose first concentration falls by eight decades, is correct to five
-/// digits.
+/// The options of BDF. A component that decays far below its initial size would keep an error of
+/// the size of the absolute tolerance, which Radau undercuts by orders of magnitude. With the
+/// factor applied twice, Robertson's reaction, whose first concentration falls by eight decades, is
+/// correct to five digits.
 fn for_bdf(options: &Options) -> Options {
     let mut tightened_options = tightened(options, BDF_FACTOR);
     tightened_options.atol.iter_mut().for_each(|a| *a *= BDF_FACTOR);

@@ -1,12 +1,12 @@
 //! From a program to a trajectory.
 //!
-//! In: a [`Program`](crate::ir::program::Program) and [`settings::Settings`]. Out: rows and events to
-//! a [`record::Sink`], or a [`failure::Failure`] in the user's names. Between events relations are
-//! held and the integrator sees a smooth system; at events the discrete equations are iterated to a
-//! fixed point.
+//! In: a [`Program`](crate::ir::program::Program) and [`settings::Settings`]. Out: rows and events
+//! to a [`record::Sink`], or a [`failure::Failure`] in the user's names. Between events relations
+//! are held and the integrator sees a smooth system; at events the discrete equations are iterated
+//! to a fixed point.
 //!
-//! Sources: Modelica specification 3.6, appendix B (the hybrid system), section 8.6 (initialization),
-//! section 3.7.5 (`sample`, `pre`, `edge`).
+//! Sources: Modelica specification 3.6, appendix B (the hybrid system), section 8.6
+//! (initialization), section 3.7.5 (`sample`, `pre`, `edge`).
 
 pub mod bound_warnings;
 pub mod columns;

@@ -35,8 +35,8 @@ pub fn options(system: &HybridSystem<'_>, settings: &Settings) -> Options {
     options.max_step = MAX_STEP_INTERVALS * machine.input_signals.spacing();
     options.max_step = options.max_step.min(machine.delays.shortest_delay(&machine.memory));
     if program.events.relation_triggers.contains(&RelationTrigger::State) && oscillates(program) {
-        // While states are constant nothing else limits the step, and a pulse of the source could be
-        // stepped over.
+        // While states are constant nothing else limits the step, and a pulse of the source could
+        // be stepped over.
         options.max_step =
             options.max_step.min((settings.stop - settings.start) / MIN_OSCILLATION_STEPS);
     }

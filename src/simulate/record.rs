@@ -24,8 +24,8 @@ pub trait Sink {
     fn constants(&mut self, _: Vec<Constant>) {}
     /// A row: one value for each variable.
     fn row(&mut self, time: f64, values: &[f64]);
-    /// How each column is determined; called once before the rows. A sink that returns true receives
-    /// only the first row completely, and of all others only the independent columns
+    /// How each column is determined; called once before the rows. A sink that returns true
+    /// receives only the first row completely, and of all others only the independent columns
     /// ([`Sink::own_columns`]).
     fn column_storage(&mut self, _: Vec<ColumnStorage>) -> bool {
         false
@@ -35,8 +35,8 @@ pub trait Sink {
     fn own_columns(&mut self, _times: &[f64], _values: &[f64], _stride: usize) {}
     /// Called once after the last row, also if the run failed.
     fn end(&mut self) {}
-    /// Several consecutive rows, for sinks that process them faster together. Rows may be delayed, but
-    /// never past a subsequent event or the end of the run.
+    /// Several consecutive rows, for sinks that process them faster together. Rows may be delayed,
+    /// but never past a subsequent event or the end of the run.
     fn rows(&mut self, times: &[f64], values: &[f64]) {
         let columns = values.len() / times.len().max(1);
         for (row, time) in times.iter().enumerate() {

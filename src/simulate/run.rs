@@ -41,8 +41,8 @@ const MAX_BRANCH_SHIFTS: i32 = 7;
 /// Points per step that are recorded in the histories of delayed variables.
 const HISTORY_POINTS: u32 = 5;
 
-/// Minimum limit of a step by histories, as a fraction of the run. A longer step extrapolates a history
-/// along its last slope.
+/// Minimum limit of a step by histories, as a fraction of the run. A longer step extrapolates a
+/// history along its last slope.
 const MIN_STEP_FRACTION: f64 = 1e-4;
 
 /// Maximum number of initializations until the initial values of histories are consistent.
@@ -108,8 +108,8 @@ pub fn simulate_to(
     run_to(program, settings, &[], sources, sink)
 }
 
-/// As [`simulate_to`], with the derivatives of each row with respect to `inputs` ([`Sink::slopes`]).
-/// They are exact across events and during sliding.
+/// As [`simulate_to`], with the derivatives of each row with respect to `inputs`
+/// ([`Sink::slopes`]). They are exact across events and during sliding.
 pub fn simulate_with_sensitivities(
     program: &Program,
     settings: &Settings,
@@ -328,8 +328,8 @@ impl<'p, 's> Simulation<'p, 's> {
         }
     }
 
-    /// Records the histories of delayed variables and transport lines: the current values (`now`), or
-    /// the last step up to `end`.
+    /// Records the histories of delayed variables and transport lines: the current values (`now`),
+    /// or the last step up to `end`.
     pub(super) fn record_history(&mut self, end: f64, now: bool) -> Result<(), Failure> {
         if !self.system.machine.has_history() {
             return Ok(());
@@ -436,8 +436,8 @@ impl<'p, 's> Simulation<'p, 's> {
         )
     }
 
-    /// A step that starts on another solution branch of an algebraic loop, just beyond the end of the
-    /// current one; `None` if there is no such branch.
+    /// A step that starts on another solution branch of an algebraic loop, just beyond the end of
+    /// the current one; `None` if there is no such branch.
     fn switch_branch(
         &mut self,
         t_stop: f64,

@@ -50,8 +50,8 @@ pub struct Settings {
     pub courses: Vec<(VarId, Arc<TimeSeries>)>,
     /// How tapes are executed; the results are the same.
     pub execution: Execution,
-    /// Instants of the rows, s, instead of an equidistant grid: ascending, none after `stop`. Events
-    /// have additional rows.
+    /// Instants of the rows, s, instead of an equidistant grid: ascending, none after `stop`.
+    /// Events have additional rows.
     pub instants: Option<Arc<[f64]>>,
     /// Requested extrema; the results are in [`Statistics`](super::run::Statistics).
     pub extrema: Vec<ExtremumRequest>,

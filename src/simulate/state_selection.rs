@@ -1,8 +1,8 @@
 //! Dynamic state selection.
 //!
-//! After each step the constraints are differentiated: how strongly do dependent candidates react to
-//! the selected states? If a derivative exceeds [`LIMIT`], states are selected again. The new selection
-//! is so well conditioned that it does not alternate with the old one.
+//! After each step the constraints are differentiated: how strongly do dependent candidates react
+//! to the selected states? If a derivative exceeds [`LIMIT`], states are selected again. The new
+//! selection is so well conditioned that it does not alternate with the old one.
 
 use crate::ir::program::Program;
 use crate::numeric::maxvol::Basis;
@@ -19,7 +19,8 @@ pub struct StateSelector {
 }
 
 impl StateSelector {
-    /// Starts from the selection of the compiler and improves it. All variables must be in the memory.
+    /// Starts from the selection of the compiler and improves it. All variables must be in the
+    /// memory.
     pub fn begin(machine: &mut Machine<'_>) -> Result<StateSelector, Fault> {
         let program = machine.program;
         let mut dependent = Vec::new();

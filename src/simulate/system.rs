@@ -31,7 +31,8 @@ pub struct HybridSystem<'p> {
     slope: Vec<f64>,
 }
 
-/// The last evaluations of derivatives, each with a flag that a relation differed from its held value.
+/// The last evaluations of derivatives, each with a flag that a relation differed from its held
+/// value.
 #[derive(Default)]
 struct ProbeHistory {
     /// As many as Radau IIA makes per step from its last iteration on: three stages, the error
@@ -83,9 +84,9 @@ impl<'p> HybridSystem<'p> {
         }
     }
 
-    /// An instant in the second half of a step up to which the evaluations of the integrator found no
-    /// relation changed, if there were evaluations in both halves: at the stages of a Runge-Kutta
-    /// method relations cost next to nothing.
+    /// An instant in the second half of a step up to which the evaluations of the integrator found
+    /// no relation changed, if there were evaluations in both halves: at the stages of a
+    /// Runge-Kutta method relations cost next to nothing.
     pub fn quiet_until(&self, t0: f64, t1: f64) -> Option<f64> {
         let middle = 0.5 * (t0 + t1);
         let inside = || self.probes.recent.iter().filter(|probe| t0 < probe.0 && probe.0 < t1);
@@ -175,8 +176,8 @@ impl<'p> HybridSystem<'p> {
         self.machine.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
     }
 
-    /// Executes the tape of the Jacobian; false if a torn block has no derivative there. The caller then
-    /// uses difference quotients.
+    /// Executes the tape of the Jacobian; false if a torn block has no derivative there. The caller
+    /// then uses difference quotients.
     fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<bool, EvalError> {
         self.probes.is_current = false;
         let program = self.machine.program;
@@ -197,8 +198,8 @@ impl<'p> HybridSystem<'p> {
         Ok(self.machine.run(&program.tapes.jacobian).is_ok())
     }
 
-    /// Writes a column of the Jacobian to `slope` as one-sided difference quotients, for points where
-    /// the exact derivative is infinite, such as that of a root at zero.
+    /// Writes a column of the Jacobian to `slope` as one-sided difference quotients, for points
+    /// where the exact derivative is infinite, such as that of a root at zero.
     fn difference(&mut self, t: f64, y: &[f64], column: usize) -> Result<(), Fault> {
         let n = self.machine.program.order();
         self.displaced.copy_from_slice(y);

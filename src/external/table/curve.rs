@@ -15,8 +15,8 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Interpolates points with increasing abscissae. A single point gives a constant; `None` if there are
-    /// no points, if the abscissae do not increase, or if a number is not finite.
+    /// Interpolates points with increasing abscissae. A single point gives a constant; `None` if
+    /// there are no points, if the abscissae do not increase, or if a number is not finite.
     pub fn new(
         x: &[f64],
         y: &[f64],

@@ -1,5 +1,5 @@
-//! Interpolated tables: functions of one argument ([`curve`]), of time with jumps ([`time_table`]), and
-//! of two arguments ([`surface`]).
+//! Interpolated tables: functions of one argument ([`curve`]), of time with jumps ([`time_table`]),
+//! and of two arguments ([`surface`]).
 //!
 //! A table is created once and evaluated many times, with its derivatives.
 pub mod time_table;

@@ -15,8 +15,8 @@ pub struct Surface {
     y: Vec<f64>,
     /// For each cell of the grid, row by row, the coefficients of `dx^i dy^j`, row by row.
     cells: Vec<[f64; 16]>,
-    /// The coefficients for extrapolation if they differ: piecewise constant surfaces are extrapolated
-    /// linearly.
+    /// The coefficients for extrapolation if they differ: piecewise constant surfaces are
+    /// extrapolated linearly.
     beyond: Option<Vec<[f64; 16]>>,
     /// Directions with a single point, along which the function is constant.
     level: [bool; 2],
@@ -24,9 +24,9 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Interpolates values `z` on the grid `x` times `y`, row by row. `None` if there are no points, if the
-    /// abscissae do not increase, if a number is not finite, or for a smoothness other than linear, Akima
-    /// and constant.
+    /// Interpolates values `z` on the grid `x` times `y`, row by row. `None` if there are no
+    /// points, if the abscissae do not increase, if a number is not finite, or for a smoothness
+    /// other than linear, Akima and constant.
     pub fn new(
         x: &[f64],
         y: &[f64],
@@ -175,7 +175,8 @@ impl Grid<'_> {
         cell
     }
 
-    /// Hermite interpolation in `y` on both sides of the cell, for values and `x` slopes, then in `x`.
+    /// Hermite interpolation in `y` on both sides of the cell, for values and `x` slopes, then in
+    /// `x`.
     fn bicubic(&self, i: usize, j: usize, p: &Partials) -> [f64; 16] {
         let (hx, hy) = (self.x[i + 1] - self.x[i], self.y[j + 1] - self.y[j]);
         let at = |i: usize, j: usize| i * self.y.len() + j;
@@ -278,7 +279,8 @@ mod tests {
         }
     }
 
-    /// A piecewise constant surface is extrapolated linearly. One column is equivalent to two equal ones.
+    /// A piecewise constant surface is extrapolated linearly. One column is equivalent to two equal
+    /// ones.
     #[test]
     fn steps_are_extrapolated_linearly() {
         let x = [2.0, 3.0, 4.0];

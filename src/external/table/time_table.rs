@@ -1,6 +1,7 @@
 //! Interpolation of a function of time, with jumps at repeated times.
 //!
-//! Between two jumps it is a separate [`Curve`]. Time events are at all points, at jumps only, or nowhere.
+//! Between two jumps it is a separate [`Curve`]. Time events are at all points, at jumps only, or
+//! nowhere.
 
 use super::Extrapolation;
 use super::curve::{Curve, wrapped};
@@ -44,8 +45,8 @@ pub struct Placing {
 }
 
 impl TimeTable {
-    /// Interpolates points with nondecreasing times. `None` if [`Curve::new`] rejects the points, or if a
-    /// time occurs three times.
+    /// Interpolates points with nondecreasing times. `None` if [`Curve::new`] rejects the points,
+    /// or if a time occurs three times.
     pub fn new(
         t: &[f64],
         y: &[f64],
@@ -90,8 +91,8 @@ impl TimeTable {
         self.range
     }
 
-    /// The derivative of this order at time `t`, s. Jumps from the next event, at `next`, on have not
-    /// happened yet.
+    /// The derivative of this order at time `t`, s. Jumps from the next event, at `next`, on have
+    /// not happened yet.
     pub fn at(&self, t: f64, next: f64, order: u8) -> f64 {
         let slack = slack(t);
         let held = t + slack >= next;

@@ -1,11 +1,11 @@
-//! Coefficients of the formula of a given order on a variable grid: the corrector polynomial and the
-//! constants of the error tests.
+//! Coefficients of the formula of a given order on a variable grid: the corrector polynomial and
+//! the constants of the error tests.
 //!
 //! K. R. Jackson, R. Sacks-Davis, *An alternative implementation of variable step-size multistep
 //! formulas for stiff ODEs*, ACM Trans. Math. Softw. 6 (1980), 295-318 (fixed leading coefficient);
-//! G. D. Byrne, A. C. Hindmarsh, *A polyalgorithm for the numerical solution of ordinary differential
-//! equations*, same journal 1 (1975), 71-96 (error constants on a variable grid, eq. (2.19) ff.);
-//! A. C. Hindmarsh et al., *SUNDIALS*, same journal 31 (2005), 363-396, sec. 2.1.
+//! G. D. Byrne, A. C. Hindmarsh, *A polyalgorithm for the numerical solution of ordinary
+//! differential equations*, same journal 1 (1975), 71-96 (error constants on a variable grid, eq.
+//! (2.19) ff.); A. C. Hindmarsh et al., *SUNDIALS*, same journal 31 (2005), 363-396, sec. 2.1.
 
 /// Highest order: the formula of order 6 is hardly stable.
 pub const MAX_ORDER: usize = 5;
@@ -16,8 +16,8 @@ pub type Steps = [f64; MAX_ORDER + 1];
 /// The formula of one step.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Coefficients {
-    /// The corrector polynomial in `(t - t_n) / h`, one at zero: the change of each scaled derivative per
-    /// correction.
+    /// The corrector polynomial in `(t - t_n) / h`, one at zero: the change of each scaled
+    /// derivative per correction.
     pub l: [f64; MAX_ORDER + 1],
     /// Local error per correction.
     pub error: f64,
@@ -51,8 +51,8 @@ impl Formula {
 }
 
 /// The formula of order `q` (1 to 5) for a step of length `h` after these steps. `l` has the roots
-/// `-1` and the distances of the earlier points, except for the oldest, which is moved so that `l_1` is
-/// that of equal steps: `1 + 1/2 + ... + 1/q`.
+/// `-1` and the distances of the earlier points, except for the oldest, which is moved so that
+/// `l_1` is that of equal steps: `1 + 1/2 + ... + 1/q`.
 pub fn coefficients(q: usize, h: f64, steps: &Steps) -> Coefficients {
     let mut l = [0.0; MAX_ORDER + 1];
     (l[0], l[1]) = (1.0, 1.0);
@@ -116,8 +116,8 @@ mod tests {
             for (l, expected) in c.l.iter().zip(&expected) {
                 assert!((l / c.l[1] - expected).abs() < 1e-14, "order {q}: {:?}", c.l);
             }
-            // The error constant 1/(q+1), sec. III.2, table 2.2 of the same, for a correction that is
-            // the difference of order q+1 divided by l_1.
+            // The error constant 1/(q+1), sec. III.2, table 2.2 of the same, for a correction that
+            // is the difference of order q+1 divided by l_1.
             let constant = 1.0 / (q as f64 + 1.0) / c.l[1];
             assert!((c.error - constant).abs() < 1e-14, "order {q}: {}", c.error);
         }

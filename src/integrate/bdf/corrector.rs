@@ -1,8 +1,9 @@
 //! The equations of one step and their modified Newton iteration.
 //!
-//! With the predicted array and a correction `e` the equations are `M (z_1 + l_1 e) / h = f(t, y + e)`.
-//! Each iteration solves with `l_1/h M - J`, where `J` and the shift may be those of an earlier step;
-//! then corrections are scaled by `2 / (1 + shift_old / shift)` (Hindmarsh et al. 2005, sec. 2.1).
+//! With the predicted array and a correction `e` the equations are `M (z_1 + l_1 e) / h = f(t, y +
+//! e)`. Each iteration solves with `l_1/h M - J`, where `J` and the shift may be those of an
+//! earlier step; then corrections are scaled by `2 / (1 + shift_old / shift)` (Hindmarsh et al.
+//! 2005, sec. 2.1).
 
 use crate::integrate::bdf::nordsieck::Nordsieck;
 use crate::integrate::matrix::IterationMatrix;

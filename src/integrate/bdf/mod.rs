@@ -1,14 +1,15 @@
-//! Backward differentiation formulas of order 1 to 5 with variable steps: for large stiff systems and
-//! differential-algebraic systems of index 1 whose solution is smooth for long.
+//! Backward differentiation formulas of order 1 to 5 with variable steps: for large stiff systems
+//! and differential-algebraic systems of index 1 whose solution is smooth for long.
 //!
 //! The fixed-leading-coefficient form on Nordsieck's array, with the heuristics of VODE and CVODE:
-//! P. N. Brown, G. D. Byrne, A. C. Hindmarsh, *VODE: a variable-coefficient ODE solver*, SIAM J. Sci.
-//! Stat. Comput. 10 (1989), 1038-1051; A. C. Hindmarsh et al., *SUNDIALS*, ACM Trans. Math. Softw. 31
-//! (2005), 363-396; for algebraic rows K. E. Brenan, S. L. Campbell, L. R. Petzold, *Numerical
-//! Solution of Initial-Value Problems in Differential-Algebraic Equations* (1996), ch. 5.
+//! P. N. Brown, G. D. Byrne, A. C. Hindmarsh, *VODE: a variable-coefficient ODE solver*, SIAM J.
+//! Sci. Stat. Comput. 10 (1989), 1038-1051; A. C. Hindmarsh et al., *SUNDIALS*, ACM Trans. Math.
+//! Softw. 31 (2005), 363-396; for algebraic rows K. E. Brenan, S. L. Campbell, L. R. Petzold,
+//! *Numerical Solution of Initial-Value Problems in Differential-Algebraic Equations* (1996), ch.
+//! 5.
 //!
-//! A step costs one or two right sides and solves, against three or more of each in Radau, but the order
-//! is lower, and every restart begins with order 1.
+//! A step costs one or two right sides and solves, against three or more of each in Radau, but the
+//! order is lower, and every restart begins with order 1.
 pub mod coefficients;
 pub mod corrector;
 pub mod nordsieck;
@@ -187,8 +188,8 @@ impl Bdf {
         Ok((formula, error))
     }
 
-    /// The weighted norm of the correction. In the first step the prediction of algebraic components is
-    /// just their start value, which says nothing about the error.
+    /// The weighted norm of the correction. In the first step the prediction of algebraic
+    /// components is just their start value, which says nothing about the error.
     fn size_of_correction(&mut self, differential: &[bool]) -> f64 {
         let e = &self.corrector.e;
         if !self.order.is_first() {
@@ -201,8 +202,8 @@ impl Bdf {
         weighted_rms(r, &self.weights)
     }
 
-    /// Evaluates the Jacobian and decomposes the matrix unless they are still valid; returns the shift of
-    /// the decomposed matrix in units of the wanted one.
+    /// Evaluates the Jacobian and decomposes the matrix unless they are still valid; returns the
+    /// shift of the decomposed matrix in units of the wanted one.
     fn prepare(&mut self, system: &mut dyn System, t: f64, shift: f64) -> Result<f64, Rejection> {
         let step = self.stats.steps;
         let outdated = match self.jacobian {

@@ -2,13 +2,13 @@
 //! derivatives `h^j y^(j) / j!` at the latest one.
 //!
 //! A. Nordsieck, *On numerical integration of ordinary differential equations*, Math. Comp. 16
-//! (1962), 22-49; Hairer, Nørsett & Wanner I, sec. III.6. Changes of order on a variable grid: Byrne
-//! & Hindmarsh 1975 as in `coefficients`.
+//! (1962), 22-49; Hairer, Nørsett & Wanner I, sec. III.6. Changes of order on a variable grid:
+//! Byrne & Hindmarsh 1975 as in `coefficients`.
 
 use crate::integrate::bdf::coefficients::{Coefficients, MAX_ORDER, Steps};
 
-/// Scaled derivatives of one component; zero above the order. Stored contiguously because all operations
-/// are component-wise.
+/// Scaled derivatives of one component; zero above the order. Stored contiguously because all
+/// operations are component-wise.
 type Row = [f64; MAX_ORDER + 1];
 
 /// The array.
@@ -193,8 +193,8 @@ mod tests {
         out[0]
     }
 
-    /// The prediction extrapolates the polynomial. A correction moves the latest point and, after the
-    /// order is raised, none of the `q` points before it.
+    /// The prediction extrapolates the polynomial. A correction moves the latest point and, after
+    /// the order is raised, none of the `q` points before it.
     #[test]
     fn the_raised_polynomial_goes_through_the_points() {
         for q in 1..MAX_ORDER {

@@ -1,7 +1,7 @@
 //! Selects order and length of the next step.
 //!
-//! Brown, Byrne & Hindmarsh 1989, sec. 3; Hindmarsh et al. 2005, sec. 2.1. With order `q` the order may
-//! change after `q + 1` steps, by one; the candidate that allows the longest step wins.
+//! Brown, Byrne & Hindmarsh 1989, sec. 3; Hindmarsh et al. 2005, sec. 2.1. With order `q` the order
+//! may change after `q + 1` steps, by one; the candidate that allows the longest step wins.
 
 use crate::integrate::bdf::coefficients::{Coefficients, MAX_ORDER};
 use crate::integrate::bdf::nordsieck::Nordsieck;
@@ -85,8 +85,8 @@ impl OrderControl {
         self.change.take()
     }
 
-    /// After an accepted step, whose array is corrected: the factor for the next step, and the change
-    /// of order with it. `failed`: the step was attempted more than once.
+    /// After an accepted step, whose array is corrected: the factor for the next step, and the
+    /// change of order with it. `failed`: the step was attempted more than once.
     pub fn plan(
         &mut self,
         formula: &Coefficients,

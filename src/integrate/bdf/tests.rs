@@ -24,8 +24,8 @@ fn solve(
     (y, *stepper.stats())
 }
 
-/// Errors of single steps meet the tolerance; those of many steps add up, the more the tighter it is, as
-/// published work-precision diagrams of multistep codes show (Hairer & Wanner II, sec. V.5).
+/// Errors of single steps meet the tolerance; those of many steps add up, the more the tighter it
+/// is, as published work-precision diagrams of multistep codes show (Hairer & Wanner II, sec. V.5).
 #[test]
 fn published_solutions_are_met() {
     check_stepper(bdf, robertson_problem(), &[(1e-4, 5e-3), (1e-6, 5e-5), (1e-8, 1e-6)]);
@@ -187,7 +187,7 @@ fn a_domain_error_cuts_the_step() {
     }
 }
 
-/// Every way to fail ends, and names what is at fault.
+/// Every kind of failure terminates and names the cause.
 #[test]
 fn failures_end_and_name_the_culprit() {
     fn outcome(rhs: impl FnMut(f64, &[f64], &mut [f64]) -> Result<(), EvalError>) -> Failure {
@@ -239,8 +239,8 @@ fn a_system_without_components_only_advances_time() {
     check_empty_system(bdf);
 }
 
-/// Dense and sparse decompositions differ by rounding only; the first mode of the linear heat equation
-/// gives the size of the solution.
+/// Dense and sparse decompositions differ by rounding only; the first mode of the linear heat
+/// equation gives the size of the solution.
 #[test]
 fn sparse_and_dense_decompositions_agree() {
     let n = 150;
@@ -254,7 +254,7 @@ fn sparse_and_dense_decompositions_agree() {
     let decay = (-0.1 * system.first_rate()).exp();
     for ((a, b), y) in by_dense.iter().zip(&by_sparse).zip(&start) {
         assert!((a - b).abs() < 1e-13, "{a} {b}");
-        // The cubic sink takes less than a part in 1e6 of what is left.
+        // The cubic sink removes less than a part in 1e6 of the remainder.
         assert!((a - decay * y).abs() < 1e-8 + 1e-6 * y, "{a} {}", decay * y);
     }
 }

@@ -1,10 +1,10 @@
 //! The iteration matrices of implicit methods: `s M - J` with a real `s`, and for Radau also
 //! `(a + i b) M - J`.
 //!
-//! Rows with one unknown are solved first, by substitution, and only the rest is decomposed. This is
-//! stable (a forward substitution along the block-triangular form) and not just faster: pivoting never
-//! mixes a component whose equation is `y' = 0` with others, so its correction is exactly zero, and a
-//! locked mass does not move by a bit.
+//! Rows with one unknown are solved first, by substitution, and only the rest is decomposed. This
+//! is stable (a forward substitution along the block-triangular form) and not just faster: pivoting
+//! never mixes a component whose equation is `y' = 0` with others, so its correction is exactly
+//! zero, and a locked mass does not move by a bit.
 
 pub mod sparse;
 pub mod split;
@@ -27,8 +27,8 @@ pub struct IterationMatrix {
     pivots: Vec<f64>,
     pivots_re: Vec<f64>,
     pivots_im: Vec<f64>,
-    /// Substituted unknowns while the core is solved: the right side is indexed by rows, the solution by
-    /// columns, which differ if a pivot is off the diagonal.
+    /// Substituted unknowns while the core is solved: the right side is indexed by rows, the
+    /// solution by columns, which differ if a pivot is off the diagonal.
     solved_re: Vec<f64>,
     solved_im: Vec<f64>,
     core_re: Vec<f64>,
@@ -74,9 +74,9 @@ impl IterationMatrix {
         IterationMatrix::new(pattern.columns(), count, planes, Parts::Sparse(Box::new(parts)))
     }
 
-    /// Sparse if the system is large and provides the pattern of its Jacobian, else dense. The memory of
-    /// sparse decompositions is allocated at the first one, and again if the zeros of the Jacobian
-    /// change.
+    /// Sparse if the system is large and provides the pattern of its Jacobian, else dense. The
+    /// memory of sparse decompositions is allocated at the first one, and again if the zeros of the
+    /// Jacobian change.
     pub fn for_system(system: &dyn System, planes: Planes) -> Self {
         match system.pattern().filter(|p| sparse::pays(p)) {
             Some(p) => IterationMatrix::sparse(p, planes),
@@ -138,8 +138,8 @@ impl IterationMatrix {
         }
     }
 
-    /// Decomposes the matrices for this shift; without a complex matrix only `shift.real` is used. The
-    /// error names a component.
+    /// Decomposes the matrices for this shift; without a complex matrix only `shift.real` is used.
+    /// The error names a component.
     pub fn factor(&mut self, shift: Shift) -> Result<(), Singular> {
         self.shift = shift;
         let (mass, split) = (&self.mass, &self.split);

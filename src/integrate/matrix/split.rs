@@ -6,8 +6,8 @@ use std::collections::BinaryHeap;
 
 /// A Jacobian that can be read column by column.
 pub trait Columns {
-    /// Calls `visit` with the row and the value of every entry of column `j` that may be nonzero, rows
-    /// ascending, the diagonal always among them.
+    /// Calls `visit` with the row and the value of every entry of column `j` that may be nonzero,
+    /// rows ascending, the diagonal always among them.
     fn visit(&self, j: usize, visit: &mut impl FnMut(usize, f64));
 }
 

@@ -28,8 +28,8 @@ impl ErrorEstimate {
         ErrorEstimate { stages: zeros(), error: zeros(), trial: zeros(), slope: zeros() }
     }
 
-    /// The weighted size of `(g/h M - J)^-1 (f0 + stages)`. The matrix filters the stiff components,
-    /// for which the bare difference of two formulas would be far too large.
+    /// The weighted size of `(g/h M - J)^-1 (f0 + stages)`. The matrix filters the stiff
+    /// components, for which the bare difference of two formulas would be far too large.
     pub fn first(
         &mut self,
         from: &Point,

@@ -2,8 +2,9 @@
 //!
 //! E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II* (2nd ed. 1996), sec. IV.8;
 //! the constants are those of the authors' RADAU5, except that tolerances are taken as they are
-//! (RADAU5 loosens `rtol` to `0.1 rtol^(2/3)`, by which just the ends of steps meet them): the dense
-//! output, whose error is of the order of the estimate, is used to find events and should meet them.
+//! (RADAU5 loosens `rtol` to `0.1 rtol^(2/3)`, by which just the ends of steps meet them): the
+//! dense output, whose error is of the order of the estimate, is used to find events and should
+//! meet them.
 pub mod estimate;
 pub mod polynomial;
 pub mod stages;
@@ -79,8 +80,8 @@ enum JacobianAge {
 struct History {
     /// Wanted length of the next step.
     h: f64,
-    /// Length and error of the last accepted step, for Gustafsson's control; `None` after a restart,
-    /// when the error estimate is checked more strictly.
+    /// Length and error of the last accepted step, for Gustafsson's control; `None` after a
+    /// restart, when the error estimate is checked more strictly.
     last: Option<(f64, f64)>,
     /// The polynomial may be extrapolated into the next step.
     continued: bool,
@@ -156,8 +157,8 @@ impl Radau {
         })
     }
 
-    /// Advances the derivatives of the solution over the last step. Call it directly after each step;
-    /// after a restart of this stepper, restart `variation` too.
+    /// Advances the derivatives of the solution over the last step. Call it directly after each
+    /// step; after a restart of this stepper, restart `variation` too.
     pub fn advance_variation(
         &mut self,
         system: &mut dyn Variational,
@@ -354,7 +355,8 @@ impl Radau {
                 self.stats.convergence_failures += 1;
                 match self.jacobian {
                     JacobianAge::Old => 1.0,
-                    // The step crosses a kink; the convergence rate does not tell how far away it is.
+                    // The step crosses a kink; the convergence rate does not tell how far away it
+                    // is.
                     _ if cuts > 1 => reduction * reduction,
                     _ => reduction,
                 }
@@ -505,7 +507,8 @@ impl Stepper for Radau {
     }
 }
 
-/// The safety factor, smaller for more iterations (Hairer & Wanner II, sec. IV.8, step size selection).
+/// The safety factor, smaller for more iterations (Hairer & Wanner II, sec. IV.8, step size
+/// selection).
 fn safety(iterations: u32) -> f64 {
     let (most, used) = (f64::from(MAX_ITERATIONS), f64::from(iterations));
     SAFETY * (2.0 * most + 1.0) / (2.0 * most + used)

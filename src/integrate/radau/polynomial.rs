@@ -7,11 +7,11 @@ use crate::numeric::norm::weighted_rms;
 /// `1, c2, c1, 0` (Hairer & Wanner II, sec. IV.8, starting values), raised by one degree with the
 /// second stage of the step before.
 ///
-/// The fifth node is needed because the error estimate bounds the cubic for non-stiff components only.
-/// The stages of a stiff component are on its slow manifold, far more accurate than the cubic between
-/// them, whose error of order `h^4` is not seen by the filtered estimate. With the extra node it is of
-/// order `h^5`. Linear invariants hold everywhere on the polynomial, and a component whose stages all
-/// equal the start is constant to the bit.
+/// The fifth node is needed because the error estimate bounds the cubic for non-stiff components
+/// only. The stages of a stiff component are on its slow manifold, far more accurate than the cubic
+/// between them, whose error of order `h^4` is not seen by the filtered estimate. With the extra
+/// node it is of order `h^5`. Linear invariants hold everywhere on the polynomial, and a component
+/// whose stages all equal the start is constant to the bit.
 pub struct Polynomial {
     h: f64,
     end: f64,

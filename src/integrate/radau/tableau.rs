@@ -79,8 +79,9 @@ mod tests {
         }
     }
 
-    /// With `e = ERROR / gamma` the estimate is `h f0 / gamma + e Z` before the filter; it must vanish
-    /// for polynomials up to degree three, where `Z = h^k c^k` and `f0` only sees degree one.
+    /// With `e = ERROR / gamma` the estimate is `h f0 / gamma + e Z` before the filter; it must
+    /// vanish for polynomials up to degree three, where `Z = h^k c^k` and `f0` only sees degree
+    /// one.
     #[test]
     fn error_weights_annihilate_cubics() {
         for k in 1..=3 {

@@ -80,7 +80,7 @@ fn closed_network() -> impl System {
     )
 }
 
-/// What flows between volumes neither appears nor vanishes, at the ends of steps and within them.
+/// Flow between volumes conserves the total content, at the ends of steps and within them.
 #[test]
 fn linear_invariant_holds_to_rounding() {
     let start = [5.0, 1.0, 0.25, 3.0, 0.0];
@@ -131,8 +131,8 @@ fn order_of_steps_and_of_dense_output() {
     assert!((dense - 4.0).abs() < 0.3, "{dense}");
 }
 
-/// Prothero & Robinson's problem `y' = -1000 (y - cos t) - sin t` with `y = cos t`: so stiff that the
-/// error estimate sees next to nothing of the error between the nodes.
+/// Prothero & Robinson's problem `y' = -1000 (y - cos t) - sin t` with `y = cos t`: so stiff that
+/// the error estimate sees next to nothing of the error between the nodes.
 #[test]
 fn dense_output_of_a_stiff_component() {
     for rtol in [1e-8, 1e-6, 1e-4] {
@@ -290,8 +290,8 @@ fn a_domain_error_cuts_the_step() {
 
     let mut stepper = radau(1e-6, &[1e-3]);
     let result = run(&mut stepper, &mut tank(), (0.0, &[1.0]), 3.0);
-    // Beyond t = 2 there is no solution with y >= 0 that this form of the law can follow; what is left
-    // near there is less than the tolerance of 1e-9, which creeps on for a while.
+    // Beyond t = 2 there is no solution with y >= 0 that this form of the law can follow; what is
+    // left near there is less than the tolerance of 1e-9, which creeps on for a while.
     let near = |t: f64| t > 1.99 && t < 2.1;
     match result.unwrap_err() {
         Failure::Eval { t, error } => {
@@ -304,7 +304,7 @@ fn a_domain_error_cuts_the_step() {
     }
 }
 
-/// Every way to fail ends, and names what is at fault.
+/// Every kind of failure terminates and names the cause.
 #[test]
 fn failures_end_and_name_the_culprit() {
     fn outcome(rhs: impl FnMut(f64, &[f64], &mut [f64]) -> Result<(), EvalError>) -> Failure {

@@ -1,11 +1,12 @@
 //! The derivatives of a solution over one accepted step.
 //!
-//! They obey linear equations, which are integrated by the same method, linearized at the stages of the
-//! solution. So they are the exact derivatives of the discrete solution, except for the choice of steps
-//! (staggered method: M. Caracotsios, W. E. Stewart, Computers & Chemical Engineering 9, 1985; T. Maly,
-//! L. Petzold, Applied Numerical Mathematics 20, 1996). The matrices of the step, whose Jacobian may be
-//! slightly outdated, precondition a fixed-point iteration that converges like the Newton iteration of
-//! the step. If it does not converge, the stage equations are solved directly.
+//! They obey linear equations, which are integrated by the same method, linearized at the stages of
+//! the solution. So they are the exact derivatives of the discrete solution, except for the choice
+//! of steps (staggered method: M. Caracotsios, W. E. Stewart, Computers & Chemical Engineering 9,
+//! 1985; T. Maly, L. Petzold, Applied Numerical Mathematics 20, 1996). The matrices of the step,
+//! whose Jacobian may be slightly outdated, precondition a fixed-point iteration that converges
+//! like the Newton iteration of the step. If it does not converge, the stage equations are solved
+//! directly.
 
 use crate::integrate::control::Point;
 use crate::integrate::matrix::IterationMatrix;
@@ -85,10 +86,10 @@ impl Variation {
         }
     }
 
-    /// As [`Variation::new`], for differential equations of `n` components with a constraint and its
-    /// multiplier as the last component: a system of index 2. Its stage equations are always solved
-    /// directly. The last component is interpolated by the parabola through its stages, which the value
-    /// at the start of the step need not lie on.
+    /// As [`Variation::new`], for differential equations of `n` components with a constraint and
+    /// its multiplier as the last component: a system of index 2. Its stage equations are always
+    /// solved directly. The last component is interpolated by the parabola through its stages,
+    /// which the value at the start of the step need not lie on.
     pub fn constrained(n: usize, directions: usize) -> Self {
         let mut mass = vec![1.0; n];
         mass.push(0.0);

@@ -1,9 +1,10 @@
 //! Results as Apache Parquet: a typed column per variable, in row groups. Sole user of `parquet`.
 //!
-//! Reals are DOUBLE, Booleans BOOLEAN, Integers and enumerations INT64 (mocc represents an Integer by a
-//! double, which exceeds 32 bits). The metadata of the file contains JSON: `columns` with the unit and
-//! description of each column, `parameters` with the values of constants. Memory use is one row group,
-//! and the index of the file: some hundred bytes per column and group, written at the end.
+//! Reals are DOUBLE, Booleans BOOLEAN, Integers and enumerations INT64 (mocc represents an Integer
+//! by a double, which exceeds 32 bits). The metadata of the file contains JSON: `columns` with the
+//! unit and description of each column, `parameters` with the values of constants. Memory use is
+//! one row group, and the index of the file: some hundred bytes per column and group, written at
+//! the end.
 //!
 //! Source: Apache Parquet format, version 2.
 

@@ -119,7 +119,8 @@ impl<'a> PanelAxis<'a> {
     }
 }
 
-/// Bounds with a positive extent, also for a constant; variation of the size of solver errors is ignored.
+/// Bounds with a positive extent, also for a constant; variation of the size of solver errors is
+/// ignored.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let largest = low.abs().max(high.abs());
     if high - low > 1e-9 * largest {

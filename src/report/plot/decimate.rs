@@ -1,5 +1,5 @@
-//! Decimates curves without changing the picture: of all points in a pixel column only the first, the
-//! lowest, the highest, the last and both sides of the highest jump are kept.
+//! Decimates curves without changing the picture: of all points in a pixel column only the first,
+//! the lowest, the highest, the last and both sides of the highest jump are kept.
 
 /// Maximum number of points kept per pixel column.
 pub const PER_COLUMN: usize = 6;
@@ -43,8 +43,8 @@ pub fn decimate(x: &[f64], y: &[f64], columns: usize) -> Vec<usize> {
     kept
 }
 
-/// Drops repeated points, and points within horizontal or vertical lines; exact on the integer grid of a
-/// picture.
+/// Drops repeated points, and points within horizontal or vertical lines; exact on the integer grid
+/// of a picture.
 pub fn merge_straight(points: impl IntoIterator<Item = (i32, i32)>) -> Vec<(i32, i32)> {
     let mut kept: Vec<(i32, i32)> = Vec::new();
     for point in points {

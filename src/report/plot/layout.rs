@@ -37,7 +37,8 @@ pub struct PanelPlace {
     pub bottom: f64,
     /// Vertical middle of the axis label, which starts at [`Layout::left`].
     pub axis: f64,
-    /// Left end and vertical middle of each legend entry: a stroke of length [`SWATCH`], then the name.
+    /// Left end and vertical middle of each legend entry: a stroke of length [`SWATCH`], then the
+    /// name.
     pub legend: Vec<(f64, f64)>,
 }
 
@@ -64,8 +65,8 @@ const MIN_PANEL: f64 = 48.0;
 /// Height of a low panel relative to others.
 const LOW_RATIO: f64 = 0.4;
 
-/// Divides a plot into a title (if `titled`) and panels. `numbers` is the width of the widest number at a
-/// vertical axis. The error is the required height.
+/// Divides a plot into a title (if `titled`) and panels. `numbers` is the width of the widest
+/// number at a vertical axis. The error is the required height.
 pub fn layout(
     (width, height): (f64, f64),
     titled: bool,
@@ -106,8 +107,8 @@ pub fn layout(
     })
 }
 
-/// Width of a text in the embedded typeface; other typefaces are similar. Slightly overestimated for
-/// characters outside ASCII.
+/// Width of a text in the embedded typeface; other typefaces are similar. Slightly overestimated
+/// for characters outside ASCII.
 pub fn text_width(text: &str, size: f64) -> f64 {
     let advance = |c: char| {
         let i = (c as usize).wrapping_sub(' ' as usize);
@@ -116,7 +117,8 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     size * text.chars().map(advance).sum::<f64>()
 }
 
-/// Shortens a text to `room` px by omitting its middle: the end of a dotted name is more informative.
+/// Shortens a text to `room` px by omitting its middle: the end of a dotted name is more
+/// informative.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     const CUT: &str = "...";
     if text_width(text, size) <= room {
@@ -156,8 +158,8 @@ struct Header {
     legend: Vec<(f64, f64)>,
 }
 
-/// Places the legend at the right end of the line of the axis label; if it does not fit, in a separate
-/// line below, or as a table of several lines.
+/// Places the legend at the right end of the line of the axis label; if it does not fit, in a
+/// separate line below, or as a table of several lines.
 fn header(text: &PanelText, left: f64, right: f64) -> Header {
     let widths: Vec<f64> = text
         .legend

@@ -1,7 +1,7 @@
 //! Plots of a run as SVG or PNG: stacked panels over a common time axis.
 //!
-//! Sole user of `plotters`, as a drawing surface: its charts support neither stacked panels nor units.
-//! Its coordinates are integers, so one unit is a tenth of a px here.
+//! Sole user of `plotters`, as a drawing surface: its charts support neither stacked panels nor
+//! units. Its coordinates are integers, so one unit is a tenth of a px here.
 
 pub mod axis;
 pub mod decimate;
@@ -60,8 +60,8 @@ pub(super) fn write(
     Ok(write_file(path, &bytes)?)
 }
 
-/// Draws the plot as SVG. Text remains text; curves are decimated to the visible resolution, so the size
-/// is bounded.
+/// Draws the plot as SVG. Text remains text; curves are decimated to the visible resolution, so the
+/// size is bounded.
 pub fn svg(trajectory: &Trajectory, spec: &PlotSpec) -> Result<String, PlotError> {
     trajectory.verify()?;
     if trajectory.rows() == 0 {
@@ -143,11 +143,12 @@ const MAX_AREA: u64 = 16_000_000;
 const MIN_WIDTH: f64 = 150.0;
 /// Maximum number of points of all curves; at about ten bytes each a plot is smaller than 300 kB.
 const POINTS: usize = 20_000;
-/// Average distance of event lines below which they are omitted, because they would hide the curves, px.
+/// Average distance of event lines below which they are omitted, because they would hide the
+/// curves, px.
 const EVENT_SPACING: f64 = 12.0;
 
-/// The colours of Okabe and Ito (2008), which colour-blind readers can distinguish; those that differ
-/// most first, the pale yellow last.
+/// The colours of Okabe and Ito (2008), which colour-blind readers can distinguish; those that
+/// differ most first, the pale yellow last.
 pub(super) const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -186,8 +187,8 @@ pub(super) const NUMBER: Lettering = Lettering {
     at: HPos::Right,
 };
 
-/// The layout and the tick marks of each vertical axis. The width of the numbers depends on the heights
-/// of the panels but not vice versa, so a first layout determines the heights.
+/// The layout and the tick marks of each vertical axis. The width of the numbers depends on the
+/// heights of the panels but not vice versa, so a first layout determines the heights.
 fn arrange(
     size: (f64, f64),
     titled: bool,
@@ -399,7 +400,8 @@ mod tests {
     use crate::io::atomic_file::tests::Scratch;
     use crate::ir::trajectory::{Column, Event};
 
-    /// A damped oscillation of a piston that hits a stop, with `rows` rows and an event in the middle.
+    /// A damped oscillation of a piston that hits a stop, with `rows` rows and an event in the
+    /// middle.
     fn run(rows: usize) -> Trajectory {
         let open = Column { kind: Kind::Boolean, ..Column::new("valve.open", "") };
         let columns = vec![Column::new("chamber[1,2].p", "Pa"), Column::new("piston.s", "m"), open];

@@ -28,7 +28,8 @@ pub fn ticks(low: f64, high: f64, wanted: usize) -> Ticks {
     Ticks { values, labels }
 }
 
-/// Marks at the powers of ten within a range of a logarithmic axis, whose ends are given as logarithms.
+/// Marks at the powers of ten within a range of a logarithmic axis, whose ends are given as
+/// logarithms.
 pub fn decades(low: f64, high: f64) -> Ticks {
     let (first, last) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
     let every = ((last - first) / 12 + 1) as usize;

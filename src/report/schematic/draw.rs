@@ -28,8 +28,8 @@ pub fn colour(domain: Domain) -> &'static str {
     }
 }
 
-/// Draws a picture; `note` gives the tooltip of a component, and `place` the source position of a link.
-/// Components with contents are marked.
+/// Draws a picture; `note` gives the tooltip of a component, and `place` the source position of a
+/// link. Components with contents are marked.
 pub fn svg(
     picture: &Picture,
     assembly: &Assembly,

@@ -17,7 +17,8 @@ pub const NAME_SIZE: f64 = 12.5;
 /// Size of the class in a box.
 pub const CLASS_SIZE: f64 = 10.5;
 
-/// A part, a connector of the enclosing component, or a dummy node where a long line passes a layer.
+/// A part, a connector of the enclosing component, or a dummy node where a long line passes a
+/// layer.
 #[derive(Clone, Debug)]
 pub struct Node {
     /// The component; `None` for a dummy node.
@@ -258,8 +259,8 @@ fn assign(nodes: &mut [Node], edges: &[Edge], root: usize) {
         };
         edges.iter().filter_map(other).filter(|&o| !closed[o]).map(|o| nodes[o].layer).collect()
     };
-    // Move a part up that is in the layer of its neighbour with nothing above: lines within a layer are
-    // harder to follow.
+    // Move a part up that is in the layer of its neighbour with nothing above: lines within a layer
+    // are harder to follow.
     for _ in 0..3 {
         for k in (0..nodes.len()).filter(|&k| !closed[k]) {
             let (own, around) = (nodes[k].layer, neighbours(k, nodes));

@@ -1,12 +1,13 @@
 //! Draws components and their connections as SVG.
 //!
-//! In: an [`Assembly`] and one of its components. Out: a picture of the contents of that component. If
-//! every part has an `annotation(Placement(...))`, it determines the layout. Otherwise parts are arranged
-//! in layers around the part with most connections, such as the spool of a valve: K. Sugiyama, S. Tagawa,
-//! M. Toda, "Methods for visual understanding of hierarchical system structures", IEEE Trans. SMC 11
-//! (1981) 109-125, with orthogonal lines in the channels between the layers: D. N. Deutsch, "A dogleg
-//! channel router", DAC 1976. A part with many lines at one connector becomes a bar that spans them. Ties
-//! are broken by declaration order, so equal models give equal pictures.
+//! In: an [`Assembly`] and one of its components. Out: a picture of the contents of that component.
+//! If every part has an `annotation(Placement(...))`, it determines the layout. Otherwise parts are
+//! arranged in layers around the part with most connections, such as the spool of a valve: K.
+//! Sugiyama, S. Tagawa, M. Toda, "Methods for visual understanding of hierarchical system
+//! structures", IEEE Trans. SMC 11 (1981) 109-125, with orthogonal lines in the channels between
+//! the layers: D. N. Deutsch, "A dogleg channel router", DAC 1976. A part with many lines at one
+//! connector becomes a bar that spans them. Ties are broken by declaration order, so equal models
+//! give equal pictures.
 
 pub mod draw;
 pub mod layers;
@@ -34,7 +35,8 @@ pub struct Shape {
 /// A line; its corners in px.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Line {
-    /// Positions of the links that it represents: one, or all inputs that one part reads from another.
+    /// Positions of the links that it represents: one, or all inputs that one part reads from
+    /// another.
     pub links: Vec<usize>,
     /// The corners.
     pub points: Vec<[f64; 2]>,

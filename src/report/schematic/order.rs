@@ -7,8 +7,8 @@ const PASSES: usize = 24;
 /// Number of segments from which on only an eighth of the passes is made: crossings matter less in
 /// pictures that large.
 const LARGE_PICTURE: usize = 250;
-/// Length of layers up to which every position is tried for every node; in longer layers only adjacent
-/// ones.
+/// Length of layers up to which every position is tried for every node; in longer layers only
+/// adjacent ones.
 const SHORT_LAYER: usize = 24;
 /// Cost of a crossing, in positions of displacement.
 const CROSSING: f64 = 6.0;
@@ -59,7 +59,8 @@ fn inversions(after: &[usize], before: &[usize]) -> isize {
     sum
 }
 
-/// Swaps adjacent nodes and reorders the layers around: improvements that moving single nodes misses.
+/// Swaps adjacent nodes and reorders the layers around: improvements that moving single nodes
+/// misses.
 fn exchange(graph: &mut Graph, is_free: &dyn Fn(usize) -> bool) {
     let count = graph.layers.len();
     if graph.layers.iter().any(|l| l.len() > SHORT_LAYER) {
@@ -89,9 +90,9 @@ fn exchange(graph: &mut Graph, is_free: &dyn Fn(usize) -> bool) {
     }
 }
 
-/// Initial order: neighbours at a connector of a bar with many of them in the middle of the row, those of
-/// its other connectors alternately to the left and right; other layers by the position of their
-/// neighbours.
+/// Initial order: neighbours at a connector of a bar with many of them in the middle of the row,
+/// those of its other connectors alternately to the left and right; other layers by the position of
+/// their neighbours.
 fn begin(graph: &mut Graph) {
     let hub = graph.layers.first().and_then(|l| l.first()).copied();
     if let Some(hub) = hub.filter(|h| graph.nodes[*h].bar && graph.layers.len() > 1) {
@@ -105,8 +106,8 @@ fn begin(graph: &mut Graph) {
         let main = row.iter().find(|(_, p)| size(p) == most).map(|(_, p)| p.clone());
         let (middle, others): (Vec<_>, Vec<_>) =
             row.iter().partition(|(_, p)| Some(p) == main.as_ref());
-        // Nodes connected to others of the row come first and closer to them: the piston on the left, the
-        // spring on the right.
+        // Nodes connected to others of the row come first and closer to them: the piston on the
+        // left, the spring on the right.
         let shares = |node: usize| {
             row.iter().any(|(other, _)| *other != node && near(graph, hub, node, *other) > 0)
         };
@@ -178,8 +179,8 @@ fn chained(graph: &Graph, row: &[usize]) -> Vec<usize> {
     chains.into_iter().flatten().map(|i| row[i]).collect()
 }
 
-/// Affinity of two nodes in the row of the hub: by a line between them, and by common neighbours, weighted
-/// less if many nodes share them.
+/// Affinity of two nodes in the row of the hub: by a line between them, and by common neighbours,
+/// weighted less if many nodes share them.
 fn near(graph: &Graph, hub: usize, a: usize, b: usize) -> usize {
     let around = |node: usize| {
         let other = |p: &super::layers::Segment| match p.nodes {

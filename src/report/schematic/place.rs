@@ -85,8 +85,8 @@ fn offsets(graph: &Graph, layer: usize) -> Vec<f64> {
     out
 }
 
-/// Moves the nodes of a layer as close to their neighbours as their order allows: isotonic least squares
-/// by pooling adjacent violators (Barlow, Bartholomew, Bremner and Brunk 1972).
+/// Moves the nodes of a layer as close to their neighbours as their order allows: isotonic least
+/// squares by pooling adjacent violators (Barlow, Bartholomew, Bremner and Brunk 1972).
 fn settle(graph: &mut Graph, layer: usize) {
     let row = graph.layers[layer].clone();
     let offsets = offsets(graph, layer);
@@ -135,8 +135,8 @@ fn target(graph: &Graph, node: usize) -> (f64, f64) {
     }
 }
 
-/// Position where a segment meets its node, from its middle: connectors of one side are equidistant, in
-/// the order of their other ends.
+/// Position where a segment meets its node, from its middle: connectors of one side are
+/// equidistant, in the order of their other ends.
 pub fn terminal(graph: &Graph, segment: &Segment, end: usize) -> f64 {
     let node = segment.nodes[end];
     if graph.nodes[node].part.is_none() {

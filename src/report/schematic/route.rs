@@ -16,7 +16,8 @@ const OVERHANG: f64 = 34.0;
 
 /// Lines of one connector in one channel.
 struct Net {
-    /// Segments with their lower and upper ends; both ends of a segment within the layer below are lower.
+    /// Segments with their lower and upper ends; both ends of a segment within the layer below are
+    /// lower.
     segments: Vec<(usize, [f64; 2])>,
     /// Positions of lines from below and from above.
     pins: Vec<(f64, bool)>,
@@ -166,12 +167,13 @@ fn nets(graph: &Graph, layer: usize, ends: &[[f64; 2]]) -> Vec<Net> {
     groups.into_iter().map(net).collect()
 }
 
-/// Assigns a track to each net that bends, counted from the lower layer; returns the number of tracks.
+/// Assigns a track to each net that bends, counted from the lower layer; returns the number of
+/// tracks.
 fn assign_tracks(nets: &mut [Net]) -> usize {
     let mut order: Vec<usize> = (0..nets.len()).filter(|&k| !nets[k].is_straight()).collect();
     order.sort_by(|a, b| nets[*a].from.total_cmp(&nets[*b].from).then(a.cmp(b)));
-    // Cost of `a` below `b`: lines of `b` from below and of `a` from above cross the other net; overlaps
-    // cost most.
+    // Cost of `a` below `b`: lines of `b` from below and of `a` from above cross the other net;
+    // overlaps cost most.
     let below = |a: &Net, b: &Net| {
         let inside = |n: &Net, u: f64| n.from + STRAIGHT_LIMIT < u && u < n.to - STRAIGHT_LIMIT;
         let mut cost = 0.0;

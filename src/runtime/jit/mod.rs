@@ -1,13 +1,14 @@
 //! Compiles tapes to machine code.
 //!
-//! In: a [`Program`]. Out: [`MachineCode`], immutable and shared by any number of runs and threads. It
-//! leaves the same values in the same slots as the [interpreter](super::machine), bit for bit (except
-//! for the sign and payload of NaN, which Rust does not specify). Torn blocks with more than one
-//! unknown, their derivatives and mixed blocks are executed in Rust: tapes are split there.
+//! In: a [`Program`]. Out: [`MachineCode`], immutable and shared by any number of runs and threads.
+//! It leaves the same values in the same slots as the [interpreter](super::machine), bit for bit
+//! (except for the sign and payload of NaN, which Rust does not specify). Torn blocks with more
+//! than one unknown, their derivatives and mixed blocks are executed in Rust: tapes are split
+//! there.
 //!
 //! Cranelift selects instructions and allocates registers; `slots` generates its input. The
-//! interpreter remains for tapes that run too rarely to be worth compiling, for clamped arguments, for
-//! targets that Cranelift does not support, and as the oracle of the tests.
+//! interpreter remains for tapes that run too rarely to be worth compiling, for clamped arguments,
+//! for targets that Cranelift does not support, and as the oracle of the tests.
 #![allow(unsafe_code)] // Only here: calls generated code and frees its memory.
 
 mod body;
@@ -34,10 +35,11 @@ use super::machine::Fault;
 use crate::ir::expr::Unary;
 use crate::ir::program::{Instr, Op, Program};
 
-/// Maximum number of instructions in one function: the time of register allocation grows faster than
-/// linearly.
+/// Maximum number of instructions in one function: the time of register allocation grows faster
+/// than linearly.
 const MAX_FRAGMENT_LENGTH: usize = 1000;
-/// Address space reserved for the machine code of an instruction, bytes; four times the typical size.
+/// Address space reserved for the machine code of an instruction, bytes; four times the typical
+/// size.
 const BYTES_PER_INSTRUCTION: usize = 256;
 /// Address space reserved in addition, bytes.
 const BASE_BYTES: usize = 1 << 20;
@@ -112,9 +114,9 @@ impl MachineCode {
         self.memo.clone()
     }
 
-    /// Executes a tape from part `at` to its end or up to an instruction that must be executed in Rust;
-    /// returns that instruction and the position of the next part. Panics if the memory is not that of
-    /// the program, or `memo` not that of this machine code, which is a bug.
+    /// Executes a tape from part `at` to its end or up to an instruction that must be executed in
+    /// Rust; returns that instruction and the position of the next part. Panics if the memory is
+    /// not that of the program, or `memo` not that of this machine code, which is a bug.
     pub fn run(
         &self,
         tape: u32,
@@ -127,10 +129,10 @@ impl MachineCode {
         for (k, piece) in self.tapes[tape as usize].iter().enumerate().skip(at) {
             match *piece {
                 TapePart::Fragment(fragment_code) => {
-                    // SAFETY: the code was made by `Translator` for `source`, which was verified: it
-                    // reads and writes only slots below `source.slots`, all of which `memory` has,
-                    // and the entries of `self.memo`, as many as `memo` has; it calls only itself
-                    // and `external`. It is not freed before `self` is dropped.
+                    // SAFETY: the code was made by `Translator` for `source`, which was verified:
+                    // it reads and writes only slots below `source.slots`, all of which `memory`
+                    // has, and the entries of `self.memo`, as many as `memo` has; it calls only
+                    // itself and `external`. It is not freed before `self` is dropped.
                     match unsafe { fragment_code(memory.as_mut_ptr(), memo.0.as_mut_ptr()) } {
                         0 => {}
                         fault => return Err(self.faults[fault as usize - 1]),

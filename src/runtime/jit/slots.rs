@@ -1,8 +1,8 @@
 //! Generates code instruction by instruction, keeping the values of slots in registers.
 //!
 //! Every result is also stored in its slot, because other code may read it; repeated reads use the
-//! register. Operators are those of IEEE 754, one machine instruction each, in the order of the tape,
-//! never contracted or reordered, so results equal those of the interpreter bit for bit.
+//! register. Operators are those of IEEE 754, one machine instruction each, in the order of the
+//! tape, never contracted or reordered, so results equal those of the interpreter bit for bit.
 //!
 //! An elementary function costs as much as a dozen products, and is often called with the same
 //! argument again: constant variables do not change from one evaluation to the next, and identical
@@ -354,8 +354,9 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
         result
     }
 
-    /// As `external`, but skips the call if the arguments equal those of the last call here, or of the
-    /// last call at the preceding site of the same function. `at_zero` is the result for zero arguments.
+    /// As `external`, but skips the call if the arguments equal those of the last call here, or of
+    /// the last call at the preceding site of the same function. `at_zero` is the result for zero
+    /// arguments.
     fn memoized(&mut self, address: usize, arguments: &[Value], at_zero: f64) -> Value {
         let size = size_of::<f64>() as i32;
         let place = self.registers.memo.len() as i32 * size;

@@ -21,8 +21,8 @@ pub struct ScalarBlock {
     pub jacobian_tape: u32,
 }
 
-/// A copy of the tapes of a program and of everything they refer to, for use in another thread and to
-/// recognize the program.
+/// A copy of the tapes of a program and of everything they refer to, for use in another thread and
+/// to recognize the program.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Source {
     /// All tapes, by number.

@@ -1,12 +1,13 @@
 //! Tiered execution: decides when to compile to machine code.
 //!
-//! Compiling an instruction costs as much as interpreting it about a thousand times, and the length of
-//! a run is not known in advance. So a program is interpreted until that has cost as much as compiling
-//! it, and is then compiled in another thread while the interpreter continues. This never costs more
-//! than twice the optimum (the ski rental problem: Karlin, Manasse, Rudolph, Sleator, *Competitive
-//! snoopy caching*, Algorithmica 3, 1988, sec. 3).
+//! Compiling an instruction costs as much as interpreting it about a thousand times, and the length
+//! of a run is not known in advance. So a program is interpreted until that has cost as much as
+//! compiling it, and is then compiled in another thread while the interpreter continues. This never
+//! costs more than twice the optimum (the ski rental problem: Karlin, Manasse, Rudolph, Sleator,
+//! *Competitive snoopy caching*, Algorithmica 3, 1988, sec. 3).
 //!
-//! The moment of the switch depends on the computer, but results do not: both tiers agree bit for bit.
+//! The moment of the switch depends on the computer, but results do not: both tiers agree bit for
+//! bit.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -32,8 +33,8 @@ pub enum Execution {
 }
 
 impl Execution {
-    /// Compiles a program that will run many times, once for all runs and threads. Falls back to the
-    /// interpreter if the program cannot be compiled.
+    /// Compiles a program that will run many times, once for all runs and threads. Falls back to
+    /// the interpreter if the program cannot be compiled.
     pub fn translated(program: &Program) -> Execution {
         match MachineCode::translate(program) {
             Ok(code) => Execution::Compiled(Arc::new(code)),

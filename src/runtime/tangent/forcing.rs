@@ -1,9 +1,10 @@
-//! Derivatives of the right side with respect to inputs at constant states: the forcing term `df/dp`
-//! of the variational equations.
+//! Derivatives of the right side with respect to inputs at constant states: the forcing term
+//! `df/dp` of the variational equations.
 //!
-//! An input affects few instructions, so each instruction is propagated only in its active directions
-//! (dependence sets in forward accumulation: A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd
-//! ed. 2008, sec. 7.1). The sets depend on the tangents of the memory, which change at events.
+//! An input affects few instructions, so each instruction is propagated only in its active
+//! directions (dependence sets in forward accumulation: A. Griewank, A. Walther, *Evaluating
+//! Derivatives*, 2nd ed. 2008, sec. 7.1). The sets depend on the tangents of the memory, which
+//! change at events.
 
 use super::{Rule, Tangents, product, rule};
 use crate::ir::program::{Instr, Op, Program, Slot};

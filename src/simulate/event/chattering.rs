@@ -1,5 +1,5 @@
-//! Chattering: relations that switch back and forth in rapid succession. If the solution returns from
-//! both sides, it slides along the threshold; otherwise chattering is an error.
+//! Chattering: relations that switch back and forth in rapid succession. If the solution returns
+//! from both sides, it slides along the threshold; otherwise chattering is an error.
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -60,8 +60,8 @@ impl EventHistory {
 }
 
 impl Simulation<'_, '_> {
-    /// Starts sliding along the surface of a relation that repeatedly changed as the only one, if the
-    /// derivatives on both sides point towards it; true if so.
+    /// Starts sliding along the surface of a relation that repeatedly changed as the only one, if
+    /// the derivatives on both sides point towards it; true if so.
     pub(crate) fn try_sliding(
         &mut self,
         t: f64,

@@ -1,9 +1,9 @@
 //! Duplicate events: a relation that changes in an event and changes back immediately afterwards.
 //!
-//! A ball that hits the floor is below it by a rounding error, and the `reinit` of its speed lifts it
-//! out again: `h <= 0` becomes true, and false at virtually the same instant. The second change must
-//! be located, so that the next impact is an event; but it has no effect, and is neither reported nor
-//! counted.
+//! A ball that hits the floor is below it by a rounding error, and the `reinit` of its speed lifts
+//! it out again: `h <= 0` becomes true, and false at virtually the same instant. The second change
+//! must be located, so that the next impact is an event; but it has no effect, and is neither
+//! reported nor counted.
 
 use crate::ir::program::{Program, Slot};
 

@@ -1,4 +1,5 @@
-//! Executes an event: iterates at its instant, records and reports it, and restarts the integration.
+//! Executes an event: iterates at its instant, records and reports it, and restarts the
+//! integration.
 
 use crate::ir::program::{RelationTrigger, Slot};
 use crate::ir::trajectory::Event;
@@ -9,7 +10,8 @@ use crate::simulate::failure::{Failure, event_failure, of_fault};
 use crate::simulate::run::Simulation;
 use crate::simulate::system::is_domain_fault;
 
-/// First shift of an instant whose event iteration does not confirm the event, in spacings of doubles.
+/// First shift of an instant whose event iteration does not confirm the event, in spacings of
+/// doubles.
 const FIRST_SHIFT: f64 = 8.0;
 /// Number of shifts before all combinations of the relations are tried.
 const SHIFTS_BEFORE_SEARCH: u32 = 4;
@@ -118,8 +120,8 @@ impl Simulation<'_, '_> {
                 s.detach(&mut self.system.machine);
             }
             match effects {
-                // At the intersection of relations, rounding in one may flip the other: retry slightly
-                // later.
+                // At the intersection of relations, rounding in one may flip the other: retry
+                // slightly later.
                 Err(EventError::NotConverged(..)) if may_shift => {
                     self.system.machine.memory.copy_from_slice(&before);
                     if let Some(s) = &mut self.sensitivity {
@@ -171,8 +173,8 @@ impl Simulation<'_, '_> {
         Ok(effects)
     }
 
-    /// The event iteration, with clamped arguments if it fails otherwise: intermediate steps combine
-    /// new relations with old branches.
+    /// The event iteration, with clamped arguments if it fails otherwise: intermediate steps
+    /// combine new relations with old branches.
     fn iterate_clamped(&mut self, exhaustive: bool) -> Result<EventEffects, EventError> {
         let mut outcome = iterate(&mut self.system.machine, &self.clocks, exhaustive);
         if let Err(EventError::Fault(fault)) = outcome

@@ -1,5 +1,5 @@
-//! Event iteration: solves the discrete equations at an instant (Modelica specification 3.6, appendix
-//! B), and the initial equations (section 8.6).
+//! Event iteration: solves the discrete equations at an instant (Modelica specification 3.6,
+//! appendix B), and the initial equations (section 8.6).
 //!
 //! In: a machine with the left limits in its memory. Out: the right limits, and the actions of the
 //! event ([`EventEffects`]).
@@ -74,13 +74,14 @@ fn update_free_pre(machine: &mut Machine<'_>) {
     }
 }
 
-/// Strategies for finding a fixed point of the event equations, in the order in which they are tried.
+/// Strategies for finding a fixed point of the event equations, in the order in which they are
+/// tried.
 ///
 /// `Direct` solves relations and equations together with `pre` held. If that does not converge,
-/// `GaussSeidel` updates `pre` after each pass: this takes friction from sticking to sliding across a
-/// maximum that it need not reach again (M. Otter, H. Elmqvist and S. E. Mattsson, "Hybrid modeling in
-/// Modelica based on the synchronous data flow principle", CACSD 1999, section 5). Finally,
-/// `Enumerate` tries all combinations of relations with `pre` held.
+/// `GaussSeidel` updates `pre` after each pass: this takes friction from sticking to sliding across
+/// a maximum that it need not reach again (M. Otter, H. Elmqvist and S. E. Mattsson, "Hybrid
+/// modeling in Modelica based on the synchronous data flow principle", CACSD 1999, section 5).
+/// Finally, `Enumerate` tries all combinations of relations with `pre` held.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Strategy {
     Direct,
@@ -156,7 +157,8 @@ fn initial_gauss_seidel<'p>(machine: &mut Machine<'p>) -> Result<(), EventError>
     Err(EventError::NotConverged(Vec::new(), Vec::new()))
 }
 
-/// Executes a tape once in relaxed mode; sets `still_changing` if mixed blocks or relations changed.
+/// Executes a tape once in relaxed mode; sets `still_changing` if mixed blocks or relations
+/// changed.
 fn relaxed_pass<'p>(
     machine: &mut Machine<'p>,
     tape: &'p Tape,

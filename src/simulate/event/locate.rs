@@ -44,8 +44,8 @@ impl Locator {
         Locator { relations, point: vec![0.0; program.order().max(1)], ignored: None, hysteresis }
     }
 
-    /// Widens the hysteresis of chattering relations: smaller changes are rounding errors of operands
-    /// at the threshold. False if all have reached the maximum.
+    /// Widens the hysteresis of chattering relations: smaller changes are rounding errors of
+    /// operands at the threshold. False if all have reached the maximum.
     pub fn widen_hysteresis(&mut self, relations: impl Iterator<Item = u32>) -> bool {
         let mut widened = false;
         for k in relations {
@@ -82,7 +82,8 @@ impl Locator {
         self.relations.is_empty()
     }
 
-    /// The first instant within the last step at which a relation has changed, enclosed from the right.
+    /// The first instant within the last step at which a relation has changed, enclosed from the
+    /// right.
     pub fn first_switch(
         &mut self,
         system: &mut HybridSystem<'_>,

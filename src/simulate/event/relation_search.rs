@@ -1,5 +1,5 @@
-//! Solves relations and equations together: by fixed-point iteration, and if that cycles, by a search
-//! for values of the relations that are consistent with the equations.
+//! Solves relations and equations together: by fixed-point iteration, and if that cycles, by a
+//! search for values of the relations that are consistent with the equations.
 
 use crate::ir::program::Tape;
 use crate::numeric::combinations::Combinations;
@@ -13,9 +13,9 @@ const MAX_FLIPS: usize = 300;
 /// Number of consistent values that are remembered and tried first in the next search.
 const MAX_KNOWN: usize = 16;
 
-/// Executes a tape of the initial or event sequence until its lagged relations stop changing. If they
-/// cycle or lead to equations without a solution, searches for other values: by single flips, and if
-/// `exhaustive`, among all combinations.
+/// Executes a tape of the initial or event sequence until its lagged relations stop changing. If
+/// they cycle or lead to equations without a solution, searches for other values: by single flips,
+/// and if `exhaustive`, among all combinations.
 pub fn solve_relations<'p>(
     machine: &mut Machine<'p>,
     tape: &'p Tape,
@@ -45,8 +45,8 @@ pub fn solve_relations<'p>(
     outcome
 }
 
-/// Repeats the tape until the relations stop changing or a combination recurs. Appends the relations
-/// that changed to `changed`.
+/// Repeats the tape until the relations stop changing or a combination recurs. Appends the
+/// relations that changed to `changed`.
 fn iterate_relations<'p>(
     machine: &mut Machine<'p>,
     tape: &'p Tape,
@@ -130,9 +130,9 @@ impl RelationSearch<'_, '_> {
     }
 
     /// Repeatedly flips the first relation that the equations contradict. This terminates if the
-    /// relations form a linear complementarity problem with a P-matrix, as in networks of ideal diodes
-    /// and resistors (K. G. Murty, "Note on a Bard-type scheme for solving the complementarity
-    /// problem", Opsearch 11, 1974).
+    /// relations form a linear complementarity problem with a P-matrix, as in networks of ideal
+    /// diodes and resistors (K. G. Murty, "Note on a Bard-type scheme for solving the
+    /// complementarity problem", Opsearch 11, 1974).
     fn flip_contradicted(&mut self) -> bool {
         let mut values = self.first();
         // Otherwise it may cycle.

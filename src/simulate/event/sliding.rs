@@ -7,8 +7,8 @@
 use crate::ir::program::Slot;
 use crate::runtime::machine::{Fault, Machine};
 
-/// Displacement along the derivatives for the rate of an indicator, as a fraction of the run. Central
-/// differences are exact for indicators that are linear in the states.
+/// Displacement along the derivatives for the rate of an indicator, as a fraction of the run.
+/// Central differences are exact for indicators that are linear in the states.
 const PROBE: f64 = 1e-6;
 
 /// The switching surface of a sliding motion, and memory for its two sides.
@@ -36,7 +36,8 @@ impl Rates {
         self.when_false / (self.when_false - self.when_true)
     }
 
-    /// True if both sides lead to the surface. `rising`: the relation is true for positive indicators.
+    /// True if both sides lead to the surface. `rising`: the relation is true for positive
+    /// indicators.
     pub fn point_inward(self, rising: bool) -> bool {
         let sign = if rising { 1.0 } else { -1.0 };
         sign * self.when_true < 0.0 && sign * self.when_false > 0.0

@@ -1,9 +1,9 @@
 //! Zeno behaviour: events that accumulate at ever shorter intervals, like the bounces of a ball.
 //!
-//! The solution ends at the accumulation point. To continue beyond it, the relations get a hysteresis,
-//! so that the last bounces no longer leave the threshold: a model with a state of rest enters it (K. H.
-//! Johansson et al., *On the regularization of Zeno hybrid automata*, Systems & Control Letters 38,
-//! 1999, sec. 4). A model without one passes the threshold, and the run fails.
+//! The solution ends at the accumulation point. To continue beyond it, the relations get a
+//! hysteresis, so that the last bounces no longer leave the threshold: a model with a state of rest
+//! enters it (K. H. Johansson et al., *On the regularization of Zeno hybrid automata*, Systems &
+//! Control Letters 38, 1999, sec. 4). A model without one passes the threshold, and the run fails.
 
 use crate::ir::trajectory::Event;
 
@@ -37,8 +37,8 @@ pub fn intervals_shrink(times: &[f64]) -> bool {
 }
 
 impl Simulation<'_, '_> {
-    /// Continues beyond an accumulation of events of `relations`; `failure` reports that they do not
-    /// end. False if their hysteresis has reached the maximum.
+    /// Continues beyond an accumulation of events of `relations`; `failure` reports that they do
+    /// not end. False if their hysteresis has reached the maximum.
     pub(crate) fn widen_at_accumulation(
         &mut self,
         (relation, truth): (u32, bool),
@@ -60,8 +60,8 @@ impl Simulation<'_, '_> {
         true
     }
 
-    /// Ends the accumulation at an event with effects that does not involve its relation: the model has
-    /// come to rest.
+    /// Ends the accumulation at an event with effects that does not involve its relation: the model
+    /// has come to rest.
     pub(crate) fn clear_accumulation(&mut self, flipped: &[(u32, bool)], effects: EventEffects) {
         let is_at_rest = |accumulation: &Accumulation| {
             effects.acted && flipped.iter().all(|f| f.0 != accumulation.relation)

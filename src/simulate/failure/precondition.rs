@@ -1,8 +1,8 @@
 //! Assertions about parameters: checked before anything is solved.
 //!
-//! Modelica specification 3.6, section 8.3.7: an assertion of level error keeps the model from being
-//! evaluated outside of its limits of validity. So assertions about parameters come before the
-//! initialization that uses them.
+//! Modelica specification 3.6, section 8.3.7: an assertion of level error keeps the model from
+//! being evaluated outside of its limits of validity. So assertions about parameters come before
+//! the initialization that uses them.
 
 use crate::base::index::FastMap;
 use crate::ir::dae::VariableKind;
@@ -11,8 +11,8 @@ use crate::ir::flat::AssertionLevel;
 use crate::runtime::machine::Machine;
 use crate::symbolic::eval;
 
-/// The first violated assertion of level error whose condition reads only parameters. Parameters must
-/// be in the memory.
+/// The first violated assertion of level error whose condition reads only parameters. Parameters
+/// must be in the memory.
 pub fn violated(machine: &Machine<'_>) -> Option<usize> {
     let mut values = Values { machine, known: FastMap::default() };
     let asserts = &machine.program.blocks.dae.asserts;

@@ -5,12 +5,13 @@
 //!
 //! `dt/dp = -(dg/dp) / (dg/dt)`,
 //!
-//! both derivatives taken along the trajectory. The event is differentiated at the shifting instant:
-//! the states arrive with `S + f dt/dp`, the event sequence propagates these derivatives through
-//! `reinit` and every discrete equation, and `S` departs as `X - f dt/dp` with the `f` after the event
-//! (S. Galán, W. F. Feehery, P. I. Barton, *Parametric sensitivity functions for hybrid discrete/
-//! continuous systems*, Applied Numerical Mathematics 31, 1999). The instant of a time event shifts
-//! with the parameters that determine it. During sliding the equations of [`sliding`] apply.
+//! both derivatives taken along the trajectory. The event is differentiated at the shifting
+//! instant: the states arrive with `S + f dt/dp`, the event sequence propagates these derivatives
+//! through `reinit` and every discrete equation, and `S` departs as `X - f dt/dp` with the `f`
+//! after the event (S. Galán, W. F. Feehery, P. I. Barton, *Parametric sensitivity functions for
+//! hybrid discrete/ continuous systems*, Applied Numerical Mathematics 31, 1999). The instant of a
+//! time event shifts with the parameters that determine it. During sliding the equations of
+//! [`sliding`] apply.
 
 pub mod sliding;
 
@@ -65,8 +66,8 @@ pub struct Sensitivity {
     slopes: Vec<f64>,
     /// Replaces `variation` during sliding.
     surface: Option<Box<Surface>>,
-    /// Derivatives of the states on arrival at an event that ends sliding, where they differ from those
-    /// in the memory.
+    /// Derivatives of the states on arrival at an event that ends sliding, where they differ from
+    /// those in the memory.
     arrival: Option<Vec<f64>>,
 }
 
@@ -80,8 +81,8 @@ struct Linearization {
     rows: Vec<usize>,
 }
 
-/// Sets every input explicitly, so that it can be differentiated; `None` if one is not an input of the
-/// program.
+/// Sets every input explicitly, so that it can be differentiated; `None` if one is not an input of
+/// the program.
 pub fn with_inputs(program: &Program, settings: &Settings, inputs: &[Input]) -> Option<Settings> {
     let mut settings = settings.clone();
     let mut machine = Machine::new(program);
@@ -115,7 +116,8 @@ fn input_slot(program: &Program, input: Input) -> Option<Slot> {
 }
 
 impl Sensitivity {
-    /// Sensitivities before the start of a run; `None` if one of `inputs` is not an input of the program.
+    /// Sensitivities before the start of a run; `None` if one of `inputs` is not an input of the
+    /// program.
     pub fn new(system: &HybridSystem<'_>, inputs: &[Input]) -> Option<Self> {
         let program = system.machine.program;
         let count = inputs.len();
@@ -163,7 +165,7 @@ impl Sensitivity {
         self.is_stale = true;
     }
 
-    /// Ends what `attach` began.
+    /// Reverts [`Sensitivity::attach`].
     pub fn detach(&mut self, machine: &mut Machine<'_>) {
         self.tangents = machine.tangents.take().or(self.tangents.take());
     }
@@ -181,8 +183,8 @@ impl Sensitivity {
         }
     }
 
-    /// Derivatives of the recorded variables at the last evaluated instant: variable by variable, input
-    /// by input.
+    /// Derivatives of the recorded variables at the last evaluated instant: variable by variable,
+    /// input by input.
     pub fn slopes(&self) -> &[f64] {
         &self.slopes
     }
@@ -210,8 +212,8 @@ impl Sensitivity {
         stepper.advance_variation(&mut equations, &mut self.variation)
     }
 
-    /// Computes the derivatives of all slots at `t` within the last step, where all variables have been
-    /// evaluated.
+    /// Computes the derivatives of all slots at `t` within the last step, where all variables have
+    /// been evaluated.
     pub fn evaluate(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
         let program = machine.program;
         let layout = &program.layout;
@@ -359,8 +361,8 @@ impl Sensitivity {
 }
 
 impl Sensitivity {
-    /// Computes the derivatives of the recorded variables at `t` during sliding; their values are in the
-    /// memory.
+    /// Computes the derivatives of the recorded variables at `t` during sliding; their values are
+    /// in the memory.
     fn evaluate_on_surface(&mut self, system: &mut HybridSystem<'_>, t: f64) -> Result<(), Fault> {
         let (Some(surface), Some(sliding)) = (&mut self.surface, &mut system.sliding) else {
             return Ok(());
@@ -369,7 +371,8 @@ impl Sensitivity {
         surface.evaluate(machine, sliding, tangents, t, &self.recorded, &mut self.slopes)
     }
 
-    /// Enters the surface of `system.sliding` at `(t, y)`, from the side on which its relation is `truth`.
+    /// Enters the surface of `system.sliding` at `(t, y)`, from the side on which its relation is
+    /// `truth`.
     fn enter_surface(
         &mut self,
         system: &mut HybridSystem<'_>,
@@ -427,8 +430,8 @@ impl Simulation<'_, '_> {
         left.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
-    /// Ends sliding at `t` by an unrelated event: the states arrive with the derivatives of the sliding
-    /// motion.
+    /// Ends sliding at `t` by an unrelated event: the states arrive with the derivatives of the
+    /// sliding motion.
     pub(super) fn arrive_from_surface(&mut self, sliding: &mut Sliding, t: f64) {
         let Some(s) = &mut self.sensitivity else { return };
         let n = self.program.order();
@@ -468,8 +471,8 @@ impl Simulation<'_, '_> {
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
-    /// Shifts the sensitivities to an event and lets the machine propagate them; returns a copy from
-    /// before.
+    /// Shifts the sensitivities to an event and lets the machine propagate them; returns a copy
+    /// from before.
     pub(super) fn arrive(&mut self, t: f64, cause: Cause) -> Option<Tangents> {
         let s = self.sensitivity.as_mut()?;
         let machine = &mut self.system.machine;

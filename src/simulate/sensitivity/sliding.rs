@@ -4,18 +4,18 @@
 //!
 //! `x' = (1 - a) f0 + a f1,  0 = g(t, x, p)`
 //!
-//! with the weight `a` as an algebraic unknown, a system of index 2. Differentiated with respect to the
-//! inputs, with `S = dx/dp` and `A = da/dp`, it is linear and needs first derivatives only:
+//! with the weight `a` as an algebraic unknown, a system of index 2. Differentiated with respect to
+//! the inputs, with `S = dx/dp` and `A = da/dp`, it is linear and needs first derivatives only:
 //!
 //! `S' = ((1 - a) J0 + a J1) S + (1 - a) df0/dp + a df1/dp + (f1 - f0) A,  0 = dg/dx S + dg/dp`.
 //!
 //! Radau IIA integrates linear systems of index 2 in this form directly (Hairer & Wanner II, sec.
-//! VII.4). Where the solution enters the surface with rate `r` of the indicator, and derivatives `f`
-//! before and `fs` after, `S` jumps by `(f - fs) dt/dp` with `dt/dp = -(dg/dx S + dg/dp) / r`, which
-//! satisfies the constraint. Where it leaves, `f = fs`, and `S` is continuous (L. Dieci, L. Lopez,
-//! *Fundamental matrix solutions of piecewise smooth differential systems*, Mathematics and Computers
-//! in Simulation 81, 2011, sec. 3; M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008,
-//! sec. 2.5).
+//! VII.4). Where the solution enters the surface with rate `r` of the indicator, and derivatives
+//! `f` before and `fs` after, `S` jumps by `(f - fs) dt/dp` with `dt/dp = -(dg/dx S + dg/dp) / r`,
+//! which satisfies the constraint. Where it leaves, `f = fs`, and `S` is continuous (L. Dieci, L.
+//! Lopez, *Fundamental matrix solutions of piecewise smooth differential systems*, Mathematics and
+//! Computers in Simulation 81, 2011, sec. 3; M. di Bernardo et al., *Piecewise-smooth Dynamical
+//! Systems*, 2008, sec. 2.5).
 
 use crate::integrate::radau::variation::Variation;
 use crate::integrate::system::EvalError;
@@ -65,8 +65,8 @@ struct Point {
 }
 
 impl Surface {
-    /// For a program with `slots` slots and `n` states, differentiated with respect to `count` inputs,
-    /// with `recorded` columns.
+    /// For a program with `slots` slots and `n` states, differentiated with respect to `count`
+    /// inputs, with `recorded` columns.
     pub fn new(slots: usize, n: usize, count: usize, recorded: usize) -> Surface {
         let point = || Point {
             jacobian: vec![0.0; n * n],
@@ -126,8 +126,8 @@ impl Surface {
         Ok(())
     }
 
-    /// Derivatives of the recorded slots at `(t, y)`, after [`Sliding::evaluate_all`]: value by value,
-    /// input by input. Combines the derivatives on both sides.
+    /// Derivatives of the recorded slots at `(t, y)`, after [`Sliding::evaluate_all`]: value by
+    /// value, input by input. Combines the derivatives on both sides.
     pub fn evaluate(
         &mut self,
         machine: &mut Machine<'_>,
@@ -230,8 +230,8 @@ impl Equations {
     }
 }
 
-/// Evaluates derivatives and indicators, and their derivatives with respect to the inputs at constant
-/// states.
+/// Evaluates derivatives and indicators, and their derivatives with respect to the inputs at
+/// constant states.
 fn by_inputs(
     machine: &mut Machine<'_>,
     sliding: &Sliding,

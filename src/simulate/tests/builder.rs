@@ -15,7 +15,7 @@ use crate::simulate::failure::Failure;
 use crate::simulate::run::{Run, simulate};
 use crate::simulate::settings::Settings;
 
-/// A system in the making. Blocks come in the order in which they are added.
+/// A system under construction. Blocks are in the order in which they are added.
 pub struct Builder {
     pub blocks: Blocks,
     pub sources: SourceMap,

@@ -1,4 +1,4 @@
-//! Runs that must fail, and say why.
+//! Runs that must fail with a useful message.
 
 use super::builder::Builder;
 use crate::ir::dae::{GuardedAssert, Trigger};

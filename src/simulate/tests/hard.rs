@@ -23,8 +23,8 @@ fn a_tank_runs_empty_at_the_branch_point_of_the_root() {
 }
 
 /// ISO 6358: choked flow, then the root of an ellipse that meets its branch point when the
-/// pressures are equal; no `noEvent`. With r = p / p1 and s = (r - b) / (1 - b), the subsonic part is
-/// ds/dt = sqrt(1 - s^2) / (1 - b): s = sin((t - t1) / (1 - b)), equal at t1 + (1 - b) pi / 2.
+/// pressures are equal; no `noEvent`. With r = p / p1 and s = (r - b) / (1 - b), the subsonic part
+/// is ds/dt = sqrt(1 - s^2) / (1 - b): s = sin((t - t1) / (1 - b)), equal at t1 + (1 - b) pi / 2.
 #[test]
 fn filling_ends_where_the_root_meets_its_branch_point() {
     let run = run(
@@ -85,8 +85,8 @@ fn a_relay_slides() {
     assert!(run.trajectory.events.len() < 10);
 }
 
-/// A mass on a belt that moves at 0.2: it slips to v = 0.2 at t0 = asin(0.2), rides until its spring
-/// overcomes the friction at x = 1, then swings about x = 1.
+/// A mass on a belt that moves at 0.2: it slips to v = 0.2 at t0 = asin(0.2), rides until its
+/// spring overcomes the friction at x = 1, then swings about x = 1.
 #[test]
 fn a_mass_rides_on_a_belt_until_the_spring_pulls_it_off() {
     let run = run(
@@ -219,7 +219,8 @@ fn the_start_value_decides_between_two_solutions() {
     }
 }
 
-/// `der(J) = der(E)` ties J to E but where a state is set anew: then E jumps and J does not.
+/// `der(J) = der(E)` couples J to E, except where a state is reinitialized: then E jumps and J does
+/// not.
 #[test]
 fn a_reinit_moves_its_own_state_alone() {
     let run = run(
@@ -241,7 +242,7 @@ fn a_reinit_moves_its_own_state_alone() {
     assert!((last(&run, "E") - 0.5 * (2.0 + 2.0_f64.sin())).abs() < 1e-9);
 }
 
-/// A step over the whole way would see neither end of what is forbidden.
+/// A single step over the whole run would miss the violation.
 #[test]
 fn an_assertion_fails_within_a_long_step() {
     let failed = run(

@@ -262,7 +262,7 @@ fn conditions_that_trigger_each_other_are_named() {
     );
 }
 
-/// `v <= 0` switches back at once, so that nothing but the event itself tells of it.
+/// `v <= 0` switches back immediately, so only the event itself shows it.
 #[test]
 fn a_relation_that_the_event_itself_switches_back_is_announced() {
     let run = run(
