@@ -26,6 +26,8 @@ pub mod external;
 pub mod ir;
 // Algebra on expressions.
 pub mod symbolic;
+// The contracts of the representations, checked after each stage.
+pub mod verify;
 
 // ---- The compiler, front to back ----
 

@@ -20,7 +20,6 @@ use crate::ir::program::{AlgebraicUnknown, source_span};
 use super::SortedBlocks;
 use super::block::compile_assignment;
 use super::emit::{CONTINUOUS, DISCRETE, Emitter};
-use super::layout::{block_expressions, block_unknowns};
 use super::sequence::{Dependencies, reset_levels};
 
 /// The unknowns and equations of the continuously varying loops that derivatives depend on, in
@@ -35,9 +34,7 @@ pub fn find(e: &mut Emitter, blocks: &SortedBlocks) -> Vec<AlgebraicUnknown> {
     let needed = Dependencies::new(e, &blocks.continuous).blocks_for(e, &derivatives);
     let mut found = Vec::new();
     for (block, needed) in blocks.continuous.iter().zip(needed) {
-        let (mut own, mut values) = (Vec::new(), Vec::new());
-        block_unknowns(block, &mut own);
-        block_expressions(block, &mut values);
+        let (own, values) = (block.unknowns(), block.expressions());
         let own_set: FastSet<VarId> = own.iter().copied().collect();
         let level = e.level_of(&values, |v| own_set.contains(&v)).max(DISCRETE);
         for v in own {

@@ -10,7 +10,6 @@ use crate::ir::program::{
 
 use super::emit::{DISCRETE, Emitter, PARAMETER};
 use super::jacobian;
-use super::layout::{block_expressions, block_unknowns};
 use super::relation::evaluate_relation;
 
 /// Emits a block to the layer determined by its operands.
@@ -39,9 +38,7 @@ pub fn compile_assignment(e: &mut Emitter, a: &Assignment) {
 fn compile_torn(e: &mut Emitter, torn: &Torn, place: BlockPosition) {
     let torn = &with_start_slots(e, torn);
     let block = Block::Torn(torn.clone());
-    let (mut own, mut values) = (Vec::new(), Vec::new());
-    block_unknowns(&block, &mut own);
-    block_expressions(&block, &mut values);
+    let (own, values) = (block.unknowns(), block.expressions());
     let own_set: FastSet<VarId> = own.iter().copied().collect();
     let inputs = e.level_of(&values, |v| own_set.contains(&v));
     let target = e.layer_for(inputs.max(DISCRETE));
@@ -107,8 +104,7 @@ fn with_start_slots(e: &mut Emitter, torn: &Torn) -> Torn {
 pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], place: BlockPosition) {
     let target = e.layer_for(e.continuous_level.max(DISCRETE));
     let layer = e.push_layer();
-    let mut own = Vec::new();
-    parts.iter().for_each(|p| block_unknowns(p, &mut own));
+    let own: Vec<VarId> = parts.iter().flat_map(Block::unknowns).collect();
     for &v in &own {
         e.levels[v.idx()] = Some(layer);
     }
@@ -116,9 +112,7 @@ pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], plac
         compile_block(e, part, place);
         // The remaining parts may change values that were computed from the unknowns of the block.
         e.invalidate_top();
-        let mut assigned = Vec::new();
-        block_unknowns(part, &mut assigned);
-        for v in assigned {
+        for v in part.unknowns() {
             e.levels[v.idx()] = Some(layer);
         }
     }

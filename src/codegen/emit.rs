@@ -9,7 +9,6 @@
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
-use crate::base::visited::VisitedSet;
 use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
 use crate::ir::program::{Bounds, CallSite, Events, Instr, Layout, Op, Routines, Slot, Tape};
@@ -460,17 +459,10 @@ impl Emitter {
     pub fn level_of(&self, roots: &[ExprId], skip: impl Fn(VarId) -> bool) -> Level {
         let graph = &self.dae.graph;
         let mut level = PARAMETER;
-        let mut pending = roots.to_vec();
-        let mut seen = FastSet::default();
-        while let Some(e) = pending.pop() {
-            if !seen.insert(e) {
-                continue;
-            }
+        graph.descend(roots.iter().copied(), |e, pending| {
             match graph.node(e) {
-                Node::Time | Node::Recorded(..) => level = level.max(self.continuous_level),
-                Node::Unary(Unary::Carried(_), a) => {
+                Node::Time | Node::Recorded(..) | Node::Unary(Unary::Carried(_), _) => {
                     level = level.max(self.continuous_level);
-                    pending.push(a);
                 }
                 Node::Pre(_) | Node::Initial | Node::Terminal | Node::Relation(_) => {
                     level = level.max(DISCRETE);
@@ -480,9 +472,10 @@ impl Emitter {
                     None if skip(v) => {}
                     None => level = level.max(self.levels[v.idx()].unwrap_or(DISCRETE)),
                 },
-                _ => graph.for_each_operand(e, |a| pending.push(a)),
+                _ => {}
             }
-        }
+            true
+        });
         level
     }
 
@@ -490,26 +483,17 @@ impl Emitter {
     /// their definition.
     pub fn reads(&self, roots: &[ExprId]) -> Vec<VarId> {
         let graph = &self.dae.graph;
-        VisitedSet::traverse(graph.len(), |seen| {
-            let mut found = Vec::new();
-            let mut pending = roots.to_vec();
-            // Calls for several outputs share one argument list, which may be long.
-            let mut lists = FastSet::default();
-            while let Some(e) = pending.pop() {
-                if !seen.insert(e.idx()) {
-                    continue;
-                }
-                match graph.node(e) {
-                    Node::Var(v) => match self.substitutions.get(&v) {
-                        Some(r) => pending.push(*r),
-                        None => found.push(v),
-                    },
-                    Node::Call { args, .. } if !lists.insert(args) => {}
-                    _ => graph.for_each_operand(e, |a| pending.push(a)),
+        let mut found = Vec::new();
+        graph.descend(roots.iter().copied(), |e, pending| {
+            if let Node::Var(v) = graph.node(e) {
+                match self.substitutions.get(&v) {
+                    Some(r) => pending.push(*r),
+                    None => found.push(v),
                 }
             }
-            found
-        })
+            true
+        });
+        found
     }
 
     /// The expression that reads `v`.

@@ -67,22 +67,20 @@ fn value_of(statement: &Statement) -> Option<ExprId> {
 fn independent<'s>(graph: &Graph, list: &'s [Statement]) -> &'s [Statement] {
     let mut assigned: FastSet<VarId> = FastSet::default();
     let mut is_independent = |statement: &Statement| {
-        let reads = |n: ExprId| matches!(graph.node(n), Node::Var(v) if assigned.contains(&v));
+        let reads = |_, node| matches!(node, Node::Var(v) if assigned.contains(&v));
         match statement {
             Statement::Assign(local, value) => {
-                !graph.postorder([*value]).into_iter().any(reads) && assigned.insert(VarId(local.0))
+                !graph.any([*value], reads) && assigned.insert(VarId(local.0))
             }
-            Statement::Assert(a, _) => {
-                !graph.postorder([a.condition, a.message]).into_iter().any(reads)
-            }
+            Statement::Assert(a, _) => !graph.any([a.condition, a.message], reads),
             _ => false,
         }
     };
     let count = list.iter().position(|s| !is_independent(s)).unwrap_or(list.len());
     let list = &list[..count.max(1)];
     // An assertion may stop a recursion, so it comes before the calls.
-    let is_call = |n: &ExprId| matches!(graph.node(*n), Node::Call { .. });
-    let calls = |s: &Statement| graph.postorder(value_of(s)).iter().any(is_call);
+    let is_call = |_, node| matches!(node, Node::Call { .. });
+    let calls = |s: &Statement| graph.any(value_of(s), is_call);
     let asserts = |s: &&Statement| matches!(s, Statement::Assert(..)) && !calls(s);
     match list.iter().take_while(asserts).count() {
         first if first > 0 && list[first..].iter().any(calls) => &list[..first],

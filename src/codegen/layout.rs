@@ -1,7 +1,7 @@
 //! Allocates the memory map.
 
 use crate::base::index::{FastSet, Id};
-use crate::ir::blocks::{Assignment, Block, Source};
+use crate::ir::blocks::Source;
 use crate::ir::dae::VariableKind;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::program::Slot;
@@ -68,11 +68,13 @@ fn allocate_inputs(e: &mut Emitter, blocks: &SortedBlocks) {
         e.layout.parameter_inputs.push((v, slot));
     }
     let mut started: FastSet<VarId> = FastSet::default();
-    for_each_assignment(&blocks.initial, &mut |a| {
-        if let Source::Start(v) = a.source {
-            started.insert(v);
-        }
-    });
+    for block in &blocks.initial {
+        block.for_each_assignment(&mut |a| {
+            if let Source::Start(v) = a.source {
+                started.insert(v);
+            }
+        });
+    }
     for v in e.dae.variables.ids() {
         let variable = &e.dae.variables[v];
         if matches!(variable.kind, VariableKind::Parameter | VariableKind::Eliminated) {
@@ -87,41 +89,6 @@ fn allocate_inputs(e: &mut Emitter, blocks: &SortedBlocks) {
     }
 }
 
-/// Calls `visit` with every assignment, including those within torn and mixed blocks.
-pub fn for_each_assignment(blocks: &[Block], visit: &mut impl FnMut(&Assignment)) {
-    for block in blocks {
-        match block {
-            Block::Assign(a) => visit(a),
-            Block::Torn(t) => t.explicit.iter().for_each(&mut *visit),
-            Block::Mixed(parts) => for_each_assignment(parts, visit),
-        }
-    }
-}
-
-/// All expressions of a block.
-pub fn block_expressions(block: &Block, out: &mut Vec<ExprId>) {
-    match block {
-        Block::Assign(a) => out.push(a.value),
-        Block::Torn(t) => {
-            out.extend(t.explicit.iter().map(|a| a.value));
-            out.extend(t.residuals.iter().map(|r| r.value));
-        }
-        Block::Mixed(parts) => parts.iter().for_each(|p| block_expressions(p, out)),
-    }
-}
-
-/// All variables that a block determines.
-pub fn block_unknowns(block: &Block, out: &mut Vec<VarId>) {
-    match block {
-        Block::Assign(a) => out.push(a.variable),
-        Block::Torn(t) => {
-            out.extend(&t.unknowns);
-            out.extend(t.explicit.iter().map(|a| a.variable));
-        }
-        Block::Mixed(parts) => parts.iter().for_each(|p| block_unknowns(p, out)),
-    }
-}
-
 /// The default start value of a type: zero, false, or the first enumeration literal.
 pub fn default_start(ty: Type) -> f64 {
     if matches!(ty, Type::Enumeration(_)) { 1.0 } else { 0.0 }
@@ -130,14 +97,9 @@ pub fn default_start(ty: Type) -> f64 {
 fn roots(e: &Emitter, blocks: &SortedBlocks) -> Vec<ExprId> {
     let mut all = Vec::new();
     for block in blocks.initial.iter().chain(&blocks.event).chain(&blocks.continuous) {
-        block_expressions(block, &mut all);
+        block.for_each_expression(&mut |e| all.push(e));
     }
-    let dae = &e.dae;
-    all.extend(dae.relations.iter().flat_map(|r| [r.lhs, r.rhs]));
-    all.extend(dae.reinits.iter().flat_map(|r| [r.active, r.value]));
-    all.extend(dae.asserts.iter().map(|a| a.assert.condition));
-    all.extend(dae.asserts.iter().filter_map(|a| a.active));
-    all.extend(dae.terminates.iter().map(|t| t.active));
-    all.extend(dae.eliminated.iter().map(|(_, value)| *value));
+    e.dae.for_each_equation_expression(&mut |e| all.push(e));
+    e.dae.for_each_side_expression(&mut |e| all.push(e));
     all
 }

@@ -11,7 +11,7 @@ use crate::ir::program::{Bounds, DelaySlots, ReaderSlots, TransportSlots};
 
 use super::block::{self, compile_block, compile_mixed};
 use super::emit::{CONTINUOUS, DISCRETE, Emitter, PARAMETER};
-use super::layout::{block_expressions, block_unknowns, default_start};
+use super::layout::default_start;
 use super::relation::{emit_indicators, evaluate_relation, relations_in};
 use super::{SortedBlocks, algebraic, error, jacobian, nominal};
 
@@ -315,9 +315,7 @@ impl Dependencies {
         let mut producer = FastMap::default();
         let mut reads = Vec::new();
         for (i, block) in blocks.iter().enumerate() {
-            let (mut unknowns, mut values) = (Vec::new(), Vec::new());
-            block_unknowns(block, &mut unknowns);
-            block_expressions(block, &mut values);
+            let (unknowns, values) = (block.unknowns(), block.expressions());
             producer.extend(unknowns.into_iter().map(|v| (v, i)));
             reads.push(e.reads(&values));
         }
@@ -368,8 +366,7 @@ fn compile_with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence)
         while let Some(k) = order.next_if(|&k| position[k] <= i) {
             evaluate_relation(e, k, sequence);
         }
-        let mut values = Vec::new();
-        block_expressions(block, &mut values);
+        let values = block.expressions();
         let mut inside = Vec::new();
         for k in relations_in(e, &values) {
             let mixed = matches!(block, Block::Mixed(_)) && position[k as usize] == i + 1;

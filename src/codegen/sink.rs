@@ -22,19 +22,17 @@ pub fn sink_conditions(dae: &mut Dae, expensive: &FastSet<FunctionId>) -> FastMa
     if expensive.is_empty() {
         return FastMap::default();
     }
-    let mut all: Vec<ExprId> = dae.discrete.iter().map(|d| d.value).collect();
-    for e in dae.equations.iter().chain(&dae.initial) {
-        all.extend([e.lhs, e.rhs, e.residual]);
-    }
-    all.extend(dae.eliminated.iter().map(|(_, e)| *e));
-    all.extend(dae.asserts.iter().map(|a| a.assert.condition));
+    let mut all = Vec::new();
+    dae.for_each_equation_expression(&mut |e| all.push(e));
     let roots: Vec<Root> = all.iter().map(|e| (*e, None)).collect();
     let expensive: FastSet<CallKey> =
         calls(dae, all).filter(|(f, _)| expensive.contains(f)).collect();
     if expensive.is_empty() {
         return FastMap::default();
     }
-    let elsewhere: FastSet<CallKey> = calls(dae, other_expressions(dae)).collect();
+    let mut others = Vec::new();
+    dae.for_each_side_expression(&mut |e| others.push(e));
+    let elsewhere: FastSet<CallKey> = calls(dae, others).collect();
     let uses = Uses::of(&mut dae.graph, &roots, &|_, _| false);
     // One call computes all outputs of a function, and is needed if any of them is.
     let mut common: FastMap<CallKey, usize> = FastMap::default();
@@ -111,20 +109,4 @@ fn calls(dae: &Dae, roots: Vec<ExprId>) -> impl Iterator<Item = CallKey> {
         Node::Call { function, args, .. } => Some((function, args)),
         _ => None,
     })
-}
-
-/// All expressions of the system except those of its equations and assertions.
-fn other_expressions(dae: &Dae) -> Vec<ExprId> {
-    let mut all: Vec<ExprId> = dae.parameters.iter().map(|(_, e)| *e).collect();
-    all.extend(dae.relations.iter().flat_map(|r| [r.lhs, r.rhs]));
-    all.extend(dae.samples.iter().flat_map(|s| [s.start, s.interval]));
-    all.extend(dae.reinits.iter().flat_map(|r| [r.active, r.value]));
-    all.extend(dae.asserts.iter().filter_map(|a| a.active));
-    all.extend(dae.terminates.iter().flat_map(|t| [t.active, t.message]));
-    all.extend(dae.delays.iter().map(|(_, e)| *e));
-    all.extend(dae.transports.iter().flat_map(|t| &t.initial).flat_map(|(p, v)| [*p, *v]));
-    for v in dae.variables.iter() {
-        all.extend([v.start, v.min, v.max, v.nominal].into_iter().flatten());
-    }
-    all
 }

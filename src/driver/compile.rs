@@ -27,6 +27,7 @@ use crate::measure::model as extended;
 use crate::measure::observe::Plan;
 use crate::measure::text::Measures;
 use crate::resolve::library::Library;
+use crate::verify;
 
 /// A class with an annotation `__mocc`.
 #[derive(Clone, Debug)]
@@ -110,7 +111,7 @@ pub struct Session {
 impl Session {
     /// The flat model of a request.
     pub fn flatten(&mut self, request: &Request) -> Result<FlatModel, CompileError> {
-        self.flatten_by(request, crate::flatten::flatten)
+        self.flatten_by(request, crate::flatten::flatten, |flat| flat)
     }
 
     /// The flat model of a request and the inventory of its components.
@@ -118,7 +119,7 @@ impl Session {
         &mut self,
         request: &Request,
     ) -> Result<(FlatModel, Inventory), CompileError> {
-        self.flatten_by(request, crate::flatten::flatten_with_inventory)
+        self.flatten_by(request, crate::flatten::flatten_with_inventory, |(flat, _)| flat)
     }
 
     /// The flat model of a request and its component tree.
@@ -126,13 +127,14 @@ impl Session {
         &mut self,
         request: &Request,
     ) -> Result<(FlatModel, Assembly), CompileError> {
-        self.flatten_by(request, crate::flatten::flatten_with_assembly)
+        self.flatten_by(request, crate::flatten::flatten_with_assembly, |(flat, _)| flat)
     }
 
     fn flatten_by<T>(
         &mut self,
         request: &Request,
         by: impl FnOnce(&mut Evaluator<'_>, ClassId, &[Rc<ParameterOverride>]) -> T,
+        flat: impl Fn(&T) -> &FlatModel,
     ) -> Result<T, CompileError> {
         let begun = Instant::now();
         let path = request.modelica_path.as_deref();
@@ -154,7 +156,10 @@ impl Session {
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         let class = model(&mut cx, request, file.as_deref())?;
-        let flat = by(&mut cx, class, &settings);
+        let made = by(&mut cx, class, &settings);
+        if !cx.class_graph.problems.has_errors() {
+            verify::after("instantiate", "instance", || verify::instance::check(&cx.instances));
+        }
         if self.is_last {
             std::mem::forget(cx);
         }
@@ -168,7 +173,8 @@ impl Session {
         };
         let only_settings = self.problems.iter().all(of_setting);
         self.checked(if only_settings { CompileError::Request } else { CompileError::Model })?;
-        Ok(flat)
+        verify::after("flatten", "flat", || verify::flat::check(flat(&made)));
+        Ok(made)
     }
 
     /// The full names of the classes of a package, sorted; the empty name is the top level.
@@ -229,10 +235,16 @@ impl Session {
         let dae = crate::lower::lower(flat, &mut self.problems);
         self.times.push(("lower", begun.elapsed()));
         self.checked(CompileError::Model)?;
+        if let Some(dae) = &dae {
+            verify::after("lower", "dae", || verify::dae::check(dae));
+        }
         let begun = Instant::now();
         let blocks = dae.and_then(|dae| crate::structure::structure(dae, &mut self.problems));
         self.times.push(("structure", begun.elapsed()));
         self.checked(CompileError::Model)?;
+        if let Some(blocks) = &blocks {
+            verify::after("structure", "blocks", || verify::blocks::check(blocks));
+        }
         blocks.ok_or(CompileError::Model)
     }
 
@@ -250,6 +262,9 @@ impl Session {
         let begun = Instant::now();
         let program = crate::codegen::compile_as(blocks, form);
         self.times.push(("codegen", begun.elapsed()));
+        if let Ok(program) = &program {
+            verify::after("codegen", "program", || verify::program::check(program));
+        }
         program.map_err(|problems| {
             self.problems.extend(problems);
             CompileError::Model
@@ -303,17 +318,21 @@ impl Session {
         measures: &[String],
     ) -> Result<(Program, Plan), CompileError> {
         let mut read = Measures::default();
-        let flat = self.flatten_by(request, |cx, class, settings| {
-            read = Measures::read(measures, cx.class_graph.sources, cx.class_graph.problems);
-            let base = cx.classes[class].full_name.to_string();
-            let annotation = cx.definition(class).and_then(|t| t.annotation.clone());
-            let file = extended::file(&read, &base, annotation, cx.sources);
-            cx.class_graph.library.add_file(&file, cx.class_graph.problems);
-            let extended = find(cx, extended::MODEL).unwrap_or(class);
-            let mut flat = crate::flatten::flatten(cx, extended, settings);
-            flat.name = base;
-            flat
-        })?;
+        let flat = self.flatten_by(
+            request,
+            |cx, class, settings| {
+                read = Measures::read(measures, cx.class_graph.sources, cx.class_graph.problems);
+                let base = cx.classes[class].full_name.to_string();
+                let annotation = cx.definition(class).and_then(|t| t.annotation.clone());
+                let file = extended::file(&read, &base, annotation, cx.sources);
+                cx.class_graph.library.add_file(&file, cx.class_graph.problems);
+                let extended = find(cx, extended::MODEL).unwrap_or(class);
+                let mut flat = crate::flatten::flatten(cx, extended, settings);
+                flat.name = base;
+                flat
+            },
+            |flat| flat,
+        )?;
         extended::check(&flat, &read, &mut self.problems);
         self.checked(CompileError::Request)?;
         let mut program = self.compile_flat(flat, request.form)?;
@@ -354,6 +373,9 @@ impl Session {
         };
         let id = self.sources.add(path, text.as_str());
         let file = crate::parse::grammar::parse(id, &text, &mut self.problems);
+        if !self.problems.has_errors() {
+            verify::after("parse", "ast", || verify::ast::check(&file));
+        }
         if let Some(home) = super::files::home(path, file.package()) {
             library.add_home(home.root, home.package, &file);
         }

@@ -1,5 +1,4 @@
-//! What a model is put together from, as something to draw: components in components, their
-//! connectors, and what is connected with what.
+//! The composition of a model for diagrams: nested components, their connectors and connections.
 //!
 //! *Holds:* every component with components, depth first in order of declaration, the model itself
 //! first; every `connect` between two connectors, and every input that reads another component.
@@ -13,7 +12,7 @@ use crate::base::source::Span;
 pub struct Assembly {
     /// The model, then its components, each after the one that holds it.
     pub parts: Vec<AssemblyPart>,
-    /// In the order in which they stand in the text, level by level.
+    /// In order of declaration, level by level.
     pub links: Vec<Link>,
 }
 
@@ -24,9 +23,9 @@ pub struct AssemblyPart {
     pub name: String,
     /// Full name of its class.
     pub class: String,
-    /// The text at its declaration; may be empty.
+    /// The description of its declaration; may be empty.
     pub description: String,
-    /// The text at its class; may be empty.
+    /// The description of its class; may be empty.
     pub meaning: String,
     /// Where it is declared.
     pub place: Span,
@@ -46,11 +45,11 @@ pub struct Port {
     pub name: String,
     /// Full name of its class.
     pub class: String,
-    /// What goes through it.
+    /// The quantity that flows through it.
     pub domain: Domain,
 }
 
-/// What goes through a connector, by the unit of its flow.
+/// The quantity that flows through a connector, by the unit of its flow variable.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Domain {
     /// A force or a torque.
@@ -109,14 +108,14 @@ impl Domain {
     }
 }
 
-/// Two connectors that are one place, or an input and what it reads.
+/// Two connected connectors, or an input and its source.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Link {
     /// The component in whose class it is written.
     pub holder: usize,
-    /// The connectors; of an input, what it reads comes first.
+    /// The connectors; the source of an input comes first.
     pub ends: [LinkEnd; 2],
-    /// What goes through it.
+    /// The quantity that flows through it.
     pub domain: Domain,
     /// Written as `connect`; otherwise an input with a value.
     pub connect: bool,

@@ -1,8 +1,8 @@
-//! The sorted system: what is computed from what, in which order.
+//! The sorted system: the order in which variables are solved, and from which equations.
 //!
 //! *Holds:* the [`Dae`] with differentiated equations, the selected states, and three sequences of
 //! blocks: initialisation, events, and continuous phases.
-//! *Never holds:* an equation or an unknown that stands in no block of a sequence it belongs to.
+//! *Never holds:* a sequence that solves an unknown twice, or reads it before it is solved.
 //! *Made by:* `structure`. *Read by:* `codegen`, `driver` (`mocc structure`).
 
 use super::dae::{Dae, EqId};
@@ -17,7 +17,7 @@ pub struct Blocks {
     pub states: Vec<State>,
     /// Differentiated variables that are never states: their derivatives are dummy derivatives.
     pub dummies: Vec<VarId>,
-    /// States that are chosen anew while the model runs.
+    /// States that are selected during the simulation.
     pub state_sets: Vec<StateSet>,
     /// Determines every variable at the start: states (fixed or not), derivatives, algebraic,
     /// discrete variables and parameters with `fixed = false`.
@@ -40,19 +40,19 @@ pub struct State {
 }
 
 /// Variables among which the states are chosen while the model runs: `states = selection *
-/// candidates`, where each row of `selection` has a single one. What is not selected follows from
+/// candidates`, where each row of `selection` has a single one. The other candidates follow from
 /// the constraints, as long as their derivatives by it stay regular.
 ///
 /// S. E. Mattsson, H. Olsson, H. Elmqvist, "Dynamic Selection of States in Dymola", Modelica
 /// Workshop 2000.
 #[derive(Clone, Debug)]
 pub struct StateSet {
-    /// What may be a state.
+    /// The candidates for states.
     pub candidates: Vec<VarId>,
-    /// Positions of the candidates that are no states if the constraints can be solved for them at
+    /// Positions of the candidates that are not states if the constraints can be solved for them at
     /// the start.
     pub dependent: Vec<usize>,
-    /// What the modeller wants as states counts this much more than its nominal value.
+    /// The weights of the candidates, from `stateSelect`, relative to their nominal values.
     pub wishes: Vec<f64>,
     /// The states, as variables of their own: as many as candidates less constraints.
     pub states: Vec<VarId>,
@@ -94,7 +94,7 @@ pub enum Block {
 pub struct Assignment {
     /// The unknown.
     pub variable: VarId,
-    /// Reads only what is computed before.
+    /// Reads only variables that are solved before.
     pub value: ExprId,
     /// Where it comes from.
     pub source: Source,

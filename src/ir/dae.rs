@@ -4,8 +4,8 @@
 //! relations collected and numbered, each read as [`Node::Relation`](super::expr::Node::Relation);
 //! when-clauses turned into discrete equations, reinits and their activation; alias variables
 //! eliminated but remembered. Derivatives are variables of their own.
-//! *Never holds:* `der()`, `edge`, `noEvent`/`smooth` wrappers, when-clauses, relations between
-//! continuous operands outside the list (those under `noEvent` excepted), `connect`.
+//! *Never holds:* `der()`, `sample()`, `homotopy()`, `edge`, when-clauses, relations between continuous
+//! operands outside the list (those under `noEvent` excepted), `connect`.
 //! *Made by:* `lower`. *Read by:* `structure`, which appends differentiated equations.
 
 use std::sync::Arc;
@@ -55,13 +55,13 @@ pub struct Dae {
     pub functions: IndexVec<FunctionId, Function>,
     /// Delayed expressions: the variable that is delayed, and by how much, s.
     pub delays: Vec<(VarId, ExprId)>,
-    /// Lines along which something is carried.
+    /// Transport lines.
     pub transports: Vec<Transport>,
     /// Defaults of the run.
     pub experiment: Experiment,
 }
 
-/// What a variable is to the solver.
+/// The role of a variable for the solver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum VariableKind {
     /// A constant, or a parameter with a value.
@@ -90,9 +90,9 @@ pub struct Variable {
     pub name: String,
     /// Scalar type.
     pub ty: Type,
-    /// What it is to the solver.
+    /// Its role for the solver.
     pub kind: VariableKind,
-    /// For a derivative, what it is the derivative of.
+    /// For a derivative, the variable that it is the derivative of.
     pub derivative_of: Option<VarId>,
     /// Start value; merged over aliases.
     pub start: Option<ExprId>,
@@ -112,7 +112,7 @@ pub struct Variable {
     pub display_unit: Name,
     /// The description string.
     pub description: Option<Arc<str>>,
-    /// A parameter whose value in the text is 0: nothing is to be divided by it.
+    /// A parameter whose declared value is 0: it must not become a divisor.
     pub vanishes: bool,
     /// Made by the compiler: not written to results.
     pub hidden: bool,
@@ -197,13 +197,13 @@ pub struct Relation {
     pub lhs: ExprId,
     /// Right operand.
     pub rhs: ExprId,
-    /// What kind of event flips it.
+    /// The kind of event that flips it.
     pub trigger: Trigger,
     /// Where it comes from.
     pub origin: Origin,
 }
 
-/// What flips a relation.
+/// The event that flips a relation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Trigger {
     /// `lhs - rhs` passes zero.
@@ -245,7 +245,7 @@ pub struct Reinit {
 /// An assertion, checked where `active` (always, if absent).
 #[derive(Clone, Debug)]
 pub struct GuardedAssert {
-    /// Activation of the when-clause it stands in.
+    /// Activation of its when-clause.
     pub active: Option<ExprId>,
     /// The assertion.
     pub assert: Assert,

@@ -2,7 +2,7 @@
 //!
 //! *Holds:* one line per unknown, in the order in which they are solved; blocks of neighbouring lines
 //! that cover all lines. Lines read lines before them, and within a block any.
-//! *Never holds:* what is known beforehand: states, parameters, time.
+//! *Never holds:* known quantities: states, parameters, time.
 //! *Made by:* `structure::diagram`. *Read by:* `report`.
 
 /// One phase of a model.
@@ -23,7 +23,7 @@ pub struct Diagram {
 pub struct DiagramLine {
     /// Name of the unknown.
     pub unknown: String,
-    /// The equation as text.
+    /// The printed equation.
     pub equation: String,
     /// A tearing variable; its equation is a residual.
     pub torn: bool,

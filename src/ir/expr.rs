@@ -2,7 +2,7 @@
 //!
 //! *Holds:* every scalar expression of a model once; equal expressions have equal ids, so common
 //! sub-expressions are shared from the first day and differentiation and code follow the sharing.
-//! *Never holds:* arrays, records (they are scalarised before), syntax, places in the text
+//! *Never holds:* arrays, records (they are scalarised before), syntax, source positions
 //! (equations carry those).
 //! *Made by:* `flatten` (through the simplifying constructors of `symbolic`). *Read by:* all after.
 
@@ -10,9 +10,8 @@ use hashbrown::HashTable;
 use std::hash::{BuildHasher, Hash};
 use std::sync::Arc;
 
-use crate::base::index::{FastMap, Id, IndexVec};
+use crate::base::index::{FastMap, IndexVec};
 use crate::base::name::{self, Name};
-use crate::base::visited::VisitedSet;
 use crate::define_id;
 use crate::external::External;
 pub use crate::external::printf::Form;
@@ -62,9 +61,9 @@ pub enum Const {
     Real(u64),
     /// An integer.
     Integer(i64),
-    /// A truth value.
+    /// A Boolean.
     Boolean(bool),
-    /// A text.
+    /// A string.
     String(Name),
     /// A literal of an enumeration, counted from 1.
     Enumeration(EnumId, u32),
@@ -119,7 +118,7 @@ macro_rules! define_unary {
 }
 unary_builtins!(define_unary);
 
-/// A reader of what is carried along a line.
+/// A read of a profile on a transport line.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Carried {
     /// Number of the line in the model.
@@ -214,9 +213,9 @@ pub enum Node {
     Initial,
     /// `terminal()`
     Terminal,
-    /// The held truth value of relation `k` of the model. Made by `lower`.
+    /// The value of relation `k` of the model, held between events. Made by `lower`.
     Relation(u32),
-    /// What a recording says about an input at `time`: its derivative of this order, 0 the value itself.
+    /// The recorded value of an input at `time` (order 0), or its derivative of this order.
     /// Made by `lower`.
     Recorded(VarId, u32),
 }
@@ -230,7 +229,7 @@ pub struct Enumeration {
     pub literals: Vec<Name>,
 }
 
-/// The number from which on variables are symbols, which stand for what a loop finds.
+/// Variables from this number on are symbols: placeholders for values that a loop computes.
 pub const FIRST_SYMBOL: u32 = 1 << 30;
 
 /// The expression graph.
@@ -239,8 +238,8 @@ pub struct Graph {
     nodes: IndexVec<ExprId, Node>,
     types: IndexVec<ExprId, Type>,
     table: HashTable<ExprId>,
-    /// Where variables stand, by their numbers: most of what is asked for is one, so these are
-    /// not in the table.
+    /// The nodes of variables, by number. Most look-ups are for variables, so these bypass the hash
+    /// table.
     variables: Vec<Option<ExprId>>,
     lists: IndexVec<ListId, Box<[ExprId]>>,
     list_table: FastMap<Box<[ExprId]>, ListId>,
@@ -349,7 +348,7 @@ impl Graph {
         self.constant(Const::Integer(value))
     }
 
-    /// A truth value.
+    /// A Boolean literal.
     pub fn boolean(&mut self, value: bool) -> ExprId {
         self.constant(Const::Boolean(value))
     }
@@ -390,73 +389,6 @@ impl Graph {
     pub fn as_number(&self, e: ExprId) -> Option<f64> {
         self.as_const(e).and_then(Const::number)
     }
-
-    /// Calls `visit` with each direct operand, in order.
-    pub fn for_each_operand(&self, e: ExprId, mut visit: impl FnMut(ExprId)) {
-        match self.nodes[e] {
-            Node::Const(_)
-            | Node::Time
-            | Node::Var(_)
-            | Node::Der(_)
-            | Node::Pre(_)
-            | Node::Initial
-            | Node::Terminal
-            | Node::Relation(_)
-            | Node::Recorded(..) => {}
-            Node::Unary(_, a) | Node::NoEvent(a) | Node::Smooth(_, a) => visit(a),
-            Node::Binary(_, a, b) | Node::Homotopy(a, b) | Node::Sample(a, b) => {
-                visit(a);
-                visit(b);
-            }
-            Node::If(c, a, b) => {
-                visit(c);
-                visit(a);
-                visit(b);
-            }
-            Node::Call { args, .. } => self.lists[args].iter().copied().for_each(visit),
-        }
-    }
-
-    /// All nodes below `roots`, operands before users, each once. Iterative: depth costs no stack.
-    pub fn postorder(&self, roots: impl IntoIterator<Item = ExprId>) -> Vec<ExprId> {
-        VisitedSet::traverse(self.nodes.len(), |seen| {
-            let mut order = Vec::new();
-            // Calls for several outputs share their arguments, which may be many.
-            let mut lists = crate::base::index::FastSet::default();
-            let mut stack: Vec<(ExprId, bool)> = Vec::new();
-            for root in roots {
-                stack.push((root, false));
-                while let Some((e, done)) = stack.pop() {
-                    if done {
-                        order.push(e);
-                    } else if seen.insert(e.idx()) {
-                        if let Node::Call { args, .. } = self.nodes[e]
-                            && !lists.insert(args)
-                        {
-                            order.push(e);
-                            continue;
-                        }
-                        stack.push((e, true));
-                        let first = stack.len();
-                        self.for_each_operand(e, |a| stack.push((a, false)));
-                        stack[first..].reverse();
-                    }
-                }
-            }
-            order
-        })
-    }
-
-    /// The variables (not `der`, not `pre`) below `e`, in order of first use.
-    pub fn variables(&self, e: ExprId) -> Vec<VarId> {
-        self.postorder([e])
-            .into_iter()
-            .filter_map(|n| match self.nodes[n] {
-                Node::Var(v) => Some(v),
-                _ => None,
-            })
-            .collect()
-    }
 }
 
 impl Const {
@@ -469,7 +401,7 @@ impl Const {
         }
     }
 
-    /// The literal of a type that stands in a register as `x`.
+    /// The literal of a type whose register holds `x`.
     pub fn of_type(ty: Type, x: f64) -> Const {
         match ty {
             Type::Real => Const::Real(x.to_bits()),
@@ -480,8 +412,8 @@ impl Const {
         }
     }
 
-    /// How the literal stands in a register at run time: truth values are 0 and 1, enumeration
-    /// literals and texts their number.
+    /// The value of the literal in a register at run time: Booleans are 0 and 1, enumeration
+    /// literals and strings their number.
     pub fn register(self) -> f64 {
         match self {
             Const::Real(bits) => f64::from_bits(bits),

@@ -3,7 +3,7 @@
 //!
 //! *Holds:* every scalar variable with evaluated structure (dimensions, conditions, `if` on structural
 //! parameters), equations of connections written out, functions inlined or listed, every equation
-//! with the place in the text that it comes from. `der`, `pre`, relations still stand in expressions.
+//! with its source position. Expressions still contain `der`, `pre` and relations.
 //! *Never holds:* arrays, records, `connect`, `for`, classes, modifications.
 //! *Made by:* `flatten`. *Read by:* `lower`, and printed as flat Modelica by `flatten::print`.
 
@@ -23,7 +23,7 @@ pub struct FlatModel {
     pub name: String,
     /// Its description string.
     pub description: Option<Arc<str>>,
-    /// Where its name stands.
+    /// Position of its name.
     pub span: Span,
     /// All expressions.
     pub graph: Graph,
@@ -37,15 +37,15 @@ pub struct FlatModel {
     pub functions: IndexVec<FunctionId, Function>,
     /// `annotation(experiment(...))`.
     pub experiment: Experiment,
-    /// Places of equations and declarations in which constants with units stand as numbers.
+    /// Positions of equations and declarations in which constants have lost their units.
     pub unitless_literals: FastSet<Span>,
-    /// Inputs without a value that recordings give one, moving with time.
+    /// Inputs without a value that take theirs from recordings.
     pub recorded: Vec<VarId>,
     /// Variables that `flatten` made for its own purposes.
     pub synthetic: Vec<VarId>,
     /// Delayed expressions.
     pub delays: Vec<Delay>,
-    /// Lines along which something is carried.
+    /// Transport lines.
     pub transports: Vec<Transport>,
 }
 
@@ -143,7 +143,7 @@ impl Variable {
 /// Where an equation comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {
-    /// Place in the text.
+    /// Source position.
     pub span: Span,
     /// Dotted name of the component whose class holds it; empty for the model itself.
     pub component: Arc<str>,
@@ -152,7 +152,7 @@ pub struct Origin {
 /// An equation.
 #[derive(Clone, Debug)]
 pub struct Equation {
-    /// What it says.
+    /// Its form.
     pub kind: EquationKind,
     /// Where it comes from.
     pub origin: Origin,
@@ -167,12 +167,12 @@ pub enum EquationKind {
     When(Vec<WhenBranch>),
     /// `assert(condition, message, level)`.
     Assert(Assert),
-    /// `terminate(message)` outside a when-clause is not allowed, so it stands in [`Action`] only;
+    /// `terminate(message)` outside a when-clause is not allowed, so only [`Action`] has it;
     /// an algorithm section: `outputs[i] := values[i]` for all i at once.
     Algorithm {
         /// The variables that the section assigns.
         outputs: Vec<VarId>,
-        /// What each holds after the section, in terms of other variables (and of `pre(v)` or the
+        /// The value of each after the section, in terms of other variables (and of `pre(v)` or the
         /// start value where a variable is read before it is assigned).
         values: Vec<ExprId>,
     },
@@ -183,11 +183,11 @@ pub enum EquationKind {
 pub struct WhenBranch {
     /// The scalar conditions; a vector condition `{a, b}` has several: any edge activates.
     pub conditions: Vec<ExprId>,
-    /// What happens, in order.
+    /// The actions, in order.
     pub actions: Vec<Action>,
 }
 
-/// What a when-clause does.
+/// An action of a when-clause.
 #[derive(Clone, Debug)]
 pub enum Action {
     /// `v = value`
@@ -214,11 +214,11 @@ pub struct Assert {
     pub condition: ExprId,
     /// A `String` expression.
     pub message: ExprId,
-    /// What happens where it is not.
+    /// The consequence if it is false.
     pub level: AssertionLevel,
 }
 
-/// What happens where an assertion is violated.
+/// The consequence of a violated assertion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum AssertionLevel {
     /// The run fails.
@@ -229,10 +229,10 @@ pub enum AssertionLevel {
     Print(Name),
 }
 
-/// `delay(variable, time)`, read as what is recorded of the variable.
+/// `delay(variable, time)`, read as a recorded signal of the variable.
 #[derive(Clone, Copy, Debug)]
 pub struct Delay {
-    /// What is delayed; made by `flatten` for this purpose.
+    /// The delayed variable, which `flatten` adds.
     pub variable: VarId,
     /// By how much, s: a parameter expression.
     pub time: ExprId,
@@ -240,36 +240,36 @@ pub struct Delay {
     pub span: Span,
 }
 
-/// A line along which something is carried, and keeps its place on it: `Unary::Carried` reads it.
+/// A transport line: a profile that moves along a coordinate. `Unary::Carried` reads it.
 #[derive(Clone, Debug)]
 pub struct Transport {
-    /// Places of the low and of the high end of what can be read; made by `flatten` for this purpose, as
-    /// all variables here.
+    /// Coordinates of the low and of the high end of the readable part. `flatten` adds these variables, and
+    /// all others here.
     pub ends: [VarId; 2],
-    /// What enters where an end moves outwards, if anything does.
+    /// The value that enters where an end moves outwards, if any.
     pub entering: [Option<VarId>; 2],
-    /// What is on the line in the beginning, if anything is: places from the low end on in ascending
-    /// order, and values; parameter expressions.
+    /// The initial profile, if any: coordinates from the low end in ascending order, and values; parameter
+    /// expressions.
     pub initial: Vec<(ExprId, ExprId)>,
-    /// Where time is the line, how far what is read lies back at most.
+    /// If the coordinate is time, the longest delay.
     pub longest: Option<ExprId>,
-    /// Those who read: of a `spatialDistribution` the low end and the high end.
+    /// The reads: of a `spatialDistribution` at the low end and at the high end.
     pub readers: Vec<TransportReader>,
     /// Place of the call.
     pub span: Span,
 }
 
-/// A reader of what is carried along a line.
+/// A read of a transport line.
 #[derive(Clone, Copy, Debug)]
 pub struct TransportReader {
     /// The place that it reads.
     pub place: VarId,
-    /// Where the smooth piece begins in which that is. Only the run knows: the 0th derivative of what is
-    /// recorded of it.
+    /// Coordinate at which the smooth piece around the read begins: a recorded signal that the simulation
+    /// sets.
     pub from: VarId,
     /// Where it ends.
     pub to: VarId,
-    /// It has come to the end of its piece: makes the event.
+    /// True when the read reaches the end of its piece: triggers the event.
     pub arrives: VarId,
 }
 
@@ -336,51 +336,11 @@ pub enum Statement {
     Break,
     /// `return`
     Return,
-    /// `assert(...)`, and where it stands.
+    /// `assert(...)` and its position.
     Assert(Assert, Span),
 }
 
 impl FlatModel {
-    /// Calls `visit` with every expression of the model but those of its functions.
-    pub fn for_each_expression(&self, visit: &mut dyn FnMut(ExprId)) {
-        for v in self.variables.iter() {
-            let attributes = [v.binding, v.start, v.min, v.max, v.nominal];
-            attributes.into_iter().flatten().for_each(&mut *visit);
-        }
-        let assert = |a: &Assert, visit: &mut dyn FnMut(ExprId)| {
-            [a.condition, a.message].into_iter().for_each(visit);
-        };
-        for e in self.equations.iter().chain(&self.initial_equations) {
-            match &e.kind {
-                EquationKind::Equal(a, b) => [*a, *b].into_iter().for_each(&mut *visit),
-                EquationKind::Algorithm { values, .. } => {
-                    values.iter().copied().for_each(&mut *visit);
-                }
-                EquationKind::Assert(a) => assert(a, visit),
-                EquationKind::When(branches) => {
-                    for branch in branches {
-                        branch.conditions.iter().copied().for_each(&mut *visit);
-                        for action in &branch.actions {
-                            match action {
-                                Action::Assign(_, e) | Action::Terminate(e) => visit(*e),
-                                Action::Reinit { value, guard, .. } => {
-                                    visit(*value);
-                                    guard.iter().copied().for_each(&mut *visit);
-                                }
-                                Action::Assert(a) => assert(a, visit),
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        self.delays.iter().for_each(|d| visit(d.time));
-        for line in &self.transports {
-            line.initial.iter().flat_map(|(p, v)| [*p, *v]).for_each(&mut *visit);
-            line.longest.iter().copied().for_each(&mut *visit);
-        }
-    }
-
     /// An empty model.
     pub fn new(name: impl Into<String>, span: Span) -> Self {
         FlatModel {

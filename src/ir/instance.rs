@@ -2,7 +2,7 @@
 //!
 //! *Holds:* component instances with resolved classes, modification layers (outermost first, each
 //! with the scope in which its expressions are read), evaluated dimensions and conditions.
-//! *Never holds:* evaluated bindings or equations: those stay text until `flatten` reads them.
+//! *Never holds:* evaluated bindings or equations: those stay syntax until `flatten` evaluates them.
 //! *Made by:* `instantiate`. *Read by:* `flatten`.
 
 use std::rc::Rc;
@@ -15,7 +15,7 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 
 crate::define_id! {
-    /// A class in its lexical place, with what is redeclared in it.
+    /// A class in its lexical scope, with its redeclarations.
     pub struct ClassId
 }
 crate::define_id! {
@@ -28,14 +28,14 @@ crate::define_id! {
 pub struct Scope {
     /// The instance whose components are visible.
     pub instance: InstanceId,
-    /// The class in whose text the name stands: the instance's own or one of its bases.
+    /// The class whose definition contains the name: the instance's own or one of its bases.
     pub class: ClassId,
 }
 
 /// A class in its lexical place.
 #[derive(Clone, Debug)]
 pub struct ClassInstance {
-    /// Its text, or a predefined type.
+    /// Its definition, or a predefined type.
     pub body: ClassDefinition,
     /// Full dotted name.
     pub full_name: Name,
@@ -47,7 +47,7 @@ pub struct ClassInstance {
     pub redeclared: Rc<[Redeclaration]>,
 }
 
-/// The text of a class.
+/// The definition of a class.
 #[derive(Clone, Debug)]
 pub enum ClassDefinition {
     /// The unnamed root package.
@@ -65,7 +65,7 @@ pub struct Redeclaration {
     pub name: Name,
     /// The new class.
     pub class: Arc<ast::Class>,
-    /// The class in whose text the redeclaration stands.
+    /// The class whose definition contains the redeclaration.
     pub written_in: ClassId,
     /// The instance whose names its modifications read; `None`: the instance of the class in which
     /// the replaced class is found (a redeclaration in an `extends` clause).
@@ -77,15 +77,15 @@ pub struct Redeclaration {
 pub struct ClassTable {
     /// The predefined type or enumeration that it specialises.
     pub scalar: Option<Type>,
-    /// What it is short for is not there, which was reported: nothing is known of it.
+    /// The class that a short class definition names does not exist, which was reported.
     pub broken: bool,
-    /// Dimensions that short classes add, each with the class whose text holds it.
+    /// Dimensions that short class definitions add, each with the class that contains it.
     pub dims: Vec<(Vec<ast::Subscript>, ClassId)>,
     /// Prefixes that short classes add.
     pub prefix: ast::TypePrefix,
     /// Modifications that short classes and `extends` put on a predefined type, outermost first.
     pub layers: Vec<(Arc<ast::Modification>, ClassId)>,
-    /// Components and local classes in order, inherited ones where their `extends` stands.
+    /// Components and local classes in order, inherited ones at the position of their `extends`.
     pub entries: Vec<Entry>,
     /// Position of a name in `entries`.
     pub index: FastMap<Name, usize>,
@@ -104,11 +104,11 @@ pub struct ClassTable {
 pub struct Entry {
     /// Its name.
     pub name: ast::Ident,
-    /// What it is.
+    /// Component or class.
     pub kind: EntryKind,
     /// The element that declares it, with its prefixes.
     pub element: Rc<ast::Element>,
-    /// The class whose text declares it.
+    /// The class whose definition declares it.
     pub class: ClassId,
     /// Modifications of the `extends` clauses through which it came, outermost first.
     pub layers: Rc<[(Arc<ast::Modification>, ClassId)]>,
@@ -118,7 +118,7 @@ pub struct Entry {
     pub component: Option<usize>,
 }
 
-/// What an entry is.
+/// A component or a class.
 #[derive(Clone, Debug)]
 pub enum EntryKind {
     /// A component.
@@ -150,7 +150,7 @@ impl Declaration {
     }
 }
 
-/// A section of equations or statements with the class whose text holds it.
+/// A section of equations or statements, and the class that contains it.
 #[derive(Clone, Debug)]
 pub struct Section {
     /// Scope of its names.
@@ -183,11 +183,11 @@ pub struct Instance {
     pub declaration: Option<Declaration>,
     /// Where the names of its declaration are looked up.
     pub scope: Scope,
-    /// What modifies it, outermost first.
+    /// Its modifications, outermost first.
     pub layers: Rc<[super::modification::Layer]>,
     /// Its class, once known.
     pub class: Option<ClassId>,
-    /// What it is, once known.
+    /// Its kind, once known.
     pub kind: InstanceKind,
     /// Prefixes, merged with those of the components around it.
     pub prefix: ast::TypePrefix,
@@ -195,16 +195,16 @@ pub struct Instance {
     pub protected: bool,
 }
 
-/// What an instance is.
+/// The kinds of instances.
 #[derive(Clone, Debug)]
 pub enum InstanceKind {
-    /// Not looked into yet.
+    /// Not instantiated yet.
     Pending,
-    /// Being looked into: meeting it again is a cycle.
+    /// Being instantiated: meeting it again is a cycle.
     InProgress,
     /// Its condition is false.
     Absent,
-    /// An error was reported: nothing more is said about it.
+    /// An error was reported; no further ones follow from it.
     Broken,
     /// An `outer` component: the `inner` one it stands for.
     Outer(InstanceId),

@@ -8,6 +8,7 @@ pub mod expr;
 pub mod flat;
 pub mod dae;
 pub mod blocks;
+pub mod walk;
 pub mod program;
 pub mod trajectory;
 pub mod diagram;

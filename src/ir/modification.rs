@@ -1,4 +1,4 @@
-//! Modifications on their way to what they modify: a layer is a place in the text of a modification
+//! Modifications on their way to the modified component: a layer is a position in a modification
 //! together with the scope in which its expressions are read. Nothing is copied or merged; the list
 //! of layers is searched from the outermost inwards (section 7.2 of the specification).
 
@@ -13,11 +13,11 @@ use crate::base::source::Span;
 /// One modification that applies to a component.
 #[derive(Clone, Debug)]
 pub struct Layer {
-    /// Where it stands.
+    /// Its position.
     pub source: LayerSource,
     /// Where its names are looked up.
     pub scope: Scope,
-    /// Subscripts to apply to a binding, collected from the arrays between the text and here.
+    /// Subscripts to apply to a binding, collected from the arrays between the modification and the component.
     pub subscripts: Rc<[usize]>,
 }
 
@@ -28,7 +28,7 @@ pub enum LayerSource {
     Whole(Arc<Modification>),
     /// Argument `.1` of a modification, of whose dotted name the first `.2 + 1` parts are matched.
     Argument(Arc<Modification>, usize, usize),
-    /// A setting from outside the text, of whose name the first `.1` parts are matched.
+    /// A parameter override, of whose name the first `.1` parts are matched.
     ParameterOverride(Rc<ParameterOverride>, usize),
 }
 
@@ -45,7 +45,7 @@ pub struct ParameterOverride {
     pub used: std::cell::Cell<bool>,
 }
 
-/// A binding with what stands around it.
+/// A binding with its scope.
 #[derive(Clone, Debug)]
 pub struct Binding {
     /// The expression.

@@ -4,14 +4,13 @@
 //! same time, the left and the right limit in this order; the events in order of time.
 //! *Never holds:* NaN or an infinity; a time that decreases; a column longer or shorter than the
 //! time; two columns of one name.
-//! *Made by:* `simulate`, and `report::table` from a file of measurements.
-//! *Read by:* `report` and `identify`.
+//! *Made by:* `simulate`, and `io` from files of measurements. *Read by:* `report`, `measure`, `calibrate`.
 
 use std::sync::Arc;
 
 use thiserror::Error;
 
-/// What the values of a column are; all are stored as `f64`.
+/// The type of the values of a column; all are stored as `f64`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// A Real that moves between events.
@@ -35,7 +34,7 @@ pub struct Column {
     pub display_unit: String,
     /// The comment at the declaration; may be empty.
     pub description: String,
-    /// What the values are.
+    /// The type of the values.
     pub kind: Kind,
 }
 
@@ -52,7 +51,7 @@ impl Column {
     }
 }
 
-/// What is known of a column before its run.
+/// The part of a column that is known before the simulation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ColumnStorage {
     /// It goes its own way.
@@ -71,9 +70,9 @@ pub enum ColumnStorage {
 /// A parameter or a constant, which has no column in a table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Constant {
-    /// What it is.
+    /// Its name and units.
     pub column: Column,
-    /// Its value during the whole run, SI.
+    /// Its value, SI.
     pub value: f64,
 }
 
@@ -99,7 +98,7 @@ pub struct Trajectory {
     pub data: Vec<Arc<Vec<f64>>>,
     /// The events in order of time.
     pub events: Vec<Event>,
-    /// While rows come: what is known of the columns that wait for their values.
+    /// While rows are added: how columns that are not stored yet follow from others.
     pub(crate) column_storage: Vec<ColumnStorage>,
 }
 
@@ -302,7 +301,7 @@ mod tests {
         run
     }
 
-    /// What is known of a column is filled in after the run, also where the rows came in several blocks.
+    /// Columns that follow from others are filled in after the run, even if the rows came in several blocks.
     #[test]
     fn columns_of_known_course_are_filled_in() {
         let columns = ["a", "twin", "mirror", "c", "b"].map(|n| Column::new(n, "")).to_vec();

@@ -48,7 +48,7 @@ fn is_given(flat: &FlatModel, v: VarId) -> bool {
 
 /// True if an expression contains only literals and variables for which `known` is true.
 fn consists_of(graph: &Graph, e: ExprId, known: impl Fn(VarId) -> bool) -> bool {
-    graph.postorder([e]).into_iter().all(|n| match graph.node(n) {
+    graph.all([e], |_, node| match node {
         Node::Var(v) => known(v),
         Node::Const(_)
         | Node::Unary(..)

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::base::name::name;
 use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
-use crate::ir::flat::{Action, EquationKind, FlatModel, Variability, Variable};
+use crate::ir::flat::{FlatModel, Variability, Variable};
 use crate::symbolic::rewrite::Rewriter;
 
 /// The name of the parameter, which cannot be an identifier of the user.
@@ -25,30 +25,7 @@ pub fn homotopy_model(flat: &FlatModel) -> Option<FlatModel> {
     let one = model.graph.real(1.0);
     let lambda = model.variables.push(parameter(one, &model));
     let mut rewriter = Rewriter::new();
-    let FlatModel { graph, variables, equations, initial_equations, .. } = &mut model;
-    let mut apply = |e: &mut ExprId| *e = blended(graph, &mut rewriter, *e, lambda);
-    for v in variables.iter_mut() {
-        v.binding.iter_mut().for_each(&mut apply);
-    }
-    for equation in equations.iter_mut().chain(initial_equations) {
-        match &mut equation.kind {
-            EquationKind::Equal(a, b) => [a, b].into_iter().for_each(&mut apply),
-            EquationKind::When(branches) => {
-                for branch in branches {
-                    branch.conditions.iter_mut().for_each(&mut apply);
-                    for action in &mut branch.actions {
-                        match action {
-                            Action::Assign(_, value) => apply(value),
-                            Action::Reinit { value, .. } => apply(value),
-                            Action::Assert(_) | Action::Terminate(_) => {}
-                        }
-                    }
-                }
-            }
-            EquationKind::Algorithm { values, .. } => values.iter_mut().for_each(&mut apply),
-            EquationKind::Assert(_) => {}
-        }
-    }
+    model.map_expressions(&mut |graph, e| blended(graph, &mut rewriter, e, lambda));
     Some(model)
 }
 

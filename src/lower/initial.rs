@@ -131,7 +131,7 @@ fn pre_variables(e: ExprId, r: &Rewriting<'_>) -> Vec<VarId> {
 
 /// True if the expression contains only `pre` values and parameters.
 fn is_pre_expression(e: ExprId, r: &Rewriting<'_>) -> bool {
-    r.graph.postorder([e]).into_iter().all(|n| match r.graph.node(n) {
+    r.graph.all([e], |_, node| match node {
         Node::Var(v) => r.variables[v].kind == VariableKind::Parameter,
         Node::Pre(_) | Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,
         _ => false,

@@ -127,7 +127,7 @@ pub fn check(flat: &FlatModel, measures: &Measures, problems: &mut Problems) {
 }
 
 fn reads_time(graph: &Graph, e: ExprId) -> bool {
-    graph.postorder([e]).into_iter().any(|e| matches!(graph.node(e), Node::Time))
+    graph.any([e], |_, node| node == Node::Time)
 }
 
 /// Gives components their bindings.

@@ -87,7 +87,7 @@ fn is_parameter(dae: &Dae, v: VarId) -> bool {
 
 /// True if an expression reads only literals and parameters.
 fn is_constant(dae: &Dae, value: ExprId) -> bool {
-    dae.graph.postorder([value]).into_iter().all(|e| match dae.graph.node(e) {
+    dae.graph.all([value], |_, node| match node {
         Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,
         Node::Var(v) => is_parameter(dae, v),
         _ => false,

@@ -240,7 +240,7 @@ impl KnownZeros {
 
 /// True if the expression contains a zero or an `if`.
 fn may_reduce(dae: &Dae, e: ExprId, known: &KnownZeros) -> bool {
-    dae.graph.postorder([e]).into_iter().any(|n| match dae.graph.node(n) {
+    dae.graph.any([e], |n, node| match node {
         Node::Var(v) => known.is_zero(&dae.graph, v),
         Node::If(..) => true,
         _ => known.zeros.contains(&n),

@@ -88,7 +88,7 @@ const MAX_RATIO: f64 = 100.0;
 /// division by the small one, rounding errors could dominate the result.
 fn keeps_its_magnitude(dae: &Dae, coefficient: ExprId) -> bool {
     let g = &dae.graph;
-    g.postorder([coefficient]).into_iter().all(|n| match g.node(n) {
+    g.all([coefficient], |_, node| match node {
         Node::If(_, a, b) => match (g.as_number(a), g.as_number(b)) {
             (Some(a), Some(b)) => {
                 let ratio = (a / b).abs();

@@ -1,4 +1,5 @@
-//! Places inside of each other: branches of an `if`, or what stands under a condition.
+//! Nested places: branches of an `if`, or regions under a condition. The place of an expression is the
+//! innermost one around all its uses, which dominates them.
 
 /// Places by number. 0 is around all others.
 pub struct Nesting {
@@ -13,13 +14,13 @@ impl Default for Nesting {
 }
 
 impl Nesting {
-    /// A new place directly inside of another one.
+    /// Adds a place directly inside another.
     pub fn inside(&mut self, around: usize) -> usize {
         self.places.push((around, self.depth(around) + 1));
         self.places.len() - 1
     }
 
-    /// The place around another one; 0 stands inside of itself.
+    /// The place around another; 0 is inside itself.
     pub fn around(&self, place: usize) -> usize {
         self.places[place].0
     }

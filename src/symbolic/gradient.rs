@@ -15,7 +15,7 @@ pub enum Leaf {
     Var(VarId),
     /// `der(v)`
     Der(VarId),
-    /// What a recording says about an input: its derivative of this order.
+    /// The recorded derivative of an input of this order.
     Recorded(VarId, u32),
 }
 
@@ -31,7 +31,7 @@ pub fn gradient(
     let order = graph.postorder([root]);
     let mut depends: FastMap<ExprId, bool> = FastMap::default();
     for &e in &order {
-        // What recordings say about inputs is given.
+        // Recorded inputs are given.
         let mut d = leaf(graph, e).is_some_and(|l| !matches!(l, Leaf::Recorded(..)) && wanted(l));
         graph.for_each_operand(e, |a| d |= depends[&a]);
         depends.insert(e, d);
@@ -212,7 +212,7 @@ fn remainder(g: &mut Graph, a: ExprId, b: ExprId, y: ExprId, seed: ExprId) -> [O
     [Some(seed), Some(g.neg(product))]
 }
 
-/// The total derivative by time. `rate` gives the derivative of a variable, `None` for what is constant
+/// The total derivative by time. `rate` gives the derivative of a variable, `None` if it is constant
 /// in time.
 pub fn time_derivative(
     graph: &mut Graph,
@@ -228,7 +228,7 @@ pub fn time_derivative(
 }
 
 /// The derivative along a direction, of which `rate` gives the components, `None` for zero. Forward
-/// accumulation: an alternative is differentiated branch by branch, so that what is infinite in the
+/// accumulation: an alternative is differentiated branch by branch, so that an infinite derivative in the
 /// branch not taken does not spoil the other.
 pub fn forward_derivative(
     graph: &mut Graph,

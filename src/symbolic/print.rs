@@ -22,11 +22,11 @@ pub struct Printer<'a> {
     pub variable: &'a dyn Fn(VarId, &mut String),
     /// The name of an enumeration type, from its full name.
     pub enumeration: &'a dyn Fn(&str) -> String,
-    /// What a numbered relation compares, if it is to be written out.
+    /// The operator and operands of a numbered relation, if it is to be expanded.
     pub relation: &'a dyn Fn(u32) -> Option<(Binary, ExprId, ExprId)>,
-    /// Writes what is read of the past, or of tables, or an equality, if it knows how.
+    /// Prints signals, transport reads, tables and equalities in another way; false if it does not.
     pub special: &'a dyn Fn(Node, &mut String) -> bool,
-    /// What comes after so many bytes may be left out: what is shared may be long as a text.
+    /// Output beyond this number of bytes may be left out: shared expressions can be long when printed.
     pub longest: usize,
 }
 
@@ -38,7 +38,7 @@ impl Printer<'_> {
         out
     }
 
-    /// Prints `e` behind a text.
+    /// Appends `e` to `out`.
     pub fn print_to(&self, e: ExprId, out: &mut String) {
         self.write(e, 0, out);
     }
@@ -269,7 +269,7 @@ fn call(out: &mut String, name: &str, args: impl FnOnce(&mut String)) {
     out.push(')');
 }
 
-/// Strength of the operator and what its left and right operands must have at least.
+/// The binding strength of the operator, and the least that its left and right operands need.
 fn operator_strengths(op: Binary) -> Option<(u8, u8, u8)> {
     Some(match op.facts()?.syntax {
         Syntax::Disjunction => (OR, OR, AND),
@@ -282,7 +282,7 @@ fn operator_strengths(op: Binary) -> Option<(u8, u8, u8)> {
     })
 }
 
-/// The arguments of `String` after the value, where they are not what they are without being said.
+/// The arguments of `String` after the value, unless they have their defaults.
 fn push_form(form: Form, ty: Type, out: &mut String) {
     if let Some(format) = form.format {
         out.push_str(&format!(", format = \"{format}\""));

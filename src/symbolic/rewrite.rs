@@ -3,7 +3,7 @@
 use crate::base::index::FastMap;
 use crate::ir::expr::{ExprId, Graph};
 
-/// A rewriting in progress: what each node became. Reusable over many roots.
+/// A rewriting in progress: the result for each node. Reusable over many roots.
 #[derive(Default)]
 pub struct Rewriter {
     done: FastMap<ExprId, ExprId>,
@@ -16,7 +16,7 @@ impl Rewriter {
     }
 
     /// Rewrites `root`. `replace` sees every node before its operands and may give another
-    /// expression in its place; what it gives is not looked into again.
+    /// expression for it, which is not rewritten again.
     pub fn apply(
         &mut self,
         graph: &mut Graph,

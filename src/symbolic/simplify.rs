@@ -45,7 +45,7 @@ impl Graph {
     pub fn not(&mut self, a: ExprId) -> ExprId {
         self.unary(Unary::Not, a)
     }
-    /// A text literal.
+    /// A string literal.
     pub fn string(&mut self, text: &str) -> ExprId {
         self.constant(Const::String(Name::from(text)))
     }
@@ -196,7 +196,7 @@ impl Graph {
         }
     }
 
-    /// Turns an integer literal beside a real operand into a real one, so that `2 * x` and `2.0 * x`
+    /// Turns an Integer literal next to a Real operand into a Real one, so that `2 * x` and `2.0 * x`
     /// are one node.
     fn same_kind(&mut self, op: Binary, a: ExprId, b: ExprId) -> (ExprId, ExprId) {
         let real = self.ty(a) == Type::Real || self.ty(b) == Type::Real || op == Binary::Div;

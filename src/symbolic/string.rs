@@ -1,8 +1,8 @@
-//! `String(...)`: values as texts (section 3.7.3.1 of the specification).
+//! `String(...)`: conversion of values to strings.
 
 use crate::ir::expr::{Const, Form, Graph};
 
-/// The text of a value; `None` if the form is none of numbers.
+/// The string of a value; `None` if the format does not fit its type.
 pub fn text(graph: &Graph, value: Const, form: Form) -> Option<String> {
     let text = match value {
         Const::Real(bits) => return form.of(f64::from_bits(bits), false),

@@ -1,16 +1,17 @@
-//! Where expressions stand: how often, and under which conditions alone they are computed.
+//! Uses of expressions: how many, and under which conditions each is needed.
 
 use super::dominance::Nesting;
-use crate::base::index::{FastMap, FastSet};
+use crate::base::index::FastMap;
 use crate::ir::expr::{Binary, ExprId, Graph, Node};
 
 /// An expression, and the condition under which it is computed.
 pub type Root = (ExprId, Option<ExprId>);
 
-/// Guards beyond which none is made that stands for either of two: their conditions grow with each.
+/// Maximum number of guards; beyond it two guards are joined by their common one, because the condition
+/// of a disjunction grows with each step.
 const MOST: usize = 10_000;
 
-/// Whether what stands below a node is not looked at.
+/// Whether the operands of a node are ignored.
 pub type Closed<'c> = dyn Fn(&Graph, ExprId) -> bool + 'c;
 
 /// A condition that must hold, or must not.
@@ -24,18 +25,18 @@ pub struct Guard {
     pub holds: bool,
 }
 
-/// Where expressions stand.
+/// The uses of expressions.
 pub struct Uses {
-    /// How often each stands somewhere, and the guard under which it does.
+    /// The number of uses of each expression, and the guard around all of them.
     pub of: FastMap<ExprId, (u32, usize)>,
-    /// How guards stand in each other, by number; 0 is none.
+    /// The nesting of guards, by number; 0 is no guard.
     pub nesting: Nesting,
     guards: Vec<Guard>,
     numbers: FastMap<(usize, ExprId, bool), usize>,
 }
 
 impl Uses {
-    /// What stands below these roots.
+    /// The uses below these roots.
     pub fn of(graph: &mut Graph, roots: &[Root], closed: &Closed<'_>) -> Uses {
         let none = Guard { depth: 0, condition: ExprId(0), holds: true };
         let mut uses = Uses {
@@ -95,7 +96,7 @@ impl Uses {
         })
     }
 
-    /// The guard of what is computed under one guard or under another.
+    /// The guard of an expression that is needed under either of two guards.
     fn either(&mut self, graph: &mut Graph, a: usize, b: usize) -> usize {
         let around = self.nesting.common(a, b);
         if around == a || around == b || self.nesting.count() > MOST {
@@ -106,7 +107,7 @@ impl Uses {
         self.inside(around, condition, true)
     }
 
-    /// All conditions of a guard inside of another one, as one.
+    /// The conjunction of the conditions of a guard inside another.
     pub fn all(&self, graph: &mut Graph, mut guard: usize, around: usize) -> ExprId {
         let mut all = graph.boolean(true);
         while guard != around {
@@ -130,18 +131,12 @@ impl Uses {
     }
 }
 
-/// All expressions below some, as far as they are looked at.
+/// All expressions at or below the roots, except those below closed ones.
 fn below(graph: &Graph, roots: &[Root], closed: &Closed<'_>) -> Vec<ExprId> {
-    let mut seen: FastSet<ExprId> = FastSet::default();
     let mut found = Vec::new();
-    let mut stack: Vec<ExprId> = roots.iter().map(|(e, _)| *e).collect();
-    while let Some(e) = stack.pop() {
-        if seen.insert(e) {
-            found.push(e);
-            if !closed(graph, e) {
-                graph.for_each_operand(e, |a| stack.push(a));
-            }
-        }
-    }
+    graph.descend(roots.iter().map(|(e, _)| *e), |e, _| {
+        found.push(e);
+        !closed(graph, e)
+    });
     found
 }

@@ -9,9 +9,7 @@ use crate::base::index::{FastMap, FastSet, Id};
 use crate::graph::scc::nodes_on_cycles;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
-use crate::ir::flat::{
-    Action, Equation, EquationKind, FlatModel, Function, Origin, Variable, WhenBranch,
-};
+use crate::ir::flat::{Action, Equation, EquationKind, FlatModel, Origin, Variable, WhenBranch};
 use crate::symbolic::rewrite::Rewriter;
 use crate::symbolic::uses::{Guard, Root, Uses};
 
@@ -83,10 +81,10 @@ fn share(flat: &mut FlatModel, sizes: &[u64], excluded: &FastSet<ExprId>) -> Vec
 /// Number of nodes of the printed model.
 fn length(flat: &FlatModel, sizes: &[u64]) -> u64 {
     let mut total = 0_u64;
-    for_each_root(flat, &mut |e| total = total.saturating_add(sizes[e.0 as usize]));
-    for e in flat.functions.iter().flat_map(Function::values) {
-        total = total.saturating_add(sizes[e.0 as usize]);
-    }
+    let mut add = |e: ExprId| total = total.saturating_add(sizes[e.0 as usize]);
+    flat.variables.iter().filter_map(|v| v.binding).for_each(&mut add);
+    flat.equations.iter().for_each(|equation| equation.for_each_expression(&mut add));
+    flat.functions.iter().for_each(|function| function.for_each_expression(&mut add));
     total
 }
 
@@ -99,22 +97,6 @@ fn sizes(graph: &Graph) -> Vec<u64> {
         sizes.push(size);
     }
     sizes
-}
-
-/// The expressions of equations and bindings.
-fn for_each_root(flat: &FlatModel, visit: &mut dyn FnMut(ExprId)) {
-    flat.variables.iter().filter_map(|v| v.binding).for_each(&mut *visit);
-    for e in &flat.equations {
-        match &e.kind {
-            EquationKind::Equal(a, b) => [*a, *b].into_iter().for_each(&mut *visit),
-            EquationKind::Algorithm { values, .. } => values.iter().copied().for_each(&mut *visit),
-            EquationKind::When(branches) => {
-                let actions = branches.iter().flat_map(|b| &b.actions);
-                actions.filter_map(value).for_each(|(e, _)| visit(e));
-            }
-            EquationKind::Assert(a) => [a.condition, a.message].into_iter().for_each(&mut *visit),
-        }
-    }
 }
 
 /// The expression that an action evaluates, and the condition under which it does.

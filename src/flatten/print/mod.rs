@@ -117,7 +117,7 @@ fn has_equalities(flat: &FlatModel) -> bool {
     }
     let mut roots = Vec::new();
     flat.for_each_expression(&mut |e| roots.push(e));
-    flat.graph.postorder(roots).into_iter().any(found)
+    flat.graph.any(roots, |e, _| found(e))
 }
 
 /// The name of the constant that holds a table.

@@ -62,9 +62,8 @@ impl<'a> Explainer<'a> {
     /// Prints an expression, with relations expanded.
     pub fn text(&self, e: ExprId) -> String {
         let dae = &self.program.blocks.dae;
-        let is_relation = |n: &ExprId| matches!(dae.graph.node(*n), Node::Relation(_));
         // Events print many expressions, and cloning a graph is expensive.
-        if !dae.graph.postorder([e]).iter().any(is_relation) {
+        if !dae.graph.any([e], |_, node| matches!(node, Node::Relation(_))) {
             return print(&dae.graph, e, &|v| self.name(v));
         }
         let mut graph = dae.graph.clone();
