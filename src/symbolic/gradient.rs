@@ -323,7 +323,8 @@ mod tests {
     fn every_unary_operator_agrees_with_differences() {
         let mut g = Graph::new();
         let x = g.var(VarId(0), Type::Real);
-        for op in Unary::TABLE {
+        // The number of a literal is not a function of a Real.
+        for op in Unary::TABLE.iter().filter(|op| **op != Unary::Ordinal) {
             let e = g.unary(*op, x);
             let domain = op.facts().expect("a row").domain;
             for at in [-2.3, -0.8, -0.4, 0.2, 0.43, 0.8, 1.2, 3.9] {

@@ -181,8 +181,16 @@ fn syntax_trees() {
         std::sync::Arc::make_mut(&mut file.classes[0]).name.name = "".into();
     };
     finds(parsed(text), ast::check, nameless, "is empty");
-    let broken = parsed("model M Real x; equation x = ; end M;");
-    assert!(ast::check(&broken).iter().any(|violation| violation.contains("broken")));
+    let broken = |file: &mut crate::ir::ast::File| {
+        let class = std::sync::Arc::make_mut(&mut file.classes[0]);
+        let crate::ir::ast::ClassBody::Long(body) = &mut class.body else {
+            panic!("a short class")
+        };
+        let mut equations = body.equations[0].equations.to_vec();
+        equations[0].kind = crate::ir::ast::EquationKind::Broken;
+        body.equations[0].equations = equations.into();
+    };
+    finds(parsed(text), ast::check, broken, "a broken equation");
 }
 
 #[test]
