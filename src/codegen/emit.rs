@@ -251,8 +251,12 @@ impl Emitter {
         let is_new = self.lookup(value).is_none();
         let (slot, level) = self.emit(value);
         let layer = self.layer_for(level.max(DISCRETE));
-        let own =
-            matches!(self.dae.graph.node(value), Node::Unary(..) | Node::Binary(..) | Node::If(..));
+        // The number of a literal lies in the slot of the literal, which something else computes.
+        let own = match self.dae.graph.node(value) {
+            Node::Unary(op, _) => op != Unary::Ordinal,
+            Node::Binary(..) | Node::If(..) => true,
+            _ => false,
+        };
         if is_new && own && level == layer && self.retarget(layer, slot, dst) {
             self.values.insert(value, (dst, level));
         } else {

@@ -173,8 +173,9 @@ impl Evaluator<'_> {
         let scalars: Vec<ExprId> = args.iter().map(Value::scalar).collect::<Option<_>>()?;
         match *scalars.as_slice() {
             [a] => {
-                let called = if called == "fabs" { "abs" } else { called };
-                Some(self.graph.unary(Unary::called(called)?, a))
+                let c_name = called == "fabs";
+                let op = if c_name { Unary::Abs } else { Unary::called(called)? };
+                Some(self.graph.unary(op, a))
             }
             [a, b] if called == "pow" => Some(self.graph.pow(a, b)),
             [a, b] => match Binary::called(called)? {

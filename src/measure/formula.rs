@@ -2,7 +2,10 @@
 
 use crate::base::source::SourceMap;
 use crate::ir::ast::{BinaryOp, ComponentRef, Expr, ExprKind, RefPart, Subscript, UnaryOp};
+use crate::ir::expr::Unary;
+use crate::ir::external::Externals;
 use crate::parse::fragment::binding;
+use crate::symbolic::eval;
 
 /// A formula.
 #[derive(Clone, Debug)]
@@ -71,15 +74,15 @@ fn evaluate(e: &Expr, columns: &Columns, rows: usize) -> Result<Vec<f64>, Why> {
         },
         ExprKind::Call { function, args, .. } => {
             match (name_of(function).as_str(), args.as_slice()) {
-                ("abs", [a]) => Ok(of(a)?.into_iter().map(f64::abs).collect()),
-                ("sqrt", [a]) => Ok(of(a)?.into_iter().map(f64::sqrt).collect()),
-                ("exp", [a]) => Ok(of(a)?.into_iter().map(f64::exp).collect()),
-                ("log10", [a]) => Ok(of(a)?.into_iter().map(f64::log10).collect()),
                 ("slope", [y, x, Expr { kind: ExprKind::Integer(n), .. }]) => {
                     Ok(slopes(&of(x)?, &of(y)?, (*n).clamp(1, 10_000) as usize))
                 }
+                (name, [a]) if let Some(op) = Unary::called(name) => {
+                    let none = Externals::default();
+                    Ok(of(a)?.into_iter().map(|x| eval::unary(op, x, &none)).collect())
+                }
                 _ => Err(unknown(
-                    "only abs(a), sqrt(a), exp(a), log10(a) and slope(y, x, rows) are supported",
+                    "only functions of one argument, such as sqrt(a), and slope(y, x, rows) are supported",
                 )),
             }
         }

@@ -102,7 +102,7 @@ fn modelica_calls_every_function_by_its_name() {
     }
     for op in Binary::TABLE {
         for name in op.called_names() {
-            let text = format!("model M Real y = {name}(2 + time, 1.75 * time); end M;");
+            let text = format!("model M Real y = {name}(2 + time, 0.25 + 1.5 * time); end M;");
             let run = Case::text(&text).stop(1.0).run();
             assert_eq!(
                 run.last("y"),
