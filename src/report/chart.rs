@@ -124,7 +124,7 @@ impl<'a> Drawing<'a> {
         let finite = |x: &f64| x.is_finite();
         let places = all().flat_map(|s| s.x.iter().map(|x| chart.place(*x)));
         let across = ends(places.filter(finite))
-            .ok_or(PlotError::Empty("no table has what the horizontal axis shows"))?;
+            .ok_or(PlotError::Empty("no table has the columns of the horizontal axis"))?;
         let mut up = Vec::new();
         for panel in 0..chart.panels.len() {
             // Ignore points outside of the horizontal axis.
@@ -134,7 +134,7 @@ impl<'a> Drawing<'a> {
             };
             let values = all().flat_map(of).map(|(_, y)| *y);
             let (low, high) = ends(values.filter(finite))
-                .ok_or(PlotError::Empty("no table has what a panel shows"))?;
+                .ok_or(PlotError::Empty("no table has the columns of a panel"))?;
             let room = ROOM * (high - low);
             up.push((low - room, high + room));
         }

@@ -56,7 +56,7 @@ fn what_a_table_does_not_have_is_said() {
     assert!(
         said(&["--x", "t: time", "--y", "x: b"]).contains("no table has the columns of a panel")
     );
-    assert!(said(&["--x", "t: time", "--y", "x: sin(time)"]).contains("are supported"));
+    assert!(said(&["--x", "t: time", "--y", "x: atan2(time, time)"]).contains("are supported"));
     assert!(said(&["--x", "t: time", "--y", "time"]).contains("LABEL: FORMULA"));
     assert!(said(&["--x", "t: time", "--y", "x: 1 +"]).contains("is not a formula"));
 }
