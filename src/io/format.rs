@@ -64,7 +64,7 @@ impl Format {
     }
 
     /// The default format.
-    pub fn default() -> &'static Format {
+    pub fn csv() -> &'static Format {
         &FORMATS[0]
     }
 }

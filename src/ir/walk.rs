@@ -173,7 +173,9 @@ part!(Action, |this, visit| {
         Action::Assign(_, value) | Action::Terminate(value) => visit(value),
         Action::Reinit { state: _, value, guard } => {
             visit(value);
-            guard.into_iter().for_each(visit);
+            if let Some(guard) = guard {
+                visit(guard);
+            }
         }
         Action::Assert(assert) => assert.walk(visit),
     }

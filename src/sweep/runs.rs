@@ -181,7 +181,7 @@ impl Sweep<'_> {
         let columns = &columns(&compiled.program)[..shown];
         let column_storage = column_storage(&compiled.program);
         let header = Header { columns, column_storage: &column_storage[..shown] };
-        Results::create(&path, Format::default(), &header).map(Some)
+        Results::create(&path, Format::csv(), &header).map(Some)
     }
 
     /// The row of a run.
