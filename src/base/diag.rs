@@ -1,5 +1,9 @@
 //! The diagnostic: a message about a model with a stable code, labelled source spans, and a remedy.
 
+use std::any::Any;
+use std::sync::Arc;
+
+use super::cause::Cause;
 use super::source::Span;
 
 /// Whether a diagnostic prevents the model from running.
@@ -12,8 +16,10 @@ pub enum Severity {
 }
 
 /// A message about the model, with the source spans it concerns and a remedy.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, Debug)]
 pub struct Diagnostic {
+    /// Why it is reported.
+    pub cause: Option<Arc<dyn Cause>>,
     /// Stable code, such as `MO0201`; a retired code is never used again.
     pub code: &'static str,
     /// Error or warning.
@@ -30,10 +36,43 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
 }
 
+impl PartialEq for Diagnostic {
+    fn eq(&self, other: &Diagnostic) -> bool {
+        let key = |d: &Diagnostic| (d.code, d.severity, d.primary.0);
+        key(self) == key(other)
+            && self.message == other.message
+            && self.primary.1 == other.primary.1
+            && self.secondary == other.secondary
+            && self.help == other.help
+            && self.notes == other.notes
+    }
+}
+
 impl Diagnostic {
+    /// A diagnostic at `span`, with the message, remedy and section of its cause.
+    pub fn new(cause: impl Cause, span: Span) -> Self {
+        let entry = cause.entry();
+        let section = |s| format!("see section {s} of the Modelica specification");
+        Diagnostic {
+            code: entry.code,
+            severity: entry.severity,
+            message: cause.message(),
+            primary: (span, String::new()),
+            secondary: Vec::new(),
+            help: cause.help(),
+            notes: Some(entry.section).filter(|s| !s.is_empty()).map(section).into_iter().collect(),
+            cause: Some(Arc::new(cause)),
+        }
+    }
+    /// Whether its cause is one of `C` for which `holds` is true.
+    pub fn is<C: Cause>(&self, holds: impl FnOnce(&C) -> bool) -> bool {
+        let cause = self.cause.as_deref().and_then(|c| (c as &dyn Any).downcast_ref::<C>());
+        cause.is_some_and(holds)
+    }
     /// An error at `span`.
     pub fn error(code: &'static str, span: Span, message: impl Into<String>) -> Self {
         Diagnostic {
+            cause: None,
             code,
             severity: Severity::Error,
             message: message.into(),
@@ -72,7 +111,7 @@ impl Diagnostic {
 }
 
 /// The diagnostics that a stage has collected, so that one compilation reports many problems.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub struct Problems {
     list: Vec<Diagnostic>,
 }

@@ -143,6 +143,8 @@ trait Part {
 /// Implements a walk for both kinds of reference; the body is the same.
 macro_rules! part {
     ($part:ty, |$this:ident, $visit:ident| $body:block) => {
+        // The body is written once for `&` and `&mut`; only `into_iter` means the right thing in both.
+        #[allow(clippy::into_iter_on_ref)]
         impl<'a> Part for &'a $part {
             type Place = &'a ExprId;
             fn walk(self, $visit: &mut dyn FnMut(&'a ExprId)) {
@@ -150,6 +152,7 @@ macro_rules! part {
                 $body
             }
         }
+        #[allow(clippy::into_iter_on_ref)]
         impl<'a> Part for &'a mut $part {
             type Place = &'a mut ExprId;
             fn walk(self, $visit: &mut dyn FnMut(&'a mut ExprId)) {

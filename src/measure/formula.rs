@@ -139,7 +139,8 @@ mod tests {
         assert_eq!(of("2*(a.b[2] - 1)^2/9"), Ok(Some(vec![0.0, 2.0, 8.0, 18.0, 32.0])));
         assert_eq!(of("slope(a.b[2], t, 1)"), Ok(Some(vec![3.0; 5])));
         assert_eq!(of("missing + 1"), Ok(None));
-        assert!(of("sin(t)").is_err() && of("t > 1").is_err());
+        assert_eq!(of("sqrt(t*t)"), Ok(Some(vec![0.0, 1.0, 2.0, 3.0, 4.0])));
+        assert!(of("atan2(t, t)").is_err() && of("t > 1").is_err());
         assert!(Formula::read("1 +").is_err());
     }
 }
