@@ -188,7 +188,7 @@ fn courses_are_kept_on_request() {
 /// Sweeps in process up to some number of runs, so that the interruption does not depend on a clock.
 fn sweep_until(journal: &Path, jobs: usize, stop_after: u64) -> Option<Vec<u8>> {
     let file = journal.with_file_name("model.mo");
-    std::fs::write(&file, &decay_model()).expect("a model");
+    std::fs::write(&file, decay_model()).expect("a model");
     let axes = vec![Axis::read("rate=0.5:3.5:600").expect("an axis")];
     let design = Design::grid(axes).expect("a grid");
     let model = Model {
@@ -237,7 +237,7 @@ fn an_interrupted_sweep_goes_on_to_the_same_table() {
 #[test]
 fn another_sweep_at_the_same_place_is_refused() {
     let folder = Scratch::new();
-    folder.file("model.mo", &decay_model());
+    folder.file("model.mo", decay_model());
     let run = |more: &[&str]| {
         let mut all = vec!["sweep", "model.mo", "--output", "out"];
         all.extend(more);

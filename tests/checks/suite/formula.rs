@@ -237,8 +237,8 @@ fn reference(text: &str) -> Result<usize, String> {
     let mut end = 0;
     loop {
         let rest = &text[end..];
-        if rest.starts_with('\'') {
-            end += rest[1..].find('\'').ok_or("a quoted name has no end")? + 2;
+        if let Some(quoted) = rest.strip_prefix('\'') {
+            end += quoted.find('\'').ok_or("a quoted name has no end")? + 2;
         } else {
             let part = |c: char| !(c.is_alphanumeric() || "_$".contains(c));
             end += rest.find(part).unwrap_or(rest.len());

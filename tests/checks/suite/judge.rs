@@ -131,10 +131,11 @@ fn make(case: &TestCase, run: &Run, model: &str, scratch: &Scratch) -> Made {
     for problem in session.problems.iter().chain(&warnings) {
         made.problems.push(describe(case, problem, &session.sources, &folder));
     }
-    if needs(case, run, Printed::Flat) && !is_flat {
-        if let Ok(flat) = Session::default().flatten(&request) {
-            made.flat = mocc::flatten::print::print(&flat).expect("the text is not too long");
-        }
+    if needs(case, run, Printed::Flat)
+        && !is_flat
+        && let Ok(flat) = Session::default().flatten(&request)
+    {
+        made.flat = mocc::flatten::print::print(&flat).expect("the text is not too long");
     }
     if needs(case, run, Printed::Structure) && !is_flat {
         let mut session = Session::default();
@@ -411,8 +412,8 @@ impl Comparison<'_> {
     /// The last row at or before a time.
     fn row_at(&self, at: f64) -> Result<usize, String> {
         let time = &self.trajectory.time;
-        let end = time.last().copied().unwrap_or(f64::NAN);
-        if !(at <= end + 1e-9 * end.abs()) {
+        let end = *time.last().ok_or("the run has no rows")?;
+        if at > end + 1e-9 * end.abs() {
             return Err(format!("the run ends at {end} s, before {at} s"));
         }
         match time.partition_point(|t| *t <= at + 1e-12 * at.abs()) {
