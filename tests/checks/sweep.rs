@@ -237,7 +237,7 @@ fn an_interrupted_sweep_goes_on_to_the_same_table() {
 #[test]
 fn another_sweep_at_the_same_place_is_refused() {
     let folder = Scratch::new();
-    folder.file("model.mo", decay_model());
+    folder.file("model.mo", &decay_model());
     let run = |more: &[&str]| {
         let mut all = vec!["sweep", "model.mo", "--output", "out"];
         all.extend(more);
