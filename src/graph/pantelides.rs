@@ -218,16 +218,7 @@ fn ascending<I: Id>(ids: &[I]) -> Vec<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::test_graphs::{Xorshift, graph_of, random_square};
-
-    /// The list A in which column `i` of `pairs` has the given derivative.
-    fn list_a(cols: usize, pairs: &[(u32, u32)]) -> IndexVec<Col, Option<Col>> {
-        let mut derivative = IndexVec::filled(None, cols);
-        for &(col, higher) in pairs {
-            derivative[Col(col)] = Some(Col(higher));
-        }
-        derivative
-    }
+    use crate::graph::test_graphs::{Xorshift, graph_of, list_a, random_square, rigid_chain};
 
     /// How often each original row was differentiated.
     fn counts(rows: usize, reduction: &Reduction) -> Vec<usize> {
@@ -367,21 +358,7 @@ mod tests {
     #[test]
     fn a_hundred_thousand_constraints_in_a_chain() {
         let n = 100_000;
-        let (x, v, dx, dv, f) = (0, n, 2 * n, 3 * n, 4 * n);
-        let velocity = (0..n).map(|i| vec![dx + i, v + i]);
-        // The outer forces F_0 and F_n are given.
-        let force = (0..n).map(|i| {
-            let inner = [i, i + 1].into_iter().filter(|&j| 0 < j && j < n);
-            inner.map(|j| f + j - 1).chain([dv + i]).collect()
-        });
-        let joint = (0..n - 1).map(|i| vec![x + i, x + i + 1]);
-        let rows = velocity.chain(force).chain(joint);
-        let rows = rows.map(|row: Vec<usize>| row.into_iter().map(Col::from_usize));
-        let graph = Bipartite::from_rows(5 * n - 1, rows);
-        let mut a = IndexVec::filled(None, 5 * n - 1);
-        for col in 0..2 * n {
-            a[Col::from_usize(col)] = Some(Col::from_usize(col + 2 * n));
-        }
+        let (graph, a) = rigid_chain(n);
         let reduction = pantelides(&graph, &a, &[]).unwrap();
         let counts = counts(3 * n - 1, &reduction);
         assert!(counts[..n].iter().all(|&count| count == 1));

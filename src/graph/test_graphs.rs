@@ -2,6 +2,7 @@
 //! answers.
 
 use super::bipartite::{Bipartite, Col, Row};
+use crate::base::index::{Id, IndexVec};
 
 /// Marsaglia's xorshift generator (J. Stat. Softw. 8(14), 2003): the same numbers on every machine.
 pub struct Xorshift(u64);
@@ -62,4 +63,29 @@ pub fn cardinality_by_brute_force(graph: &Bipartite) -> usize {
         most
     }
     best(graph, 0, &mut vec![false; graph.col_count()])
+}
+
+/// The list A in which the first column of each pair has the second as its derivative.
+pub fn list_a(cols: usize, pairs: &[(u32, u32)]) -> IndexVec<Col, Option<Col>> {
+    let mut derivative = IndexVec::filled(None, cols);
+    for &(col, higher) in pairs {
+        derivative[Col(col)] = Some(Col(higher));
+    }
+    derivative
+}
+
+/// `n` masses on a line, x_i' = v_i, v_i' = F_i - F_(i+1), rigidly joined by x_i = x_(i+1); the outer forces F_0 and
+/// F_n are given. The columns are x, v, x', v' (`n` each) and the inner forces; with them the list A.
+pub fn rigid_chain(n: usize) -> (Bipartite, IndexVec<Col, Option<Col>>) {
+    let (x, v, dx, dv, f) = (0, n, 2 * n, 3 * n, 4 * n);
+    let velocity = (0..n).map(|i| vec![dx + i, v + i]);
+    let force = (0..n).map(|i| {
+        let inner = [i, i + 1].into_iter().filter(|&j| 0 < j && j < n);
+        inner.map(|j| f + j - 1).chain([dv + i]).collect()
+    });
+    let joint = (0..n - 1).map(|i| vec![x + i, x + i + 1]);
+    let rows = velocity.chain(force).chain(joint);
+    let rows = rows.map(|row: Vec<usize>| row.into_iter().map(Col::from_usize));
+    let pairs: Vec<(u32, u32)> = (0..2 * n as u32).map(|col| (col, col + 2 * n as u32)).collect();
+    (Bipartite::from_rows(5 * n - 1, rows), list_a(5 * n - 1, &pairs))
 }

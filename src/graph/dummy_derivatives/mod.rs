@@ -188,16 +188,8 @@ mod tests {
     use crate::base::index::Id;
     use crate::graph::matching::Matching;
     use crate::graph::pantelides::pantelides;
-    use crate::graph::test_graphs::graph_of;
+    use crate::graph::test_graphs::{graph_of, list_a, rigid_chain};
     use Coefficient::{Constant, Parameter, Varying};
-
-    fn list_a(cols: usize, pairs: &[(u32, u32)]) -> IndexVec<Col, Option<Col>> {
-        let mut derivative = IndexVec::filled(None, cols);
-        for &(col, higher) in pairs {
-            derivative[Col(col)] = Some(Col(higher));
-        }
-        derivative
-    }
 
     fn chosen(
         graph: &Bipartite,
@@ -299,28 +291,14 @@ mod tests {
     #[test]
     fn the_system_with_dummies_determines_all_unknowns() {
         let n = 40;
-        // x_i, v_i, x_i', v_i', f_i for the joints: see the chain in the tests of `pantelides`.
-        let (x, v, dx, dv, f) = (0, n, 2 * n, 3 * n, 4 * n);
-        let velocity = (0..n).map(|i| vec![dx + i, v + i]);
-        let force = (0..n).map(|i| {
-            let inner = [i, i + 1].into_iter().filter(|&j| 0 < j && j < n);
-            inner.map(|j| f + j - 1).chain([dv + i]).collect()
-        });
-        let joint = (0..n - 1).map(|i| vec![x + i, x + i + 1]);
-        let rows = velocity.chain(force).chain(joint);
-        let rows = rows.map(|row: Vec<usize>| row.into_iter().map(Col::from_usize));
-        let graph = Bipartite::from_rows(5 * n - 1, rows);
-        let mut a = IndexVec::filled(None, 5 * n - 1);
-        for col in 0..2 * n {
-            a[Col::from_usize(col)] = Some(Col::from_usize(col + 2 * n));
-        }
+        let (graph, a) = rigid_chain(n);
         let reduction = pantelides(&graph, &a, &[]).unwrap();
         let mut priority = IndexVec::filled(0, 2 * n);
         priority[Col(7)] = 1;
         // Higher than the priority of x7, which its velocity inherits.
-        priority[Col::from_usize(v + 9)] = 2;
+        priority[Col::from_usize(n + 9)] = 2;
         let choice = choose(&reduction, &priority, &IndexVec::new());
-        assert_eq!(choice.states, [Col(7), Col::from_usize(v + 9)]);
+        assert_eq!(choice.states, [Col(7), Col::from_usize(n + 9)]);
         assert_eq!(choice.dependent, 0);
         let all = &reduction.incidence;
         let unknown = |_: Edge, col: Col| !choice.states.contains(&col);
