@@ -328,7 +328,7 @@ mod tests {
             ("a != b", vec!["IDENT", "<>", "IDENT"], "MO0011"),
             ("a && b", vec!["IDENT", "and", "IDENT"], "MO0011"),
             ("a # b", vec!["IDENT", "IDENT"], "MO0010"),
-            ("Größe x", vec!["IDENT", "IDENT"], "MO0010"),
+            ("Größe x", vec!["IDENT", "IDENT"], "MO0033"),
             ("\"abc", vec!["STRING"], "MO0012"),
             ("a /* b", vec!["IDENT"], "MO0013"),
         ] {

@@ -368,8 +368,8 @@ mod tests {
     #[test]
     fn prefixes_are_checked() {
         for (text, code) in [
-            ("flow flow Real x;", "MO0015"),
-            ("flow stream Real x;", "MO0015"),
+            ("flow flow Real x;", "MO0035"),
+            ("flow stream Real x;", "MO0036"),
             ("parameter flow Real x;", "MO0015"),
             ("encapsulated Real x;", "MO0016"),
             ("Real x(Real y = 1);", "MO0026"),

@@ -388,7 +388,7 @@ mod tests {
     fn brackets() {
         check_messages!(
             "brackets",
-            ["MO0004", "MO0004", "MO0004", "MO0004"],
+            ["MO0004", "MO0004", "MO0030", "MO0004"],
             "model A\n  Real x(start = 1;\nequation\n  x = (1 + 2*(y - 3);\n  y = sin(x));\n  x = {1, 2;\nend A;"
         );
     }
@@ -414,7 +414,7 @@ mod tests {
     fn equality_and_assignment() {
         check_messages!(
             "equality",
-            ["MO0007", "MO0007", "MO0009", "MO0001", "MO0008", "MO0008", "MO0018"],
+            ["MO0007", "MO0032", "MO0009", "MO0001", "MO0008", "MO0008", "MO0018"],
             "model A\nequation\n  x := 1;\n  x == y;\n  x + y;\n  if a = b then\n    x = 1;\n  end if;\n\
              algorithm\n  x = 2;\n  x == 2;\n  x + 1 := 3;\nend A;"
         );
@@ -423,7 +423,7 @@ mod tests {
     fn else_if() {
         check_messages!(
             "else_if",
-            ["MO0006"],
+            ["MO0031"],
             "model A\nequation\n  if a then\n    x = 1;\n  else if b then\n    x = 2;\n  end if;\nend A;"
         );
     }
