@@ -79,5 +79,7 @@ pub mod sweep;
 pub mod calibrate;
 // The effect that a model lacks, from recordings.
 pub mod diagnose;
+// All causes of diagnostics.
+pub mod registry;
 // The command line.
 pub mod cli;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::cause::Cause;
 use super::source::Span;
+use super::specification;
 
 /// Whether a diagnostic prevents the model from running.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -52,7 +53,6 @@ impl Diagnostic {
     /// A diagnostic at `span`, with the message, remedy and section of its cause.
     pub fn new(cause: impl Cause, span: Span) -> Self {
         let entry = cause.entry();
-        let section = |s| format!("see section {s} of the Modelica specification");
         Diagnostic {
             code: entry.code,
             severity: entry.severity,
@@ -60,7 +60,7 @@ impl Diagnostic {
             primary: (span, String::new()),
             secondary: Vec::new(),
             help: cause.help(),
-            notes: Some(entry.section).filter(|s| !s.is_empty()).map(section).into_iter().collect(),
+            notes: specification::reference(entry.section).into_iter().collect(),
             cause: Some(Arc::new(cause)),
         }
     }
@@ -68,6 +68,11 @@ impl Diagnostic {
     pub fn is<C: Cause>(&self, holds: impl FnOnce(&C) -> bool) -> bool {
         let cause = self.cause.as_deref().and_then(|c| (c as &dyn Any).downcast_ref::<C>());
         cause.is_some_and(holds)
+    }
+    /// Sets the severity, where it depends on more than the cause.
+    pub fn with_severity(mut self, severity: Severity) -> Self {
+        self.severity = severity;
+        self
     }
     /// An error at `span`.
     pub fn error(code: &'static str, span: Span, message: impl Into<String>) -> Self {
@@ -139,9 +144,9 @@ impl Problems {
     pub fn error_count(&self) -> usize {
         self.list.iter().filter(|d| d.severity == Severity::Error).count()
     }
-    /// Turns all warnings with this code into errors.
-    pub fn raise(&mut self, code: &str) {
-        for d in self.list.iter_mut().filter(|d| d.code == code) {
+    /// Turns all warnings whose cause is one of `C` into errors.
+    pub fn raise<C: Cause>(&mut self) {
+        for d in self.list.iter_mut().filter(|d| d.is(|_: &C| true)) {
             d.severity = Severity::Error;
         }
     }
@@ -174,6 +179,11 @@ pub fn did_you_mean<'a>(
         .filter(|(d, _)| *d <= limit)
         .min()
         .map(|(_, c)| c)
+}
+
+/// The remedy "did you mean" if there is a candidate, else another one.
+pub fn did_you_mean_or(near: &Option<String>, otherwise: impl Into<String>) -> Option<String> {
+    Some(near.as_ref().map_or_else(|| otherwise.into(), |near| format!("did you mean `{near}`?")))
 }
 
 /// Case-insensitive Damerau-Levenshtein distance (optimal string alignment).

@@ -6,3 +6,4 @@ pub mod visited;
 pub mod name;
 pub mod render;
 pub mod source;
+pub mod specification;

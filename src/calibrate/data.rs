@@ -7,6 +7,7 @@ use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::Span;
 use crate::io::csv::{ReadError, TextTable, read_text};
 
+use super::cause::RecordingCause;
 use super::noise::{self, third_differences};
 use super::plan::Plan;
 use super::unit::Unit;
@@ -103,8 +104,7 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
         let table = match read_text(&path) {
             Ok(table) => table,
             Err(why) => {
-                let help = "`[data]` of the plan or `--data` names the folder";
-                problems.push(unreadable(&why).help(help));
+                problems.push(unreadable(&why, true));
                 return None;
             }
         };
@@ -114,9 +114,8 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
         return None;
     }
     if !recordings.iter().any(|r| r.split == Split::Train) {
-        let message = format!("{}: no recording is for training", path.display());
-        let d = Diagnostic::error("MO1010", Span::NONE, message);
-        problems.push(d.help("the column named by `split` must contain `train` or `validation`"));
+        let cause = RecordingCause::NoTraining { path: path.display().to_string() };
+        problems.push(Diagnostic::new(cause, Span::NONE));
         return None;
     }
     let sigmas = sigmas(plan, &recordings, problems, &mut repairs);
@@ -155,11 +154,8 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
         let before = out.len();
         out.extend(cut.apply(&whole, &measured.initial_signals));
         if out.len() == before {
-            let message = format!("{}: no row of `{}` is left", path.display(), entry.name);
-            let d = Diagnostic::error("MO1011", Span::NONE, message);
-            problems.push(d.help(
-                "`from` and `to` are times of the recording, in s; `skip` is less than they span, and than `window`, which spans several rows",
-            ));
+            let (path, name) = (path.display().to_string(), entry.name.clone());
+            problems.push(Diagnostic::new(RecordingCause::NoRows { path, name }, Span::NONE));
         }
     }
     out
@@ -185,8 +181,9 @@ fn tabled(
             None | Some("train") => Split::Train,
             Some("validation" | "test") => Split::Validation,
             Some(other) => {
-                let message = format!("{}: `{other}` is neither `train` nor `validation`", place());
-                problems.push(Diagnostic::error("MO1010", Span::NONE, message));
+                let cause =
+                    RecordingCause::UnknownSplit { place: place(), found: other.to_owned() };
+                problems.push(Diagnostic::new(cause, Span::NONE));
                 continue;
             }
         };
@@ -195,9 +192,12 @@ fn tabled(
             match row[*k].parse::<f64>().ok().filter(|x| x.is_finite()) {
                 Some(value) => values.push(condition.unit.to_si(value)),
                 None => {
-                    let what = format!("`{}` of `{}`", row[*k], condition.column);
-                    let message = format!("{}: {what} is not a number", place());
-                    problems.push(Diagnostic::error("MO1010", Span::NONE, message));
+                    let cause = RecordingCause::ConditionNotANumber {
+                        place: place(),
+                        found: row[*k].clone(),
+                        column: condition.column.clone(),
+                    };
+                    problems.push(Diagnostic::new(cause, Span::NONE));
                 }
             }
         }
@@ -276,7 +276,7 @@ fn measured(
     let table = match read_text(path) {
         Ok(table) => table,
         Err(why) => {
-            problems.push(unreadable(&why));
+            problems.push(unreadable(&why, false));
             return None;
         }
     };
@@ -326,20 +326,14 @@ fn measured(
     let rows = table.rows.len().max(1);
     let place = |line: Option<u64>| format!("{}:{}", path.display(), line.unwrap_or(1));
     if time.len() < 2 || dropped as f64 > REPAIRABLE * rows as f64 {
-        let message = format!(
-            "{}: the time does not increase in {dropped} of {rows} rows, from here on",
-            place(first_dropped)
-        );
-        problems.push(
-            Diagnostic::error("MO1011", Span::NONE, message)
-                .help("sort the rows by time; single rows out of order are skipped automatically"),
-        );
+        let cause =
+            RecordingCause::TimeNotIncreasing { place: place(first_dropped), dropped, rows };
+        problems.push(Diagnostic::new(cause, Span::NONE));
         return None;
     }
     if missing as f64 > 0.5 * (rows * columns.len()) as f64 {
-        let message =
-            format!("{}: more than half of the values are not numbers", place(first_missing));
-        problems.push(Diagnostic::error("MO1011", Span::NONE, message));
+        let cause = RecordingCause::MostlyMissing { place: place(first_missing) };
+        problems.push(Diagnostic::new(cause, Span::NONE));
         return None;
     }
     let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
@@ -402,8 +396,8 @@ fn measured(
 }
 
 fn empty(path: &Path, column: &str, span: Span) -> Diagnostic {
-    let message = format!("{}: `{column}` has no values", path.display());
-    Diagnostic::error("MO1011", span, message)
+    let (path, column) = (path.display().to_string(), column.to_owned());
+    Diagnostic::new(RecordingCause::EmptyColumn { path, column }, span)
 }
 
 /// The longest interval, if it is much longer than the median.
@@ -429,11 +423,9 @@ fn sigmas(
                 repairs
                     .push(format!("noise of `{}` estimated as {sigma:.3e} {unit}", signal.column));
             } else {
-                let message = format!("cannot estimate the noise of `{}`", signal.column);
-                problems.push(
-                    Diagnostic::error("MO1012", signal.span, message)
-                        .help("give `sigma`, the standard deviation of its noise"),
-                );
+                let column = signal.column.clone();
+                let cause = RecordingCause::UnknownNoise { column, is_smoothed: false };
+                problems.push(Diagnostic::new(cause, signal.span));
             }
             sigma
         })
@@ -450,16 +442,18 @@ fn column(
 ) -> Option<usize> {
     let found = table.column(name);
     if found.is_none() {
-        let message = format!("{} has no column `{name}`", path.display());
-        let d = Diagnostic::error("MO1013", span, message);
-        problems.push(match did_you_mean(name, table.names.iter().map(String::as_str)) {
-            Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help(format!("its columns are {}", table.names.join(", "))),
-        });
+        let near = did_you_mean(name, table.names.iter().map(String::as_str));
+        let cause = RecordingCause::UnknownColumn {
+            path: path.display().to_string(),
+            column: name.to_owned(),
+            near: near.map(str::to_owned),
+            columns: table.names.join(", "),
+        };
+        problems.push(Diagnostic::new(cause, span));
     }
     found
 }
 
-fn unreadable(why: &ReadError) -> Diagnostic {
-    Diagnostic::error("MO1010", Span::NONE, why.to_string())
+fn unreadable(why: &ReadError, is_table: bool) -> Diagnostic {
+    Diagnostic::new(RecordingCause::Unreadable { why: why.to_string(), is_table }, Span::NONE)
 }

@@ -7,6 +7,7 @@
 //! [`problem`] turns parameters into residuals and their derivatives, [`fit`] minimises them under the
 //! rules of [`policy`], [`statistics`] and [`profile`] say how well the data determine the result.
 pub mod calibrated_model;
+pub mod cause;
 pub mod data;
 pub mod fit;
 pub mod modification;

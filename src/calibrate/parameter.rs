@@ -6,6 +6,7 @@ use crate::ir::program::Program;
 use crate::runtime::machine::Machine;
 use crate::simulate::sensitivity::Input;
 
+use super::cause::PlanCause;
 use super::plan::Free;
 
 /// Factor around its start within which a positive parameter without bounds is searched.
@@ -97,21 +98,18 @@ pub fn input(
     };
     if found.is_none() {
         let exists = variables.iter().any(|v| v.name == name);
-        let what = if start.is_some() { "start value" } else { "parameter" };
-        let message = if exists {
-            format!("`{name}` is not a {what} that can be set without recompiling")
-        } else {
-            format!("the model has no {what} `{name}`")
-        };
-        let d = Diagnostic::error("MO1015", span, message);
+        let kind = if start.is_some() { "start value" } else { "parameter" };
         let names: Vec<&str> = match start {
             None => parameters().map(|v| program.name(v)).collect(),
             Some(_) => starts().map(|v| program.name(v)).collect(),
         };
-        problems.push(match did_you_mean(name, names) {
-            Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help("name a real parameter that is not final and fixes no structure"),
-        });
+        let near = did_you_mean(name, names).map(str::to_owned);
+        let name = name.to_owned();
+        let cause = match exists {
+            true => PlanCause::NotSettable { kind, name, near },
+            false => PlanCause::UnknownParameter { kind, name, near },
+        };
+        problems.push(Diagnostic::new(cause, span));
     }
     found
 }

@@ -10,6 +10,7 @@ use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::{FileId, SourceMap, Span};
 use crate::numeric::time_series::Interpolation;
 
+use super::cause::{PlanCause, RecordingCause};
 use super::data::Split;
 use super::plan::{Condition, DrivenInput, Free, InitialValue, ListedRecording, Plan, Signal};
 use super::unit::Unit;
@@ -27,11 +28,8 @@ pub fn read(
         Ok(root) => root,
         Err(why) => {
             let span = why.span().unwrap_or(0..0);
-            let message = format!("not a TOML file: {}", why.message());
-            problems.push(
-                Diagnostic::error("MO1001", Span::new(file, span.start, span.end), message)
-                    .help("a plan is a TOML file: see `examples/valve52.toml`"),
-            );
+            let cause = PlanCause::NotToml { why: why.message().to_owned() };
+            problems.push(Diagnostic::new(cause, Span::new(file, span.start, span.end)));
             return None;
         }
     };
@@ -182,13 +180,8 @@ impl PlanReader<'_> {
             let wanted = self.required(table, "interpolation", &span);
             let found = Interpolation::ALL.iter().find(|(name, _)| *name == wanted);
             if found.is_none() && !wanted.is_empty() {
-                let names = Interpolation::ALL.map(|(name, _)| name).join(", ");
-                let d = Diagnostic::error(
-                    "MO1004",
-                    self.at(&span),
-                    format!("unknown interpolation `{wanted}`"),
-                );
-                self.problems.push(d.help(format!("known are {names}")));
+                let known = Interpolation::ALL.map(|(name, _)| name).join(", ");
+                self.report(PlanCause::UnknownInterpolation { name: wanted, known }, &span);
             }
             let smooth = self.positive(table, "smooth").unwrap_or(0.0);
             let every = self.count(table, "every").unwrap_or(1).max(1);
@@ -238,9 +231,7 @@ impl PlanReader<'_> {
         if number >= 0.0 && number.is_finite() {
             return Some(number);
         }
-        let d =
-            Diagnostic::error("MO1004", self.at(&span), format!("`{key}` must not be negative"));
-        self.problems.push(d);
+        self.report(PlanCause::NegativeNumber { key: key.to_owned() }, &span);
         None
     }
 
@@ -250,8 +241,7 @@ impl PlanReader<'_> {
         if number > 0.0 {
             return Some(number);
         }
-        let d = Diagnostic::error("MO1004", self.at(&span), "`window` must be positive");
-        self.problems.push(d.help("omit it, or write `inf`, for whole recordings"));
+        self.report(PlanCause::WindowNotPositive, &span);
         None
     }
 
@@ -261,8 +251,7 @@ impl PlanReader<'_> {
         if number >= 1.0 && number.fract() == 0.0 && number < 1e15 {
             return Some(number as usize);
         }
-        let message = format!("`{key}` must be a positive Integer");
-        self.problems.push(Diagnostic::error("MO1004", self.at(&span), message));
+        self.report(PlanCause::NotACount { key: key.to_owned() }, &span);
         None
     }
 
@@ -270,37 +259,25 @@ impl PlanReader<'_> {
     fn contradictions(&mut self, plan: &Plan) {
         for (k, driven) in plan.inputs.iter().enumerate() {
             if let Some(first) = plan.inputs[..k].iter().find(|d| d.input == driven.input) {
-                let message = format!("`{}` is already driven by `{}`", driven.input, first.column);
-                self.problems.push(
-                    Diagnostic::error("MO1018", driven.span, message)
-                        .help("only one column can drive an input"),
-                );
+                let (input, first) = (driven.input.clone(), first.column.clone());
+                let cause = PlanCause::DrivenTwice { input, first };
+                self.problems.push(Diagnostic::new(cause, driven.span));
             }
         }
         for initial in &plan.starts {
             let is_free = |f: &&Free| f.targets.contains(&initial.target);
             if plan.free.iter().any(|f| is_free(&f)) {
-                let message =
-                    format!("`{}` is both free and set by the recordings", initial.target);
-                self.problems.push(
-                    Diagnostic::error("MO1018", initial.span, message)
-                        .help("remove it from `[starts]` or from `[free]`"),
-                );
+                let cause = PlanCause::FreeAndSet { name: initial.target.clone() };
+                self.problems.push(Diagnostic::new(cause, initial.span));
             }
         }
         if let Some(first) = plan.conditions.first().filter(|_| plan.table.is_empty()) {
-            let message = "the plan has conditions but no table with their columns";
-            self.problems.push(
-                Diagnostic::error("MO1018", first.span, message)
-                    .help("name the table in `[data]`, or set parameters in `[fixed]`"),
-            );
+            self.problems.push(Diagnostic::new(PlanCause::ConditionsWithoutTable, first.span));
         }
         for signal in plan.signals.iter().filter(|s| s.smooth > 0.0 && s.sigma.is_none()) {
-            let message = format!("cannot estimate the noise of `{}`", signal.column);
-            self.problems.push(
-                Diagnostic::error("MO1012", signal.span, message)
-                    .help("its column is smoothed: give `sigma`, the noise after smoothing"),
-            );
+            let column = signal.column.clone();
+            let cause = RecordingCause::UnknownNoise { column, is_smoothed: true };
+            self.problems.push(Diagnostic::new(cause, signal.span));
         }
     }
 
@@ -315,10 +292,7 @@ impl PlanReader<'_> {
             if let Some((sigma, at)) = &sigma
                 && !(*sigma > 0.0 && sigma.is_finite())
             {
-                self.problems.push(
-                    Diagnostic::error("MO1006", self.at(at), "the noise of a sensor must be positive")
-                        .help("give the standard deviation in the unit of the column, or omit `sigma` to estimate it from the recordings"),
-                );
+                self.report(PlanCause::NoiseNotPositive, at);
             }
             if let Some((unit, unit_name)) = self.unit(table, &span) {
                 let (sigma, span) = (sigma.map(|s| s.0), self.at(&span));
@@ -326,9 +300,7 @@ impl PlanReader<'_> {
             }
         }
         if out.is_empty() && self.problems.error_count() == 0 {
-            let d = Diagnostic::error("MO1002", self.at(whole), "the plan has no signals")
-                .help("[signals]: s_mm = { variable = \"s\", unit = \"mm\", sigma = 0.003 }");
-            self.problems.push(d);
+            self.report(PlanCause::NoSignals, whole);
         }
         out
     }
@@ -349,14 +321,7 @@ impl PlanReader<'_> {
             let high = max.unwrap_or(f64::INFINITY);
             let is_room = low < high;
             if !is_room || start.is_some_and(|s| !(low..=high).contains(&s)) {
-                self.problems.push(
-                    Diagnostic::error(
-                        "MO1006",
-                        self.at(&span),
-                        format!("the bounds of `{name}` contradict each other or its start"),
-                    )
-                    .help("`min` must be less than `max`, and `start` between them"),
-                );
+                self.report(PlanCause::ContradictoryBounds { name: name.clone() }, &span);
             }
             let (acts_on, span) = (None, self.at(&span));
             out.push(Free { name, targets, start, min, max, acts_on, span });
@@ -368,31 +333,29 @@ impl PlanReader<'_> {
         Span::new(self.file, span.start, span.end)
     }
 
+    fn report(&mut self, cause: PlanCause, place: &Range<usize>) {
+        self.problems.push(Diagnostic::new(cause, self.at(place)));
+    }
+
     /// Reports unknown keys.
     fn known(&mut self, table: &Table<'_>, keys: &[&str]) {
         for key in table.keys() {
             let name: &str = key.get_ref();
             if !keys.contains(&name) {
-                let span = self.at(&key.span());
-                let d = Diagnostic::error("MO1003", span, format!("unknown key `{name}`"));
-                self.problems.push(match did_you_mean(name, keys.iter().copied()) {
-                    Some(near) => d.help(format!("did you mean `{near}`?")),
-                    None => d.help(format!("known here: {}", keys.join(", "))),
-                });
+                let near = did_you_mean(name, keys.iter().copied()).map(str::to_owned);
+                let known = keys.join(", ");
+                let cause = PlanCause::UnknownKey { key: name.to_owned(), near, known };
+                self.report(cause, &key.span());
             }
         }
     }
 
     fn missing(&mut self, key: &str, within: &Range<usize>) {
-        self.problems.push(
-            Diagnostic::error("MO1002", self.at(within), format!("`{key}` is missing"))
-                .help("see `examples/valve52.toml` for a complete plan"),
-        );
+        self.report(PlanCause::MissingKey { key: key.to_owned() }, within);
     }
 
-    fn wrong(&mut self, value: &Value<'_>, wanted: &str) {
-        let span = self.at(&value.span());
-        self.problems.push(Diagnostic::error("MO1004", span, format!("expected {wanted}")));
+    fn wrong(&mut self, value: &Value<'_>, expected: &'static str) {
+        self.report(PlanCause::WrongType { expected }, &value.span());
     }
 
     fn table<'t>(
@@ -480,13 +443,10 @@ impl PlanReader<'_> {
         let value = table.get("unit")?;
         let unit = Unit::of(&name);
         if unit.is_none() && matches!(value.get_ref(), DeValue::String(_)) {
-            let span = self.at(&value.span());
             let names: Vec<&str> = Unit::names().collect();
-            let d = Diagnostic::error("MO1005", span, format!("unknown unit `{name}`"));
-            self.problems.push(match did_you_mean(&name, names.iter().copied()) {
-                Some(near) => d.help(format!("did you mean `{near}`?")),
-                None => d.help(format!("known are {}", names.join(", "))),
-            });
+            let near = did_you_mean(&name, names.iter().copied()).map(str::to_owned);
+            let (unit, known) = (name.clone(), names.join(", "));
+            self.report(PlanCause::UnknownUnit { unit, near, known }, &value.span());
         }
         unit.map(|u| (u, name))
     }

@@ -17,6 +17,7 @@ use crate::simulate::run::{simulate_to, simulate_with_sensitivities};
 use crate::simulate::sensitivity::Input;
 use crate::simulate::settings::Settings;
 
+use super::cause::PlanCause;
 use super::data::{Data, Recording, Split};
 use super::parallel;
 use super::parameter::{Parameter, input, parameter};
@@ -112,14 +113,11 @@ impl<'a> Problem<'a> {
                 Some(column) => channels.push(Channel { column, unit: signal.unit, sigma: *sigma }),
                 None => {
                     let wanted = &signal.variable;
-                    let message = format!("the model has no variable `{wanted}`");
                     let all = program.blocks.dae.variables.enumerate();
                     let all: Vec<&str> = all.map(|(v, _)| program.name(v)).collect();
-                    let d = Diagnostic::error("MO1014", signal.span, message);
-                    problems.push(match did_you_mean(wanted, all) {
-                        Some(near) => d.help(format!("did you mean `{near}`?")),
-                        None => d.help("name a variable that moves, as in the model's results"),
-                    });
+                    let near = did_you_mean(wanted, all).map(str::to_owned);
+                    let cause = PlanCause::UnknownVariable { name: wanted.clone(), near };
+                    problems.push(Diagnostic::new(cause, signal.span));
                 }
             }
         }

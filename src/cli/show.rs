@@ -5,6 +5,7 @@ use std::path::Path;
 use super::args::{Model, Structure};
 use super::{Status, print, say};
 use crate::base::diag::Diagnostic;
+use crate::driver::cause::RequestCause;
 use crate::driver::compile::Session;
 use crate::io::atomic_file::write_file;
 use crate::ir::diagram::Diagram;
@@ -22,10 +23,8 @@ pub fn flatten(options: &Model) -> Status {
     let fragments = match session.flatten(&options.request()) {
         Ok(flat) => {
             let fragments = crate::flatten::print::fragments(&flat).map_err(|why| {
-                session.problems.push(
-                    Diagnostic::error("MO0275", flat.span, why.to_string())
-                        .help("`mocc simulate` runs it, and `mocc structure` shows its blocks"),
-                );
+                let cause = RequestCause::FlatModelTooLarge { why: why.to_string() };
+                session.problems.push(Diagnostic::new(cause, flat.span));
                 Status::Model
             });
             // The process ends: freeing a large model would only take time.

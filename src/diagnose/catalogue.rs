@@ -5,6 +5,8 @@ use crate::base::source::Span;
 use crate::driver::compile::{Annotated, Request, Session};
 use crate::flatten::inventory::{Inventory, InventoryConnector};
 
+use super::cause::CatalogueCause;
+
 /// An effect as its class describes it.
 #[derive(Clone, Debug, Default)]
 pub struct Effect {
@@ -188,11 +190,8 @@ fn described(session: &mut Session, annotated: &Annotated, role: Role) -> Option
 fn warn(session: &mut Session, annotated: &Annotated, role: Role, why: &str) {
     let (class, key) = (&annotated.class, role.key());
     let span = annotated.entry(key).map_or(Span::NONE, |e| e.span);
-    let message = format!("cannot use `{class}`: {why}");
-    session.problems.push(
-        Diagnostic::warning("MO1019", span, message)
-            .help("the comment in `lib/Effects/package.mo` describes the annotation `__mocc`"),
-    );
+    let cause = CatalogueCause::UnusableEffect { class: class.clone(), why: why.to_owned() };
+    session.problems.push(Diagnostic::new(cause, span));
 }
 
 /// An effect that is a component of its own, with the connectors and amplitudes of its class.

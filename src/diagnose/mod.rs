@@ -13,6 +13,7 @@ pub mod backward_elimination;
 pub mod balance;
 pub mod candidate_fit;
 pub mod catalogue;
+pub mod cause;
 pub mod forward_selection;
 pub mod hypothesis;
 pub mod json;

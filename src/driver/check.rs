@@ -12,15 +12,15 @@ use crate::classes::ClassGraph;
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
+use crate::lower::error::LoweringCause;
 use crate::resolve::library::Library;
 use crate::rules::{ineffective_modifiers, shadowing};
+use crate::units::cause::UnitCause;
 
 /// A missing `inner` component: a component checked alone has none.
 const NO_INNER: &str = "MO0206";
 /// Errors in a function that hold for any arguments: names and types.
 const HOLDS_ANYWHERE: [&str; 4] = ["MO0201", "MO0202", "MO0212", "MO0266"];
-/// A parameter without a value.
-const NO_VALUE: &str = "MO0303";
 
 impl Session {
     /// Collects the problems of a request in [`Session::problems`].
@@ -28,7 +28,7 @@ impl Session {
     pub fn check(&mut self, request: &Request, units: Severity) -> Result<(), CompileError> {
         let checked = self.check_classes(request);
         if units == Severity::Error {
-            self.problems.raise(crate::units::MISMATCH);
+            self.problems.raise::<UnitCause>();
         }
         checked?;
         if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }
@@ -188,8 +188,9 @@ fn whole(mut cx: Evaluator<'_>, class: ClassId) {
     let dae = crate::lower::lower(flat, &mut own);
     for d in own.iter() {
         // A component of this class may still give the parameter a value.
-        let severity = if d.code == NO_VALUE { Severity::Warning } else { d.severity };
-        problems.push(Diagnostic { severity, ..d.clone() });
+        let is_open = d.is(|cause| matches!(cause, LoweringCause::NoValue { .. }));
+        let severity = if is_open { Severity::Warning } else { d.severity };
+        problems.push(d.clone().with_severity(severity));
     }
     if own.has_errors() {
         return;

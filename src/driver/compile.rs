@@ -23,11 +23,14 @@ use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::ParameterOverride;
 use crate::ir::program::{Continuation, Program, SystemForm};
+use crate::measure::error::MeasureCause;
 use crate::measure::model as extended;
 use crate::measure::observe::Plan;
 use crate::measure::text::Measures;
 use crate::resolve::library::Library;
 use crate::verify;
+
+use super::cause::RequestCause;
 
 /// A class with an annotation `__mocc`.
 #[derive(Clone, Debug)]
@@ -166,7 +169,8 @@ impl Session {
         self.times.push(("flatten", begun.elapsed()));
         let sources = &self.sources;
         let of_setting = |d: &Diagnostic| {
-            matches!(d.code, "MO0240" | "MO0241" | "MO1101" | "MO1102")
+            matches!(d.code, "MO0240" | "MO0241")
+                || d.is(is_unreadable_measure)
                 || sources.get(d.primary.0.file).is_some_and(|f| {
                     f.path == Path::new("--set") || f.path == Path::new("--measure")
                 })
@@ -287,24 +291,16 @@ impl Session {
             match found {
                 Some((id, v)) if v.binding.is_none() && open(v) => flat.recorded.push(id),
                 Some((_, v)) => {
-                    let message = format!(
-                        "`{input}` is not a real input without a value, so no recording can drive it"
-                    );
-                    self.problems.push(
-                        Diagnostic::error("MO1017", v.span, message)
-                            .help("declare it as `input Real` without a value of its own"),
-                    );
+                    let cause = RequestCause::NotDrivable { name: input.clone() };
+                    self.problems.push(Diagnostic::new(cause, v.span));
                 }
                 None => {
-                    let message = format!("the model has no input `{input}`");
-                    let d = Diagnostic::error("MO1017", Span::NONE, message);
                     let inputs =
                         flat.variables.iter().filter(|v| v.causality == Some(Causality::Input));
                     let names = inputs.map(|v| v.name.as_str());
-                    self.problems.push(match did_you_mean(input, names) {
-                        Some(near) => d.help(format!("did you mean `{near}`?")),
-                        None => d.help("declare it as `input Real` without a value of its own"),
-                    });
+                    let near = did_you_mean(input, names).map(str::to_owned);
+                    let cause = RequestCause::UnknownInput { name: input.clone(), near };
+                    self.problems.push(Diagnostic::new(cause, Span::NONE));
                 }
             }
         }
@@ -419,9 +415,13 @@ fn continuation(flat: FlatModel, program: &Program) -> Option<Continuation> {
     Some(Continuation { program: between, lambda, slots })
 }
 
+/// A measure that is not `NAME = EXPRESSION` with a name of its own.
+fn is_unreadable_measure(cause: &MeasureCause) -> bool {
+    use MeasureCause::*;
+    matches!(cause, NoName { .. } | NotAnExpression { .. } | DuplicateName { .. })
+}
+
 fn unreadable(path: &Path, why: &str) -> Diagnostic {
-    let shown = path.display();
-    let d = Diagnostic::error("MO0100", Span::NONE, format!("cannot read `{shown}`: {why}"));
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let wanted = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let names: Vec<String> = std::fs::read_dir(folder)
@@ -429,10 +429,13 @@ fn unreadable(path: &Path, why: &str) -> Diagnostic {
         .unwrap_or_default();
     let mut sorted = names;
     sorted.sort();
-    match did_you_mean(&wanted, sorted.iter().map(String::as_str)) {
-        Some(near) => d.help(format!("did you mean `{}`?", folder.join(near).display())),
-        None => d.help("check the path; it is read from the folder where mocc runs"),
-    }
+    let near = did_you_mean(&wanted, sorted.iter().map(String::as_str));
+    let cause = RequestCause::UnreadableFile {
+        path: path.display().to_string(),
+        why: why.to_owned(),
+        near: near.map(|name| folder.join(name).display().to_string()),
+    };
+    Diagnostic::new(cause, Span::NONE)
 }
 
 /// The class of a request.
@@ -446,22 +449,13 @@ pub(super) fn model(
         (None, Some(file)) => match last_model(file) {
             Some(full_name) => full_name,
             None => {
-                cx.problems.push(
-                    Diagnostic::error(
-                        "MO0104",
-                        Span::new(file.id, 0, 0),
-                        "this file has no model that can be instantiated",
-                    )
-                    .help("write a model that is not partial, or name one with `--model`"),
-                );
+                let place = Span::new(file.id, 0, 0);
+                cx.problems.push(Diagnostic::new(RequestCause::NoModelInFile, place));
                 return Err(CompileError::Model);
             }
         },
         (None, None) => {
-            cx.problems.push(
-                Diagnostic::error("MO0104", Span::NONE, "neither a file nor a model is named")
-                    .help("name a file, or a model of a library with `--model`"),
-            );
+            cx.problems.push(Diagnostic::new(RequestCause::NothingNamed, Span::NONE));
             return Err(CompileError::Request);
         }
     };
@@ -473,18 +467,16 @@ pub(super) fn model(
         let text = cx.definition(class).cloned();
         let kind = cx.kind(class);
         if let Some(text) = text {
-            let why = if text.partial {
-                Some("is partial: it leaves something to be declared by a model that extends it")
+            let name = wanted.clone();
+            let cause = if text.partial {
+                Some(RequestCause::PartialModel { name })
             } else if matches!(kind, ClassKind::Package | ClassKind::Function { .. }) {
-                Some("is a package or a function, not a model")
+                Some(RequestCause::NotAModel { name })
             } else {
                 None
             };
-            if let Some(why) = why {
-                cx.problems.push(
-                    Diagnostic::error("MO0104", text.name.span, format!("`{wanted}` {why}"))
-                        .help("name a model with `--model`"),
-                );
+            if let Some(cause) = cause {
+                cx.problems.push(Diagnostic::new(cause, text.name.span));
                 return Err(CompileError::Model);
             }
         }
@@ -493,11 +485,9 @@ pub(super) fn model(
     if !cx.problems.has_errors() {
         let mut names: Vec<String> = file.map(models).unwrap_or_default();
         names.extend(cx.library.child_names(""));
-        let d = Diagnostic::error("MO0104", Span::NONE, format!("there is no model `{wanted}`"));
-        cx.problems.push(match did_you_mean(&wanted, names.iter().map(String::as_str)) {
-            Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help("check the name, or name the folder of its library with `--lib DIR`"),
-        });
+        let near = did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_owned);
+        let cause = RequestCause::UnknownModel { name: wanted, near };
+        cx.problems.push(Diagnostic::new(cause, Span::NONE));
     }
     Err(CompileError::Model)
 }

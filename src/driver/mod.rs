@@ -1,4 +1,5 @@
 //! From a request to a flat model, to sorted blocks, to a program: the recipe, and the files it reads.
+pub mod cause;
 pub mod check;
 pub mod compile;
 pub mod files;

@@ -34,7 +34,7 @@ pub enum TableError {
         time: f64,
     },
     /// A value of an Integer column is not an integer, or too large for the format.
-    #[error("`{name}` is {value} at time {time} s, which is not a whole number of 64 bits")]
+    #[error("`{name}` is {value} at time {time} s, which is not an Integer of 64 bits")]
     NotWhole {
         /// The column.
         name: String,

@@ -51,7 +51,7 @@ pub enum Cell {
 #[derive(Error, Debug)]
 pub enum RecordError {
     /// A line that was read back is not a row of this table.
-    #[error("a line of the journal is broken: `{0}`; begin anew with `--restart`")]
+    #[error("a line of the journal is broken: `{0}`; start again with `--restart`")]
     Broken(String),
     /// Writing failed.
     #[error(transparent)]

@@ -1,6 +1,6 @@
 //! Syntax with spans: Modelica 3.6, appendix A, as written by the user.
 //!
-//! *Holds:* one tree per file, every node with its place, comments kept in a list beside the tree.
+//! *Holds:* one tree per file, every node with its place, comments kept in a list of their own.
 //! *Never holds:* resolved names, types, evaluated values.
 //! *Made by:* `parse`. *Read by:* `resolve`, `instantiate`, `flatten`.
 //!
@@ -26,7 +26,7 @@ pub struct File {
 }
 
 impl File {
-    /// The package that the file says it stands in; `None` at the top.
+    /// The package that the file declares with `within`; `None` at the top.
     pub fn package(&self) -> Option<&Path> {
         self.within.as_ref().filter(|within| !within.parts.is_empty())
     }

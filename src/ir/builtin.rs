@@ -136,7 +136,7 @@ pub enum Shape {
     Kink,
     /// A Boolean value.
     Logic,
-    /// Constant between jumps, which are no events.
+    /// Constant between jumps, which do not trigger events.
     Steps,
     /// Constant between jumps, which are events: the rounded operand or quotient.
     Rounds(Rounding),

@@ -295,7 +295,7 @@ impl Dae {
         self.asserts.iter().for_each(|a| visit(a.assert.condition));
     }
 
-    /// Calls `visit` with the expressions beside the equations: attributes, parameters, and what makes events.
+    /// Calls `visit` with the expressions outside of the equations: attributes, parameters, and conditions of events.
     pub fn for_each_side_expression(&self, visit: &mut dyn FnMut(ExprId)) {
         self.parameters.iter().for_each(|(_, e)| visit(*e));
         for r in &self.relations {

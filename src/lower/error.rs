@@ -1,189 +1,183 @@
-//! Errors of lowering a flat model to a system of equations: codes MO0301 to MO0399.
+//! Diagnostics of lowering a flat model to a system of equations.
 
+use crate::base::cause::causes;
 use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
 use crate::ir::dae;
 use crate::ir::flat::{Origin, Variable};
 
-/// MO0301: parameters whose values depend on each other.
+// MO0310 and MO0317 are retired: they reported event-triggering functions and variable delays before these were
+// supported.
+causes! {
+    /// Causes found while a flat model is lowered.
+    pub enum LoweringCause {
+        /// The values of parameters depend on each other.
+        error MO0301 ParameterCycle { path: String } (section "4.4.3")
+            => ("the values of parameters depend on each other: {path}"),
+            help("give one of them a value that does not depend on the others");
+        /// A parameter has no value but a start value.
+        warning MO0302 ParameterAtStart { name: String } (section "8.6")
+            => ("parameter `{name}` has no value: its start value is used"),
+            help("write `{} = ...` where it is declared or modified", last(name));
+        /// A parameter or constant has neither a value nor a start value.
+        error MO0303 NoValue { name: String }
+            => ("`{name}` has no value"),
+            help("write `{} = ...` where it is declared or modified, or `fixed = false` if initial \
+                  equations determine it", last(name));
+        /// The value of a parameter depends on a variable.
+        error MO0304 VaryingParameter { name: String, depends_on: String } (section "3.8")
+            => ("the value of parameter `{name}` depends on `{depends_on}`, which varies"),
+            help("remove `parameter`, or use only parameters and constants in its value");
+        /// Two equal variables have different fixed start values.
+        error MO0305 ConflictingStarts { first: String, second: String }
+            => ("`{first}` and `{second}` are equal but have different fixed start values"),
+            help("keep `fixed = true` on one of them only");
+        /// A discrete variable is assigned by more than one when-clause or equation.
+        error MO0306 AssignedTwice { name: String } (section "8.3.5.4")
+            => ("`{name}` is assigned in more than one place"),
+            help("join the when-clauses into one with `elsewhen`");
+        /// A discrete variable is never assigned.
+        error MO0307 NoDiscreteEquation { name: String }
+            => ("discrete variable `{name}` has no equation"),
+            help("assign it in a when-clause or by an equation with it alone on one side");
+        /// An equation between discrete expressions is not an assignment.
+        error MO0308 NotAssignedForm (section "B")
+            => ("an equation between discrete expressions must have a discrete variable alone on one side"),
+            help("write `variable = expression`");
+        /// `==` or `<>` compares Reals that vary.
+        error MO0309 EqualityOfReals { operator: String } (section "3.5")
+            => ("cannot compare continuous Real expressions with `{operator}` outside of functions"),
+            help("compare with `<=` or `>=`, or with a tolerance: `abs(a - b) < eps`");
+        /// The interval of `sample` varies.
+        error MO0311 VaryingSample (section "3.7.5")
+            => ("the start and the interval of `sample` must be parameter expressions"),
+            help("for a varying period write `when time >= pre(next) then next = ...`");
+        /// `reinit` of a variable that is not differentiated.
+        error MO0312 ReinitWithoutDerivative { name: String } (section "8.3.6")
+            => ("cannot reinitialize `{name}`: its derivative does not occur in the model"),
+            help("reinitialize a state, or assign `{name}` in a when-clause");
+        /// An initial equation section contains a when-clause.
+        error MO0313 InitialWhen (section "8.3.5.2")
+            => ("an initial equation cannot be a when-clause"),
+            help("use `if`, or `when initial()` in an equation section");
+        /// An initial equation between discrete expressions is not an assignment.
+        error MO0314 InitialNotAssignedForm (section "8.6")
+            => ("an initial equation of discrete variables must have one of them alone on one side"),
+            help("write `variable = expression`, or `pre(variable) = parameter expression`");
+        /// A when-clause assigns a parameter, a constant or an input.
+        error MO0315 AssignedParameter { name: String } (section "4.4.4")
+            => ("cannot assign `{name}` in a when-clause: it does not change during simulation"),
+            help("declare it `discrete Real`, `Integer` or `Boolean` without `parameter`");
+        /// The derivative of a discrete variable.
+        error MO0316 DerivativeOfDiscrete { name: String } (section "3.7.4")
+            => ("cannot differentiate `{name}`: it changes only at events"),
+            help("use `reinit` in the when-clause instead of assigning the variable there");
+        /// The initial distribution of `spatialDistribution` varies.
+        error MO0321 VaryingDistribution (section "3.7.4.2")
+            => ("`initialPoints` and `initialValues` of `spatialDistribution` must be parameter expressions"),
+            help("use only parameters and constants in them");
+    }
+}
+
+/// Parameters whose values depend on each other.
 pub fn parameter_cycle(cycle: &[&Variable]) -> Diagnostic {
     let mut path: Vec<&str> = cycle.iter().map(|v| v.name.as_str()).collect();
     path.extend(path.first().copied());
-    let message = format!("the values of parameters depend on each other: {}", path.join(" -> "));
-    let first = cycle.first().map_or(crate::base::source::Span::NONE, |v| v.span);
-    let mut d = Diagnostic::error("MO0301", first, message)
-        .label("its value needs itself")
-        .help("give one of them a value that does not depend on the others");
+    let cause = LoweringCause::ParameterCycle { path: path.join(" -> ") };
+    let first = cycle.first().map_or(Span::NONE, |v| v.span);
+    let mut d = Diagnostic::new(cause, first).label("its value depends on itself");
     for v in cycle.iter().skip(1) {
         d = d.also(v.span, format!("`{}` is part of the cycle", v.name));
     }
     d
 }
 
-/// MO0302: a parameter that takes its start value because it has no other.
+/// A parameter that takes its start value because it has no other.
 pub fn parameter_at_start(v: &Variable) -> Diagnostic {
-    Diagnostic::warning(
-        "MO0302",
-        v.span,
-        format!("parameter `{}` has no value: its start value is used", v.name),
-    )
-    .help(format!("write `{} = ...` where it is declared or modified", last(&v.name)))
-    .note("Modelica 3.6, section 8.6: `start` is only a fallback for parameters")
+    Diagnostic::new(LoweringCause::ParameterAtStart { name: v.name.clone() }, v.span)
 }
 
-/// MO0303: a parameter or constant without any value.
+/// A parameter or constant without any value.
 pub fn no_value(v: &Variable) -> Diagnostic {
-    Diagnostic::error("MO0303", v.span, format!("`{}` has no value", v.name))
+    Diagnostic::new(LoweringCause::NoValue { name: v.name.clone() }, v.span)
         .label("declared without a value")
-        .help(format!(
-            "write `{} = ...` where it is declared or modified, or `fixed = false` if initial \
-             equations determine it",
-            last(&v.name)
-        ))
 }
 
-/// MO0304: the value of a parameter changes with time.
+/// The value of a parameter changes with time.
 pub fn varying_parameter(v: &Variable, culprit: &str) -> Diagnostic {
-    Diagnostic::error(
-        "MO0304",
-        v.span,
-        format!("the value of parameter `{}` depends on `{culprit}`, which varies", v.name),
-    )
-    .help("drop `parameter`, or use parameters and constants only in its value")
-    .note("Modelica 3.6, section 3.8: variability of declaration equations")
+    let (name, depends_on) = (v.name.clone(), culprit.to_owned());
+    Diagnostic::new(LoweringCause::VaryingParameter { name, depends_on }, v.span)
 }
 
-/// MO0305: equal variables with different fixed starts.
+/// Equal variables with different fixed starts.
 pub fn conflicting_starts(a: &dae::Variable, b: &dae::Variable) -> Diagnostic {
-    Diagnostic::error(
-        "MO0305",
-        a.span,
-        format!("`{}` and `{}` are equal but have different fixed start values", a.name, b.name),
-    )
-    .label(format!("`{}`", a.name))
-    .also(b.span, format!("`{}`", b.name))
-    .help("keep `fixed = true` on one of them only")
+    let (first, second) = (a.name.clone(), b.name.clone());
+    Diagnostic::new(LoweringCause::ConflictingStarts { first, second }, a.span)
+        .label(format!("`{}`", a.name))
+        .also(b.span, format!("`{}`", b.name))
 }
 
-/// MO0306: a discrete variable with two equations.
+/// A discrete variable with two equations.
 pub fn assigned_twice(v: &dae::Variable, first: &Origin, second: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0306",
-        second.span,
-        format!("`{}` is assigned in more than one place", v.name),
-    )
-    .label("assigned again here")
-    .also(first.span, "assigned here first")
-    .help("join the when-clauses into one with `elsewhen`")
-    .note("Modelica 3.6, section 8.3.5.3: the single assignment rule for when-equations")
+    Diagnostic::new(LoweringCause::AssignedTwice { name: v.name.clone() }, second.span)
+        .label("assigned again here")
+        .also(first.span, "assigned here first")
 }
 
-/// MO0307: a discrete variable without an equation.
+/// A discrete variable without an equation.
 pub fn no_discrete_equation(v: &dae::Variable) -> Diagnostic {
-    Diagnostic::error("MO0307", v.span, format!("discrete variable `{}` has no equation", v.name))
+    Diagnostic::new(LoweringCause::NoDiscreteEquation { name: v.name.clone() }, v.span)
         .label("nothing assigns it")
-        .help("assign it in a when-clause or by an equation with it alone on one side")
 }
 
-/// MO0308: a discrete equation that is not an assignment.
+/// A discrete equation that is not an assignment.
 pub fn not_assigned_form(origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0308",
-        origin.span,
-        "an equation between discrete expressions must have a discrete variable alone on one side",
-    )
-    .label(in_component(origin))
-    .help("write `variable = expression`")
-    .note("Modelica 3.6, section 8.3.5.1 and appendix B: discrete equations are solved as written")
+    Diagnostic::new(LoweringCause::NotAssignedForm, origin.span).label(in_component(origin))
 }
 
-/// MO0309: `==` or `<>` between reals that vary.
+/// `==` or `<>` between reals that vary.
 pub fn equality_of_reals(op: &str, origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0309",
-        origin.span,
-        format!("`{op}` between continuous Real expressions has no event"),
-    )
-    .label(in_component(origin))
-    .help("compare with `<=` or `>=`, or with a tolerance: `abs(a - b) < eps`")
-    .note("Modelica 3.6, section 3.5: equality of Reals is allowed in functions only")
+    let cause = LoweringCause::EqualityOfReals { operator: op.to_owned() };
+    Diagnostic::new(cause, origin.span).label(in_component(origin))
 }
 
-// MO0310 is retired: it reported event-triggering functions before they generated events.
-
-// MO0317 is retired: it reported variable delays before they were supported.
-
-/// MO0321: the initial values of `spatialDistribution` vary during simulation.
+/// The initial values of `spatialDistribution` vary during simulation.
 pub fn varying_distribution(origin: &Origin) -> Diagnostic {
-    let message = "the distribution in the beginning changes while the model runs";
-    Diagnostic::error("MO0321", origin.span, message)
-        .help("give parameters as `initialPoints` and `initialValues`")
-        .note("section 3.7.4.2 of the specification")
+    Diagnostic::new(LoweringCause::VaryingDistribution, origin.span)
 }
 
-/// MO0311: `sample` with arguments that vary.
+/// `sample` with arguments that vary.
 pub fn varying_sample(origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0311",
-        origin.span,
-        "the start and the interval of `sample` must be parameter expressions",
-    )
-    .label(in_component(origin))
-    .help("for a varying period write `when time >= pre(next) then next = ...`")
+    Diagnostic::new(LoweringCause::VaryingSample, origin.span).label(in_component(origin))
 }
 
-/// MO0312: `reinit` of something that is not differentiated.
+/// `reinit` of something that is not differentiated.
 pub fn reinit_of_no_state(v: &dae::Variable, origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0312",
-        origin.span,
-        format!(
-            "`reinit` needs a variable whose derivative occurs, and `der({})` does not",
-            v.name
-        ),
-    )
-    .label("reinitialised here")
-    .also(v.span, format!("`{}` is declared here", v.name))
-    .note("Modelica 3.6, section 8.3.6")
+    Diagnostic::new(LoweringCause::ReinitWithoutDerivative { name: v.name.clone() }, origin.span)
+        .label("reinitialized here")
+        .also(v.span, format!("`{}` is declared here", v.name))
 }
 
-/// MO0313: a when-clause among initial equations.
+/// A when-clause among initial equations.
 pub fn initial_when(origin: &Origin) -> Diagnostic {
-    Diagnostic::error("MO0313", origin.span, "a when-clause can not stand in an initial equation")
-        .help("use `if`, or `when initial()` in an equation section")
+    Diagnostic::new(LoweringCause::InitialWhen, origin.span)
 }
 
-/// MO0314: an initial equation of discrete variables that is not in assigned form.
+/// An initial equation of discrete variables that is not in assigned form.
 pub fn initial_discrete(origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0314",
-        origin.span,
-        "an initial equation of discrete variables must give one of them its value",
-    )
-    .label(in_component(origin))
-    .help("write `variable = expression`, or `pre(variable) = parameter expression`")
+    Diagnostic::new(LoweringCause::InitialNotAssignedForm, origin.span).label(in_component(origin))
 }
 
-/// MO0315: a when-clause assigns a parameter or an input.
+/// A when-clause assigns a parameter or an input.
 pub fn assigned_parameter(v: &Variable) -> Diagnostic {
-    Diagnostic::error(
-        "MO0315",
-        v.span,
-        format!("`{}` is assigned in a when-clause but can not change", v.name),
-    )
-    .help("declare it `discrete Real`, `Integer` or `Boolean` without `parameter`")
+    Diagnostic::new(LoweringCause::AssignedParameter { name: v.name.clone() }, v.span)
 }
 
-/// MO0316: the derivative of a discrete variable.
+/// The derivative of a discrete variable.
 pub fn rate_of_discrete(v: &dae::Variable, origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0316",
-        origin.span,
-        format!("`{}` changes at events only and has no derivative", v.name),
-    )
-    .label(format!("`der({})` is used here", v.name))
-    .also(v.span, "declared here")
-    .help("use `reinit` in the when-clause instead of assigning the variable there")
-    .note("Modelica 3.6, section 3.7.4.1: the argument of `der` is continuous")
+    Diagnostic::new(LoweringCause::DerivativeOfDiscrete { name: v.name.clone() }, origin.span)
+        .label(format!("`der({})` is used here", v.name))
+        .also(v.span, "declared here")
 }
 
 fn last(name: &str) -> &str {

@@ -1,5 +1,8 @@
-//! Errors of the lexer and the parser: codes MO0001 to MO0099.
+//! Errors of the lexer and the parser: codes MO0001 to MO0059.
 
+use std::fmt;
+
+use crate::base::cause::causes;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::Ident;
@@ -20,16 +23,15 @@ pub enum SyntaxContext {
     Condition,
 }
 
-impl SyntaxContext {
-    /// The construct as a noun phrase with its article.
-    pub fn phrase(self) -> &'static str {
-        match self {
+impl fmt::Display for SyntaxContext {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
             SyntaxContext::Class => "the class",
             SyntaxContext::Element => "the declaration",
             SyntaxContext::Equation => "the equation",
             SyntaxContext::Statement => "the statement",
             SyntaxContext::Condition => "the condition",
-        }
+        })
     }
 }
 
@@ -44,208 +46,178 @@ pub enum NestingLimit {
     Blocks,
 }
 
-/// Everything that can be wrong with a source file. Spans show where to repair it.
-#[derive(Clone, Debug)]
-#[allow(missing_docs)] // the codes and messages below are the documentation
-pub enum SyntaxError {
-    Unexpected { span: Span, expected: String, found: String, help: Option<String> },
-    Missing { at: Span, expected: String, found: String },
-    UnexpectedEnd { span: Span, expected: String },
-    MissingSemicolon { at: Span, after: SyntaxContext, found: String },
-    UnclosedBracket { at: Span, open: Span, bracket: TokenKind },
-    StrayBracket { span: Span, bracket: TokenKind },
-    WrongEndName { class: Ident, found: Ident },
-    UnclosedClass { class: Ident, found: Option<Ident> },
-    UnclosedBlock { span: Span, open: Span, keyword: TokenKind, help: Option<String> },
-    AssignmentAsEquation { operator: Span },
-    ComparisonAsEquation { operator: Span },
-    EqualsAsAssignment { operator: Span },
-    LoneExpression { span: Span, wanted: &'static str },
-    InvalidCharacter { span: Span, text: String },
-    NonAscii { span: Span, text: String },
-    ForeignOperator { span: Span, written: String, kind: TokenKind },
-    UnterminatedString { span: Span },
-    UnterminatedName { span: Span },
-    UnterminatedComment { span: Span },
-    TooDeep { span: Span, bound: NestingLimit },
-    DoubledPrefix { span: Span },
-    ExclusivePrefix { span: Span, other: &'static str },
-    PrefixOrder { span: Span, prefix: &'static str, later: &'static str },
-    MisplacedPrefix { span: Span, prefix: &'static str, what: &'static str },
-    PositionalAfterNamed { span: Span, named: Ident },
-    NotAssignable { span: Span },
-    UnknownEscape { span: Span },
-    Misspelt { span: Span, written: String, keyword: &'static str },
-    NumberTooLarge { span: Span },
-    FileTooLarge { span: Span },
-    Doubled { span: Span, first: Span, what: &'static str },
-    IdleConstraint { span: Span },
-    LongRedeclaration { class: Ident },
-    MissingRedeclare { at: Span, name: Ident },
-}
-
-fn err(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
-    Diagnostic::error(code, span, message)
-}
-
-impl From<SyntaxError> for Diagnostic {
-    fn from(error: SyntaxError) -> Diagnostic {
-        use SyntaxError::*;
-        match error {
-            Unexpected { span, expected, found, help } => {
-                let d = err("MO0001", span, format!("expected {expected}, found {found}"));
-                with_help(d.label("not expected here"), help)
-            }
-            Missing { at, expected, found } => {
-                err("MO0001", at, format!("expected {expected}, found {found}"))
-                    .label("something is missing here")
-            }
-            UnexpectedEnd { span, expected } => {
-                err("MO0002", span, format!("expected {expected}, found the end of the file"))
-            }
-            MissingSemicolon { at, after, found } => {
-                let after = after.phrase();
-                err("MO0003", at, format!("expected `;` after {after}, found {found}"))
-                    .label("`;` is missing here")
-            }
-            UnclosedBracket { at, open, bracket } => {
-                let close = bracket.partner().unwrap_or(bracket).text();
-                err("MO0004", at, format!("`{}` is not closed", bracket.text()))
-                    .label(format!("`{close}` is missing here"))
-                    .also(open, "opened here")
-            }
-            StrayBracket { span, bracket } => {
-                err("MO0004", span, format!("`{}` closes nothing", bracket.text()))
-                    .label("nothing is open here")
-            }
-            WrongEndName { class, found } => {
-                let name = class.name;
-                let message = format!("expected `end {name}`, found `end {}`", found.name);
-                err("MO0005", found.span, message)
-                    .label(format!("should be `{name}`"))
-                    .also(class.span, "the class that ends here")
-            }
-            UnclosedClass { class, found } => {
-                let name = class.name;
-                let message = format!("class `{name}` is not closed");
-                let d = match found {
-                    Some(end) => err("MO0006", end.span, message)
-                        .label(format!("`end {name};` is missing before this"))
-                        .also(class.span, "the class that is not closed"),
-                    None => err("MO0006", class.span, message).label("begins here"),
-                };
-                d.help(format!("add `end {name};`"))
-            }
-            UnclosedBlock { span, open, keyword, help } => {
-                let end = keyword.text();
-                let begin = end.strip_prefix("end ").unwrap_or(end);
-                let d = err("MO0006", span, format!("`{begin}` is not closed"))
-                    .label(format!("`{end};` expected before this"))
-                    .also(open, "opened here");
-                with_help(d, help)
-            }
-            AssignmentAsEquation { operator } => {
-                err("MO0007", operator, "`:=` in an equation section").label("should be `=`").help(
-                    "`=` states an equation; `:=` assigns and belongs to an `algorithm` section",
-                )
-            }
-            ComparisonAsEquation { operator } => {
-                err("MO0007", operator, "`==` compares; it does not state an equation")
-                    .label("should be `=`")
-            }
-            EqualsAsAssignment { operator } => {
-                err("MO0008", operator, "a statement of an algorithm assigns with `:=`")
-                    .label("should be `:=`")
-            }
-            LoneExpression { span, wanted } => {
-                err("MO0009", span, format!("expected {wanted}, found an expression"))
-                    .label(format!("this alone is not {wanted}"))
-            }
-            InvalidCharacter { span, text } => {
-                err("MO0010", span, format!("`{text}` has no meaning in Modelica"))
-            }
-            NonAscii { span, text } => {
-                err("MO0010", span, format!("`{text}` has letters that names may not have"))
-                    .help(format!("use letters a to z, or quote the name: `'{text}'`"))
-            }
-            ForeignOperator { span, written, kind } => {
-                err("MO0011", span, format!("`{written}` is not an operator of Modelica"))
-                    .label(format!("should be `{}`", kind.text()))
-            }
-            UnterminatedString { span } => err("MO0012", first_byte(span), "the string has no end")
-                .label("begins here")
-                .help("close it with `\"`"),
-            UnterminatedName { span } => {
-                err("MO0012", first_byte(span), "the quoted name has no end")
-                    .label("begins here")
-                    .help("close it with `'` on the same line")
-            }
-            UnterminatedComment { span } => {
-                let begin = Span { end: span.start + 2, ..span };
-                err("MO0013", begin, "the comment has no end")
-                    .label("begins here")
-                    .help("close it with `*/`")
-            }
-            TooDeep { span, bound } => {
-                let what = match bound {
-                    NestingLimit::Brackets => "brackets are nested too deeply",
-                    NestingLimit::Height => "the expression is nested too deeply",
-                    NestingLimit::Blocks => "classes or equations are nested too deeply",
-                };
-                err("MO0014", span, what).note("the rest of the file is not read")
-            }
-            DoubledPrefix { span } => err("MO0015", span, "the prefix is written twice"),
-            ExclusivePrefix { span, other } => {
-                err("MO0015", span, format!("the prefix excludes `{other}`"))
-            }
-            PrefixOrder { span, prefix, later } => {
-                err("MO0015", span, format!("`{prefix}` must stand before `{later}`"))
-            }
-            MisplacedPrefix { span, prefix, what } => {
-                err("MO0016", span, format!("`{prefix}` is not a prefix of {what}"))
-            }
-            PositionalAfterNamed { span, named } => {
-                err("MO0017", span, "a positional argument stands after a named one")
-                    .also(named.span, "the named argument")
-            }
-            NotAssignable { span } => err("MO0018", span, "only variables can be assigned to")
-                .label("this is not a variable"),
-            UnknownEscape { span } => err("MO0019", span, "unknown escape in a string")
-                .help("write `\\\\` for a backslash"),
-            Misspelt { span, written, keyword } => {
-                err("MO0020", span, format!("`{written}` is not a keyword"))
-                    .label(format!("did you mean `{keyword}`?"))
-            }
-            NumberTooLarge { span } => err("MO0021", span, "the number is too large")
-                .note("the largest real number is about 1.8e308"),
-            FileTooLarge { span } => err("MO0022", span, "the file is larger than 4 GB"),
-            Doubled { span, first, what } => {
-                err("MO0023", span, format!("a second {what}")).also(first, "the first")
-            }
-            IdleConstraint { span } => {
-                err("MO0024", span, "`constrainedby` belongs to `replaceable` elements")
-            }
-            LongRedeclaration { class } => {
-                err("MO0025", class.span, "a modification can not contain a whole class")
-                    .help("declare the class elsewhere and write `redeclare ... = ...`")
-            }
-            MissingRedeclare { at, name } => {
-                let message = format!("`{}` is declared inside a modification", name.name);
-                err("MO0026", at, message)
-                    .label("`redeclare` or `replaceable` is missing here")
-                    .also(name.span, "declared here")
-            }
-        }
+impl fmt::Display for NestingLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            NestingLimit::Brackets => "brackets are nested too deeply",
+            NestingLimit::Height => "the expression is nested too deeply",
+            NestingLimit::Blocks => "classes or equations are nested too deeply",
+        })
     }
 }
 
-fn with_help(diagnostic: Diagnostic, help: Option<String>) -> Diagnostic {
-    match help {
-        Some(text) => diagnostic.help(text),
-        None => diagnostic,
+causes! {
+    /// Causes found by the lexer and the parser.
+    pub enum SyntaxCause {
+        /// Another token is expected here.
+        error MO0001 UnexpectedToken { expected: String, found: String, advice: Option<&'static str> }
+            => ("expected {expected}, found {found}"), remedy(advice.map(str::to_owned));
+        /// The file ends too early.
+        error MO0002 UnexpectedEnd { expected: String }
+            => ("expected {expected}, found the end of the file");
+        /// A semicolon is missing.
+        error MO0003 MissingSemicolon { after: SyntaxContext, found: String }
+            => ("expected `;` after {after}, found {found}");
+        /// An opening bracket has no closing one.
+        error MO0004 UnclosedBracket { bracket: &'static str }
+            => ("`{bracket}` is not closed");
+        /// The name after `end` is not that of the class.
+        error MO0005 WrongEndName { name: String, found: String }
+            => ("expected `end {name}`, found `end {found}`");
+        /// A class has no `end`.
+        error MO0006 UnclosedClass { name: String }
+            => ("class `{name}` is not closed"), help("add `end {name};`");
+        /// An equation section contains an assignment.
+        error MO0007 AssignmentAsEquation
+            => ("expected `=` in an equation, found `:=`"),
+            help("`=` states an equation; `:=` assigns and belongs to an `algorithm` section");
+        /// An algorithm section contains an equation or a comparison.
+        error MO0008 EqualsAsAssignment { found: &'static str }
+            => ("expected `:=` in a statement, found `{found}`");
+        /// An expression is neither an equation nor a statement.
+        error MO0009 LoneExpression { wanted: &'static str }
+            => ("expected {wanted}, found an expression");
+        /// A character does not belong to the language.
+        error MO0010 InvalidCharacter { text: String }
+            => ("unknown character `{text}`");
+        /// An operator of another programming language.
+        error MO0011 ForeignOperator { written: String }
+            => ("`{written}` is not an operator of Modelica");
+        /// A string is not closed.
+        error MO0012 UnterminatedString
+            => ("unterminated string"), help("close it with `\"`");
+        /// A comment is not closed.
+        error MO0013 UnterminatedComment
+            => ("unterminated comment"), help("close it with `*/`");
+        /// Brackets, expressions, classes or equations are nested too deeply.
+        error MO0014 TooDeep { limit: NestingLimit }
+            => ("{limit}");
+        /// The prefixes of a declaration are in the wrong order.
+        error MO0015 PrefixOrder { prefix: &'static str, later: &'static str } (section "A.2.4")
+            => ("`{prefix}` must precede `{later}`");
+        /// A prefix is not allowed for this kind of element.
+        error MO0016 MisplacedPrefix { prefix: &'static str, element: &'static str }
+            => ("`{prefix}` cannot be a prefix of {element}");
+        /// A positional argument follows a named one.
+        error MO0017 PositionalAfterNamed (section "12.4.1")
+            => ("a positional argument follows a named one");
+        /// The left side of an assignment is not a variable.
+        error MO0018 NotAssignable
+            => ("cannot assign to an expression"), help("write a variable to the left of `:=`");
+        /// A string contains an unknown escape sequence.
+        error MO0019 UnknownEscape { escaped: char } (section "2.4.4")
+            => ("unknown escape `\\{escaped}` in a string"), help("write `\\\\` for a backslash");
+        /// A keyword is misspelled.
+        error MO0020 Misspelled { written: String }
+            => ("unknown keyword `{written}`");
+        /// A number exceeds the range of a `Real`.
+        error MO0021 NumberTooLarge
+            => ("the number is too large");
+        /// A file is too large to be read.
+        error MO0022 FileTooLarge
+            => ("the file is larger than 4 GB");
+        /// A clause of a class occurs twice.
+        error MO0023 DuplicateClause { clause: &'static str }
+            => ("duplicate {clause}");
+        /// An element has a constraining type, but cannot be redeclared.
+        error MO0024 IneffectiveConstraint (section "7.3.2")
+            => ("`constrainedby` requires `replaceable` or `redeclare`"),
+            help("add `replaceable`, or remove the constraining type");
+        /// A modification contains a class with a body.
+        error MO0025 LongRedeclaration (section "7.2.1")
+            => ("a modification cannot contain a class with a body"),
+            help("declare the class elsewhere and write `redeclare ... = ...`");
+        /// A modification contains a declaration that redeclares nothing.
+        error MO0026 MissingRedeclare { name: String } (section "7.2.1")
+            => ("cannot declare `{name}` inside a modification");
+        /// A closing bracket has no opening one.
+        error MO0030 StrayBracket { bracket: &'static str }
+            => ("unmatched `{bracket}`");
+        /// An `if`, `for`, `when` or `while` has no `end`.
+        error MO0031 UnclosedBlock { keyword: &'static str, advice: Option<&'static str> }
+            => ("`{keyword}` is not closed"), remedy(advice.map(str::to_owned));
+        /// An equation section contains a comparison.
+        error MO0032 ComparisonAsEquation
+            => ("expected `=` in an equation, found `==`"),
+            help("`=` states an equation; `==` compares two values");
+        /// A name contains letters other than a to z.
+        error MO0033 NonAsciiName { text: String } (section "2.3.1")
+            => ("name `{text}` contains letters outside of ASCII"),
+            help("use letters a to z, or quote the name: `'{text}'`");
+        /// A quoted name is not closed.
+        error MO0034 UnterminatedName
+            => ("unterminated quoted name"), help("close it with `'` on the same line");
+        /// A declaration has the same prefix twice.
+        error MO0035 DuplicatePrefix { prefix: &'static str }
+            => ("duplicate prefix `{prefix}`"), help("remove one of them");
+        /// A declaration has two prefixes that exclude each other.
+        error MO0036 ExclusivePrefixes { prefix: &'static str, other: &'static str } (section "A.2.4")
+            => ("cannot combine `{prefix}` with `{other}`"), help("remove one of them");
     }
 }
 
-fn first_byte(span: Span) -> Span {
-    Span { end: span.start + 1, ..span }
+/// A bracket opened at `open` should have been closed at `at`.
+pub fn unclosed_bracket(at: Span, open: Span, bracket: TokenKind) -> Diagnostic {
+    let close = bracket.partner().unwrap_or(bracket).text();
+    Diagnostic::new(SyntaxCause::UnclosedBracket { bracket: bracket.text() }, at)
+        .label(format!("`{close}` is missing here"))
+        .also(open, "opened here")
+}
+
+/// A class without an `end`; `found` is the name after the `end` of another class.
+pub fn unclosed_class(class: Ident, found: Option<Ident>) -> Diagnostic {
+    let cause = SyntaxCause::UnclosedClass { name: class.name.to_string() };
+    match found {
+        Some(end) => Diagnostic::new(cause, end.span)
+            .label(format!("`end {};` is missing before this", class.name))
+            .also(class.span, "the class that is not closed"),
+        None => Diagnostic::new(cause, class.span).label("begins here"),
+    }
+}
+
+/// `end B` at the end of class `A`.
+pub fn wrong_end_name(class: Ident, found: Ident) -> Diagnostic {
+    let (name, written) = (class.name.to_string(), found.name.to_string());
+    Diagnostic::new(SyntaxCause::WrongEndName { name, found: written }, found.span)
+        .label(format!("should be `{}`", class.name))
+        .also(class.span, "the class that ends here")
+}
+
+/// A block opened at `open` whose `end` should precede `at`.
+pub fn unclosed_block(
+    at: Span,
+    open: Span,
+    end: TokenKind,
+    advice: Option<&'static str>,
+) -> Diagnostic {
+    let end = end.text();
+    let keyword = end.strip_prefix("end ").unwrap_or(end);
+    Diagnostic::new(SyntaxCause::UnclosedBlock { keyword, advice }, at)
+        .label(format!("`{end};` expected before this"))
+        .also(open, "opened here")
+}
+
+/// `=` or `==` in a statement that should assign.
+pub fn equals_as_assignment(found: &'static str, operator: Span) -> Diagnostic {
+    Diagnostic::new(SyntaxCause::EqualsAsAssignment { found }, operator).label("should be `:=`")
+}
+
+/// A limit of the syntax tree is exceeded.
+pub fn too_deep(limit: NestingLimit, span: Span) -> Diagnostic {
+    Diagnostic::new(SyntaxCause::TooDeep { limit }, span).note("the rest of the file is not read")
+}
+
+/// Something that begins at `span` and has no end.
+pub fn unterminated(cause: SyntaxCause, span: Span, opening: u32) -> Diagnostic {
+    Diagnostic::new(cause, Span { end: span.start + opening, ..span }).label("begins here")
 }

@@ -1,10 +1,10 @@
 //! The interface to the parser that LALRPOP generates from `grammar/modelica.lalrpop`.
 
 use super::build::Builder;
-use super::error::{NestingLimit, SyntaxContext, SyntaxError};
+use super::error::{NestingLimit, SyntaxCause, SyntaxContext};
 use super::lexer;
 use super::token::TokenKind;
-use crate::base::diag::Problems;
+use crate::base::diag::{Diagnostic, Problems};
 use crate::base::source::{FileId, Span};
 use crate::ir::ast;
 
@@ -24,7 +24,7 @@ pub type Recovery = lalrpop_util::ErrorRecovery<u32, TokenKind, (u32, NestingLim
 pub fn parse(file: FileId, text: &str, problems: &mut Problems) -> ast::File {
     let mut tree = ast::File { id: file, within: None, classes: Vec::new(), comments: Vec::new() };
     if u32::try_from(text.len()).is_err() {
-        problems.push(SyntaxError::FileTooLarge { span: Span::new(file, 0, 0) }.into());
+        problems.push(Diagnostic::new(SyntaxCause::FileTooLarge, Span::new(file, 0, 0)));
         return tree;
     }
     let lexed = lexer::lex(file, text, problems);

@@ -7,9 +7,9 @@
 
 use logos::Logos;
 
-use super::error::{NestingLimit, SyntaxError};
+use super::error::{NestingLimit, SyntaxCause, too_deep, unterminated};
 use super::token::{Token, TokenKind};
-use crate::base::diag::Problems;
+use crate::base::diag::{Diagnostic, Problems};
 use crate::base::source::{FileId, Span};
 use crate::ir::ast::Comment;
 
@@ -61,37 +61,39 @@ pub fn lex(file: FileId, text: &str, problems: &mut Problems) -> Lexed {
                 lexed.comments.push(Comment { span, block: true });
                 if !closed {
                     lexed.swallowed_end = true;
-                    problems.push(SyntaxError::UnterminatedComment { span }.into());
+                    problems.push(unterminated(SyntaxCause::UnterminatedComment, span, 2));
                 }
                 continue;
             }
             Ok(Lexeme::ForeignWord) => {
-                problems.push(SyntaxError::NonAscii { span, text: lexemes.slice().into() }.into());
+                let cause = SyntaxCause::NonAsciiName { text: lexemes.slice().into() };
+                problems.push(Diagnostic::new(cause, span));
                 TokenKind::Ident
             }
             Ok(Lexeme::OpenString) => {
                 lexed.swallowed_end = true;
-                problems.push(SyntaxError::UnterminatedString { span }.into());
+                problems.push(unterminated(SyntaxCause::UnterminatedString, span, 1));
                 TokenKind::String
             }
             Ok(Lexeme::OpenQuoted) => {
-                problems.push(SyntaxError::UnterminatedName { span }.into());
+                problems.push(unterminated(SyntaxCause::UnterminatedName, span, 1));
                 TokenKind::Ident
             }
             Ok(Lexeme::Foreign(kind)) => {
-                let written = lexemes.slice().into();
-                problems.push(SyntaxError::ForeignOperator { span, written, kind }.into());
+                let cause = SyntaxCause::ForeignOperator { written: lexemes.slice().into() };
+                let label = format!("should be `{}`", kind.text());
+                problems.push(Diagnostic::new(cause, span).label(label));
                 kind
             }
             Err(()) => {
-                let text = lexemes.slice().into();
-                problems.push(SyntaxError::InvalidCharacter { span, text }.into());
+                let cause = SyntaxCause::InvalidCharacter { text: lexemes.slice().into() };
+                problems.push(Diagnostic::new(cause, span));
                 continue;
             }
         };
         let token = Token { kind, start: span.start, end: span.end };
-        if let Err(bound) = pending.push(token, &mut lexed.tokens) {
-            problems.push(SyntaxError::TooDeep { span, bound }.into());
+        if let Err(limit) = pending.push(token, &mut lexed.tokens) {
+            problems.push(too_deep(limit, span));
             lexed.cut_off = true;
             return lexed;
         }
@@ -326,7 +328,7 @@ mod tests {
             ("a != b", vec!["IDENT", "<>", "IDENT"], "MO0011"),
             ("a && b", vec!["IDENT", "and", "IDENT"], "MO0011"),
             ("a # b", vec!["IDENT", "IDENT"], "MO0010"),
-            ("Größe x", vec!["IDENT", "IDENT"], "MO0010"),
+            ("Größe x", vec!["IDENT", "IDENT"], "MO0033"),
             ("\"abc", vec!["STRING"], "MO0012"),
             ("a /* b", vec!["IDENT"], "MO0013"),
         ] {

@@ -12,6 +12,7 @@ use crate::base::name::{Name, name};
 use crate::base::source::{SourceMap, Span};
 use crate::ir::ast;
 
+use super::cause::LibraryCause;
 use super::version::{self, UsesEntry};
 
 /// A tree of folders with packages: a folder on disk or the library embedded in the binary.
@@ -70,15 +71,11 @@ impl Library {
     pub fn add_file(&mut self, file: &ast::File, problems: &mut Problems) {
         for class in &file.classes {
             if let Some(before) = self.files.iter().find(|c| c.name.name == class.name.name) {
+                let cause = LibraryCause::DuplicateClass { name: class.name.name.to_string() };
                 problems.push(
-                    Diagnostic::error(
-                        "MO0101",
-                        class.name.span,
-                        format!("`{}` is defined twice", class.name.name),
-                    )
-                    .label("second definition")
-                    .also(before.name.span, "first definition")
-                    .help("rename or remove one of them"),
+                    Diagnostic::new(cause, class.name.span)
+                        .label("second definition")
+                        .also(before.name.span, "first definition"),
                 );
                 continue;
             }
@@ -169,12 +166,10 @@ impl Library {
         {
             return;
         }
-        let library = wanted.library;
-        let message =
-            format!("`{library}` {} is asked for, and {found} is what there is", wanted.version);
-        problems.push(Diagnostic::warning("MO0105", wanted.span, message).help(
-            "name a folder with that version by `--lib`, or write the version that is meant",
-        ));
+        let library = wanted.library.to_string();
+        let required = wanted.version.to_string();
+        let cause = LibraryCause::OtherVersion { library, required, found: found.to_string() };
+        problems.push(Diagnostic::new(cause, wanted.span));
     }
 
     /// A class in a file of its own in the folder of package `full_name`.
@@ -263,11 +258,8 @@ impl Library {
         let text = match text {
             Ok(text) => text,
             Err(why) => {
-                problems.push(Diagnostic::error(
-                    "MO0102",
-                    Span::NONE,
-                    format!("cannot read {}: {why}", shown.display()),
-                ));
+                let cause = LibraryCause::UnreadableFile { path: shown.display().to_string(), why };
+                problems.push(Diagnostic::new(cause, Span::NONE));
                 return None;
             }
         };
@@ -275,14 +267,8 @@ impl Library {
         let file = crate::parse::grammar::parse(id, &text, problems);
         let class = file.classes.iter().find(|c| c.name.name.as_str() == class_name).cloned();
         if class.is_none() {
-            problems.push(
-                Diagnostic::error(
-                    "MO0103",
-                    Span::new(id, 0, 0),
-                    format!("this file should define `{class_name}`, and does not"),
-                )
-                .note("a file of a library holds the class of its own name (section 13.4.1)"),
-            );
+            let cause = LibraryCause::MissingClass { name: class_name.to_owned() };
+            problems.push(Diagnostic::new(cause, Span::new(id, 0, 0)));
         }
         class
     }

@@ -2,5 +2,6 @@
 //!
 //! In: syntax trees and folders. Out: the class with a fully qualified name. Modelica 3.6, chapter
 //! 13.
+pub mod cause;
 pub mod library;
 pub mod version;

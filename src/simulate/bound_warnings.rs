@@ -10,8 +10,7 @@ use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Const, ExprId, Node, Unary, VarId};
 use crate::ir::program::{Bounds, Program};
 
-/// Code of a warning about a value outside of its bounds.
-const BEYOND: &str = "MO0919";
+use super::cause::RunCause;
 
 /// Maximum number of variables that are reported.
 const MAX_WARNINGS: usize = 8;
@@ -57,8 +56,7 @@ impl BoundWarnings {
                 warnings.push(beyond(program, memory, bounds, t));
             } else if self.reported == MAX_WARNINGS {
                 let place = program.blocks.dae.variables[bounds.variable].span;
-                let message = format!("at time {t} s more variables lie beyond their bounds");
-                warnings.push(Diagnostic::warning(BEYOND, place, message));
+                warnings.push(Diagnostic::new(RunCause::MoreBeyondBounds { time: t }, place));
                 self.monitored.clear();
                 return;
             }
@@ -96,19 +94,11 @@ fn beyond(program: &Program, memory: &[f64], bounds: &Bounds, t: f64) -> Diagnos
     // Avoids negative zero.
     let signed = |x: f64| if negative { 0.0 - x } else { x };
     let (value, bound) = (signed(value), signed(if is_low { min } else { max }));
-    let (side, attribute) = if is_low == negative { ("above", "max") } else { ("below", "min") };
+    let attribute = if is_low == negative { "max" } else { "min" };
     let v = &dae.variables[reported];
-    let what = format!("{value}, {side} its `{attribute}` of {bound}");
-    let (message, help) = match v.kind {
-        VariableKind::Parameter => {
-            (format!("parameter `{}` is {what}", v.name), "give it another value, or another bound")
-        }
-        _ => (
-            format!("at time {t} s `{}` is {what}", v.name),
-            "check the parameters and start values that lead there, or the bound",
-        ),
-    };
-    Diagnostic::warning(BEYOND, v.span, message).help(help)
+    let time = (v.kind != VariableKind::Parameter).then_some(t);
+    let cause = RunCause::BeyondBound { time, name: v.name.clone(), value, attribute, bound };
+    Diagnostic::new(cause, v.span)
 }
 
 /// The alias that declares the bound, and whether it has the opposite sign.

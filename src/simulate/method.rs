@@ -68,7 +68,7 @@ pub enum NoMethod {
     Options(#[from] OptionError),
     /// An explicit method cannot solve algebraic equations.
     #[error(
-        "dopri is explicit: it can not find the {unknowns} unknowns of algebraic loops; take radau, bdf or the reduced mode"
+        "dopri is explicit: it cannot find the {unknowns} unknowns of algebraic loops; take radau, bdf or the reduced mode"
     )]
     Explicit {
         /// Their number.

@@ -9,6 +9,7 @@
 //! (initialization), section 3.7.5 (`sample`, `pre`, `edge`).
 
 pub mod bound_warnings;
+pub mod cause;
 pub mod columns;
 pub mod extrema;
 pub mod failure;

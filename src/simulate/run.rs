@@ -119,7 +119,7 @@ pub fn simulate_with_sensitivities(
 ) -> Result<Statistics, Failure> {
     if !program.algebraics.is_empty() {
         return Err(Failure::settings(
-            "a run can be differentiated in the reduced mode only: this program leaves algebraic loops to the integrator"
+            "a run can be differentiated only in the reduced mode: this program leaves algebraic loops to the integrator"
                 .to_owned(),
         ));
     }

@@ -1,7 +1,8 @@
-//! Errors of the structural analysis: codes MO0401 to MO0499.
+//! Diagnostics of the structural analysis.
 
 use super::explain::{list, origin, with_places};
-use crate::base::diag::Diagnostic;
+use crate::base::cause::causes;
+use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, EqId, Equation, Variable};
@@ -9,8 +10,60 @@ use crate::ir::expr::VarId;
 use crate::ir::flat::Origin;
 use crate::symbolic::print;
 
-/// MO0401: unknowns that the equations do not determine. `counts`: equations and unknowns of the
-/// model.
+causes! {
+    /// Causes found by the structural analysis.
+    pub enum StructureCause {
+        /// The equations do not determine all unknowns.
+        error MO0401 TooFewEquations { equations: usize, unknowns: usize, missing: usize, names: String }
+            (section "8.4")
+            => ("{}", too_few(*equations, *unknowns, names)),
+            help("add {} for {names}, or give {} a value where it is declared",
+                 if *missing == 1 { "an equation".into() } else { format!("{missing} equations") },
+                 if *unknowns == 1 { "it" } else { "one of them" });
+        /// There are more equations than unknowns.
+        error MO0402 TooManyEquations { equations: usize, unknowns: usize, excess: usize, names: String }
+            (section "8.4")
+            => ("{}", too_many(*equations, *unknowns, names)), remedy(Some(remove(*excess)));
+        /// Constraints repeat or contradict each other for all values.
+        error MO0403 DependentEquations
+            => ("these equations repeat or contradict each other: the model has no unique solution"),
+            help("remove a redundant constraint, such as a second rigid connection in a loop");
+        /// A constraint between states calls a function that cannot be differentiated.
+        error MO0404 NotDifferentiable
+            => ("this equation constrains states and must be differentiated, but calls a function \
+                 without derivative"),
+            help("write the function without loops, so that it can be inlined, or break the constraint");
+        /// `stateSelect = always` of a variable that other states determine.
+        error MO0405 DependentState { name: String } (section "4.8.7.1")
+            => ("`{name}` cannot be a state: other states already determine it"),
+            help("use `StateSelect.prefer`, or do so for another variable of the constraint");
+        /// `stateSelect = never` of a variable that nothing else determines.
+        error MO0406 NeededAsState { name: String } (section "4.8.7.1")
+            => ("`{name}` must be a state: nothing else determines it"),
+            help("use `StateSelect.avoid`");
+        /// `reinit` of a variable that other states determine.
+        error MO0407 ReinitOfDependent { name: String } (section "8.3.6")
+            => ("cannot reinitialize `{name}`: other states determine it"),
+            help("declare `{name}` with `stateSelect = StateSelect.always`");
+        /// There are too many initial equations and fixed start values.
+        error MO0408 TooManyInitialConditions { names: String, excess: usize } (section "8.6")
+            => ("the start of the simulation is determined more than once: {names}"),
+            help("remove {} or `fixed = true`", match excess {
+                1 => "one initial equation".to_owned(),
+                n => format!("{n} initial equations"),
+            });
+        /// A variable is not determined at the start of the simulation.
+        error MO0409 NoInitialCondition { name: String } (section "8.6")
+            => ("nothing determines `{name}` at the start of the simulation"),
+            help("add an initial equation, or `fixed = true` with a start value");
+        /// `stateSelect = always` of a variable that is discontinuous.
+        error MO0430 DiscontinuousState { name: String } (section "4.8.7.1")
+            => ("`{name}` cannot be a state: it is discontinuous"),
+            help("omit `stateSelect`");
+    }
+}
+
+/// Unknowns that the equations do not determine. `counts`: equations and unknowns of the model.
 pub fn too_few_equations(
     dae: &Dae,
     counts: (usize, usize),
@@ -18,16 +71,9 @@ pub fn too_few_equations(
     sources: &[Source],
     variables: &[VarId],
 ) -> Diagnostic {
-    let of = variables.iter().map(|v| &dae.variables[*v]);
-    let names = list(of.clone());
-    let message = match (sources.len(), variables.len()) {
-        (0, 1) => format!("no equation determines {names}"),
-        (0, _) => format!("no equations determine {names}"),
-        (rows, cols) => format!(
-            "{} can not determine {cols} unknowns: {names}",
-            if rows == 1 { "one equation".into() } else { format!("{rows} equations") }
-        ),
-    };
+    let names = list(variables.iter().map(|v| &dae.variables[*v]));
+    let (equations, unknowns) = (sources.len(), variables.len());
+    let cause = StructureCause::TooFewEquations { equations, unknowns, missing, names };
     let first = variables.first().map_or(Span::NONE, |v| dae.variables[*v].span);
     // Variables of several instances share the line of their declaration, so each label names its
     // own.
@@ -35,7 +81,7 @@ pub fn too_few_equations(
         1 => "not determined".to_string(),
         _ => format!("`{}` is not determined", dae.variables[*v].name),
     };
-    let mut d = Diagnostic::error("MO0401", first, message);
+    let mut d = Diagnostic::new(cause, first);
     d.primary.1 = variables.first().map_or_else(String::new, label);
     for v in variables.iter().skip(1).take(4) {
         d = d.also(dae.variables[*v].span, label(v));
@@ -43,14 +89,10 @@ pub fn too_few_equations(
     for source in sources.iter().take(4) {
         d = d.also(origin(dae, *source).span, "determines only one of them");
     }
-    d.note(total(dae, counts)).help(format!(
-        "add {} for {names}, or give {} a value where it is declared",
-        if missing == 1 { "an equation".into() } else { format!("{missing} equations") },
-        if variables.len() == 1 { "it" } else { "one of them" },
-    ))
+    d.note(total(dae, counts))
 }
 
-/// MO0402: more equations than unknowns.
+/// More equations than unknowns.
 pub fn too_many_equations(
     dae: &Dae,
     counts: (usize, usize),
@@ -59,96 +101,62 @@ pub fn too_many_equations(
     variables: &[VarId],
 ) -> Diagnostic {
     let names = list(variables.iter().map(|v| &dae.variables[*v]));
-    let message = match (sources.len(), variables.len()) {
-        (1, 0) => "this equation has no unknown that it could determine".into(),
-        (rows, 0) => format!("{rows} equations have no unknown that they could determine"),
-        (rows, 1) => format!("{rows} equations for one unknown: {names}"),
-        (rows, cols) => format!("{rows} equations for {cols} unknowns: {names}"),
-    };
-    let d = Diagnostic::error("MO0402", Span::NONE, message);
+    let (equations, unknowns) = (sources.len(), variables.len());
+    let cause = StructureCause::TooManyEquations { equations, unknowns, excess, names };
+    let d = Diagnostic::new(cause, Span::NONE);
     let d = with_places(d, dae, sources, |source, origin| label(dae, source, origin));
-    d.note(total(dae, counts)).help(if excess == 1 {
-        "remove one of these equations, or make a known quantity in them unknown".to_string()
-    } else {
-        format!("remove {excess} of these equations, or make known quantities in them unknown")
-    })
+    d.note(total(dae, counts))
 }
 
-/// MO0403: constraints that repeat or contradict each other for all values.
+/// Constraints that repeat or contradict each other for all values.
 pub fn dependent(dae: &Dae, equations: &[EqId]) -> Diagnostic {
-    let d = Diagnostic::error(
-        "MO0403",
-        Span::NONE,
-        "these equations repeat or contradict each other: the model has no unique solution",
-    );
+    let d = Diagnostic::new(StructureCause::DependentEquations, Span::NONE);
     let sources: Vec<Source> = equations.iter().map(|id| Source::Continuous(*id)).collect();
     with_places(d, dae, &sources, |source, origin| label(dae, source, origin))
         .note("as many equations as unknowns, but some follow from the others")
-        .help("remove a redundant constraint, such as a second rigid connection in a loop")
 }
 
-/// MO0404: an equation with a function call must be differentiated.
+/// An equation with a function call must be differentiated.
 pub fn not_differentiable(dae: &Dae, equation: EqId, constraint: &[EqId]) -> Diagnostic {
     let span = dae.equations[equation].origin.span;
-    let mut d = Diagnostic::error(
-        "MO0404",
-        span,
-        "this equation constrains states and must be differentiated, but calls a function without \
-         derivative",
-    )
-    .label("must be differentiated")
-    .help("write the function without loops, so that it can be inlined, or break the constraint");
+    let cause = StructureCause::NotDifferentiable;
+    let mut d = Diagnostic::new(cause, span).label("must be differentiated");
     for id in constraint.iter().filter(|id| **id != equation).take(4) {
         d = d.also(dae.equations[*id].origin.span, "part of the same constraint");
     }
     d
 }
 
-/// MO0405: `stateSelect = always` cannot be satisfied.
+/// `stateSelect = always` cannot be satisfied.
 pub fn not_a_state(v: &Variable) -> Diagnostic {
-    Diagnostic::error(
-        "MO0405",
-        v.span,
-        format!("`{}` can not be a state: other states already determine it", v.name),
-    )
-    .label("declared with `stateSelect = StateSelect.always`")
-    .help("use `StateSelect.prefer`, or drop the wish for another variable of the constraint")
-}
-
-/// MO0405: `stateSelect = always` of a variable that is discontinuous.
-pub fn jumping_state(v: &Variable) -> Diagnostic {
-    Diagnostic::error("MO0405", v.span, format!("`{}` can not be a state: it jumps", v.name))
+    Diagnostic::new(StructureCause::DependentState { name: v.name.clone() }, v.span)
         .label("declared with `stateSelect = StateSelect.always`")
-        .help("leave `stateSelect` out: a state is continuous between events (section 4.9.7.1)")
 }
 
-/// MO0406: `stateSelect = never` cannot be satisfied.
+/// `stateSelect = always` of a variable that is discontinuous.
+pub fn jumping_state(v: &Variable) -> Diagnostic {
+    Diagnostic::new(StructureCause::DiscontinuousState { name: v.name.clone() }, v.span)
+        .label("declared with `stateSelect = StateSelect.always`")
+}
+
+/// `stateSelect = never` cannot be satisfied.
 ///
 /// A warning if there is a `substitute` that the modeller could have selected as the state instead.
 pub fn needed_as_state(v: &Variable, substitute: bool) -> Diagnostic {
-    let message = format!("`{}` must be a state: nothing else determines it", v.name);
-    let diagnostic = match substitute {
-        true => Diagnostic::warning("MO0406", v.span, message),
-        false => Diagnostic::error("MO0406", v.span, message),
-    };
-    diagnostic
+    let severity = if substitute { Severity::Warning } else { Severity::Error };
+    Diagnostic::new(StructureCause::NeededAsState { name: v.name.clone() }, v.span)
+        .with_severity(severity)
         .label("declared with `stateSelect = StateSelect.never`")
-        .help("use `StateSelect.avoid`")
 }
 
-/// MO0407: `reinit` of a variable that other states determine.
+/// `reinit` of a variable that other states determine.
 pub fn reinit_of_dependent(v: &Variable, origin: &Origin) -> Diagnostic {
-    Diagnostic::error(
-        "MO0407",
-        origin.span,
-        format!("`{}` can not be reinitialised: other states determine it", v.name),
-    )
-    .label("reinitialised here")
-    .also(v.span, "declared here")
-    .help(format!("declare `{}` with `stateSelect = StateSelect.always`", v.name))
+    Diagnostic::new(StructureCause::ReinitOfDependent { name: v.name.clone() }, origin.span)
+        .label("reinitialized here")
+        .also(v.span, "declared here")
 }
 
-/// MO0408: too many initial equations and fixed starts.
+/// Too many initial equations and fixed starts.
 pub fn initially_too_many(
     dae: &Dae,
     excess: usize,
@@ -156,11 +164,7 @@ pub fn initially_too_many(
     variables: &[VarId],
 ) -> Diagnostic {
     let names = list(variables.iter().map(|v| &dae.variables[*v]));
-    let d = Diagnostic::error(
-        "MO0408",
-        Span::NONE,
-        format!("the start of the simulation is determined more than once: {names}"),
-    );
+    let cause = StructureCause::TooManyInitialConditions { names, excess };
     // The conditions that the user is most likely to remove come first.
     let mut sources = sources.to_vec();
     sources.sort_by_key(|source| match source {
@@ -168,21 +172,39 @@ pub fn initially_too_many(
         Source::Initial(_) => 1,
         _ => 2,
     });
-    with_places(d, dae, &sources, |source, origin| label(dae, source, origin)).help(format!(
-        "remove {} initial {} or `fixed = true`",
-        if excess == 1 { "one".into() } else { excess.to_string() },
-        if excess == 1 { "equation" } else { "equations" },
-    ))
+    let d = Diagnostic::new(cause, Span::NONE);
+    with_places(d, dae, &sources, |source, origin| label(dae, source, origin))
 }
 
-/// MO0409: a variable that is not determined at the start.
+/// A variable that is not determined at the start.
 pub fn initially_open(v: &Variable) -> Diagnostic {
-    Diagnostic::error(
-        "MO0409",
-        v.span,
-        format!("nothing determines `{}` at the start of the simulation", v.name),
-    )
-    .help("add an initial equation, or `fixed = true` with a start value")
+    Diagnostic::new(StructureCause::NoInitialCondition { name: v.name.clone() }, v.span)
+}
+
+fn too_few(equations: usize, unknowns: usize, names: &str) -> String {
+    match (equations, unknowns) {
+        (0, 1) => format!("no equation determines {names}"),
+        (0, _) => format!("no equations determine {names}"),
+        (1, _) => format!("one equation cannot determine {unknowns} unknowns: {names}"),
+        _ => format!("{equations} equations cannot determine {unknowns} unknowns: {names}"),
+    }
+}
+
+fn too_many(equations: usize, unknowns: usize, names: &str) -> String {
+    match (equations, unknowns) {
+        (1, 0) => "this equation has no unknown that it could determine".into(),
+        (_, 0) => format!("{equations} equations have no unknown that they could determine"),
+        (_, 1) => format!("{equations} equations for one unknown: {names}"),
+        _ => format!("{equations} equations for {unknowns} unknowns: {names}"),
+    }
+}
+
+fn remove(excess: usize) -> String {
+    if excess == 1 {
+        "remove one of these equations, or make a known quantity in them unknown".to_owned()
+    } else {
+        format!("remove {excess} of these equations, or make known quantities in them unknown")
+    }
 }
 
 fn total(dae: &Dae, (equations, unknowns): (usize, usize)) -> String {

@@ -402,7 +402,7 @@ y + z = 2 * x;
     );
     assert_eq!(codes, ["MO0401"]);
     insta::assert_snapshot!(text, @r#"
-error[MO0401]: one equation can not determine 2 unknowns: `y` and `z`
+error[MO0401]: one equation cannot determine 2 unknowns: `y` and `z`
  --> model.mo:2:1
   |
 2 | Real y;
@@ -413,6 +413,7 @@ error[MO0401]: one equation can not determine 2 unknowns: `y` and `z`
 7 | y + z = 2 * x;
   | ------------- determines only one of them
   |
+  = note: see section 8.4 of the Modelica specification
   = note: `M` has 3 equations for 4 unknowns
   = help: add an equation for `y` and `z`, or give one of them a value where it is declared
 "#);
@@ -441,6 +442,7 @@ error[MO0402]: 3 equations for 2 unknowns: `x` and `y`
 6 | x + y = sin(time);
   | ----------------- x + y = sin(time)
   |
+  = note: see section 8.4 of the Modelica specification
   = note: `M` has 3 equations for 2 unknowns
   = help: remove one of these equations, or make a known quantity in them unknown
 "#);
@@ -460,7 +462,7 @@ b + c = a * 2;
     );
     assert_eq!(codes, ["MO0401", "MO0402"]);
     insta::assert_snapshot!(text, @r#"
-error[MO0401]: one equation can not determine 2 unknowns: `b` and `c`
+error[MO0401]: one equation cannot determine 2 unknowns: `b` and `c`
  --> model.mo:2:1
   |
 2 | Real b;
@@ -471,6 +473,7 @@ error[MO0401]: one equation can not determine 2 unknowns: `b` and `c`
 7 | b + c = a * 2;
   | ------------- determines only one of them
   |
+  = note: see section 8.4 of the Modelica specification
   = note: `M` has 3 equations for 3 unknowns
   = help: add an equation for `b` and `c`, or give one of them a value where it is declared
 
@@ -482,6 +485,7 @@ error[MO0402]: 2 equations for one unknown: `a`
 6 | a * a = 3;
   | --------- a * a = 3.0
   |
+  = note: see section 8.4 of the Modelica specification
   = note: `M` has 3 equations for 3 unknowns
   = help: remove one of these equations, or make a known quantity in them unknown
 "#);
@@ -562,6 +566,7 @@ error[MO0408]: the start of the simulation is determined more than once: `x` and
 7 | x + y = 1;
   | --------- x + y = 1.0
   |
+  = note: see section 8.6 of the Modelica specification
   = help: remove one initial equation or `fixed = true`
 "#);
 }

@@ -217,7 +217,7 @@ impl Graph {
                 let value = eval::unary(op, c.number()?, self.externals());
                 (value.abs() < 9e15).then(|| self.integer(value as i64))
             }
-            // What stands there only a run knows.
+            // Known only at run time.
             (Unary::Carried(_), _) => None,
             (Unary::Text(form), _) => {
                 let text = string::text(self, c, form)?;

@@ -2,7 +2,7 @@
 
 use crate::ir::expr::{Const, Form, Graph};
 
-/// The string of a value; `None` if the format does not fit its type.
+/// The string of a value; `None` if the format is not one of its type.
 pub fn text(graph: &Graph, value: Const, form: Form) -> Option<String> {
     let text = match value {
         Const::Real(bits) => return form.of(f64::from_bits(bits), false),

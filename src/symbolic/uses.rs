@@ -29,7 +29,7 @@ pub struct Guard {
 pub struct Uses {
     /// The number of uses of each expression, and the guard around all of them.
     pub of: FastMap<ExprId, (u32, usize)>,
-    /// The nesting of guards, by number; 0 is no guard.
+    /// The nesting of guards, by number; 0 means unguarded.
     pub nesting: Nesting,
     guards: Vec<Guard>,
     numbers: FastMap<(usize, ExprId, bool), usize>,

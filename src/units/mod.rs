@@ -10,6 +10,7 @@
 //! may be physical constants, whose units are lost by constant folding.
 //! *Wand and O'Keefe, Automatic dimensional inference, 1991; Kennedy 1996.*
 
+pub mod cause;
 pub mod dimension;
 
 use crate::base::diag::{Diagnostic, Problems};
@@ -19,10 +20,8 @@ use crate::base::source::Span;
 use crate::ir::builtin::{BinaryUnit, UnaryUnit};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::{Action, EquationKind, FlatModel};
+use cause::UnitCause;
 use dimension::Dimension;
-
-/// The code of all warnings of this stage.
-pub const MISMATCH: &str = "MO0320";
 
 /// Maximum number of iterations of the inference.
 const MAX_ITERATIONS: usize = 40;
@@ -281,7 +280,11 @@ impl Inference<'_> {
                     if rule == BinaryUnit::Power
                         && self.expressions[b].is_some_and(|d| d != Dimension::ONE)
                     {
-                        return Some(self.not_dimensionless(b, "an exponent", pair.span));
+                        return Some(self.not_dimensionless(
+                            b,
+                            "an exponent".to_owned(),
+                            pair.span,
+                        ));
                     }
                 }
                 Node::If(_, a, b) | Node::Homotopy(a, b) if self.differ(a, b) => {
@@ -291,8 +294,8 @@ impl Inference<'_> {
                     if of_unary(op) == UnaryUnit::Number
                         && self.expressions[a].is_some_and(|d| d != Dimension::ONE) =>
                 {
-                    let what = format!("the argument of `{}`", op.name());
-                    return Some(self.not_dimensionless(a, &what, pair.span));
+                    let role = format!("the argument of `{}`", op.name());
+                    return Some(self.not_dimensionless(a, role, pair.span));
                 }
                 _ => {}
             }
@@ -309,31 +312,18 @@ impl Inference<'_> {
     }
 
     fn different(&self, a: ExprId, b: ExprId, span: Span) -> Diagnostic {
-        let d = Diagnostic::warning(
-            MISMATCH,
-            span,
-            format!(
-                "units do not match: `{}` is in {}, and `{}` in {}",
-                self.text(a),
-                self.unit(a),
-                self.text(b),
-                self.unit(b)
-            ),
-        )
-        .help(
-            "correct the equation or one of the units; a factor with a unit converts between them",
-        );
-        self.with_places(d, [a, b])
+        let cause = UnitCause::Mismatch {
+            left: self.text(a),
+            left_unit: self.unit(a),
+            right: self.text(b),
+            right_unit: self.unit(b),
+        };
+        self.with_places(Diagnostic::new(cause, span), [a, b])
     }
 
-    fn not_dimensionless(&self, e: ExprId, what: &str, span: Span) -> Diagnostic {
-        let d = Diagnostic::warning(
-            MISMATCH,
-            span,
-            format!("units do not match: `{}` is {what}, and is in {}", self.text(e), self.unit(e)),
-        )
-        .help("divide it by a reference of the same unit");
-        self.with_places(d, [e, e])
+    fn not_dimensionless(&self, e: ExprId, role: String, span: Span) -> Diagnostic {
+        let cause = UnitCause::NotDimensionless { role, text: self.text(e), unit: self.unit(e) };
+        self.with_places(Diagnostic::new(cause, span), [e, e])
     }
 
     /// Shows where the units come from: the first variable with a declared unit in each expression.

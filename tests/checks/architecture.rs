@@ -20,7 +20,7 @@ fn imports_follow_the_table() {
             if table.iter().any(|row| within(&row.modules[0], &module)) {
                 continue; // A list of modules that have rows.
             }
-            broken.push(format!("{file}:1: `{module}` stands in no row of the table of imports"));
+            broken.push(format!("{file}:1: `{module}` has no row in the table of imports"));
             continue;
         };
         for (line, path) in paths(&without_tests(tokens(&file))) {
@@ -133,7 +133,7 @@ fn paths_are_read_from_all_forms_of_code() {
 
 // ---- The tables ----
 
-/// Modules, and what they may import beside each other.
+/// Modules, and what they may import besides each other.
 struct Row {
     modules: Vec<String>,
     allowed: Vec<String>,
@@ -241,7 +241,7 @@ fn absolute(path: &[String], module: &str) -> Option<String> {
         match part.as_str() {
             "crate" | "mocc" => {}
             "super" => _ = base.pop(),
-            // The macro stands at the root of the crate wherever it is written.
+            // A macro is exported at the root of the crate, wherever it is defined.
             "define_id" => base.extend(["base", "index"]),
             part => base.push(part),
         }

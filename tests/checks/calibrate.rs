@@ -204,7 +204,7 @@ fn tied_parameters_take_one_value() {
 }
 
 #[test]
-fn what_the_data_do_not_see_is_said() {
+fn undetermined_parameters_are_reported() {
     let scratch = stand(&decay_model(), &format!("{PLAN}unseen = {{ min = 1, max = 10 }}\n"));
     let (found, ended) = calibrate(&scratch);
     assert!(ended.out.contains("the data do not determine `unseen`"), "{}", ended.out);
@@ -267,7 +267,7 @@ fn recordings_are_repaired() {
     assert_eq!(found["quality"]["train"]["values"], 201 - 40 - 1 - 2);
 }
 
-/// What is said to a plan or a recording in which `old` is replaced by `new`.
+/// The output for a plan or a recording in which `old` is replaced by `new`.
 fn refused(file: &str, old: &str, new: &str) -> String {
     let scratch = stand(&decay_model(), PLAN);
     let path = scratch.path().join(file);
@@ -300,7 +300,7 @@ fn bad_plans_and_recordings_are_refused_with_place_and_remedy() {
         ("a key that means nothing", refused("plan.toml", "sigma", "sigmas")),
         ("not TOML", refused("plan.toml", "[free]", "[free")),
         ("the model is wrong", refused("decay.mo", "-k*x", "-k*y")),
-        ("the start can not be simulated", refused("decay.mo", "-k*x", "-k*sqrt(0.5 - x)")),
+        ("the start cannot be simulated", refused("decay.mo", "-k*x", "-k*sqrt(0.5 - x)")),
     ];
     let said: Vec<String> = cases.iter().map(|(what, said)| format!("## {what}\n{said}")).collect();
     insta::assert_snapshot!(said.join("\n"));
@@ -323,7 +323,7 @@ fn results_go_to_a_folder_called_after_the_plan() {
     let (tables, _) = page.split_once("<h2>Recordings</h2>").expect("the recordings");
     let (_, tables) = tables.split_once("</style>").expect("a style");
     assert!(!tables.contains("NaN"));
-    // A file in the place of the folder is no folder.
+    // A file in place of the folder.
     scratch.file("taken", "");
     let ended = mocc(scratch.path(), &["calibrate", "plan.toml", "--out", "taken"]);
     assert_eq!((ended.status, ended.out.as_str()), (2, ""));

@@ -225,7 +225,7 @@ fn libraries_are_found_by_option_and_by_environment() {
     assert_eq!(mocc(folder.path(), &arguments).status, 0);
 }
 
-/// A file of a library sees the packages that it stands in, and a `package.mo` the files beside it.
+/// A file of a library sees the packages that enclose it, and a `package.mo` the files next to it.
 #[test]
 fn files_of_a_library_belong_to_it() {
     let folder = Scratch::new();
@@ -298,7 +298,7 @@ fn libraries_come_in_the_version_that_is_asked_for() {
     }
     let (taken, said) = asked(Some("4.0.0"));
     assert_eq!(taken, "3.1.0");
-    assert!(said.contains("warning[MO0105]: `Hall` 4.0.0 is asked for, and 3.1.0"), "{said}");
+    assert!(said.contains("warning[MO0105]: `Hall` 4.0.0 is required, but only 3.1.0"), "{said}");
     assert!(said.contains("use.mo:4:"), "{said}");
 }
 

@@ -152,7 +152,7 @@ fn effects(found: &Value) -> Vec<(String, f64)> {
     all
 }
 
-/// Scale and zero of one sensor are both wrong: one effect stands behind the other.
+/// Scale and zero of one sensor are both wrong: one effect hides the other.
 #[test]
 fn two_effects_of_one_sensor_are_found() {
     let (found, scratch) = diagnosis_by(|_, _| 0.0, |s| 1.04 * (s + 0.002));
@@ -179,7 +179,7 @@ fn two_effects_at_once_are_found() {
     assert!(found["after"]["validation"]["chi2"].as_f64() < Some(1.3));
 }
 
-/// What is said to a plan, a model or a recording in which `old` is replaced by `new`.
+/// The output for a plan, a model or a recording in which `old` is replaced by `new`.
 fn refused(file: &str, old: &str, new: &str) -> String {
     let scratch = Scratch::new();
     let recording = recording(0.1, 5, |_, _| 0.0, |s| s);
@@ -201,7 +201,7 @@ fn refused(file: &str, old: &str, new: &str) -> String {
 }
 
 #[test]
-fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
+fn invalid_studies_are_rejected_with_place_and_remedy() {
     let cases = [
         ("a column is missing", refused("1.csv", "t,s", "t,x")),
         ("an unknown unit", refused("plan.toml", "unit = \"m\", sigma", "unit = \"mn\", sigma")),
@@ -214,7 +214,7 @@ fn what_can_not_be_diagnosed_is_refused_with_place_and_remedy() {
             refused("swing.mo", "connect(spring.flange_b", "connect(spring.flange_c"),
         ),
         (
-            "the start can not be simulated",
+            "the start cannot be simulated",
             refused("swing.mo", "equation", "equation\n  assert(mass.s > 0, \"too far\");"),
         ),
     ];

@@ -1,5 +1,5 @@
 //! Effects that a model may lack (`lib/Effects`): each agrees with a closed form where it is present, and changes nothing
-//! where its amplitudes are 0. The models stand in `tests/data/effects.mo`; the effects are found in the library.
+//! where its amplitudes are 0. The models are in `tests/data/effects.mo`; the effects are found in the library.
 
 use std::path::Path;
 
@@ -144,9 +144,9 @@ fn a_run_has_derivatives_by_every_amplitude_at_zero() {
     }
 }
 
-/// A tool attaches effects by their annotations, so these must name what is there.
+/// A tool attaches effects by their annotations, so these must name existing elements.
 #[test]
-fn annotations_name_what_is_there() {
+fn annotations_name_existing_elements() {
     for effect in effects() {
         let compiled = absent(&format!("Absent.{}", effect.name));
         let variables = &compiled.program.blocks.dae.variables;

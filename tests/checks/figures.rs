@@ -37,7 +37,7 @@ fn the_script_makes_the_pictures_that_the_readme_names() {
 }
 
 #[test]
-fn what_a_table_does_not_have_is_said() {
+fn missing_columns_are_reported() {
     let folder = Scratch::new();
     folder.file("run.csv", "time,a.x[1],note\n0,1,\n1,2,late\n");
     let plot = |more: &[&str]| {

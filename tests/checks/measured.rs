@@ -1,5 +1,5 @@
 //! Recordings that drive models: against closed forms, and where they are at hand, public recordings of
-//! real hardware against the errors that specialists published. These stand in `../shared/measured`; where
+//! real hardware against the errors that specialists published. These are in `../shared/measured`; where
 //! that is absent the tests say so and pass.
 
 use std::fmt::Write;
@@ -101,7 +101,7 @@ fn an_input_counts_some_rows_or_has_none() {
     let text = table(301, 0.01, |t| t * t, exact);
     let thinned = plan("spline", "").replace("\"spline\"", "\"linear\", every = 100");
     let (_, coarse) = calibrated(&thinned, &text);
-    assert!(coarse > 1e-3, "lines over a second are no parabola: {coarse}");
+    assert!(coarse > 1e-3, "lines over a second are not a parabola: {coarse}");
     let thinned = plan("spline", "").replace("\"spline\"", "\"monotone\", every = 10");
     let (k, rmse) = calibrated(&thinned, &text);
     assert!((k - 2.0).abs() < 1e-2 && rmse < 2e-3, "{k}, {rmse}");
@@ -140,15 +140,15 @@ fn long_recordings_stream() {
     assert!((found - k).abs() < 1e-4 && rmse < 1e-5, "{found}, {rmse}");
 }
 
-/// What is said to a plan, or a recording, in which `from` is replaced by `to`.
+/// The output for a plan, or a recording, in which `from` is replaced by `to`.
 fn refused(file: &str, from: &str, to: &str) -> String {
-    let texts = [
+    let files = [
         ("lag.mo", lag_model().to_owned()),
         ("plan.toml", plan("linear", "")),
         ("run.csv", table(41, 0.1, |t| t, |t| t - 1.0 + (-t).exp())),
     ];
     let folder = Scratch::new();
-    for (name, text) in &texts {
+    for (name, text) in &files {
         assert!(*name != file || text.contains(from), "{file} has no {from}");
         let is_it = *name == file;
         folder.file(name, &if is_it { text.replace(from, to) } else { text.clone() });
@@ -160,10 +160,10 @@ fn refused(file: &str, from: &str, to: &str) -> String {
 }
 
 #[test]
-fn plans_that_can_not_drive_a_model_are_refused_with_place_and_remedy() {
+fn plans_that_cannot_drive_a_model_are_rejected_with_place_and_remedy() {
     let of_plan = [
         ("an input that is not there", "input = \"u\"", "input = \"w\""),
-        ("a parameter is no input", "input = \"u\"", "input = \"k\""),
+        ("a parameter is not an input", "input = \"u\"", "input = \"k\""),
         ("an unknown interpolation", "\"linear\"", "\"cubic\""),
         ("a column that is not there", "u_V = {", "v_V = {"),
         ("an unknown unit", "input = \"u\", unit = \"V\"", "input = \"u\", unit = \"Vo\""),

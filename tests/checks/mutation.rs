@@ -1,4 +1,4 @@
-//! Broken texts: whatever stands in a file, mocc says something about it, soon, and never a panic.
+//! Broken sources: whatever a file contains, mocc reports it soon and never panics.
 //!
 //! The models of the suite and the examples are changed at random, token by token (Miller, Fredriksen and
 //! So 1990; the operators are those of grammar-free mutation), and checked. The generator has a fixed
@@ -22,14 +22,14 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const STACK: usize = 1 << 30;
 
 #[test]
-fn texts_that_are_changed_at_random_are_answered() {
+fn sources_that_are_changed_at_random_are_answered() {
     answered(0..400);
 }
 
-/// `cargo test --test all -- --ignored many_texts`, for a quiet half hour.
+/// `cargo test --test all -- --ignored many_sources`, for a quiet half hour.
 #[test]
 #[ignore = "takes half an hour"]
-fn many_texts_that_are_changed_at_random_are_answered() {
+fn many_sources_that_are_changed_at_random_are_answered() {
     answered(400..400_000);
 }
 
@@ -39,7 +39,7 @@ fn what_is_nested_deeply_is_refused_or_answered() {
         [open.repeat(n).as_str(), inner, close.repeat(n).as_str()].concat()
     };
     for n in [200, 20_000] {
-        let texts = [
+        let inputs = [
             format!("model M\n  Real x = {};\nend M;\n", deep(n, "(", "1", ")")),
             format!("model M\n  Real x = {};\nend M;\n", deep(n, "-(", "1", ")")),
             format!("model M\n  Real x = {}1;\nend M;\n", "1 + ".repeat(n)),
@@ -61,7 +61,7 @@ fn what_is_nested_deeply_is_refused_or_answered() {
             chain(n.min(250), |k| format!("type M{k} = M{};\n", k + 1)),
         ];
         let scratch = Scratch::new();
-        for (k, text) in texts.into_iter().enumerate() {
+        for (k, text) in inputs.into_iter().enumerate() {
             let file = scratch.file("deep.mo", &text);
             let start: String = text.chars().take(60).collect();
             if let Err(why) = answer(file) {
@@ -85,8 +85,8 @@ fn chain(n: usize, link: impl Fn(usize) -> String) -> String {
 }
 
 fn answered(numbers: std::ops::Range<u64>) {
-    let texts = sources();
-    let words: Vec<Vec<&str>> = texts.iter().map(|t| tokens(t)).collect();
+    let inputs = sources();
+    let words: Vec<Vec<&str>> = inputs.iter().map(|t| tokens(t)).collect();
     let scratch = Scratch::new();
     for number in numbers {
         let text = mutant(&words, number);
@@ -97,7 +97,7 @@ fn answered(numbers: std::ops::Range<u64>) {
     }
 }
 
-/// Checks a file; says how it failed if that is no answer.
+/// Checks a file; the error says how mocc failed if it did not answer.
 fn answer(file: PathBuf) -> Result<(), String> {
     let (send, receive) = mpsc::channel();
     let work = move || {
@@ -163,7 +163,7 @@ fn tokens(text: &str) -> Vec<&str> {
     out
 }
 
-/// What is put in besides what stands in the texts.
+/// Tokens that are inserted besides those of the sources.
 const SPICE: [&str; 40] = [
     "end",
     "if",
@@ -207,7 +207,7 @@ const SPICE: [&str; 40] = [
     "within",
 ];
 
-/// Text `number`: one of the texts with up to eight changes.
+/// Source `number`: one of the sources with up to eight changes.
 fn mutant(words: &[Vec<&str>], number: u64) -> String {
     let mut random = Random(number.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
     let pick = random.below(words.len());

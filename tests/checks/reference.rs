@@ -308,7 +308,7 @@ impl Samples {
         self.time[a] - v[a] / slope
     }
 
-    /// Departures, arrivals, edges passed, and the times at which the pilot is told to act and acts.
+    /// Departures, arrivals, edges passed, and the times at which the pilot is commanded to act and acts.
     fn events(&self, edges: &[f64]) -> Vec<f64> {
         let s = self.of("s_m");
         let mut events = vec![0.005, 0.050, 0.055];

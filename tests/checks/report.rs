@@ -59,7 +59,7 @@ fn bytes(text: &str) -> Vec<u8> {
         b'0'..=b'9' => u32::from(c - b'0') + 52,
         b'+' => 62,
         b'/' => 63,
-        other => panic!("{other} is no sign of base64"),
+        other => panic!("{other} is not a digit of base64"),
     };
     let signs: Vec<u32> = text.bytes().filter(|c| *c != b'=').map(value).collect();
     let mut out = Vec::new();
@@ -315,13 +315,13 @@ fn the_spool_is_found_from_the_structure() {
     }
 }
 
-/// A model whose texts look like markup.
+/// A model whose strings look like markup.
 fn nasty_model() -> String {
     suite_model("report/models/markup_in_strings")
 }
 
 #[test]
-fn texts_of_models_stay_texts() {
+fn strings_of_models_are_not_markup() {
     let folder = Scratch::new();
     folder.file("nasty.mo", &nasty_model());
     let run = "</script><i>: k=2";
@@ -382,7 +382,7 @@ fn several_runs_have_their_parameters_and_recordings() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn errors_are_reported() {
     let folder = Scratch::new();
     folder.file("m.mo", "model M parameter Real k = 1; Real x = k*time; end M;");
     folder.file("seen.csv", "t,y\n0,1\n1,2\n");

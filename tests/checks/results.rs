@@ -38,7 +38,7 @@ impl Matrices {
         }
         Matrices(found)
     }
-    fn texts(&self, name: &str) -> Vec<String> {
+    fn strings(&self, name: &str) -> Vec<String> {
         let (height, bytes) = &self.0[name];
         let text = |t: &[u8]| String::from_utf8_lossy(t).trim_end().to_owned();
         bytes.chunks(*height).map(text).collect()
@@ -52,7 +52,7 @@ impl Matrices {
     fn places(&self) -> Vec<(String, i32, i32)> {
         let number = |b: &[u8]| i32::from_le_bytes(b.try_into().expect("four bytes"));
         let words: Vec<i32> = self.0["dataInfo"].1.chunks(4).map(number).collect();
-        let pairs = self.texts("name").into_iter().zip(words.chunks(4));
+        let pairs = self.strings("name").into_iter().zip(words.chunks(4));
         pairs.map(|(name, place)| (name, place[0], place[1])).collect()
     }
     /// All values of a variable.
@@ -99,7 +99,7 @@ fn a_mat_file_says_what_the_table_says() {
     // der(x) = -k x is -3 where x is 1.
     assert!(mat.values("k").iter().all(|k| (k - 3.0).abs() < 1e-12));
 
-    let text = mat.texts("description");
+    let text = mat.strings("description");
     let described =
         |wanted: &str| &text[places.iter().position(|(name, ..)| name == wanted).expect(wanted)];
     assert_eq!(described("x"), "Place [m|mm]");

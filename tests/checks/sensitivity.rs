@@ -13,7 +13,7 @@ fn agrees(
     tolerance: f64,
 ) {
     let found = run.by(input, column);
-    // Beside an event the limits on both sides are rows of the same time.
+    // At an event the limits on both sides are rows of the same time.
     let near_event =
         |t: f64| run.trajectory.events.iter().any(|e| (e.time - t).abs() < 1e-9 * (1.0 + t));
     for (t, found) in run.trajectory.time.iter().zip(found) {

@@ -55,8 +55,8 @@ fn what_expressions_share_stays_short_as_text() {
     }
 }
 
-/// A value in one branch that a condition needs in another: a variable for it would need itself. There it is
-/// written out, which stays short or is told.
+/// A value in one branch that a condition needs in another: a variable for it would depend on itself. There it is
+/// written out, which stays short or is reported.
 #[test]
 fn conditions_of_functions_as_text() {
     let model = |steps: usize| {

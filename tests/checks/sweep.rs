@@ -15,28 +15,28 @@ use mocc::sweep::vary::Axis;
 use super::door::{Scratch, assert_close, suite_model};
 use super::program::{Ended, mocc};
 
-/// A table as columns of texts.
+/// A table as columns of strings.
 pub struct Table {
     names: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// What a sweep wrote; its texts must hold no commas.
+    /// The table that a sweep wrote; its values must not contain commas.
     pub fn read(path: &Path) -> Table {
         let text = std::fs::read_to_string(path).expect("a table");
         let mut lines = text.lines().map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
         let names = lines.next().expect("a header");
         Table { names, rows: lines.collect() }
     }
-    /// The texts of a column.
-    pub fn texts(&self, name: &str) -> Vec<&str> {
+    /// The values of a column.
+    pub fn strings(&self, name: &str) -> Vec<&str> {
         let k = self.names.iter().position(|n| n == name).expect(name);
         self.rows.iter().map(|row| row[k].as_str()).collect()
     }
     /// The numbers of a column, NaN where there is none.
     pub fn of(&self, name: &str) -> Vec<f64> {
-        self.texts(name).iter().map(|t| t.parse().unwrap_or(f64::NAN)).collect()
+        self.strings(name).iter().map(|t| t.parse().unwrap_or(f64::NAN)).collect()
     }
 }
 
@@ -84,7 +84,7 @@ fn a_grid_has_a_row_for_each_combination_in_order() {
         table.names,
         ["run", "rate", "x[1].start", "last", "status", "error", "steps", "events"]
     );
-    assert_eq!(table.texts("run"), ["1", "2", "3", "4", "5", "6"]);
+    assert_eq!(table.strings("run"), ["1", "2", "3", "4", "5", "6"]);
     assert_eq!(table.of("rate"), [1.0, 1.0, 1.5, 1.5, 2.0, 2.0]);
     assert_eq!(table.of("x[1].start"), [1.0, 2.0, 1.0, 2.0, 1.0, 2.0]);
     for ((rate, start), end) in
@@ -105,7 +105,7 @@ fn structural_parameters_are_compiled_for_each_value() {
     for (found, expected) in table.of("last").iter().zip(expected) {
         assert_close(*found, expected, 1e-7);
     }
-    assert_eq!(table.texts("doubled"), ["false", "true", "false", "true", "false", "true"]);
+    assert_eq!(table.strings("doubled"), ["false", "true", "false", "true", "false", "true"]);
 }
 
 #[test]
@@ -119,9 +119,9 @@ fn a_failure_has_a_row_and_does_not_stop_the_rest() {
         ended.out
     );
     let table = Table::read(&folder.path().join("out/sweep.csv"));
-    assert_eq!(table.texts("status"), ["ok", "failed", "ok"]);
-    assert_eq!(table.texts("last")[1], "");
-    assert!(table.texts("error")[1].contains("too fast"), "{}", table.texts("error")[1]);
+    assert_eq!(table.strings("status"), ["ok", "failed", "ok"]);
+    assert_eq!(table.strings("last")[1], "");
+    assert!(table.strings("error")[1].contains("too fast"), "{}", table.strings("error")[1]);
     let (_, ended) = sweep(&decay_model(), &["--vary", "rate=5,6"]);
     assert_eq!(ended.status, 3, "{}", ended.out);
 }
@@ -206,8 +206,8 @@ fn sweep_until(journal: &Path, jobs: usize, stop_after: u64) -> Option<Vec<u8>> 
     let Ok(Found::Ours(mut journal)) = Journal::open(journal, 1) else { panic!("no journal") };
     let done = AtomicU64::new(journal.lines);
     let stop = || done.load(Ordering::Relaxed) >= stop_after;
-    let heed = |k| done.store(k, Ordering::Relaxed);
-    let complete = sweep.run(&mut journal, &stop, heed).expect("a sweep");
+    let observe = |k| done.store(k, Ordering::Relaxed);
+    let complete = sweep.run(&mut journal, &stop, observe).expect("a sweep");
     if !complete {
         return None;
     }
@@ -254,7 +254,7 @@ fn another_sweep_at_the_same_place_is_refused() {
 }
 
 #[test]
-fn what_is_wrong_with_the_request_is_said_at_once() {
+fn errors_of_the_request_are_reported_at_once() {
     let said = |more: &[&str]| {
         let (_, ended) = sweep(&decay_model(), more);
         assert_eq!(ended.status, 2, "{}", ended.err);

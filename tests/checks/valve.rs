@@ -229,7 +229,7 @@ fn check(table: &Table) {
             assert!(holds(x), "run {}: {name} = {x}", k + 1);
         }
     };
-    assert!(table.texts("status").iter().all(|s| *s == "ok"));
+    assert!(table.strings("status").iter().all(|s| *s == "ok"));
     all("lost", &|x| x.abs() < 1e-6);
     // Ten newtons by the speed that is left where an event finds it zero.
     all("P_friction", &|x| x <= 1e-7);

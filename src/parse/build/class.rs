@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::prefix::{CLASS, Prefix, Prefixes, TYPE};
 use super::{Builder, MAX_BLOCKS, OpenClass, too_deep};
+use crate::base::diag::Diagnostic;
 use crate::ir::ast::*;
-use crate::parse::error::SyntaxError;
+use crate::parse::error::{SyntaxCause, unclosed_class, wrong_end_name};
 use crate::parse::grammar::ParseError;
 
 /// A description string and an annotation.
@@ -85,7 +86,7 @@ impl Builder<'_> {
         end: u32,
     ) {
         if !self.unclosed_reported {
-            self.report(SyntaxError::UnclosedClass { class: head.name, found: None });
+            self.report(unclosed_class(head.name, None));
         }
         self.close_class(&head, None);
         let body = ClassBody::Long(parts.composition);
@@ -168,9 +169,9 @@ impl Builder<'_> {
         }
         if self.open.iter().any(|open| open.name.name == end.name) {
             self.unclosed_reported = true;
-            self.report(SyntaxError::UnclosedClass { class: head.name, found: Some(end) });
+            self.report(unclosed_class(head.name, Some(end)));
         } else {
-            self.report(SyntaxError::WrongEndName { class: head.name, found: end });
+            self.report(wrong_end_name(head.name, end));
         }
     }
     /// The innermost class that is open.
@@ -230,8 +231,8 @@ impl Builder<'_> {
         external: Box<External>,
     ) -> Box<ClassParts> {
         if let Some(first) = &parts.composition.external {
-            let (span, first) = (external.span, first.span);
-            self.report(SyntaxError::Doubled { span, first, what: "`external` clause" });
+            let cause = SyntaxCause::DuplicateClause { clause: "`external` clause" };
+            self.report(Diagnostic::new(cause, external.span).also(first.span, "the first"));
         }
         parts.composition.external = Some(*external);
         parts
@@ -259,8 +260,8 @@ impl Builder<'_> {
         annotation: Arc<Modification>,
     ) -> Box<ClassParts> {
         if let Some(first) = &parts.annotation {
-            let (span, first) = (annotation.span, first.span);
-            self.report(SyntaxError::Doubled { span, first, what: "annotation of the class" });
+            let cause = SyntaxCause::DuplicateClause { clause: "annotation of the class" };
+            self.report(Diagnostic::new(cause, annotation.span).also(first.span, "the first"));
         }
         parts.annotation = Some(annotation);
         parts
@@ -367,8 +368,8 @@ mod tests {
     #[test]
     fn prefixes_are_checked() {
         for (text, code) in [
-            ("flow flow Real x;", "MO0015"),
-            ("flow stream Real x;", "MO0015"),
+            ("flow flow Real x;", "MO0035"),
+            ("flow stream Real x;", "MO0036"),
             ("parameter flow Real x;", "MO0015"),
             ("encapsulated Real x;", "MO0016"),
             ("Real x(Real y = 1);", "MO0026"),

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::Builder;
 use super::class::{ClassDraft, Description};
 use super::prefix::{CLASS, ELEMENT, Prefix, Prefixes, TYPE};
+use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::*;
-use crate::parse::error::SyntaxError;
+use crate::parse::error::SyntaxCause;
 
 /// A node with the description that follows it.
 #[derive(Debug)]
@@ -142,7 +143,7 @@ impl Builder<'_> {
             && !replaceable
             && !prefixes.has(Prefix::Redeclare)
         {
-            self.report(SyntaxError::IdleConstraint { span: constraint.span });
+            self.report(Diagnostic::new(SyntaxCause::IneffectiveConstraint, constraint.span));
         }
         let constraint = constraint.map(|c| c.node);
         Box::new(Element {

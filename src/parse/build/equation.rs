@@ -2,9 +2,10 @@
 
 use super::Builder;
 use super::class::Description;
+use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::*;
-use crate::parse::error::SyntaxError;
+use crate::parse::error::{SyntaxCause, equals_as_assignment};
 use crate::parse::token::TokenKind;
 
 /// Conditions with the equations or statements that they guard.
@@ -35,7 +36,8 @@ impl Builder<'_> {
         }
         if let ExprKind::Binary(BinaryOp::Equal, x, y) = &expr.kind {
             let operator = self.between(x, y);
-            self.report(SyntaxError::ComparisonAsEquation { operator });
+            let problem = Diagnostic::new(SyntaxCause::ComparisonAsEquation, operator);
+            self.report(problem.label("should be `=`"));
         } else {
             self.incomplete(&expr, "an equation");
         }
@@ -54,7 +56,8 @@ impl Builder<'_> {
         end: u32,
     ) -> Box<Equation> {
         let operator = self.span(start, end);
-        self.report(SyntaxError::AssignmentAsEquation { operator });
+        let problem = Diagnostic::new(SyntaxCause::AssignmentAsEquation, operator);
+        self.report(problem.label("should be `=`"));
         self.equal(left, right)
     }
     /// `if`
@@ -112,7 +115,7 @@ impl Builder<'_> {
         }
         if let ExprKind::Binary(BinaryOp::Equal, x, y) = &expr.kind {
             let operator = self.between(x, y);
-            self.report(SyntaxError::EqualsAsAssignment { operator });
+            self.report(equals_as_assignment("==", operator));
         } else {
             self.incomplete(&expr, "a statement");
         }
@@ -135,7 +138,8 @@ impl Builder<'_> {
             _ => None,
         };
         let kind = kind.unwrap_or_else(|| {
-            self.report(SyntaxError::NotAssignable { span });
+            let problem = Diagnostic::new(SyntaxCause::NotAssignable, span);
+            self.report(problem.label("this is not a variable"));
             StatementKind::Broken
         });
         self.statement(kind)
@@ -149,7 +153,7 @@ impl Builder<'_> {
         end: u32,
     ) -> Box<Statement> {
         let operator = self.span(start, end);
-        self.report(SyntaxError::EqualsAsAssignment { operator });
+        self.report(equals_as_assignment("=", operator));
         self.assign(left, right)
     }
     /// `if`
@@ -211,7 +215,8 @@ impl Builder<'_> {
         });
         let follows_error = expr.span.start < self.quiet_until;
         if ends && !follows_error && !matches!(expr.kind, ExprKind::Broken) {
-            self.report(SyntaxError::LoneExpression { span: expr.span, wanted });
+            let problem = Diagnostic::new(SyntaxCause::LoneExpression { wanted }, expr.span);
+            self.report(problem.label(format!("this alone is not {wanted}")));
         }
     }
 }

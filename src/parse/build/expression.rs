@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::Builder;
+use crate::base::diag::Diagnostic;
 use crate::ir::ast::*;
-use crate::parse::error::SyntaxError;
+use crate::parse::error::SyntaxCause;
 
 /// The arguments between the parentheses of a call.
 #[derive(Debug)]
@@ -46,7 +47,8 @@ impl Builder<'_> {
             return self.expr(ExprKind::Real(value), start, end);
         }
         let span = self.span(start, end);
-        self.report(SyntaxError::NumberTooLarge { span });
+        let problem = Diagnostic::new(SyntaxCause::NumberTooLarge, span);
+        self.report(problem.note("the largest real number is about 1.8e308"));
         self.expr(ExprKind::Broken, start, end)
     }
     /// A string as an expression.
@@ -75,7 +77,7 @@ impl Builder<'_> {
                 None => {
                     let at = start + at as u32;
                     let span = self.span(at, at + 1 + escaped.len_utf8() as u32);
-                    self.report(SyntaxError::UnknownEscape { span });
+                    self.report(Diagnostic::new(SyntaxCause::UnknownEscape { escaped }, span));
                     text.push(escaped);
                 }
             }
@@ -126,8 +128,9 @@ impl Builder<'_> {
                         Arg::Named(name, value) => named.push((name, *value)),
                         Arg::Positional(value) => {
                             if let Some((first, _)) = named.first() {
-                                let (span, named) = (value.span, *first);
-                                self.report(SyntaxError::PositionalAfterNamed { span, named });
+                                let cause = SyntaxCause::PositionalAfterNamed;
+                                let problem = Diagnostic::new(cause, value.span);
+                                self.report(problem.also(first.span, "the named argument"));
                             }
                             args.push(*value);
                         }

@@ -15,10 +15,10 @@ pub mod prefix;
 
 use std::sync::Arc;
 
-use super::error::{NestingLimit, SyntaxContext, SyntaxError};
+use super::error::{NestingLimit, SyntaxContext};
 use super::grammar::{ParseError, Recovery};
 use super::token::{Token, TokenKind};
-use crate::base::diag::Problems;
+use crate::base::diag::{Diagnostic, Problems};
 use crate::base::name::name;
 use crate::base::source::{FileId, Span};
 use crate::ir::ast::{Class, Ident, Path};
@@ -128,10 +128,10 @@ impl<'t> Builder<'t> {
         self.reported >= MAX_REPORTS
     }
     /// Reports an error in a construct that has been parsed completely.
-    pub(super) fn report(&mut self, error: SyntaxError) {
+    pub(super) fn report(&mut self, problem: Diagnostic) {
         self.reported += 1;
         if self.reported <= MAX_REPORTS {
-            self.problems.push(error.into());
+            self.problems.push(problem);
         }
     }
 

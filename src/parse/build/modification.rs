@@ -6,8 +6,9 @@ use super::Builder;
 use super::class::{ClassDraft, Description};
 use super::element::Constraint;
 use super::prefix::{ARGUMENT, CLASS, Prefix, Prefixes, TYPE};
+use crate::base::diag::Diagnostic;
 use crate::ir::ast::*;
-use crate::parse::error::SyntaxError;
+use crate::parse::error::SyntaxCause;
 
 impl Builder<'_> {
     /// `(...) = e`
@@ -49,7 +50,8 @@ impl Builder<'_> {
         self.allow(prefixes, &[ARGUMENT, CLASS], "the class of a modification");
         self.check_redeclares(prefixes, draft.class.name);
         if matches!(draft.class.body, ClassBody::Long(_)) {
-            self.report(SyntaxError::LongRedeclaration { class: draft.class.name });
+            let place = draft.class.name.span;
+            self.report(Diagnostic::new(SyntaxCause::LongRedeclaration, place));
         }
         let element = self.class_in(draft, constraint, end);
         self.argument(prefixes, ArgumentKind::Redeclare(Arc::from(element)), end)
@@ -77,7 +79,12 @@ impl Builder<'_> {
     fn check_redeclares(&mut self, prefixes: Prefixes, name: Ident) {
         if !prefixes.has(Prefix::Redeclare) && !prefixes.has(Prefix::Replaceable) {
             let at = self.span(prefixes.start, prefixes.start);
-            self.report(SyntaxError::MissingRedeclare { at, name });
+            let cause = SyntaxCause::MissingRedeclare { name: name.name.to_string() };
+            self.report(
+                Diagnostic::new(cause, at)
+                    .label("`redeclare` or `replaceable` is missing here")
+                    .also(name.span, "declared here"),
+            );
         }
     }
     fn argument(&mut self, prefixes: Prefixes, kind: ArgumentKind, end: u32) -> Box<Argument> {

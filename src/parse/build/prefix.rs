@@ -1,8 +1,9 @@
 //! Prefixes of classes, components and modification arguments: their order and combinations.
 
 use super::Builder;
+use crate::base::diag::Diagnostic;
 use crate::ir::ast::{Causality, ConnectionPrefix, TypePrefix, Variability};
-use crate::parse::error::SyntaxError;
+use crate::parse::error::SyntaxCause;
 use crate::parse::token::TokenKind;
 
 /// The prefix keywords, in the order in which they must be written.
@@ -123,28 +124,35 @@ impl Builder<'_> {
     pub fn prefix(&mut self, mut list: Prefixes, prefix: Prefix, start: u32, end: u32) -> Prefixes {
         let span = self.span(start, end);
         if let Some(last) = list.last {
-            let error = if list.has(prefix) {
-                Some(SyntaxError::DoubledPrefix { span })
+            let cause = if list.has(prefix) {
+                Some(SyntaxCause::DuplicatePrefix { prefix: Prefix::text(prefix) })
             } else if prefix.rank() == last.rank() {
-                Some(SyntaxError::ExclusivePrefix { span, other: Prefix::text(last) })
+                let (prefix, other) = (Prefix::text(prefix), Prefix::text(last));
+                Some(SyntaxCause::ExclusivePrefixes { prefix, other })
             } else if prefix.rank() < last.rank() {
                 let (prefix, later) = (Prefix::text(prefix), Prefix::text(last));
-                Some(SyntaxError::PrefixOrder { span, prefix, later })
+                Some(SyntaxCause::PrefixOrder { prefix, later })
             } else {
                 None
             };
-            error.into_iter().for_each(|e| self.report(e));
+            cause.into_iter().for_each(|cause| self.report(Diagnostic::new(cause, span)));
         }
         list.set |= 1 << prefix as u32;
         list.last = Some(prefix);
         list
     }
-    /// Reports prefixes that do not belong to `what`.
-    pub(super) fn allow(&mut self, prefixes: Prefixes, allowed: &[&[Prefix]], what: &'static str) {
+    /// Reports prefixes that do not belong to an element of this kind.
+    pub(super) fn allow(
+        &mut self,
+        prefixes: Prefixes,
+        allowed: &[&[Prefix]],
+        element: &'static str,
+    ) {
         for (prefix, kind) in Prefix::ALL {
             if prefixes.has(prefix) && !allowed.iter().any(|list| list.contains(&prefix)) {
                 let span = self.first_of(kind, prefixes.start);
-                self.report(SyntaxError::MisplacedPrefix { span, prefix: kind.text(), what });
+                let cause = SyntaxCause::MisplacedPrefix { prefix: kind.text(), element };
+                self.report(Diagnostic::new(cause, span));
             }
         }
     }

@@ -4,9 +4,11 @@
 mod expectation;
 mod surroundings;
 
-use crate::base::diag::did_you_mean;
+use crate::base::diag::{Diagnostic, did_you_mean};
 use crate::parse::build::Builder;
-use crate::parse::error::{SyntaxContext, SyntaxError};
+use crate::parse::error::{
+    SyntaxCause, SyntaxContext, too_deep, unclosed_block, unclosed_bracket, unclosed_class,
+};
 use crate::parse::grammar::ParseError;
 use crate::parse::token::{Token, TokenKind};
 
@@ -87,9 +89,9 @@ impl Builder<'_> {
             ParseError::UnrecognizedEof { expected, .. } => {
                 (self.text.len() as u32, None, expected)
             }
-            ParseError::User { error: (at, bound) } => {
+            ParseError::User { error: (at, limit) } => {
                 let span = self.span(at, at);
-                self.report(SyntaxError::TooDeep { span, bound });
+                self.report(too_deep(limit, span));
                 return;
             }
             // LALRPOP returns neither: it has no lexer of its own, and `$` follows the start
@@ -147,26 +149,24 @@ impl Builder<'_> {
     fn lexer_reported_near(&self, at: usize) -> bool {
         let begin = self.before(at).map_or(0, |t| t.start);
         let end = self.tokens.get(at).map_or(self.text.len() as u32, |t| t.end);
-        let lexical = ["MO0010", "MO0011", "MO0012", "MO0013"];
         self.problems.iter().any(|p| {
             let place = p.primary.0;
-            lexical.contains(&p.code)
-                && place.file == self.file
-                && (begin..=end).contains(&place.start)
+            p.is(is_lexical) && place.file == self.file && (begin..=end).contains(&place.start)
         })
     }
 
     // ---- Causes, most specific first ----
 
-    fn misspelled(&self, o: &Obstacle<'_>) -> Option<SyntaxError> {
-        let suggest =
-            |token: &Token, keywords: &[&'static str]| {
-                let written = self.text(token.start, token.end);
-                let keyword = did_you_mean(written, keywords.iter().copied())?;
-                let span = self.span(token.start, token.end);
-                (token.kind == TokenKind::Ident && written.len() >= 3)
-                    .then(|| SyntaxError::Misspelt { span, written: written.into(), keyword })
-            };
+    fn misspelled(&self, o: &Obstacle<'_>) -> Option<Diagnostic> {
+        let suggest = |token: &Token, keywords: &[&'static str]| {
+            let written = self.text(token.start, token.end);
+            let keyword = did_you_mean(written, keywords.iter().copied())?;
+            let span = self.span(token.start, token.end);
+            (token.kind == TokenKind::Ident && written.len() >= 3).then(|| {
+                Diagnostic::new(SyntaxCause::Misspelled { written: written.into() }, span)
+                    .label(format!("did you mean `{keyword}`?"))
+            })
+        };
         if let Some(token) = self.tokens.get(o.at) {
             let words: Vec<&'static str> = o
                 .expected
@@ -198,39 +198,39 @@ impl Builder<'_> {
             .find_map(|w| suggest(&w[1], SECTION_KEYWORDS))
     }
 
-    fn unclosed_at_end(&mut self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+    fn unclosed_at_end(&mut self, o: &Obstacle<'_>) -> Option<Diagnostic> {
         if o.kind.is_some() {
             return None;
         }
         let class = self.innermost_class()?;
         let first = !std::mem::replace(&mut self.unclosed_reported, true);
-        first.then_some(SyntaxError::UnclosedClass { class, found: None })
+        first.then(|| unclosed_class(class, None))
     }
 
-    fn bracket(&self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+    fn bracket(&self, o: &Obstacle<'_>) -> Option<Diagnostic> {
         let open = self.open_bracket(o.at);
         match (open, o.kind) {
             (None, Some(kind)) if kind.closes() => {
                 let token = self.tokens.get(o.at)?;
                 let span = self.span(token.start, token.end);
-                Some(SyntaxError::StrayBracket { span, bracket: kind })
+                let cause = SyntaxCause::StrayBracket { bracket: kind.text() };
+                Some(Diagnostic::new(cause, span).label("nothing is open here"))
             }
             (Some(open), kind) => {
                 let close = open.kind.partner()?;
                 let outside = kind.is_none_or(|k| {
                     k == TokenKind::Semicolon || k.closes() || k.starts_section() || is_outside(k)
                 });
-                (outside && o.expects(close)).then(|| SyntaxError::UnclosedBracket {
-                    at: self.gap_before(o.at),
-                    open: self.span(open.start, open.end),
-                    bracket: open.kind,
+                (outside && o.expects(close)).then(|| {
+                    let place = self.span(open.start, open.end);
+                    unclosed_bracket(self.gap_before(o.at), place, open.kind)
                 })
             }
             _ => None,
         }
     }
 
-    fn unclosed_block(&self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+    fn unclosed_block(&self, o: &Obstacle<'_>) -> Option<Diagnostic> {
         let found = o.kind?;
         if !found.starts_section() {
             return None;
@@ -242,18 +242,14 @@ impl Builder<'_> {
         let else_if = self.tokens[open..o.at]
             .windows(2)
             .any(|w| w[0].kind == TokenKind::Else && w[1].kind == TokenKind::If);
-        let help = (keyword == TokenKind::EndIf && else_if)
+        let advice = (keyword == TokenKind::EndIf && else_if)
             .then_some("`else if` opens another `if` with an `end if` of its own; write `elseif`");
         let open = self.tokens[open];
-        Some(SyntaxError::UnclosedBlock {
-            span: self.span(at.start, at.end),
-            open: self.span(open.start, open.end),
-            keyword,
-            help: help.map(String::from),
-        })
+        let open = self.span(open.start, open.end);
+        Some(unclosed_block(self.span(at.start, at.end), open, keyword, advice))
     }
 
-    fn semicolon(&mut self, o: &Obstacle<'_>) -> Option<SyntaxError> {
+    fn semicolon(&mut self, o: &Obstacle<'_>) -> Option<Diagnostic> {
         let before = *self.before(o.at)?;
         let incomplete = matches!(o.context, SyntaxContext::Equation if o.expects(TokenKind::Equals))
             || matches!(o.context, SyntaxContext::Statement if o.expects(TokenKind::Assign));
@@ -268,37 +264,31 @@ impl Builder<'_> {
         }
         // The following tokens form a line of their own and may have errors of their own.
         self.quiet_until = next.map_or(u32::MAX, |t| t.start);
-        Some(SyntaxError::MissingSemicolon {
-            at: self.gap_before(o.at),
-            after: if before.kind == TokenKind::Ident && self.ends_class(o.at) {
-                SyntaxContext::Class
-            } else {
-                o.context
-            },
-            found: self.found(o.at),
-        })
+        let is_class = before.kind == TokenKind::Ident && self.ends_class(o.at);
+        let after = if is_class { SyntaxContext::Class } else { o.context };
+        let cause = SyntaxCause::MissingSemicolon { after, found: self.found(o.at) };
+        Some(Diagnostic::new(cause, self.gap_before(o.at)).label("`;` is missing here"))
     }
 
-    fn unexpected(&self, o: &Obstacle<'_>) -> SyntaxError {
+    fn unexpected(&self, o: &Obstacle<'_>) -> Diagnostic {
         let expected = self.expectation(o);
         let Some(token) = self.tokens.get(o.at) else {
             let end = self.text.len() as u32;
-            return SyntaxError::UnexpectedEnd { span: self.span(end, end), expected };
+            return Diagnostic::new(SyntaxCause::UnexpectedEnd { expected }, self.span(end, end));
         };
         let omitted = !o.expects_expression()
             && self.before(o.at).is_some_and(|before| {
                 before.kind != TokenKind::Semicolon && self.lines_between(before, token)
             });
         if omitted {
-            let at = self.gap_before(o.at);
-            return SyntaxError::Missing { at, expected, found: self.found(o.at) };
+            let cause =
+                SyntaxCause::UnexpectedToken { expected, found: self.found(o.at), advice: None };
+            return Diagnostic::new(cause, self.gap_before(o.at))
+                .label("something is missing here");
         }
-        SyntaxError::Unexpected {
-            span: self.span(token.start, token.end),
-            expected,
-            found: self.found(o.at),
-            help: self.remedy(o, token.kind).map(String::from),
-        }
+        let advice = self.remedy(o, token.kind);
+        let cause = SyntaxCause::UnexpectedToken { expected, found: self.found(o.at), advice };
+        Diagnostic::new(cause, self.span(token.start, token.end)).label("not expected here")
     }
 
     /// Advice for common mistakes.
@@ -337,6 +327,20 @@ impl Builder<'_> {
             && o.expects(TokenKind::ElseWhen))
         .then_some("a `when` has `elsewhen`, but no `else`")
     }
+}
+
+/// Found by the lexer, which has already skipped or repaired it.
+fn is_lexical(cause: &SyntaxCause) -> bool {
+    use SyntaxCause::*;
+    matches!(
+        cause,
+        InvalidCharacter { .. }
+            | NonAsciiName { .. }
+            | ForeignOperator { .. }
+            | UnterminatedString
+            | UnterminatedName
+            | UnterminatedComment
+    )
 }
 
 fn is_word(kind: TokenKind) -> bool {
@@ -384,7 +388,7 @@ mod tests {
     fn brackets() {
         check_messages!(
             "brackets",
-            ["MO0004", "MO0004", "MO0004", "MO0004"],
+            ["MO0004", "MO0004", "MO0030", "MO0004"],
             "model A\n  Real x(start = 1;\nequation\n  x = (1 + 2*(y - 3);\n  y = sin(x));\n  x = {1, 2;\nend A;"
         );
     }
@@ -410,7 +414,7 @@ mod tests {
     fn equality_and_assignment() {
         check_messages!(
             "equality",
-            ["MO0007", "MO0007", "MO0009", "MO0001", "MO0008", "MO0008", "MO0018"],
+            ["MO0007", "MO0032", "MO0009", "MO0001", "MO0008", "MO0008", "MO0018"],
             "model A\nequation\n  x := 1;\n  x == y;\n  x + y;\n  if a = b then\n    x = 1;\n  end if;\n\
              algorithm\n  x = 2;\n  x == 2;\n  x + 1 := 3;\nend A;"
         );
@@ -419,7 +423,7 @@ mod tests {
     fn else_if() {
         check_messages!(
             "else_if",
-            ["MO0006"],
+            ["MO0031"],
             "model A\nequation\n  if a then\n    x = 1;\n  else if b then\n    x = 2;\n  end if;\nend A;"
         );
     }

@@ -50,7 +50,7 @@ const MAX_SLOTS: usize = (i32::MAX as usize) / size_of::<f64>();
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum TranslationError {
     /// Cranelift does not support the target or an instruction.
-    #[error("this machine can not be translated to: {0}")]
+    #[error("cannot compile to machine code for this machine: {0}")]
     Unsupported(String),
     /// The program is larger than offsets reach.
     #[error("the program has {cells} cells, more than machine code can reach")]

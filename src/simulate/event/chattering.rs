@@ -10,6 +10,7 @@ use crate::ir::trajectory::Event;
 use super::iterate::EventEffects;
 use super::sliding::Sliding;
 use super::zeno::intervals_shrink;
+use crate::simulate::cause::RunCause;
 use crate::simulate::failure::{Failure, of_fault};
 use crate::simulate::run::Simulation;
 
@@ -212,15 +213,11 @@ impl Simulation<'_, '_> {
         relation: Option<(u32, bool)>,
     ) -> Failure {
         let k = relation.map(|f| f.0);
-        let what =
+        let relation =
             k.map_or_else(|| "a relation".to_owned(), |k| format!("`{}`", self.relation_text(k)));
         let span = k.map_or(Span::NONE, |k| self.relation_span(k));
-        let message = format!(
-            "at time {t} s {what} switches without end: {CHATTER_EVENTS} events within {duration:e} s"
-        );
-        let diagnostic = Diagnostic::error("MO0911", span, message)
-            .label("this relation chatters")
-            .help("give the two branches a hysteresis or a smooth transition, or model the state between them (locked, resting) explicitly");
+        let cause = RunCause::Chattering { time: t, relation, events: CHATTER_EVENTS, duration };
+        let diagnostic = Diagnostic::new(cause, span).label("this relation chatters");
         let diagnostic = if self.program.algebraics.is_empty() {
             diagnostic
         } else {

@@ -6,7 +6,8 @@ use crate::ir::flat::AssertionLevel;
 use crate::ir::program::Program;
 
 use super::non_finite::Explainer;
-use super::{Failure, FailureKind, UNDETERMINED, of_fault, undetermined};
+use super::{Failure, FailureKind, of_fault, undetermined};
+use crate::simulate::cause::RunCause;
 use crate::simulate::event::iterate::EventEffects;
 use crate::simulate::run::Simulation;
 
@@ -48,11 +49,9 @@ impl Simulation<'_, '_> {
             AssertionLevel::Print(file) => self.sink.print(text, file.as_str()),
             _ if is_repeated => {}
             _ => {
-                let failure = self.assertion(k, t);
-                let severity = Severity::Warning;
-                let message = format!("at time {t} s: {text}");
-                let warning = Diagnostic { severity, message, ..*failure.diagnostic };
-                self.statistics.warnings.push(warning);
+                let memory = &self.system.machine.memory;
+                let warning = diagnostic(self.program, memory, k, t, text.to_owned());
+                self.statistics.warnings.push(warning.with_severity(Severity::Warning));
             }
         }
     }
@@ -64,7 +63,8 @@ impl Simulation<'_, '_> {
     /// Warns once about an unknown that its equations did not determine during the last step.
     pub(crate) fn warn_of_undetermined(&mut self, t: f64) {
         let Some((torn_block, unknown)) = self.system.machine.undetermined.take() else { return };
-        let is_reported = self.statistics.warnings.iter().any(|w| w.code == UNDETERMINED);
+        let is_undetermined = |cause: &RunCause| matches!(cause, RunCause::Undetermined { .. });
+        let is_reported = self.statistics.warnings.iter().any(|w| w.is(is_undetermined));
         if !is_reported {
             let warning = undetermined(&self.system.machine, torn_block, unknown, t);
             self.statistics.warnings.push(warning);
@@ -91,13 +91,17 @@ impl Simulation<'_, '_> {
 
 /// The failure of assertion `k` of the model.
 pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure {
+    let text = message_text(program, memory, program.blocks.dae.asserts[k].assert.message);
+    let diagnostic = diagnostic(program, memory, k, t, text);
+    Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
+}
+
+/// Reports that assertion `k` is violated, with its message.
+fn diagnostic(program: &Program, memory: &[f64], k: usize, time: f64, text: String) -> Diagnostic {
     let guarded = &program.blocks.dae.asserts[k];
     let condition = Explainer::new(program, memory).text(guarded.assert.condition);
-    let message =
-        format!("at time {t} s: {}", message_text(program, memory, guarded.assert.message));
-    let diagnostic = Diagnostic::error("MO0912", guarded.origin.span, message)
-        .label(format!("`{condition}` is false"));
-    Failure { kind: FailureKind::Assertion, time: t, diagnostic: Box::new(diagnostic) }
+    Diagnostic::new(RunCause::Assertion { time, text }, guarded.origin.span)
+        .label(format!("`{condition}` is false"))
 }
 
 /// The value of a `String` expression.

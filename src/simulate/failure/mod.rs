@@ -4,7 +4,7 @@ pub mod assertion;
 pub mod non_finite;
 pub mod precondition;
 
-use crate::base::diag::{Diagnostic, Severity};
+use crate::base::diag::Diagnostic;
 use crate::base::name::string_of_id;
 use crate::base::source::Span;
 use crate::integrate::outcome::Failure as Integration;
@@ -14,7 +14,8 @@ use crate::ir::program::{DiscreteUnknown, Program, Sequence};
 use crate::runtime::machine::{Fault, Machine};
 
 use self::assertion::violated;
-use self::non_finite::{Explainer, block, first_source, relation_text, source_of};
+use self::non_finite::{Explainer, block, first_source, not_finite, relation_text, source_of};
+use super::cause::{NonFinite, RunCause};
 use super::event::iterate::EventError;
 use super::initialization::StartError;
 
@@ -45,7 +46,7 @@ pub struct Failure {
 impl Failure {
     /// True if only the sensitivities of the run could not be computed.
     pub fn is_without_derivatives(&self) -> bool {
-        self.diagnostic.code == "MO0917"
+        self.diagnostic.is(|cause| matches!(cause, RunCause::NoSensitivities { .. }))
     }
 
     /// A failure of the numerics.
@@ -55,14 +56,13 @@ impl Failure {
 
     /// A violated invariant of mocc.
     pub fn bug(time: f64, what: impl Into<String>) -> Self {
-        let diagnostic = Diagnostic::error("MO0999", Span::NONE, what)
-            .help("this is a bug in mocc, please report it with the model");
+        let diagnostic = Diagnostic::new(RunCause::Bug { what: what.into() }, Span::NONE);
         Failure { kind: FailureKind::Bug, time, diagnostic: Box::new(diagnostic) }
     }
 
     /// Settings out of range.
-    pub fn settings(what: String) -> Self {
-        let diagnostic = Diagnostic::error("MO0901", Span::NONE, what);
+    pub fn settings(why: String) -> Self {
+        let diagnostic = Diagnostic::new(RunCause::Settings { why }, Span::NONE);
         Failure { kind: FailureKind::Settings, time: 0.0, diagnostic: Box::new(diagnostic) }
     }
 }
@@ -88,7 +88,7 @@ pub fn of_fault(machine: &Machine<'_>, fault: Fault, time: f64) -> Failure {
             let torn = block(program, place).and_then(|b| torn_of(b, program, torn_block));
             match torn.and_then(|t| t.residuals.get(residual)) {
                 Some(r) => explainer.expression_not_finite(r.value, r.source, place.sequence, time),
-                None => explainer.plain("a simultaneous equation is not finite", time),
+                None => not_finite(NonFinite::Unnamed("a simultaneous equation"), time),
             }
         }
         Fault::Singular { torn_block, unknown }
@@ -98,47 +98,38 @@ pub fn of_fault(machine: &Machine<'_>, fault: Fault, time: f64) -> Failure {
                 .note("the iteration came to a point where no correction is determined")
         }
         Fault::Singular { torn_block, unknown } => {
-            let text = |v: &str| {
-                format!(
-                    "at time {time} s the equations do not determine `{v}`: their matrix is singular"
-                )
-            };
-            torn_failure(&explainer, program, torn_block, unknown, "MO0903", &text)
-                .help("check whether a coefficient of this variable becomes zero here")
+            let cause = |unknown| RunCause::SingularLoop { time, unknown };
+            torn_failure(&explainer, program, torn_block, unknown, cause)
         }
         Fault::Diverged { torn_block, unknown } => {
             unsolved(&explainer, program, torn_block, unknown, time)
         }
         Fault::NotConverged { mixed_block, unknown } => {
             let mixed = &program.routines.mixed_blocks[mixed_block];
-            let what = match mixed.discrete_unknowns[unknown] {
-                DiscreteUnknown::Variable(v, _) => format!("`{}`", program.name(v)),
-                DiscreteUnknown::Relation(k, _) => format!("`{}`", explainer.relation(k)),
+            let unknown = match mixed.discrete_unknowns[unknown] {
+                DiscreteUnknown::Variable(v, _) => program.name(v).to_owned(),
+                DiscreteUnknown::Relation(k, _) => explainer.relation(k),
             };
             let source = block(program, mixed.place).and_then(first_source);
             let span = source.map_or(Span::NONE, |s| explainer.span(s));
-            let message = format!("at time {time} s {what} does not come to rest");
-            Diagnostic::error("MO0905", span, message)
+            Diagnostic::new(RunCause::MixedLoop { time, unknown }, span)
                 .label("equations of this loop have no consistent solution")
-                .help("break the loop between the discrete and the continuous equations by `pre`")
         }
         Fault::Assertion { function, message } => {
             let function_info = &program.blocks.dae.functions;
             let (slot, place) = program.routines.functions[function].messages[message];
             let text = string_of_id(machine.fault_memory[slot as usize] as u32);
             let info = function_info.iter().nth(function);
-            let name = info.map_or("", |f| f.name.as_str());
+            let function = info.map_or_else(String::new, |f| f.name.to_string());
             let span = info.map_or(Span::NONE, |f| f.span);
-            let message = format!("at time {time} s an assertion in `{name}` failed: {text}");
-            Diagnostic::error("MO0906", place, message).also(span, "while this was computed")
+            let cause = RunCause::FunctionAssertion { time, function, text: text.to_string() };
+            Diagnostic::new(cause, place).also(span, "while this was computed")
         }
         Fault::NonTerminating { function } => {
             let info = program.blocks.dae.functions.iter().nth(function);
-            let name = info.map_or("", |f| f.name.as_str());
+            let function = info.map_or_else(String::new, |f| f.name.to_string());
             let span = info.map_or(Span::NONE, |f| f.span);
-            let message = format!("at time {time} s function `{name}` does not return");
-            Diagnostic::error("MO0907", span, message)
-                .help("check the condition that ends its loop, or its calls of itself")
+            Diagnostic::new(RunCause::NonTerminatingFunction { time, function }, span)
         }
     };
     Failure::numerics(time, diagnostic)
@@ -152,9 +143,9 @@ pub fn of_integration(machine: &Machine<'_>, failure: Integration, time: f64) ->
     match failure {
         Integration::Options(error) => Failure::settings(error.to_string()),
         Integration::Start { component } => {
-            let name = state(component).map_or("", |v| program.name(v)).to_owned();
-            let message = format!("at time {time} s `{name}` has no finite start value");
-            Failure::numerics(time, Diagnostic::error("MO0908", Span::NONE, message))
+            let state = state(component).map_or("", |v| program.name(v)).to_owned();
+            let cause = RunCause::NoFiniteStart { time, state };
+            Failure::numerics(time, Diagnostic::new(cause, Span::NONE))
         }
         Integration::Eval { .. } | Integration::NonFinite { .. } => {
             if let Some(fault) = machine.fault {
@@ -166,7 +157,7 @@ pub fn of_integration(machine: &Machine<'_>, failure: Integration, time: f64) ->
             };
             let diagnostic = match named {
                 Some(v) => unbounded(&explainer, program, v, time),
-                None => explainer.plain("a derivative is not finite", time),
+                None => not_finite(NonFinite::Unnamed("a derivative"), time),
             };
             Failure::numerics(time, diagnostic)
         }
@@ -176,24 +167,18 @@ pub fn of_integration(machine: &Machine<'_>, failure: Integration, time: f64) ->
             if let Some(fault) = machine.fault {
                 return of_fault(machine, fault, time);
             }
-            let diagnostic = match state(component) {
-                Some(v) => stuck(&explainer, program, v, h, time),
-                None => explainer.plain("the step became too small", time),
-            };
+            let cause = |state| RunCause::StepTooSmall { time, step: h, state };
+            let diagnostic = at_state(&explainer, program, state(component), cause);
             Failure::numerics(time, diagnostic)
         }
         Integration::Singular { component, .. } => {
-            let diagnostic = match state(component) {
-                Some(v) => stuck(&explainer, program, v, 0.0, time),
-                None => explainer.plain("the iteration matrix is singular", time),
-            };
+            let cause = |state| RunCause::SingularIteration { time, state };
+            let diagnostic = at_state(&explainer, program, state(component), cause);
             Failure::numerics(time, diagnostic)
         }
         Integration::TooManySteps { steps, .. } => {
-            let message = format!("at time {time} s the limit of {steps} steps is exhausted");
-            let diagnostic = Diagnostic::error("MO0910", Span::NONE, message)
-                .help("loosen the tolerance, or look for what oscillates at this time");
-            Failure::numerics(time, diagnostic)
+            let cause = RunCause::TooManySteps { time, limit: steps };
+            Failure::numerics(time, Diagnostic::new(cause, Span::NONE))
         }
     }
 }
@@ -218,13 +203,8 @@ pub fn event_failure(machine: &Machine<'_>, why: EventError, t: f64) -> Failure 
                 (None, Some(k)) => dae.relations[*k as usize].origin.span,
                 _ => Span::NONE,
             };
-            let message = format!(
-                "at time {t} s the event iteration does not end: {} keep changing",
-                names.join(", ")
-            );
-            let diagnostic = Diagnostic::error("MO0913", span, message)
-                .help("break the circle of conditions that trigger each other by `pre`");
-            Failure::numerics(t, diagnostic)
+            let cause = RunCause::EndlessEventIteration { time: t, names: names.join(", ") };
+            Failure::numerics(t, Diagnostic::new(cause, span))
         }
     }
 }
@@ -234,7 +214,7 @@ pub fn start_failure(machine: &Machine<'_>, why: StartError, t: f64) -> Failure 
     let program = machine.program;
     match why {
         StartError::NotAnInput(v) => Failure::settings(format!(
-            "`{}` can not be set for a run: it is not a parameter or start value of the program",
+            "cannot set `{}` for a run: it is not a parameter or start value of the program",
             program.name(v)
         )),
         StartError::Parameter(v) => {
@@ -245,24 +225,20 @@ pub fn start_failure(machine: &Machine<'_>, why: StartError, t: f64) -> Failure 
                     let source = Source::Start(v);
                     explainer.expression_not_finite(value, source, Sequence::Initial, t)
                 }
-                None => explainer.plain("a parameter is not finite", t),
+                None => not_finite(NonFinite::Unnamed("a parameter"), t),
             };
             Failure::numerics(t, diagnostic)
         }
         StartError::Clock(k) => {
             let interval = machine.get(program.events.clocks[k].interval);
             let flag = program.blocks.dae.samples[k].flag;
-            let message = format!("the interval of a `sample` is {interval} s, not positive");
             let span = program.blocks.dae.variables[flag].span;
-            Failure::numerics(t, Diagnostic::error("MO0914", span, message))
+            Failure::numerics(t, Diagnostic::new(RunCause::SampleInterval { interval }, span))
         }
         StartError::Assertion(k) => violated(program, &machine.memory, k, t),
         StartError::Event(u) => event_failure(machine, u, t),
     }
 }
-
-/// Code of the warning about an unknown that its equations do not determine.
-pub const UNDETERMINED: &str = "MO0918";
 
 /// Warns about an unknown of a linear block whose equations are consistent but do not determine it.
 pub fn undetermined(
@@ -273,11 +249,9 @@ pub fn undetermined(
 ) -> Diagnostic {
     let program = machine.program;
     let explainer = Explainer::new(program, &machine.memory);
-    let text = |v: &str| format!("at time {time} s nothing determines `{v}`");
-    let diagnostic = torn_failure(&explainer, program, torn_block, unknown, UNDETERMINED, &text)
+    let cause = |unknown| RunCause::Undetermined { time, unknown };
+    torn_failure(&explainer, program, torn_block, unknown, cause)
         .note("its equations do not contradict each other: the solution nearest to the last one was taken")
-        .help("check what ties it down: a ground, a fixed place or a reference may be missing");
-    Diagnostic { severity: Severity::Warning, ..diagnostic }
 }
 
 /// True if the residuals of a torn block vanish: a solution exists but is not unique.
@@ -295,8 +269,8 @@ fn unsolved(
     time: f64,
 ) -> Diagnostic {
     let s = &program.routines.torn_blocks[torn_block];
-    let text = |v: &str| format!("at time {time} s the iteration finds no solution for `{v}`");
-    let mut diagnostic = torn_failure(explainer, program, torn_block, unknown, "MO0904", &text);
+    let cause = |unknown| RunCause::NoSolution { time, unknown };
+    let mut diagnostic = torn_failure(explainer, program, torn_block, unknown, cause);
     let torn = block(program, s.place).and_then(|b| torn_of(b, program, torn_block));
     let residuals = torn.into_iter().flat_map(|t| &t.residuals).zip(&s.residuals);
     for (equation_residual, slot) in residuals.take(5) {
@@ -309,39 +283,32 @@ fn unsolved(
         diagnostic =
             diagnostic.note(format!("there `{}` = {}", program.name(*v), explainer.value(*v)));
     }
-    diagnostic.help(
-        "check that there is a solution at all; if so, give `start` and `nominal` values near it",
-    )
+    diagnostic
 }
 
-fn stuck(explainer: &Explainer<'_>, program: &Program, v: VarId, h: f64, time: f64) -> Diagnostic {
-    let name = &program.blocks.dae.variables[v].name;
-    let message = format!(
-        "at time {time} s the step became too small ({h:e} s); `{name}` can not be followed"
-    );
-    of_state(explainer, program, v, "MO0909", message)
-        .help("look for a jump, a pole, or a law with infinite slope; loosen the tolerance")
+/// Explains a failure of the integrator, at a state if it is known.
+fn at_state(
+    explainer: &Explainer<'_>,
+    program: &Program,
+    state: Option<VarId>,
+    cause: impl FnOnce(Option<String>) -> RunCause,
+) -> Diagnostic {
+    match state {
+        Some(v) => of_state(explainer, program, v, cause(Some(program.name(v).to_owned()))),
+        None => Diagnostic::new(cause(None), Span::NONE),
+    }
 }
 
 fn unbounded(explainer: &Explainer<'_>, program: &Program, v: VarId, time: f64) -> Diagnostic {
-    let name = &program.blocks.dae.variables[v].name;
-    let message =
-        format!("at time {time} s the derivative of `{name}` is not finite, or its slope is not");
-    of_state(explainer, program, v, "MO0902", message)
-        .help("look for a pole, or a law with infinite slope there, such as a root of zero")
+    let value = NonFinite::Derivative { state: program.name(v).to_owned() };
+    of_state(explainer, program, v, RunCause::NotFinite { time, value })
 }
 
 /// Explains a failure at a state by its declaration and the equation of its derivative.
-fn of_state(
-    explainer: &Explainer<'_>,
-    program: &Program,
-    v: VarId,
-    code: &'static str,
-    message: String,
-) -> Diagnostic {
+fn of_state(explainer: &Explainer<'_>, program: &Program, v: VarId, cause: RunCause) -> Diagnostic {
     let variable = &program.blocks.dae.variables[v];
     let derivative = program.blocks.states.iter().find(|s| s.variable == v).map(|s| s.derivative);
-    let mut diagnostic = Diagnostic::error(code, variable.span, message).label(format!(
+    let mut diagnostic = Diagnostic::new(cause, variable.span).label(format!(
         "`{}` = {}",
         variable.name,
         explainer.value(v)
@@ -360,16 +327,17 @@ fn torn_failure(
     program: &Program,
     torn_block: usize,
     unknown: usize,
-    code: &'static str,
-    text: &dyn Fn(&str) -> String,
+    cause: impl FnOnce(String) -> RunCause,
 ) -> Diagnostic {
     let s = &program.routines.torn_blocks[torn_block];
     let v = s.unknowns[unknown.min(s.unknowns.len().saturating_sub(1))];
     let torn = block(program, s.place).and_then(|b| torn_of(b, program, torn_block));
+    let cause = cause(program.name(v).to_owned());
     let mut diagnostic = match torn.and_then(|t| t.residuals.get(unknown)) {
-        Some(r) => Diagnostic::error(code, explainer.span(r.source), text(program.name(v)))
-            .label(explainer.equation(r.source)),
-        None => Diagnostic::error(code, Span::NONE, text(program.name(v))),
+        Some(r) => {
+            Diagnostic::new(cause, explainer.span(r.source)).label(explainer.equation(r.source))
+        }
+        None => Diagnostic::new(cause, Span::NONE),
     };
     for other in s.unknowns.iter().filter(|u| **u != v).take(5) {
         diagnostic = diagnostic.note(format!(

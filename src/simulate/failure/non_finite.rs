@@ -13,6 +13,8 @@ use crate::symbolic::print::print;
 use crate::symbolic::rewrite::Rewriter;
 use crate::symbolic::string;
 
+use crate::simulate::cause::{NonFinite, RunCause};
+
 /// Access to values and expressions of a run in the user's names.
 pub struct Explainer<'a> {
     program: &'a Program,
@@ -122,11 +124,6 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// A message without a source position.
-    pub fn plain(&self, what: &str, time: f64) -> Diagnostic {
-        Diagnostic::error("MO0902", Span::NONE, format!("at time {time} s {what}"))
-    }
-
     /// Explains a variable that is not finite.
     pub fn not_finite(&self, v: VarId, sequence: Sequence, time: f64) -> Diagnostic {
         let definitions = definitions(blocks_of(self.program, sequence));
@@ -136,7 +133,10 @@ impl<'a> Explainer<'a> {
             Some(&(value, source)) => self.expression_not_finite(value, source, sequence, time),
             None => match eliminated {
                 Some(value) => self.expression_not_finite(value, Source::Start(v), sequence, time),
-                None => self.plain(&format!("`{}` is {}", self.name(v), self.value(v)), time),
+                None => {
+                    let value = NonFinite::Given { name: self.name(v), value: self.value(v) };
+                    not_finite(value, time)
+                }
             },
         }
     }
@@ -177,45 +177,29 @@ impl<'a> Explainer<'a> {
         let graph = &self.program.blocks.dae.graph;
         let text = self.text(culprit);
         let value = |e: ExprId| values.get(&e).copied().unwrap_or(f64::NAN);
-        let (what, help) = match graph.node(culprit) {
-            Node::Binary(Binary::Div, _, b) if value(b) == 0.0 => (
-                format!("division by zero: `{}` is 0 in `{text}`", self.text(b)),
-                "keep the divisor away from zero, or test it with `if`",
-            ),
-            Node::Unary(op, a) if let Some(domain) = left_domain(op, value(a)) => match domain {
-                Domain::NotNegative => (
-                    format!("root of a negative number: `{}` is {}", self.text(a), value(a)),
-                    "guard the argument, for instance by `max(0, ...)`, or check the sign of its terms",
-                ),
-                Domain::Positive => (
-                    format!("logarithm of `{}`, which is {}", self.text(a), value(a)),
-                    "the argument of a logarithm must be positive",
-                ),
-                Domain::UnitInterval | Domain::Everywhere => (
-                    format!("`{text}` with `{}` = {}", self.text(a), value(a)),
-                    "the argument must lie between -1 and 1",
-                ),
-            },
-            Node::Binary(Binary::Pow, a, b) => (
-                format!(
-                    "`{text}` has no finite value for base {} and exponent {}",
-                    value(a),
-                    value(b)
-                ),
-                "a negative base allows whole exponents only, and zero no negative ones",
-            ),
-            Node::Var(v) => (
-                format!("`{}` is {}", self.name(v), self.value(v)),
-                "check the equation that determines it",
-            ),
-            _ => {
-                (format!("`{text}` is {}", value(culprit)), "check the sizes of what it is made of")
+        let found = match graph.node(culprit) {
+            Node::Binary(Binary::Div, _, b) if value(b) == 0.0 => {
+                NonFinite::Quotient { text, divisor: self.text(b) }
             }
+            Node::Unary(op, a) if let Some(domain) = left_domain(op, value(a)) => {
+                let (argument, value) = (self.text(a), value(a));
+                match domain {
+                    Domain::NotNegative => NonFinite::Root { argument, value },
+                    Domain::Positive => NonFinite::Logarithm { argument, value },
+                    Domain::UnitInterval | Domain::Everywhere => {
+                        NonFinite::OutsideUnitInterval { text, argument, value }
+                    }
+                }
+            }
+            Node::Binary(Binary::Pow, a, b) => {
+                NonFinite::Power { text, base: value(a), exponent: value(b) }
+            }
+            Node::Var(v) => NonFinite::Unknown { name: self.name(v), value: self.value(v) },
+            _ => NonFinite::Expression { text, value: value(culprit) },
         };
-        let mut diagnostic =
-            Diagnostic::error("MO0902", self.span(source), format!("at time {time} s {what}"))
-                .label(format!("in `{}`", self.equation(source)))
-                .help(help);
+        let cause = RunCause::NotFinite { time, value: found };
+        let mut diagnostic = Diagnostic::new(cause, self.span(source))
+            .label(format!("in `{}`", self.equation(source)));
         for v in graph.variables(culprit).into_iter().take(6) {
             diagnostic = diagnostic.note(format!("`{}` = {}", self.name(v), self.value(v)));
         }
@@ -290,6 +274,11 @@ impl<'a> Explainer<'a> {
         let variables = &self.program.blocks.dae.variables;
         variables.get(v).map_or_else(|| "a derivative".to_owned(), |x| x.name.clone())
     }
+}
+
+/// Reports a value that is not finite, without a source position.
+pub fn not_finite(value: NonFinite, time: f64) -> Diagnostic {
+    Diagnostic::new(RunCause::NotFinite { time, value }, Span::NONE)
 }
 
 /// The domain of a function, if the argument lies outside.

@@ -29,6 +29,7 @@ use crate::runtime::tangent::forcing::Forcing;
 use crate::runtime::tangent::outputs::needed;
 
 use self::sliding::{Surface, SurfaceEquations};
+use super::cause::RunCause;
 use super::event::instant::Cause;
 use super::event::sliding::Sliding;
 use super::event::time_events::Clocks;
@@ -499,14 +500,12 @@ impl Simulation<'_, '_> {
 }
 
 fn sensitivity_failure(why: NoVariation, t: f64) -> Failure {
-    let message = format!(
-        "at time {t} s cannot compute the sensitivities: {}",
-        match why {
-            NoVariation::Eval(_) => "a derivative of the model does not exist",
-            NoVariation::Singular { .. } => "their equations are singular",
-        }
-    );
-    Failure::numerics(t, Diagnostic::error("MO0917", Span::NONE, message))
+    let why = match why {
+        NoVariation::Eval(_) => "a derivative of the model does not exist",
+        NoVariation::Singular { .. } => "their equations are singular",
+    };
+    let cause = RunCause::NoSensitivities { time: t, why };
+    Failure::numerics(t, Diagnostic::new(cause, Span::NONE))
 }
 
 /// The variational equations along a run.

@@ -90,7 +90,7 @@ pub enum Claim {
         name: String,
         present: bool,
     },
-    /// What was printed contains a string, so many times where it is said.
+    /// The output contains a string, this many times if a number is given.
     Contains {
         what: Printed,
         count: Option<usize>,

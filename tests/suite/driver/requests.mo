@@ -8,7 +8,7 @@ package Tanks
 end Tanks;
 
 //@ case only_partial_models
-//@ error[MO0104] 1
+//@ error[MO0106] 1
 partial model Law
   Real v;
   Real f;

@@ -1,0 +1,49 @@
+//! Diagnostics of requests: files, models and inputs that the user names.
+
+use crate::base::cause::causes;
+use crate::base::diag::did_you_mean_or;
+
+causes! {
+    /// Causes found in a request.
+    pub enum RequestCause {
+        /// The user's file cannot be read.
+        error MO0100 UnreadableFile { path: String, why: String, near: Option<String> }
+            => ("cannot read `{path}`: {why}"),
+            remedy(did_you_mean_or(near, "check the path; it is read from the folder where mocc runs"));
+        /// No model has this name.
+        error MO0104 UnknownModel { name: String, near: Option<String> }
+            => ("there is no model `{name}`"),
+            remedy(did_you_mean_or(
+                near,
+                "check the name, or name the folder of its library with `--lib DIR`",
+            ));
+        /// A file has no model that can be instantiated.
+        error MO0106 NoModelInFile
+            => ("this file has no model that can be instantiated"),
+            help("write a model that is not partial, or name one with `--model`");
+        /// A request names neither a file nor a model.
+        error MO0107 NothingNamed
+            => ("neither a file nor a model is named"),
+            help("name a file, or a model of a library with `--model`");
+        /// A partial model cannot be instantiated.
+        error MO0108 PartialModel { name: String } (section "4.4.2")
+            => ("cannot instantiate `{name}`: it is partial"),
+            help("name a model that extends it with `--model`");
+        /// A package or a function cannot be simulated.
+        error MO0109 NotAModel { name: String }
+            => ("`{name}` is a package or a function, not a model"),
+            help("name a model with `--model`");
+        /// A flat model is too large to be printed.
+        error MO0275 FlatModelTooLarge { why: String }
+            => ("{why}"),
+            help("`mocc simulate` runs it, and `mocc structure` shows its blocks");
+        /// A recording should drive an input that the model does not have.
+        error MO1017 UnknownInput { name: String, near: Option<String> }
+            => ("the model has no input `{name}`"),
+            remedy(did_you_mean_or(near, "declare it as `input Real` without a value of its own"));
+        /// A recording should drive a variable that is not a free input.
+        error MO1030 NotDrivable { name: String }
+            => ("`{name}` is not a Real input without a value, so no recording can drive it"),
+            help("declare it as `input Real` without a value of its own");
+    }
+}

@@ -1,0 +1,209 @@
+//! Diagnostics of a run.
+
+use std::fmt;
+
+use crate::base::cause::causes;
+
+causes! {
+    /// Causes found during a run.
+    pub enum RunCause {
+        /// The settings of a run are out of range.
+        error MO0901 Settings { why: String }
+            => ("{why}");
+        /// A value is infinite or undefined.
+        error MO0902 NotFinite { time: f64, value: NonFinite }
+            => ("at time {time} s {value}"), remedy(value.advice().map(str::to_owned));
+        /// The equations of a loop do not determine an unknown.
+        error MO0903 SingularLoop { time: f64, unknown: String }
+            => ("at time {time} s the equations do not determine `{unknown}`: their matrix is singular"),
+            help("check whether a coefficient of this variable becomes zero here");
+        /// The iteration of an algebraic loop does not converge.
+        error MO0904 NoSolution { time: f64, unknown: String }
+            => ("at time {time} s the iteration finds no solution for `{unknown}`"),
+            help("check that there is a solution at all; if so, give `start` and `nominal` values near it");
+        /// A loop of discrete and continuous equations has no consistent solution.
+        error MO0905 MixedLoop { time: f64, unknown: String }
+            => ("at time {time} s the iteration finds no consistent value of `{unknown}`"),
+            help("break the loop between the discrete and the continuous equations with `pre`");
+        /// An assertion inside a function failed.
+        error MO0906 FunctionAssertion { time: f64, function: String, text: String }
+            => ("at time {time} s an assertion in `{function}` failed: {text}");
+        /// A function does not return.
+        error MO0907 NonTerminatingFunction { time: f64, function: String }
+            => ("at time {time} s function `{function}` does not return"),
+            help("check the condition that ends its loop, or its calls of itself");
+        /// A state has no finite start value.
+        error MO0908 NoFiniteStart { time: f64, state: String }
+            => ("at time {time} s `{state}` has no finite start value");
+        /// The integrator cannot take a step.
+        error MO0909 StepTooSmall { time: f64, step: f64, state: Option<String> }
+            => ("at time {time} s the step became too small ({step:e} s){}", to_follow(state)),
+            help("look for a jump, a pole, or a function with infinite slope; loosen the tolerance");
+        /// The maximum number of steps is exceeded.
+        error MO0910 TooManySteps { time: f64, limit: u64 }
+            => ("at time {time} s the limit of {limit} steps is exhausted"),
+            help("loosen the tolerance, or look for an oscillation at this time");
+        /// A relation switches back and forth without progress in time.
+        error MO0911 Chattering { time: f64, relation: String, events: usize, duration: f64 }
+            => ("at time {time} s {relation} switches without end: {events} events within {duration:e} s"),
+            help("give the two branches a hysteresis or a smooth transition, or model the state between \
+                  them (locked, resting) explicitly");
+        /// An assertion of the model failed.
+        error MO0912 Assertion { time: f64, text: String }
+            => ("at time {time} s: {text}");
+        /// The event iteration does not end.
+        error MO0913 EndlessEventIteration { time: f64, names: String }
+            => ("at time {time} s the event iteration does not end: {names} keep changing"),
+            help("break the cycle of conditions that trigger each other with `pre`");
+        /// The interval of a `sample` is not positive.
+        error MO0914 SampleInterval { interval: f64 } (section "3.7.5")
+            => ("the interval of a `sample` is {interval} s, not positive");
+        /// The sensitivities of a run do not exist.
+        error MO0917 NoSensitivities { time: f64, why: &'static str }
+            => ("at time {time} s cannot compute the sensitivities: {why}");
+        /// Consistent linear equations leave an unknown undetermined.
+        warning MO0918 Undetermined { time: f64, unknown: String }
+            => ("at time {time} s nothing determines `{unknown}`"),
+            help("check what ties it down: a ground, a fixed place or a reference may be missing");
+        /// A value is outside of the bounds of its variable.
+        warning MO0919 BeyondBound { time: Option<f64>, name: String, value: f64, attribute: &'static str, bound: f64 }
+            => ("{} is {value}, {} its `{attribute}` of {bound}", at(*time, name), side(attribute)),
+            help("{}", if time.is_some() {
+                "check the parameters and start values that lead there, or the bound"
+            } else {
+                "give it another value, or another bound"
+            });
+        /// The integrator cannot solve for its stages.
+        error MO0930 SingularIteration { time: f64, state: Option<String> }
+            => ("at time {time} s the iteration matrix of the integrator is singular{}", in_row(state)),
+            help("look for a jump, a pole, or a function with infinite slope; loosen the tolerance");
+        /// More variables than are reported one by one are outside of their bounds.
+        warning MO0931 MoreBeyondBounds { time: f64 }
+            => ("at time {time} s more variables are beyond their bounds");
+        /// An invariant of mocc is violated.
+        error MO0999 Bug { what: String }
+            => ("{what}"), help("this is a bug in mocc, please report it with the model");
+    }
+}
+
+/// A value that is infinite or undefined, and the operation that produced it.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)] // the messages below are the documentation
+pub enum NonFinite {
+    Quotient {
+        text: String,
+        divisor: String,
+    },
+    Root {
+        argument: String,
+        value: f64,
+    },
+    Logarithm {
+        argument: String,
+        value: f64,
+    },
+    OutsideUnitInterval {
+        text: String,
+        argument: String,
+        value: f64,
+    },
+    Power {
+        text: String,
+        base: f64,
+        exponent: f64,
+    },
+    /// An unknown of the model.
+    Unknown {
+        name: String,
+        value: f64,
+    },
+    /// A variable that no equation determines at this instant.
+    Given {
+        name: String,
+        value: f64,
+    },
+    Expression {
+        text: String,
+        value: f64,
+    },
+    /// The derivative of a state, or its slope.
+    Derivative {
+        state: String,
+    },
+    /// A value that the message cannot name.
+    Unnamed(&'static str),
+}
+
+impl fmt::Display for NonFinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use NonFinite::*;
+        match self {
+            Quotient { text, divisor } => {
+                write!(f, "division by zero: `{divisor}` is 0 in `{text}`")
+            }
+            Root { argument, value } => {
+                write!(f, "root of a negative number: `{argument}` is {value}")
+            }
+            Logarithm { argument, value } => {
+                write!(f, "logarithm of `{argument}`, which is {value}")
+            }
+            OutsideUnitInterval { text, argument, value } => {
+                write!(f, "`{text}` with `{argument}` = {value}")
+            }
+            Power { text, base, exponent } => {
+                write!(f, "`{text}` has no finite value for base {base} and exponent {exponent}")
+            }
+            Unknown { name, value } | Given { name, value } => write!(f, "`{name}` is {value}"),
+            Expression { text, value } => write!(f, "`{text}` is {value}"),
+            Derivative { state } => {
+                write!(f, "the derivative of `{state}` is not finite, or its slope is not")
+            }
+            Unnamed(what) => write!(f, "{what} is not finite"),
+        }
+    }
+}
+
+impl NonFinite {
+    /// How to avoid it.
+    fn advice(&self) -> Option<&'static str> {
+        use NonFinite::*;
+        match self {
+            Quotient { .. } => Some("keep the divisor away from zero, or test it with `if`"),
+            Root { .. } => Some(
+                "guard the argument, for instance by `max(0, ...)`, or check the sign of its terms",
+            ),
+            Logarithm { .. } => Some("keep the argument of the logarithm positive"),
+            OutsideUnitInterval { .. } => Some("keep the argument between -1 and 1"),
+            Power { .. } => Some(
+                "use an Integer exponent for a negative base, and a positive one for a base of zero",
+            ),
+            Unknown { .. } => Some("check the equation that determines it"),
+            Expression { .. } => Some("check the magnitudes of its operands"),
+            Derivative { .. } => Some(
+                "look for a pole, or a function with infinite slope there, such as a root of zero",
+            ),
+            Given { .. } | Unnamed(_) => None,
+        }
+    }
+}
+
+fn to_follow(state: &Option<String>) -> String {
+    state.as_ref().map_or_else(String::new, |name| format!(" to follow `{name}`"))
+}
+
+fn in_row(state: &Option<String>) -> String {
+    state.as_ref().map_or_else(String::new, |name| format!(" for `{name}`"))
+}
+
+/// A parameter, or a variable at an instant.
+fn at(time: Option<f64>, name: &str) -> String {
+    match time {
+        Some(time) => format!("at time {time} s `{name}`"),
+        None => format!("parameter `{name}`"),
+    }
+}
+
+/// The side of a bound on which a value violates it.
+fn side(attribute: &str) -> &'static str {
+    if attribute == "max" { "above" } else { "below" }
+}
