@@ -81,7 +81,7 @@ macro_rules! causes {
         impl $name {
             /// The entries of these causes in the registry, in the order of the variants.
             $visibility const ENTRIES: &'static [$crate::base::cause::Entry] = &[
-                $($crate::causes!(@entry $severity $code ($($summary)+) ($($section)?)),)*
+                $($crate::base::cause::causes!(@entry $severity $code ($($summary)+) ($($section)?)),)*
             ];
         }
 
@@ -90,7 +90,7 @@ macro_rules! causes {
                 match self {
                     $(Self::$variant $({ $($field: _),* })? => {
                         const ENTRY: $crate::base::cause::Entry =
-                            $crate::causes!(@entry $severity $code ($($summary)+) ($($section)?));
+                            $crate::base::cause::causes!(@entry $severity $code ($($summary)+) ($($section)?));
                         &ENTRY
                     })*
                 }
@@ -105,7 +105,7 @@ macro_rules! causes {
             fn help(&self) -> Option<String> {
                 match self {
                     $(Self::$variant $({ $($field),* })? =>
-                        $crate::causes!(@help $(($($help)+))? $([$remedy])?),)*
+                        $crate::base::cause::causes!(@help $(($($help)+))? $([$remedy])?),)*
                 }
             }
         }
@@ -113,7 +113,7 @@ macro_rules! causes {
     (@entry $severity:ident $code:ident ($($summary:literal)+) ($($section:literal)?)) => {
         $crate::base::cause::Entry {
             code: stringify!($code),
-            severity: $crate::causes!(@severity $severity),
+            severity: $crate::base::cause::causes!(@severity $severity),
             summary: concat!($($summary),+).trim_ascii(),
             section: concat!($($section)?),
         }

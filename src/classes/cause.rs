@@ -158,6 +158,10 @@ impl Alternatives {
         let near = diag::did_you_mean(&wanted, names.iter().copied()).map(str::to_string);
         Alternatives { near, listed: listed(names) }
     }
+    /// All of `names`, which may be too short to be misspelled.
+    pub fn all(names: &[&str]) -> Self {
+        Alternatives { near: None, listed: listed(names) }
+    }
     /// Only the best of `names`: there are too many to list them.
     pub fn near(wanted: Name, names: &[&str]) -> Self {
         Alternatives { listed: String::new(), ..Self::of(wanted, names) }
@@ -208,7 +212,8 @@ impl fmt::Display for Incompatibility {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Incompatibility::Dimensions { given, has, wanted, needs } => {
-                write!(f, "`{given}` has {has} dimensions, and `{wanted}` has {needs}")
+                let dimensions = if *has == 1 { "dimension" } else { "dimensions" };
+                write!(f, "`{given}` has {has} {dimensions}, and `{wanted}` has {needs}")
             }
             Incompatibility::Type { given, wanted } => {
                 write!(f, "`{given}` is of another type than `{wanted}`")

@@ -200,7 +200,7 @@ impl Evaluator<'_> {
                 None => {
                     let names: Vec<&str> =
                         inputs.iter().map(|(e, _)| e.name.name.as_str()).collect();
-                    let others = Alternatives::of(name.name, &names);
+                    let others = Alternatives::all(&names);
                     let (function, name, span) = (full_name, name.name, name.span);
                     self.report(CallCause::UnknownArgument { function, name, others }, span);
                     return None;

@@ -95,7 +95,7 @@ impl Evaluator<'_> {
         let name = variable.name;
         let Some(at) = inputs.iter().position(|input| *input == name) else {
             let listed: Vec<&str> = inputs.iter().map(|n| n.as_str()).collect();
-            let others = Alternatives::of(name, &listed);
+            let others = Alternatives::all(&listed);
             let cause = CallCause::UnknownDerivativeInput { function: full_name, name, others };
             self.report(cause, variable.span);
             return None;

@@ -68,7 +68,8 @@ impl fmt::Display for InnerMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             InnerMismatch::Rank { outer, inner } => {
-                write!(f, "it has {outer} dimensions, and the `inner` one has {inner}")
+                let dimensions = if *outer == 1 { "dimension" } else { "dimensions" };
+                write!(f, "it has {outer} {dimensions}, and the `inner` one has {inner}")
             }
             InnerMismatch::Class(why) => write!(f, "{why}"),
             InnerMismatch::Size { outer, inner } => {

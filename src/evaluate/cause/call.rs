@@ -11,7 +11,7 @@ causes! {
     pub enum CallCause {
         /// A call has too many or too few arguments.
         error MO0219 WrongArguments { function: String, takes: Takes } (section "12.4.1")
-            => ("`{function}` takes {takes}"), help("give it these arguments");
+            => ("`{function}` takes {takes}"), help("pass the arguments that it takes");
         /// An argument without a default is missing.
         error MO1262 MissingArgument { function: Name, name: Name } (section "12.4.1")
             => ("argument `{name}` of `{function}` is missing"),

@@ -77,7 +77,9 @@ impl Expected {
             Expected::Integer | Expected::Subscript => "use an Integer expression",
             Expected::Vector => "write a range such as `1:n`, or an array with one dimension",
             Expected::Message => "write `String(x)` for the value of an expression",
-            Expected::Attribute { .. } => return None,
+            Expected::Attribute { ty, .. } => {
+                return Some(format!("use an expression of type {ty}"));
+            }
         };
         Some(help.to_string())
     }
