@@ -20,7 +20,7 @@ pub enum Severity {
 #[derive(Clone, Debug)]
 pub struct Diagnostic {
     /// Why it is reported.
-    pub cause: Option<Arc<dyn Cause>>,
+    pub cause: Arc<dyn Cause>,
     /// Stable code, such as `MO0201`; a retired code is never used again.
     pub code: &'static str,
     /// Error or warning.
@@ -61,35 +61,17 @@ impl Diagnostic {
             secondary: Vec::new(),
             help: cause.help(),
             notes: specification::reference(entry.section).into_iter().collect(),
-            cause: Some(Arc::new(cause)),
+            cause: Arc::new(cause),
         }
     }
     /// Whether its cause is one of `C` for which `holds` is true.
     pub fn is<C: Cause>(&self, holds: impl FnOnce(&C) -> bool) -> bool {
-        let cause = self.cause.as_deref().and_then(|c| (c as &dyn Any).downcast_ref::<C>());
-        cause.is_some_and(holds)
+        (&*self.cause as &dyn Any).downcast_ref::<C>().is_some_and(holds)
     }
     /// Sets the severity, where it depends on more than the cause.
     pub fn with_severity(mut self, severity: Severity) -> Self {
         self.severity = severity;
         self
-    }
-    /// An error at `span`.
-    pub fn error(code: &'static str, span: Span, message: impl Into<String>) -> Self {
-        Diagnostic {
-            cause: None,
-            code,
-            severity: Severity::Error,
-            message: message.into(),
-            primary: (span, String::new()),
-            secondary: Vec::new(),
-            help: None,
-            notes: Vec::new(),
-        }
-    }
-    /// A warning at `span`.
-    pub fn warning(code: &'static str, span: Span, message: impl Into<String>) -> Self {
-        Diagnostic { severity: Severity::Warning, ..Self::error(code, span, message) }
     }
     /// Sets the label of the primary span.
     pub fn label(mut self, text: impl Into<String>) -> Self {
@@ -101,11 +83,6 @@ impl Diagnostic {
         if !span.is_none() {
             self.secondary.push((span, text.into()));
         }
-        self
-    }
-    /// Sets the remedy.
-    pub fn help(mut self, text: impl Into<String>) -> Self {
-        self.help = Some(text.into());
         self
     }
     /// Adds a note with background.
@@ -222,12 +199,22 @@ mod tests {
     #[test]
     fn problems_are_sorted_by_span_and_reported_once() {
         use crate::base::source::FileId;
+        crate::base::cause::causes! {
+            enum Sample {
+                /// The first.
+                error MO0001 First => ("first");
+                /// The second.
+                warning MO0002 Second => ("second");
+            }
+        }
         let at = |s| Span::new(FileId(0), s, s + 1);
         let mut p = Problems::new();
-        p.push(Diagnostic::error("MO0002", at(9), "second"));
-        p.push(Diagnostic::error("MO0001", at(2), "first"));
-        p.push(Diagnostic::error("MO0001", at(2), "first"));
+        p.push(Diagnostic::new(Sample::Second, at(9)));
+        p.push(Diagnostic::new(Sample::First, at(2)));
+        p.push(Diagnostic::new(Sample::First, at(2)));
         let messages: Vec<_> = p.sorted().iter().map(|d| d.message.as_str()).collect();
         assert_eq!(messages, ["first", "second"]);
+        assert_eq!((p.error_count(), Sample::ENTRIES.len()), (1, 2));
+        assert!(p.sorted()[1].is(|c: &Sample| matches!(c, Sample::Second)));
     }
 }

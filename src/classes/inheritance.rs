@@ -389,15 +389,7 @@ impl ClassGraph<'_> {
                 }
             }
         }
-        self.problems.push(
-            crate::base::diag::Diagnostic::error(
-                "MO0201",
-                wanted.span,
-                format!("there is no inherited class `{}` to extend", wanted.name),
-            )
-            .help("`model extends A` extends the A of a base class; write `model A extends ...` for another one")
-            .note("section 7.3.1 of the specification"),
-        );
+        self.report(super::cause::ClassCause::NothingToExtend { name: wanted.name }, wanted.span);
         None
     }
 

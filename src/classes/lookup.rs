@@ -3,6 +3,7 @@
 
 use std::rc::Rc;
 
+use super::cause::ClassCause;
 use super::inheritance::is_class_extends;
 use super::{ClassGraph, ROOT};
 use crate::base::diag::Diagnostic;
@@ -304,15 +305,10 @@ impl ClassGraph<'_> {
     }
 
     fn report_ambiguous_import(&mut self, wanted: Name, before: Span, at: Span) {
-        let message = format!("`{wanted}` is imported from two packages");
         self.problems.push(
-            Diagnostic::error("MO0263", at, message)
+            Diagnostic::new(ClassCause::AmbiguousImport { name: wanted }, at)
                 .label("second package that has it")
-                .also(before, "first package that has it")
-                .help(format!(
-                    "import the one that is meant by its name: `import PACKAGE.{wanted};`"
-                ))
-                .note("section 13.2.1.1 of the specification"),
+                .also(before, "first package that has it"),
         );
     }
 
@@ -345,11 +341,7 @@ impl ClassGraph<'_> {
             return;
         }
         let holder = packages.last().map_or_else(String::new, Name::to_string);
-        let message = format!("`{last}` is imported from `{holder}`, which is no package");
-        self.problems.push(
-            Diagnostic::error("MO0263", path.span, message)
-                .help("import packages and what stands in them only (section 13.2.1)"),
-        );
+        self.report(ClassCause::ImportFromOther { name: *last, holder }, path.span);
     }
 
     /// A name from the top: a class, or a component of a package; only a public one if it is one of

@@ -9,11 +9,13 @@
 
 pub(crate) mod attribute;
 pub(crate) mod declaration_cache;
+pub mod cause;
 pub mod error;
 pub mod inheritance;
 pub mod lookup;
 pub mod snapshot;
 pub(crate) mod type_lookup;
+pub mod unsupported;
 pub mod visibility;
 
 use std::rc::Rc;

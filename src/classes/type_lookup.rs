@@ -5,6 +5,7 @@
 use std::rc::Rc;
 
 use super::ClassGraph;
+use super::cause::ClassCause;
 use crate::base::diag::Diagnostic;
 use crate::ir::ast;
 use crate::ir::instance::Scope;
@@ -26,12 +27,10 @@ impl ClassGraph<'_> {
         if entry.component.is_none() {
             return Some(self.class_modifications(path, scope));
         }
-        let message = format!("`{}` is a component here, and a class is needed", first.name);
         self.problems.push(
-            Diagnostic::error("MO0201", first.span, message)
+            Diagnostic::new(ClassCause::ComponentAsClass { name: first.name }, first.span)
                 .also(entry.name.span, "declared as a component")
-                .help("rename the component, or write the full name of the class with a dot before it")
-                .note("names are looked up from the inside (section 5.3.1)"),
+                .note("names are looked up from the inside"),
         );
         None
     }

@@ -1,6 +1,7 @@
 //! Visibility of names: protected elements, and elements of classes that are not packages (sections
 //! 4.1, 5.3.2 and 13.2.1 of the specification).
 
+use super::cause::ClassCause;
 use super::{ClassGraph, ROOT};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
@@ -69,27 +70,21 @@ impl ClassGraph<'_> {
 
     pub(crate) fn report_protected(&mut self, part: ast::Ident, declared: Span) {
         self.problems.push(
-            Diagnostic::error("MO0260", part.span, format!("`{}` is protected", part.name))
+            Diagnostic::new(ClassCause::Protected { name: part.name }, part.span)
                 .label("named from outside")
                 .also(declared, "declared after `protected`")
-                .help("use a public element, or make this one public where it is declared")
-                .note("what is protected is known in its class and in those that extend it (section 4.1)"),
+                .note("protected elements are known in their class and in those that extend it"),
         );
     }
 
     fn report_no_package(&mut self, class: ClassId, part: ast::Ident, is_class: bool) {
         let holder = self.classes[class].full_name;
         let what = if is_class { "class" } else { "constant" };
-        let message = format!(
-            "`{}` stands in `{}`, which is no package: it has more than classes and constants",
-            part.name,
-            last_part(&holder)
-        );
+        let holder = last_part(&holder).to_string();
         self.problems.push(
-            Diagnostic::error("MO0261", part.span, message)
-                .label(format!("{what} of a class that is no package"))
-                .help("move it to a package, or declare it `encapsulated`")
-                .note("section 5.3.2 of the specification"),
+            Diagnostic::new(ClassCause::NotInPackage { name: part.name, holder }, part.span)
+                .label(format!("{what} of a class that is not a package"))
+                .note("a package has classes and constants only"),
         );
     }
 

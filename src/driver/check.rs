@@ -9,18 +9,15 @@ use super::compile::{CompileError, Request, Session, find_in, model, models};
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::FastSet;
 use crate::classes::ClassGraph;
+use crate::classes::cause::ClassCause;
 use crate::evaluate::Evaluator;
+use crate::evaluate::cause::holds_for_all_arguments;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 use crate::lower::error::LoweringCause;
 use crate::resolve::library::Library;
 use crate::rules::{ineffective_modifiers, shadowing};
 use crate::units::cause::UnitCause;
-
-/// A missing `inner` component: a component checked alone has none.
-const NO_INNER: &str = "MO0206";
-/// Errors in a function that hold for any arguments: names and types.
-const HOLDS_ANYWHERE: [&str; 4] = ["MO0201", "MO0202", "MO0212", "MO0266"];
 
 impl Session {
     /// Collects the problems of a request in [`Session::problems`].
@@ -80,12 +77,19 @@ impl Session {
                 read(cx, class);
             }
             // All of its errors may follow from the missing outer component.
-            if !problems.iter().any(|d| d.code == NO_INNER) {
+            if !problems.iter().any(lacks_inner) {
                 self.problems.extend(problems);
             }
         }
         if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }
     }
+}
+
+/// Whether an `inner` component is missing: a component checked alone has none.
+fn lacks_inner(d: &Diagnostic) -> bool {
+    d.is(|cause: &ClassCause| {
+        matches!(cause, ClassCause::NoInner { .. } | ClassCause::InnerAdded { .. })
+    })
 }
 
 /// A function with a body that could be called.
@@ -105,9 +109,7 @@ fn read(mut cx: Evaluator<'_>, class: ClassId) {
     cx.read_function(class);
     let reported: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
     *cx.problems = Problems::new();
-    for d in
-        before.into_iter().chain(reported.into_iter().filter(|d| HOLDS_ANYWHERE.contains(&d.code)))
-    {
+    for d in before.into_iter().chain(reported.into_iter().filter(holds_for_all_arguments)) {
         cx.problems.push(d);
     }
 }

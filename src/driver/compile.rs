@@ -11,6 +11,7 @@ use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
 use crate::classes::{ClassGraph, ROOT};
 use crate::evaluate::Evaluator;
+use crate::flatten::cause::OverrideCause;
 use crate::flatten::inventory::Inventory;
 use crate::ir::assembly::Assembly;
 use crate::ir::ast::{
@@ -169,7 +170,7 @@ impl Session {
         self.times.push(("flatten", begun.elapsed()));
         let sources = &self.sources;
         let of_setting = |d: &Diagnostic| {
-            matches!(d.code, "MO0240" | "MO0241")
+            d.is(|_: &OverrideCause| true)
                 || d.is(is_unreadable_measure)
                 || sources.get(d.primary.0.file).is_some_and(|f| {
                     f.path == Path::new("--set") || f.path == Path::new("--measure")

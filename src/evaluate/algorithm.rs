@@ -3,6 +3,9 @@
 //! expression. Loops iterate as often as is known here. (Chapter 11 of the specification.)
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::call::CallCause;
+use super::cause::name::NameCause;
 use super::implicit_ranges::Body;
 use super::reference::Selection;
 use super::subscript::{one_by_one, positions};
@@ -10,6 +13,7 @@ use super::value::{Record, Value};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::classes::cause::{Alternatives, ClassCause, Holder};
 use crate::ir::ast::{ComponentRef, Expr, ExprKind, RefPart, Statement, StatementKind};
 use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::instance::{InstanceKind, Scope};
@@ -69,12 +73,8 @@ impl Evaluator<'_> {
                     other => vec![other.clone()],
                 };
                 if targets.len() > values.len() {
-                    let message = format!(
-                        "{} values are wanted, and the function gives {}",
-                        targets.len(),
-                        values.len()
-                    );
-                    self.error("MO0219", s.span, message);
+                    let (wanted, given) = (targets.len(), values.len());
+                    self.report(CallCause::TooFewOutputs { wanted, given }, s.span);
                     return None;
                 }
                 for (target, value) in targets.iter().zip(values) {
@@ -313,8 +313,7 @@ impl Evaluator<'_> {
                 Flow::Return => return Some(Flow::Return),
             }
         }
-        let message = format!("this loop runs more than {MAX_ITERATIONS} times");
-        self.error("MO0221", condition.span, message);
+        self.report(CallCause::EndlessLoop { most: MAX_ITERATIONS }, condition.span);
         None
     }
 
@@ -371,7 +370,8 @@ impl Evaluator<'_> {
                     }
                 }
                 _ => {
-                    self.error("MO0212", span, "a variable is needed here");
+                    let found = "a component without a value";
+                    self.report(NameCause::NotAVariable { found }, span);
                     return None;
                 }
             },
@@ -387,7 +387,7 @@ impl Evaluator<'_> {
                 }
             }
             Selection::Absent => {
-                self.error("MO0217", span, "this component is switched off by its condition");
+                self.report_absent(span);
                 return None;
             }
         }
@@ -409,20 +409,23 @@ impl Evaluator<'_> {
                 return Some(value);
             };
             let Value::Record(record) = old else {
-                self.error("MO0202", span, "this is no record");
+                self.report(NameCause::NotARecord { name: part.name.name }, span);
                 return None;
             };
             let mut fields = record.fields.clone();
             let Some(at) = fields.iter().position(|(n, _)| *n == next.name.name) else {
-                let message = format!("there is no field `{}`", next.name.name);
-                self.error("MO0202", next.name.span, message);
+                let name = next.name.name;
+                let names: Vec<&str> = fields.iter().map(|(n, _)| n.as_str()).collect();
+                let others = Alternatives::of(name, &names);
+                let holder = Holder::Named(part.name.name.to_string());
+                self.report(ClassCause::UnknownElement { holder, name, others }, next.name.span);
                 return None;
             };
             fields[at].1 = self.updated(&fields[at].1, rest, value, scope, span)?;
             return Some(Value::Record(std::rc::Rc::new(Record { class: record.class, fields })));
         }
         let Value::Array(array) = old else {
-            self.error("MO0216", span, "this is no array");
+            self.report(ArrayCause::NotAnArray { name: part.name.name }, span);
             return None;
         };
         let selectors = self.selectors(&array.dims, &part.subscripts, scope, span)?;

@@ -2,6 +2,8 @@
 //! specification).
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::types::Expected;
 use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, ExprKind};
@@ -38,7 +40,7 @@ impl Evaluator<'_> {
                 }
             }
             _ => {
-                self.wrong_arguments(span, "one array or two numbers are");
+                self.wrong_arguments(span, "one array or two numbers");
                 None
             }
         }
@@ -72,11 +74,7 @@ impl Evaluator<'_> {
                 match k.checked_sub(1).and_then(|k| dims.get(k)) {
                     Some(n) => Some(Value::Scalar(self.graph.integer(*n as i64))),
                     None => {
-                        self.error(
-                            "MO0216",
-                            span,
-                            format!("there are only {} dimensions", dims.len()),
-                        );
+                        self.report(ArrayCause::NoSuchDimension { dimensions: dims.len() }, span);
                         None
                     }
                 }
@@ -132,7 +130,7 @@ impl Evaluator<'_> {
                 self.reshaped(name, &value, span)
             }
             _ => {
-                self.error("MO0219", span, format!("wrong number of arguments for `{name}`"));
+                self.wrong_arguments(span, arguments_of(name));
                 None
             }
         }
@@ -164,7 +162,7 @@ impl Evaluator<'_> {
         let (a, b) = (self.evaluate_scalar(a, scope)?, self.evaluate_scalar(b, scope)?);
         let n = self.fold_size(n, scope)?;
         if n < 2 {
-            self.error("MO0219", span, "`linspace` needs at least two points");
+            self.report(ArrayCause::TooFewPoints, span);
             return None;
         }
         let width = self.graph.sub(b, a);
@@ -180,15 +178,16 @@ impl Evaluator<'_> {
 
     fn scalars(&mut self, v: &Value, span: Span) -> Option<Vec<ExprId>> {
         let all: Option<Vec<ExprId>> = v.elements().iter().map(Value::scalar).collect();
-        if all.is_none() {
-            self.error("MO0212", span, "numbers are needed here");
+        if let Some(other) = v.elements().iter().find(|e| e.scalar().is_none()) {
+            self.report_type(Expected::Number, other, span);
         }
         all
     }
 
     fn cross(&mut self, a: &Value, b: &Value, span: Span) -> Option<Value> {
         if a.dims() != [3] || b.dims() != [3] {
-            self.error("MO0215", span, "`cross` takes two vectors of three");
+            let given = [a, b].map(|v| v.dims().to_vec()).into();
+            self.report(ArrayCause::ArgumentSize { function: "cross".to_string(), given }, span);
             return None;
         }
         let (x, y) = (self.scalars(a, span)?, self.scalars(b, span)?);
@@ -215,7 +214,8 @@ impl Evaluator<'_> {
         let dims = a.dims().to_vec();
         let e = a.elements();
         let wrong = |cx: &mut Self| {
-            cx.error("MO0215", span, format!("`{name}` cannot take an array of size {dims:?}"));
+            let (function, given) = (name.to_string(), vec![dims.clone()]);
+            cx.report(ArrayCause::ArgumentSize { function, given }, span);
             None
         };
         match (name, dims.as_slice()) {
@@ -255,5 +255,18 @@ impl Evaluator<'_> {
             },
             _ => wrong(self),
         }
+    }
+}
+
+/// The arguments of an array function, in words.
+fn arguments_of(name: &str) -> &'static str {
+    match name {
+        "size" => "an array, and optionally a dimension",
+        "zeros" | "ones" => "at least one size",
+        "fill" => "a value and at least one size",
+        "linspace" => "two bounds and a number of points",
+        "cat" => "a dimension and at least one array",
+        "cross" | "outerProduct" => "two vectors",
+        _ => "one argument",
     }
 }

@@ -3,6 +3,7 @@
 use super::Evaluator;
 use super::algorithm::Exits;
 use super::builtin::argument;
+use super::cause::call::{CallCause, Takes};
 use super::random_draw::Place;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, Ident};
@@ -80,7 +81,9 @@ impl Evaluator<'_> {
     ) -> Option<()> {
         let find = |k: usize, name: &str| argument(args, named, k, name);
         let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
-            self.error("MO0219", span, "`assert` takes a condition and a message");
+            let takes = Takes::These("a condition and a message");
+            let function = "assert".to_string();
+            self.report(CallCause::WrongArguments { function, takes }, span);
             return None;
         };
         let value = self.evaluate(condition, scope)?;
@@ -112,9 +115,9 @@ impl Evaluator<'_> {
         {
             let text = match self.graph.as_const(message) {
                 Some(Const::String(t)) => t.to_string(),
-                _ => "assertion failed".to_string(),
+                _ => "its message is known only at run time".to_string(),
             };
-            self.error("MO0223", span, text);
+            self.report(CallCause::FunctionAssertion { message: text }, span);
             return None;
         }
         // Asked for its value before the model runs, a function is not yet called by the model.

@@ -4,12 +4,16 @@
 use std::rc::Rc;
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::name::NameCause;
+use super::cause::value::ValueCause;
 use super::frame::FrameKind;
 use super::function;
 use super::value::Value;
-use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
+use crate::classes::cause::Alternatives;
 use crate::ir::ast::{Expr, ExprKind, Variability};
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
@@ -64,13 +68,14 @@ impl Evaluator<'_> {
                 }
                 let path = self.path(id);
                 let declared = self.declared_at(id);
-                let constant = self.instances[id].prefix.variability == Some(Variability::Constant);
-                let what = if constant { "constant" } else { "parameter" };
+                let kind = match self.instances[id].prefix.variability {
+                    Some(Variability::Constant) => Variability::Constant,
+                    _ => Variability::Parameter,
+                };
                 self.problems.push(
-                    Diagnostic::error("MO0214", span, format!("{what} `{path}` has no value"))
-                        .label("needed here before the model runs")
-                        .also(declared, "declared here")
-                        .help(format!("give it one: `{path} = ...`")),
+                    Diagnostic::new(ValueCause::NoValue { kind, path }, span)
+                        .label("needed here before simulation")
+                        .also(declared, "declared here"),
                 );
                 let _ = ty;
                 None
@@ -194,12 +199,8 @@ impl Evaluator<'_> {
             return Some(Some(Value::Scalar(self.graph.constant(literal))));
         }
         let names: Vec<&str> = ty.literals.iter().map(|l| l.as_str()).collect();
-        let message = format!("`{}` has no literal `{wanted}`", ty.name);
-        let help = match did_you_mean(&wanted, names.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("it has {}", crate::classes::error::listed(&names)),
-        };
-        self.problems.push(Diagnostic::error("MO0240", e.span, message).help(help));
+        let (enumeration, others) = (ty.name.to_string(), Alternatives::of(wanted, &names));
+        self.report(NameCause::UnknownLiteral { enumeration, name: wanted, others }, e.span);
         Some(None)
     }
 
@@ -231,13 +232,8 @@ impl Evaluator<'_> {
         let wanted = &extents[first..];
         let found = &value.dims()[..depth];
         if found.iter().zip(wanted).any(|(a, b)| a > b) {
-            let message = format!(
-                "this has size {found:?}, too many for the array of components of size {wanted:?} that it modifies"
-            );
-            self.problems.push(
-                Diagnostic::error("MO0215", span, message)
-                    .help("give one value for each element, or write `each` before the modification if all get the same"),
-            );
+            let (given, wanted) = (found.to_vec(), Some(wanted.to_vec()));
+            self.report(ArrayCause::ElementModifierSize { given, wanted }, span);
         }
     }
 
@@ -255,19 +251,8 @@ impl Evaluator<'_> {
         if let Some(part) = value.select(subscripts) {
             return Some(part);
         }
-        let dims = value.dims();
-        let d = if dims.is_empty() {
-            let message = "this is one value, and it modifies an array of components";
-            Diagnostic::error("MO0215", span, message)
-        } else {
-            let message = format!(
-                "this has size {dims:?}, too few for the array of components that it modifies"
-            );
-            Diagnostic::error("MO0215", span, message)
-        };
-        self.problems.push(d.help(
-            "write `each` before the modification if all get the same, else one value for each",
-        ));
+        let given = value.dims().to_vec();
+        self.report(ArrayCause::ElementModifierSize { given, wanted: None }, span);
         None
     }
 
@@ -287,8 +272,8 @@ impl Evaluator<'_> {
             let n: usize = dims.iter().product();
             return Some(Value::array(dims.to_vec(), vec![value; n]));
         }
-        let message = format!("sizes differ: {:?} is needed and this is {:?}", dims, value.dims());
-        self.error("MO0215", span, message);
+        let (declared, given) = (dims.to_vec(), value.dims().to_vec());
+        self.report(ArrayCause::BindingSize { variable: None, declared, given }, span);
         None
     }
 

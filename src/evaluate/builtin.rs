@@ -2,6 +2,10 @@
 //! specification).
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::builtin::BuiltinCause;
+use super::cause::name::NameCause;
+use super::cause::types::{TypeCause, Underived};
 use super::reference::Selection;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
@@ -9,6 +13,7 @@ use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::lookup::Found;
+use crate::classes::unsupported::Construct;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
 use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
@@ -61,10 +66,10 @@ const OTHERS: [&str; 42] = [
 ];
 
 /// Operators of the language that are not supported, with the chapter they belong to.
-const LATER: &[(&str, &[&str])] = &[
-    ("`stream` connectors", &["inStream", "actualStream"]),
+const LATER: &[(Construct, &[&str])] = &[
+    (Construct::Streams, &["inStream", "actualStream"]),
     (
-        "clocks",
+        Construct::Clocks,
         &[
             "Clock",
             "previous",
@@ -79,7 +84,7 @@ const LATER: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "state machines",
+        Construct::StateMachines,
         &["transition", "initialState", "activeState", "ticksInState", "timeInState"],
     ),
 ];
@@ -187,12 +192,7 @@ impl Evaluator<'_> {
         if matches!(self.instances[holder].kind, InstanceKind::Array { .. })
             || !function.parts[0].subscripts.is_empty()
         {
-            let message = format!("`{}` is an array: its functions cannot be called", first.name);
-            self.problems.push(
-                Diagnostic::error("MO0202", function.span, message)
-                    .help("name the class of the component instead: `Class.function(...)`")
-                    .note("section 5.3.2 of the specification"),
-            );
+            self.report(NameCause::FunctionOfArray { name: first.name }, function.span);
         }
         let mut class = self.instances[holder].class?;
         let mut operator = None;
@@ -208,12 +208,8 @@ impl Evaluator<'_> {
             }
         }
         if let Some(operator) = operator.filter(|_| self.is_operator_of_record(holder)) {
-            let message = format!("operator {} is called by way of a component", operator.name);
-            self.problems.push(
-                Diagnostic::error("MO0202", operator.span, message)
-                    .help("write the operator between its operands, or name the class")
-                    .note("section 5.3.2 of the specification"),
-            );
+            let cause = NameCause::OperatorThroughComponent { operator: operator.name };
+            self.report(cause, operator.span);
         }
         matches!(self.kind(class), ClassKind::Function { .. }).then_some(class)
     }
@@ -240,22 +236,17 @@ impl Evaluator<'_> {
     fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
         let name = path.to_string();
         if path.parts.len() > 1 && path.parts[0].name == "Connections" {
-            return self.unsupported(path.span, "over-constrained connection graphs");
+            return self.unsupported(path.span, Construct::OverconstrainedConnections);
         }
         if let Some((what, _)) = LATER.iter().find(|(_, names)| names.contains(&&*name)) {
-            return self.unsupported(path.span, what);
+            return self.unsupported(path.span, *what);
         }
         let of_table = Unary::TABLE.iter().flat_map(|op| op.called_names());
         let of_table = of_table.chain(Binary::TABLE.iter().flat_map(|op| op.called_names()));
         let known = of_table.copied().chain(OTHERS);
-        let mut d =
-            Diagnostic::error("MO0202", path.span, format!("there is no function `{path}`"))
-                .label("not found");
-        d = match did_you_mean(&path.to_string(), known) {
-            Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help("define it, or name the folder of its library with `--lib DIR`"),
-        };
-        self.problems.push(d);
+        let near = did_you_mean(&name, known).map(str::to_string);
+        let cause = NameCause::UnknownFunction { path: name, near };
+        self.problems.push(Diagnostic::new(cause, path.span).label("not found"));
     }
 
     /// `None` if the name is not a built-in function.
@@ -309,19 +300,11 @@ impl Evaluator<'_> {
                 self.array_call(name.as_str(), args, span, scope)
             }
             "reinit" => {
-                self.problems.push(
-                    Diagnostic::error("MO0219", span, "`reinit` stands outside of a when-equation")
-                        .help("write it in a `when` of an `equation` section")
-                        .note("section 8.3.6 of the specification"),
-                );
+                self.report(BuiltinCause::ReinitOutsideWhen, span);
                 None
             }
             "assert" | "terminate" => {
-                self.error(
-                    "MO0219",
-                    span,
-                    format!("`{name}` is an equation or statement, and has no value"),
-                );
+                self.report(BuiltinCause::CallWithoutValue { name }, span);
                 None
             }
             _ => return None,
@@ -329,15 +312,11 @@ impl Evaluator<'_> {
         Some(result)
     }
 
-    pub(super) fn wrong_arguments(&mut self, span: Span, wanted: &str) {
-        self.error("MO0219", span, format!("wrong number of arguments: {wanted} needed"));
-    }
-
     fn one(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         match args {
             [a] => self.evaluate(a, scope),
             _ => {
-                self.wrong_arguments(span, "one is");
+                self.wrong_arguments(span, "one argument");
                 None
             }
         }
@@ -349,7 +328,7 @@ impl Evaluator<'_> {
             [_] => return self.clocked(span),
             [start, interval] => (start, interval),
             _ => {
-                self.wrong_arguments(span, "two are");
+                self.wrong_arguments(span, "two arguments");
                 return None;
             }
         };
@@ -363,7 +342,7 @@ impl Evaluator<'_> {
     }
 
     fn clocked(&mut self, span: Span) -> Option<Value> {
-        self.unsupported(span, "clocks");
+        self.unsupported(span, Construct::Clocks);
         None
     }
 
@@ -383,7 +362,7 @@ impl Evaluator<'_> {
         scope: Scope,
     ) -> Option<Value> {
         let [a, b] = args else {
-            self.wrong_arguments(span, "two are");
+            self.wrong_arguments(span, "two arguments");
             return None;
         };
         let (a, b) = (self.evaluate(a, scope)?, self.evaluate(b, scope)?);
@@ -397,22 +376,17 @@ impl Evaluator<'_> {
             let e = v.scalar()?;
             if self.graph.ty(e) != Type::Real {
                 let given = crate::symbolic::print::type_name(&self.graph, self.graph.ty(e));
-                let message = format!("`der` of an expression of type {given}");
+                let cause = TypeCause::NotDifferentiable { what: Underived::Type(given) };
                 self.problems.push(
-                    Diagnostic::error("MO0212", span, message)
-                        .label("only Real expressions have derivatives")
-                        .help("write `der` of a Real variable (section 3.7.4)"),
+                    Diagnostic::new(cause, span).label("only Real expressions have derivatives"),
                 );
                 return None;
             }
             if matches!(self.graph.node(e), Node::Var(_))
                 && self.variability(e) == crate::ir::ast::Variability::Discrete
             {
-                self.problems.push(
-                    Diagnostic::error("MO0212", span, "`der` of a discrete variable")
-                        .label("changes at events only")
-                        .help("leave `discrete` out where it is declared, or write 0"),
-                );
+                let cause = TypeCause::NotDifferentiable { what: Underived::Discrete };
+                self.problems.push(Diagnostic::new(cause, span).label("changes at events only"));
                 return None;
             }
             if let Node::Var(x) = self.graph.node(e)
@@ -422,16 +396,7 @@ impl Evaluator<'_> {
             }
             let nodes = self.graph.postorder([e]);
             if nodes.into_iter().any(|n| matches!(self.graph.node(n), Node::Der(_))) {
-                self.problems.push(
-                    Diagnostic::error(
-                        "MO0200",
-                        span,
-                        "not supported yet: the derivative of a derivative",
-                    )
-                    .help(
-                        "give the first derivative a name, as in `v = der(x)`, and write `der(v)`",
-                    ),
-                );
+                self.unsupported(span, Construct::SecondDerivative);
                 return None;
             }
             let continuous: Vec<VarId> = self
@@ -482,7 +447,8 @@ impl Evaluator<'_> {
                 Some(self.graph.if_then_else(c, a, b))
             }
             _ => {
-                self.error("MO0219", span, "the argument must be a variable");
+                let function = self.called_name(span);
+                self.report(BuiltinCause::ArgumentNotVariable { function }, span);
                 None
             }
         }
@@ -490,7 +456,7 @@ impl Evaluator<'_> {
 
     fn smooth_call(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let [order, e] = args else {
-            self.wrong_arguments(span, "two are");
+            self.wrong_arguments(span, "two arguments");
             return None;
         };
         let order = self.fold_size(order, scope)? as u32;
@@ -507,7 +473,7 @@ impl Evaluator<'_> {
     ) -> Option<Value> {
         let find = |k: usize, name: &str| argument(args, named, k, name);
         let (Some(actual), Some(simplified)) = (find(0, "actual"), find(1, "simplified")) else {
-            self.wrong_arguments(span, "two are");
+            self.wrong_arguments(span, "two arguments");
             return None;
         };
         let values = [actual, simplified].map(|e| self.evaluate(e, scope));
@@ -526,7 +492,7 @@ impl Evaluator<'_> {
         let (dims, count) = shape
             .map_or_else(Default::default, |shape| (shape.dims().to_vec(), shape.elements().len()));
         if values.iter().any(|v| !v.dims().is_empty() && v.dims() != dims) {
-            self.error("MO0215", span, "arrays of different sizes in one vectorised call");
+            self.report(ArrayCause::VectorizedSizes, span);
             return None;
         }
         let scalars = |k: usize| {
@@ -545,10 +511,10 @@ impl Evaluator<'_> {
         Some(Value::array(dims, elements))
     }
 
-    /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.2.3).
+    /// `cardinality(c)`: in how many connections the connector is, from inside and outside (section 3.7.4.3).
     fn cardinality(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let [Expr { kind: ExprKind::Ref(r), .. }] = args else {
-            self.error("MO0219", span, "`cardinality` takes one connector");
+            self.wrong_arguments(span, "one connector");
             return None;
         };
         let n = match self.select(r, scope)? {
@@ -558,32 +524,25 @@ impl Evaluator<'_> {
                 }
                 let kind = self.instances[id].class.map(|c| self.kind(c));
                 if !matches!(kind, Some(ClassKind::Connector | ClassKind::ExpandableConnector)) {
-                    let message = "`cardinality` of something that is no connector";
-                    self.problems.push(
-                        Diagnostic::error("MO0219", r.span, message)
-                            .help("only connectors can be connected (section 3.7.4.3)"),
-                    );
+                    self.report(BuiltinCause::CardinalityOfOther, r.span);
                     return None;
                 }
                 let Some(counts) = &self.builtins.cardinality else {
-                    self.unsupported(
-                        span,
-                        "`cardinality` outside of equations and values of variables",
-                    );
+                    self.unsupported(span, Construct::CardinalityOutsideEquations);
                     return None;
                 };
                 counts.get(&id).copied().unwrap_or(0)
             }
             Selection::Absent => 0,
             Selection::Element(..) | Selection::Many(..) | Selection::Dynamic(..) => {
-                self.unsupported(span, "`cardinality` of an array");
+                self.unsupported(span, Construct::ArrayCardinality);
                 return None;
             }
         };
         Some(Value::Scalar(self.graph.integer(n as i64)))
     }
 
-    /// `getInstanceName()`: the simple name of the model, and the component in hand (section 3.7.4.4).
+    /// `getInstanceName()`: the simple name of the model, and the component in hand (section 3.7.4.6).
     fn instance_name(&mut self, scope: Scope) -> Option<Value> {
         let mut top = scope.instance;
         while let Some(around) = self.instances[top].parent {
@@ -603,7 +562,7 @@ impl Evaluator<'_> {
     /// `semiLinear(x, p, n) = if x >= 0 then p*x else n*x` (section 3.7.4).
     fn semi_linear(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let [x, p, n] = args else {
-            self.wrong_arguments(span, "three are");
+            self.wrong_arguments(span, "three arguments");
             return None;
         };
         let values = [x, p, n].map(|e| self.evaluate(e, scope));

@@ -2,9 +2,11 @@
 //! the specification).
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::builtin::BuiltinCause;
+use super::cause::types::Expected;
 use super::implicit_ranges::Body;
 use super::value::Value;
-use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::{self, ComponentRef, Expr};
 use crate::ir::expr::{Binary, Const, ExprId, Type};
@@ -21,8 +23,8 @@ impl Evaluator<'_> {
         };
         let inner = first.dims().to_vec();
         if let Some(other) = parts.iter().find(|p| p.dims() != inner) {
-            let message = format!("entries have sizes {inner:?} and {:?}", other.dims());
-            self.error("MO0215", span, message);
+            let other = other.dims().to_vec();
+            self.report(ArrayCause::EntrySizes { first: inner, other }, span);
             return None;
         }
         let mut dims = vec![parts.len()];
@@ -69,7 +71,8 @@ impl Evaluator<'_> {
             d.len() == first.len() && (0..d.len()).all(|i| i + 1 == k || d[i] == first[i])
         };
         if k == 0 || k > first.len() || !parts.iter().all(|p| fits(p.dims())) {
-            self.error("MO0215", span, "these arrays do not fit together");
+            let sizes = parts.iter().map(|p| p.dims().to_vec()).collect();
+            self.report(ArrayCause::ConcatenatedSizes { sizes }, span);
             return None;
         }
         let outer: usize = first[..k - 1].iter().product();
@@ -131,12 +134,14 @@ impl Evaluator<'_> {
                     self.check_count(&[n], span)?;
                     (0..n).map(|i| Value::Scalar(self.graph.real(a + i as f64 * s))).collect()
                 }
+                (Some(_), Some(_), Some(_)) => {
+                    self.report(ArrayCause::ZeroStep, span);
+                    return None;
+                }
                 _ => {
-                    self.error(
-                        "MO0212",
-                        span,
-                        "a range runs between numbers with a step other than zero",
-                    );
+                    let other = [a, step, b].into_iter().find(|c| c.number().is_none())?;
+                    let other = Value::Scalar(self.graph.constant(other));
+                    self.report_type(Expected::RangeBound, &other, span);
                     return None;
                 }
             },
@@ -189,14 +194,9 @@ impl Evaluator<'_> {
             Some("array") => Some(all),
             Some(name @ ("sum" | "product" | "min" | "max")) => self.reduce(name, &all, span),
             _ => {
-                self.problems.push(
-                    Diagnostic::error(
-                        "MO0219",
-                        function.span,
-                        "this function cannot run over iterators",
-                    )
-                    .help("`sum`, `product`, `min`, `max` and `array` can"),
-                );
+                let function_name = self.sources.text(function.span).unwrap_or_default();
+                let cause = BuiltinCause::NotAReduction { function: function_name.to_string() };
+                self.report(cause, function.span);
                 None
             }
         }

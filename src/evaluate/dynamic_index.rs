@@ -5,10 +5,12 @@
 use std::sync::Arc;
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
 use super::reference::Selection;
 use super::subscript::Selector;
 use super::value::Value;
 use crate::base::source::Span;
+use crate::classes::unsupported::Construct;
 use crate::external::array_access::ArrayAccess;
 use crate::ir::ast::ComponentRef;
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary, VarId};
@@ -29,7 +31,7 @@ impl Evaluator<'_> {
     pub(crate) fn select(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
         let selection = self.select_target(r, scope)?;
         if selection.is_dynamic() {
-            self.unsupported(r.span, "components chosen while the model runs");
+            self.unsupported(r.span, Construct::DynamicComponents);
             return None;
         }
         Some(selection)
@@ -59,9 +61,8 @@ impl Evaluator<'_> {
         let text = |at: Span| self.sources.text(at).unwrap_or("?");
         let (subscript, array) = (text(span), text(array));
         if size == 0 && !self.is_unreached() {
-            let message =
-                format!("`{subscript}` is a subscript of `{array}`, which has no elements there");
-            self.error("MO0216", span, message);
+            let (subscript, array) = (subscript.to_string(), Some(array.to_string()));
+            self.report(ArrayCause::OutOfBounds { subscript, size, array }, span);
             return None;
         }
         let message = format!("subscript `{subscript}` of `{array}` is outside 1 to {size}");
@@ -182,7 +183,7 @@ impl Evaluator<'_> {
     }
 
     pub(crate) fn report_count(&mut self, values: usize, targets: usize, span: Span) {
-        self.error("MO0215", span, format!("{values} values are assigned to {targets}"));
+        self.report(ArrayCause::AssignedCount { values, targets }, span);
     }
 
     fn assign_variable(

@@ -1,9 +1,16 @@
 //! Diagnostics of expressions.
 
 use super::Evaluator;
+use super::cause::array::{ArrayCause, Pair};
+use super::cause::call::{CallCause, Takes};
+use super::cause::name::NameCause;
+use super::cause::types::{Expected, TypeCause};
+use super::value::Value;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::classes::cause::{Alternatives, ClassCause, Holder};
+use crate::ir::ast::Ident;
 use crate::ir::instance::Scope;
 
 impl Evaluator<'_> {
@@ -26,12 +33,54 @@ impl Evaluator<'_> {
         let table = self.table_of(scope.instance);
         names.extend(table.entries.iter().map(|e| e.name.name.to_string()));
         names.push("time".into());
-        let mut d = Diagnostic::error("MO0202", span, format!("`{wanted}` is not declared"))
-            .label("not found");
-        d = match did_you_mean(&wanted, names.iter().map(String::as_str)) {
-            Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help("declare it in this class, or check the spelling"),
+        let near = did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_string);
+        let cause = NameCause::UnknownName { name: wanted, near };
+        self.problems.push(Diagnostic::new(cause, span).label("not found"));
+    }
+
+    /// `record.part` where the record has no such field.
+    pub(super) fn report_unknown_field(&mut self, record: Name, value: &Value, part: Ident) {
+        let names: Vec<&str> = match value {
+            Value::Record(record) => record.fields.iter().map(|(n, _)| n.as_str()).collect(),
+            _ => Vec::new(),
         };
-        self.problems.push(d);
+        let others = Alternatives::of(part.name, &names);
+        let holder = Holder::Named(record.to_string());
+        self.report(ClassCause::UnknownElement { holder, name: part.name, others }, part.span);
+    }
+
+    /// A value that is not of the expected type.
+    pub(crate) fn report_type(&mut self, expected: Expected, value: &Value, span: Span) {
+        let found = self.described(value);
+        self.report(TypeCause::WrongType { expected, found }, span);
+    }
+
+    /// The type of a value in words.
+    pub(crate) fn described(&self, value: &Value) -> String {
+        match value {
+            Value::Scalar(e) => crate::symbolic::print::type_name(&self.graph, self.graph.ty(*e)),
+            Value::Array(a) => format!("an array of size {:?}", a.dims),
+            Value::Record(_) => "a record".to_string(),
+            Value::Tuple(_) => "a list of values".to_string(),
+            Value::Function(_) => "a function".to_string(),
+        }
+    }
+
+    /// Two values whose sizes must be equal and are not.
+    pub(crate) fn report_sizes(&mut self, of: Pair, left: &Value, right: &Value, span: Span) {
+        let (left, right) = (left.dims().to_vec(), right.dims().to_vec());
+        self.report(ArrayCause::SizesDiffer { of, left, right }, span);
+    }
+
+    /// The wrong number of arguments of a built-in function, whose call is at `span`.
+    pub(super) fn wrong_arguments(&mut self, span: Span, takes: &'static str) {
+        let function = self.called_name(span);
+        self.report(CallCause::WrongArguments { function, takes: Takes::These(takes) }, span);
+    }
+
+    /// The name before the arguments of the call at `span`.
+    pub(super) fn called_name(&self, span: Span) -> String {
+        let call = self.sources.text(span).unwrap_or_default();
+        call.split('(').next().unwrap_or_default().trim().to_string()
     }
 }

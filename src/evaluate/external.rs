@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Evaluator;
+use super::cause::call::CallCause;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
@@ -105,20 +106,17 @@ impl Evaluator<'_> {
                 match why {
                     Refusal::Reported => {}
                     Refusal::Wrong(why) => {
+                        let cause = CallCause::ExternalFailed { function: called.to_string(), why };
                         self.problems.push(
-                            Diagnostic::error("MO0290", span, format!("`{called}`: {why}"))
+                            Diagnostic::new(cause, span)
                                 .also(external.span, "declared external here"),
                         );
                     }
                     Refusal::Unknown => {
+                        let cause = CallCause::UnknownExternal { function: called.to_string() };
                         self.problems.push(
-                            Diagnostic::error(
-                                "MO0222",
-                                span,
-                                format!("the external function `{called}` is not known to mocc"),
-                            )
-                            .also(external.span, "declared external here")
-                            .help("write the function in Modelica"),
+                            Diagnostic::new(cause, span)
+                                .also(external.span, "declared external here"),
                         );
                     }
                 }
@@ -205,10 +203,7 @@ impl Evaluator<'_> {
             }
             ("ModelicaStreams_closeFile", _) => return Ok(Vec::new()),
             ("ModelicaIO_writeRealMatrix", _) => {
-                self.problems.push(
-                    Diagnostic::warning("MO0291", span, "a model writes no files")
-                        .help("the results of a run are written with `--output`"),
-                );
+                self.report(CallCause::FileNotWritten, span);
                 return Ok(vec![Value::Scalar(self.graph.boolean(false))]);
             }
             _ => {}
@@ -269,13 +264,13 @@ impl Evaluator<'_> {
         let e = handle.and_then(Value::scalar).ok_or(Refusal::Unknown)?;
         let text = match self.structural_value(e) {
             Some(Const::String(text)) => text,
-            // Why it has none was said.
+            // The reason has been reported.
             _ if self.problems.has_errors() => return Err(Refusal::Reported),
             _ => return Err(Refusal::Wrong("the external object has no value".into())),
         };
         let number = text.strip_prefix(MARK).and_then(|n| n.parse::<usize>().ok());
         let object = number.and_then(|n| self.objects.get(n.checked_sub(1)?));
-        object.cloned().ok_or_else(|| Refusal::Wrong("this is no external object".into()))
+        object.cloned().ok_or_else(|| Refusal::Wrong("this is not an external object".into()))
     }
 
     fn table_function(
@@ -395,7 +390,7 @@ impl Evaluator<'_> {
             Some(Const::Integer(k)) => {
                 Err(Refusal::Wrong(format!("column {k} is outside 1 to {}", all.len())))
             }
-            _ => Err(Refusal::Wrong("the column must be known before the model runs".into())),
+            _ => Err(Refusal::Wrong("the column must be known before simulation".into())),
         }
     }
 
@@ -526,7 +521,7 @@ impl Evaluator<'_> {
         let mut known = Vec::with_capacity(scalars.len());
         for e in scalars {
             known.push(self.parameter_expression(e, true).ok_or_else(|| {
-                Refusal::Wrong("its arguments must be known before the model runs".into())
+                Refusal::Wrong("its arguments must be known before simulation".into())
             })?);
         }
         Ok(known)

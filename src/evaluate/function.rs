@@ -5,12 +5,15 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::call::{CallCause, Takes};
 use super::frame::FrameKind;
 use super::value::{Record, Value};
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::classes::cause::Alternatives;
 use crate::ir::ast::{
     ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Subscript, Variability,
 };
@@ -40,9 +43,8 @@ impl Evaluator<'_> {
                 match self.member_class(class, constructor, holder) {
                     Some(f) => self.call_function(f, args, named, span),
                     None => {
-                        let full_name = self.classes[class].full_name;
-                        let message = format!("`{full_name}` has no constructor");
-                        self.error("MO0219", span, message);
+                        let class = self.classes[class].full_name;
+                        self.report(CallCause::NoConstructor { class }, span);
                         None
                     }
                 }
@@ -56,8 +58,8 @@ impl Evaluator<'_> {
                 self.construct(class, args, named, span)
             }
             _ => {
-                let full_name = self.classes[class].full_name;
-                self.error("MO0219", span, format!("`{full_name}` is no function"));
+                let class = self.classes[class].full_name;
+                self.report(CallCause::NotAFunction { class }, span);
                 None
             }
         }
@@ -87,10 +89,8 @@ impl Evaluator<'_> {
         let full_name = self.classes[class].full_name;
         if let Some(partial) = self.partial_definition(class) {
             self.problems.push(
-                Diagnostic::error("MO0208", span, format!("function `{full_name}` is partial"))
-                    .also(partial.name.span, "declared `partial` here")
-                    .help("call a function that extends it")
-                    .note("section 12.2 of the specification"),
+                Diagnostic::new(CallCause::PartialFunction { function: full_name }, span)
+                    .also(partial.name.span, "declared `partial` here"),
             );
             return None;
         }
@@ -182,12 +182,9 @@ impl Evaluator<'_> {
         span: Span,
     ) -> Option<Vec<Option<Value>>> {
         if args.len() > inputs.len() {
-            let message = format!(
-                "`{full_name}` takes {} arguments, and there are {}",
-                inputs.len(),
-                args.len()
-            );
-            self.error("MO0219", span, message);
+            let takes = Takes::Count { inputs: inputs.len(), given: args.len() };
+            let function = full_name.to_string();
+            self.report(CallCause::WrongArguments { function, takes }, span);
             return None;
         }
         let mut given: Vec<Option<Value>> = args.into_iter().map(Some).collect();
@@ -197,19 +194,15 @@ impl Evaluator<'_> {
             match at {
                 Some(k) if given[k].is_none() => given[k] = Some(value),
                 Some(_) => {
-                    let message = format!("argument `{}` is given twice", name.name);
-                    self.error("MO0219", name.span, message);
+                    self.report(CallCause::ArgumentTwice { name: name.name }, name.span);
                     return None;
                 }
                 None => {
                     let names: Vec<&str> =
                         inputs.iter().map(|(e, _)| e.name.name.as_str()).collect();
-                    let message = format!("`{full_name}` has no argument `{}`", name.name);
-                    let mut d = Diagnostic::error("MO0219", name.span, message);
-                    if !names.is_empty() {
-                        d = d.help(format!("it takes {}", crate::classes::error::listed(&names)));
-                    }
-                    self.problems.push(d);
+                    let others = Alternatives::all(&names);
+                    let (function, name, span) = (full_name, name.name, name.span);
+                    self.report(CallCause::UnknownArgument { function, name, others }, span);
                     return None;
                 }
             }
@@ -234,7 +227,7 @@ impl Evaluator<'_> {
             if value.dims().len() > formal {
                 let dims = value.dims()[..value.dims().len() - formal].to_vec();
                 if extra.as_ref().is_some_and(|e| *e != dims) {
-                    self.error("MO0215", span, "arrays of different sizes in one vectorised call");
+                    self.report(ArrayCause::VectorizedSizes, span);
                     return Some(None);
                 }
                 extra = Some(dims);
@@ -358,9 +351,8 @@ impl Evaluator<'_> {
                     Some(value) => value,
                     None => {
                         if self.causality(entry, declaration) == Some(Causality::Input) {
-                            let full_name = self.classes[class].full_name;
-                            let message = format!("argument `{name}` of `{full_name}` is missing");
-                            self.error("MO0219", span, message);
+                            let function = self.classes[class].full_name;
+                            self.report(CallCause::MissingArgument { function, name }, span);
                         }
                         return None;
                     }

@@ -4,6 +4,7 @@
 use std::rc::Rc;
 
 use super::Evaluator;
+use super::cause::call::{CallCause, Takes};
 use super::value::{Partial, Value};
 use crate::base::source::Span;
 use crate::ir::ast::{Causality, ClassKind, Expr, ExprKind, Ident, Path};
@@ -24,9 +25,9 @@ impl Evaluator<'_> {
             let value = self.argument(a, scope)?;
             // Arguments by position are those that are still open.
             let Some(input) = self.open_inputs(f).get(k).copied() else {
-                let full_name = self.classes[f.class].full_name;
-                let message = format!("`{full_name}` takes fewer arguments");
-                self.error("MO0219", span, message);
+                let function = self.classes[f.class].full_name.to_string();
+                let takes = Takes::Count { inputs: self.open_inputs(f).len(), given: args.len() };
+                self.report(CallCause::WrongArguments { function, takes }, span);
                 return None;
             };
             by_name.push((input, value));

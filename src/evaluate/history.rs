@@ -3,9 +3,10 @@
 
 use super::Evaluator;
 use super::builtin::argument;
+use super::cause::builtin::{BuiltinCause, WrongPoints};
+use super::cause::types::Expected;
 use super::random_draw::RandomDraw;
 use super::value::Value;
-use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, Ident, Variability};
 use crate::ir::expr::{Binary, Carried, Const, ExprId, Node, Type, Unary, VarId};
@@ -64,18 +65,14 @@ impl Evaluator<'_> {
     /// `delay(e, T)`: the value of `e` a time `T` ago; a bound on `T` may follow.
     pub(crate) fn delay(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let ([e, time] | [e, time, _]) = args else {
-            self.wrong_arguments(span, "an expression and a time are");
+            self.wrong_arguments(span, "an expression and a time");
             return None;
         };
         let place = time.span;
         let (value, time) = (self.evaluate(e, scope)?, self.evaluate_scalar(time, scope)?);
         let varies = self.variability(time) > Variability::Parameter;
         if args.len() == 2 && varies {
-            self.problems.push(
-                Diagnostic::error("MO0219", place, "this delay changes while the model runs")
-                    .help("give the longest delay as third argument: `delay(x, t, t_max)`")
-                    .note("section 3.7.4.1 of the specification"),
-            );
+            self.report(BuiltinCause::UnboundedDelay, place);
             return None;
         }
         let fixed = self.parameters.structural.len();
@@ -87,7 +84,7 @@ impl Evaluator<'_> {
             }
         }
         if known.is_some_and(|t| t < 0.0) {
-            self.error("MO0219", span, "a delay can not be negative");
+            self.report(BuiltinCause::NegativeDelay, span);
             return None;
         }
         let mut bound = None;
@@ -142,22 +139,17 @@ impl Evaluator<'_> {
     /// The bound on a delay is known before the model runs, and is a bound.
     fn longest_delay(&mut self, longest: &Expr, time: Option<f64>, scope: Scope) -> Option<ExprId> {
         let bound = self.evaluate_scalar(longest, scope)?;
-        let wrong = if self.variability(bound) > Variability::Parameter {
-            "the longest delay changes while the model runs".to_string()
-        } else {
-            match (time, self.graph.as_number(bound)) {
-                (Some(t), Some(most)) if t > most => {
-                    format!("a delay of {t} s is longer than the longest, {most} s")
-                }
-                _ => return Some(bound),
-            }
-        };
-        self.problems.push(
-            Diagnostic::error("MO0219", longest.span, wrong)
-                .help("give a parameter that no delay exceeds")
-                .note("section 3.7.4.1 of the specification"),
-        );
-        None
+        if self.variability(bound) > Variability::Parameter {
+            self.report(BuiltinCause::VaryingDelayBound, longest.span);
+            return None;
+        }
+        if let (Some(delay), Some(most)) = (time, self.graph.as_number(bound))
+            && delay > most
+        {
+            self.report(BuiltinCause::DelayTooLong { delay, longest: most }, longest.span);
+            return None;
+        }
+        Some(bound)
     }
 
     /// A delay that varies stays between zero and its bound.
@@ -194,7 +186,7 @@ impl Evaluator<'_> {
         let find = |k: usize, name: &str| argument(args, named, k, name);
         let needed = [find(0, "in0"), find(1, "in1"), find(2, "x"), find(3, "positiveVelocity")];
         let [Some(in0), Some(in1), Some(x), Some(forward)] = needed else {
-            self.wrong_arguments(span, "what enters at both ends, a place and a direction are");
+            self.wrong_arguments(span, "the inflows at both ends, a position and a direction");
             return None;
         };
         let position = x.span;
@@ -202,12 +194,12 @@ impl Evaluator<'_> {
         let (in0, in1, x, forward) = (in0?, in1?, x?, forward?);
         for (e, span) in [(in0, span), (in1, span), (x, position)] {
             if !matches!(self.graph.ty(e), Type::Real | Type::Integer) {
-                self.error("MO0212", span, "`spatialDistribution` carries numbers");
+                self.report_type(Expected::Number, &Value::Scalar(e), span);
                 return None;
             }
         }
         if self.graph.ty(forward) != Type::Boolean {
-            self.error("MO0212", span, "`positiveVelocity` is no truth value");
+            self.report_type(Expected::Boolean, &Value::Scalar(forward), span);
             return None;
         }
         let points = self.points(find(4, "initialPoints"), [0.0, 1.0], scope)?;
@@ -217,11 +209,7 @@ impl Evaluator<'_> {
             return Some(Value::Tuple([Value::Scalar(in0), Value::Scalar(in1)].into()));
         }
         if self.variability(x) <= Variability::Parameter {
-            self.problems.push(
-                Diagnostic::error("MO0219", position, "this place never changes")
-                    .help("give the integral of the velocity, `der(x) = v`")
-                    .note("section 3.7.4.2 of the specification"),
-            );
+            self.report(BuiltinCause::FixedPosition, position);
             return None;
         }
         let one = self.graph.real(1.0);
@@ -253,7 +241,7 @@ impl Evaluator<'_> {
         };
         let value = self.evaluate(given, scope)?;
         if value.dims().len() != 1 {
-            self.error("MO0215", given.span, "a vector is needed here");
+            self.report_type(Expected::Vector, &value, given.span);
             return None;
         }
         value.elements().iter().map(Value::scalar).collect()
@@ -262,22 +250,18 @@ impl Evaluator<'_> {
     /// The points rise from 0 to 1, and each has a value.
     fn check_points(&mut self, points: &[ExprId], values: &[ExprId], span: Span) -> Option<()> {
         let known: Option<Vec<f64>> = points.iter().map(|p| self.graph.as_number(*p)).collect();
-        let wrong = if points.len() != values.len() {
-            format!("{} points with {} values", points.len(), values.len())
+        let why = if points.len() != values.len() {
+            WrongPoints::Count { points: points.len(), values: values.len() }
         } else if points.len() < 2 {
-            "two points at least are needed, 0 and 1".to_string()
+            WrongPoints::TooFew
         } else if known.is_some_and(|p| {
             p[0] != 0.0 || p[p.len() - 1] != 1.0 || p.windows(2).any(|w| w[0] > w[1])
         }) {
-            "the points do not rise from 0 to 1".to_string()
+            WrongPoints::NotRising
         } else {
             return Some(());
         };
-        self.problems.push(
-            Diagnostic::error("MO0219", span, wrong)
-                .help("give as many values as points, from 0 at one end to 1 at the other")
-                .note("section 3.7.4.2 of the specification"),
-        );
+        self.report(BuiltinCause::InitialPoints { why }, span);
         None
     }
 

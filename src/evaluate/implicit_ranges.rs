@@ -5,6 +5,7 @@
 //! or an enumeration is given the type itself, so that the iterator has its values.
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::name::{Name, name};
@@ -64,12 +65,11 @@ impl Evaluator<'_> {
             Body::Expression(e) => in_expression(e, &mut see),
         }
         let Some((array, k)) = used else {
-            let message = format!("nothing says what `{}` runs over", iterator.name);
+            let cause = ArrayCause::NoIterationRange { name: iterator.name };
             self.problems.push(
-                Diagnostic::error("MO0218", iterator.span, message)
+                Diagnostic::new(cause, iterator.span)
                     .label("without a range")
-                    .help("write `in` and a range, or use it as a subscript of an array")
-                    .note("the range is that of the dimension it is a subscript of (section 11.2.2.1)"),
+                    .note("the range is that of the dimension it is a subscript of"),
             );
             return None;
         };

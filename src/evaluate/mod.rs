@@ -11,6 +11,7 @@ mod array;
 pub(crate) mod assertion;
 mod binding;
 pub mod builtin;
+pub mod cause;
 mod collection;
 pub mod demand;
 mod dynamic_index;
@@ -46,9 +47,14 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
+use crate::classes::unsupported::Construct;
 use crate::ir::ast::{self, Expr, ExprKind};
 use crate::ir::expr::{Const, ExprId, VarId};
 use crate::ir::instance::{ClassId, InstanceId, Scope};
+use cause::array::ArrayCause;
+use cause::name::NameCause;
+use cause::types::Expected;
+use cause::value::ValueCause;
 use value::Value;
 
 /// Elements of the largest array.
@@ -203,7 +209,7 @@ impl Evaluator<'_> {
                     match item {
                         Some(item) => values.push(self.evaluate(item, scope)?),
                         None => {
-                            self.error("MO0211", e.span, "a value is missing in this list");
+                            self.report(ValueCause::MissingValue, e.span);
                             return None;
                         }
                     }
@@ -217,16 +223,16 @@ impl Evaluator<'_> {
             ExprKind::End => match self.ends.last().copied() {
                 Some(n) => Some(Value::Scalar(self.graph.integer(n as i64))),
                 None => {
-                    self.error("MO0211", e.span, "`end` stands only in subscripts");
+                    self.report(ArrayCause::EndOutsideSubscript, e.span);
                     None
                 }
             },
             ExprKind::PartialFunction { .. } => {
-                self.error("MO0212", e.span, "a function stands in calls of functions only");
+                self.report(NameCause::FunctionAsValue, e.span);
                 None
             }
             ExprKind::Break => {
-                self.unsupported(e.span, "`break` in modifications");
+                self.unsupported(e.span, Construct::Break);
                 None
             }
             ExprKind::Broken => None,
@@ -249,13 +255,7 @@ impl Evaluator<'_> {
         match value {
             Value::Scalar(s) => Some(s),
             other => {
-                let what = match other {
-                    Value::Record(_) => "a record".to_string(),
-                    Value::Function(_) => "a function".to_string(),
-                    other => format!("an array of size {:?}", other.dims()),
-                };
-                let message = format!("a scalar is needed here, and this is {what}");
-                self.error("MO0212", span, message);
+                self.report_type(Expected::Scalar, &other, span);
                 None
             }
         }
@@ -275,13 +275,8 @@ impl Evaluator<'_> {
         });
         if !known {
             self.problems.push(
-                Diagnostic::error(
-                    "MO0213",
-                    e.span,
-                    "this must be known before the model runs, and depends on what only a run knows",
-                )
-                .label("needed to fix the structure of the model")
-                .help("use parameters and constants with values only"),
+                Diagnostic::new(ValueCause::NotEvaluable { path: None }, e.span)
+                    .label("needed to fix the structure of the model"),
             );
             return None;
         }
@@ -294,7 +289,7 @@ impl Evaluator<'_> {
         match value.scalar().and_then(|s| self.graph.as_const(s)) {
             Some(Const::Boolean(b)) => Some(b),
             _ => {
-                self.report_not_boolean(&value, e.span);
+                self.report_type(Expected::Boolean, &value, e.span);
                 None
             }
         }
@@ -314,11 +309,11 @@ impl Evaluator<'_> {
                 Some(n as usize)
             }
             Some(Const::Integer(n)) => {
-                self.error("MO0207", e.span, format!("a size cannot be negative, and this is {n}"));
+                self.report(ArrayCause::NegativeSize { size: n }, e.span);
                 None
             }
             _ => {
-                self.error("MO0212", e.span, "a whole number is needed here");
+                self.report_type(Expected::Integer, &value, e.span);
                 None
             }
         }
@@ -331,11 +326,8 @@ impl Evaluator<'_> {
             return Some(());
         }
         let shown: Vec<String> = dims.iter().map(usize::to_string).collect();
-        let message = format!("{} elements are too many for one array", shown.join(" times "));
-        self.problems.push(
-            Diagnostic::error("MO0207", span, message)
-                .help(format!("use no more than {MAX_ELEMENTS}, or several arrays")),
-        );
+        let count = shown.join(" times ");
+        self.report(ArrayCause::TooManyElements { count, most: MAX_ELEMENTS }, span);
         None
     }
 
@@ -346,7 +338,7 @@ impl Evaluator<'_> {
         scope: Scope,
     ) -> Option<Vec<Value>> {
         let Some(range) = &iterator.range else {
-            self.unsupported(iterator.name.span, "iterators without a range");
+            self.unsupported(iterator.name.span, Construct::IteratorWithoutRange);
             return None;
         };
         if let ExprKind::Ref(r) = &range.kind
@@ -358,7 +350,7 @@ impl Evaluator<'_> {
         match &value {
             Value::Array(a) if a.dims.len() == 1 => Some(a.elements.clone()),
             _ => {
-                self.error("MO0212", range.span, "a vector is needed here to run over");
+                self.report_type(Expected::Vector, &value, range.span);
                 None
             }
         }

@@ -3,8 +3,9 @@
 use std::rc::Rc;
 
 use super::Evaluator;
+use super::cause::array::{ArrayCause, Pair};
+use super::cause::types::{Conversion, Expected, Pairing, TypeCause};
 use super::value::{Record, Value};
-use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::ast::{BinaryOp, Expr, UnaryOp};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
@@ -49,21 +50,13 @@ impl Evaluator<'_> {
             BinaryOp::ElementMul => self.elementwise(Binary::Mul, &a, &b, true, span),
             BinaryOp::Div | BinaryOp::ElementDiv => {
                 if op == BinaryOp::Div && !b.dims().is_empty() {
-                    self.error(
-                        "MO0215",
-                        span,
-                        "the divisor is an array; write `./` to divide element by element",
-                    );
+                    self.report(ArrayCause::ArrayDivisor, span);
                     return None;
                 }
                 self.elementwise(Binary::Div, &a, &b, true, span)
             }
             BinaryOp::Pow if a.dims().is_empty() && !b.dims().is_empty() => {
-                self.problems.push(
-                    Diagnostic::error("MO0215", span, "the exponent is an array")
-                        .help("write `.^` for the power of each element; after a number with a dot a space is needed: `2. .^x`")
-                        .note("section 10.6.7 of the specification"),
-                );
+                self.report(ArrayCause::ArrayExponent, span);
                 None
             }
             BinaryOp::Pow if !a.dims().is_empty() => self.matrix_power(&a, &b, span),
@@ -96,7 +89,9 @@ impl Evaluator<'_> {
             return self.overloaded(&operator, &[a.clone(), b.clone()], span);
         }
         let (Some(x), Some(y)) = (a.scalar(), b.scalar()) else {
-            self.error("MO0212", span, "only scalars can be compared");
+            let other = if a.scalar().is_none() { a } else { b };
+            let found = self.described(other);
+            self.report(TypeCause::ComparedArray { found }, span);
             return None;
         };
         let kind = |t: Type| match t {
@@ -105,7 +100,7 @@ impl Evaluator<'_> {
         };
         let (s, t) = (kind(self.graph.ty(x)), kind(self.graph.ty(y)));
         if s != t {
-            self.report_types(span, "compared", self.graph.ty(x), self.graph.ty(y));
+            self.report_types(span, Pairing::Compared, self.graph.ty(x), self.graph.ty(y));
             return None;
         }
         if s == Type::String && (self.changes_between_events(x) || self.changes_between_events(y)) {
@@ -115,54 +110,31 @@ impl Evaluator<'_> {
         Some(Value::Scalar(self.graph.binary(op, x, y)))
     }
 
-    pub(crate) fn report_types(&mut self, span: Span, what: &str, s: Type, t: Type) {
+    pub(crate) fn report_types(&mut self, span: Span, as_: Pairing, s: Type, t: Type) {
         let name = |t| crate::symbolic::print::type_name(&self.graph, t);
-        let message = format!("{} and {} cannot be {what}", name(s), name(t));
         let number = |t| matches!(t, Type::Real | Type::Integer);
-        let help = match (s, t) {
-            (Type::Boolean, t) | (t, Type::Boolean) if number(t) => {
-                "write `true` and `false` for truth values, a comparison such as `x > 0` for one made of numbers, and `if b then 1 else 0` for a number made of one"
-            }
+        let by = match (s, t) {
+            (Type::Boolean, t) | (t, Type::Boolean) if number(t) => Conversion::BooleanAndNumber,
             (Type::Enumeration(_), t) | (t, Type::Enumeration(_)) if number(t) => {
-                "write a literal of the enumeration, as in `Kind.first`, or `Integer(e)` for its number"
+                Conversion::EnumerationAndNumber
             }
-            (Type::String, _) | (_, Type::String) => "write `String(x)` for the text of a value",
-            _ => "give both sides the same type",
+            (Type::String, _) | (_, Type::String) => Conversion::ToString,
+            _ => Conversion::None,
         };
-        self.problems.push(Diagnostic::error("MO0212", span, message).help(help));
-    }
-
-    /// Reports a value that is not a condition.
-    pub(crate) fn report_not_boolean(&mut self, v: &Value, span: Span) {
-        let given = match v {
-            Value::Scalar(e) => crate::symbolic::print::type_name(&self.graph, self.graph.ty(*e)),
-            Value::Array(a) => format!("an array of size {:?}", a.dims),
-            Value::Record(_) => "a record".to_string(),
-            Value::Tuple(_) => "a list of values".to_string(),
-            Value::Function(_) => "a function".to_string(),
-        };
-        let d = Diagnostic::error("MO0212", span, "a Boolean is needed here").label(given);
-        self.problems.push(match v {
-            Value::Array(_) => d.help("join the elements with `and` or `or`, or take one of them"),
-            _ => d.help("write a comparison, such as `x > 0`"),
-        });
+        let (left, right) = (name(s), name(t));
+        self.report(TypeCause::IncompatibleTypes { left, right, as_, by }, span);
     }
 
     /// The number of a scalar; strings are accepted for `+`.
     pub(super) fn number(&mut self, v: &Value, span: Span) -> Option<ExprId> {
         let Some(e) = v.scalar() else {
-            self.error("MO0212", span, "a number is needed here, and this is a record");
+            self.report_type(Expected::Number, v, span);
             return None;
         };
         match self.graph.ty(e) {
             Type::Real | Type::Integer => Some(e),
-            other => {
-                let name = crate::symbolic::print::type_name(&self.graph, other);
-                self.error(
-                    "MO0212",
-                    span,
-                    format!("a number is needed here, and this is of type {name}"),
-                );
+            _ => {
+                self.report_type(Expected::Number, v, span);
                 None
             }
         }
@@ -172,7 +144,7 @@ impl Evaluator<'_> {
         match v.scalar() {
             Some(e) if self.graph.ty(e) == Type::Boolean => Some(e),
             _ => {
-                self.report_not_boolean(v, span);
+                self.report_type(Expected::Boolean, v, span);
                 None
             }
         }
@@ -238,8 +210,7 @@ impl Evaluator<'_> {
         act: &mut impl FnMut(&mut Self, &Value, &Value) -> Option<Value>,
     ) -> Option<Value> {
         if a.dims() != b.dims() {
-            let message = format!("sizes differ: {:?} and {:?}", a.dims(), b.dims());
-            self.error("MO0215", span, message);
+            self.report_sizes(Pair::Operands, a, b, span);
             return None;
         }
         let elements: Option<Vec<Value>> =
@@ -257,8 +228,7 @@ impl Evaluator<'_> {
             ([k], [l, c]) if k == l => (1, *k, *c),
             ([r, k], [l, c]) if k == l => (*r, *k, *c),
             _ => {
-                let message = format!("arrays of sizes {m:?} and {n:?} cannot be multiplied");
-                self.error("MO0215", span, message);
+                self.report(ArrayCause::ProductSizes { left: m, right: n }, span);
                 return None;
             }
         };
@@ -326,11 +296,11 @@ impl Evaluator<'_> {
     fn matrix_power(&mut self, a: &Value, b: &Value, span: Span) -> Option<Value> {
         let exponent = b.scalar().and_then(|e| self.graph.as_const(e));
         let (Some(Const::Integer(k @ 0..)), [r, c]) = (exponent, a.dims()) else {
-            self.error("MO0215", span, "only square matrices have powers, with whole exponents; write `.^` for the power of each element");
+            self.report(ArrayCause::MatrixPower, span);
             return None;
         };
         if r != c {
-            self.error("MO0215", span, "only square matrices have powers");
+            self.report(ArrayCause::MatrixPower, span);
             return None;
         }
         let n = *r;
@@ -382,7 +352,7 @@ impl Evaluator<'_> {
                 let kind = |t| if t == Type::Integer { Type::Real } else { t };
                 let (s, t) = (self.graph.ty(*x), self.graph.ty(*y));
                 if kind(s) != kind(t) {
-                    self.report_types(span, "alternatives of one expression", s, t);
+                    self.report_types(span, Pairing::Alternatives, s, t);
                     return None;
                 }
                 Some(Value::Scalar(self.graph.if_then_else(c, *x, *y)))
@@ -407,9 +377,7 @@ impl Evaluator<'_> {
                 Some(Value::Tuple(all?.into()))
             }
             _ => {
-                let message =
-                    format!("the alternatives have sizes {:?} and {:?}", a.dims(), b.dims());
-                self.error("MO0215", span, message);
+                self.report_sizes(Pair::Alternatives, &a, &b, span);
                 None
             }
         }

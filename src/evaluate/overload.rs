@@ -5,8 +5,9 @@
 use std::sync::Arc;
 
 use super::Evaluator;
+use super::cause::call::CallCause;
+use super::cause::types::{Expected, TypeCause};
 use super::value::Value;
-use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::ir::ast::{Causality, ClassBody, ClassKind, Ident};
@@ -51,14 +52,16 @@ impl Evaluator<'_> {
                 return self.call_class(f, converted, Vec::new(), span);
             }
         }
-        let full_name = classes.first().map(|c| self.classes[*c].full_name);
-        let message = match full_name {
-            Some(full_name) => {
-                format!("`{full_name}` has no operator {operator} for these operands")
+        match classes.first().map(|c| self.classes[*c].full_name) {
+            Some(class) => {
+                let operator = operator.to_string();
+                self.report(TypeCause::UnknownOperator { class, operator }, span);
             }
-            None => "a number is needed here, and this is a record".to_string(),
-        };
-        self.error("MO0212", span, message);
+            None => {
+                let record = operands.iter().find(|v| matches!(v, Value::Record(_)));
+                self.report_type(Expected::Number, record.or(operands.first())?, span);
+            }
+        }
         None
     }
 
@@ -81,12 +84,8 @@ impl Evaluator<'_> {
         let fitting: Vec<ClassId> = functions.into_iter().filter(|f| fits(self, *f)).collect();
         let &first = fitting.first()?;
         if let Some(&other) = fitting[1..].iter().find(|f| self.takes_the_same(first, **f, args)) {
-            let [a, b] = [first, other].map(|f| self.classes[f].full_name);
-            self.problems.push(
-                Diagnostic::error("MO0219", span, format!("`{a}` and `{b}` both fit here"))
-                    .help("let the constructors differ in what they take")
-                    .note("section 14.3 of the specification"),
-            );
+            let [first, second] = [first, other].map(|f| self.classes[f].full_name);
+            self.report(CallCause::AmbiguousConstructor { first, second }, span);
             return Some(None);
         }
         Some(self.call_class(first, args.to_vec(), named.to_vec(), span))

@@ -4,10 +4,12 @@
 use std::rc::Rc;
 
 use super::Evaluator;
+use super::cause::call::CallCause;
 use super::value::Value;
-use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::classes::cause::Alternatives;
+use crate::classes::unsupported::Construct;
 use crate::ir::ast::{Causality, Ident};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::instance::{ClassId, Declaration, Entry};
@@ -50,7 +52,7 @@ impl Evaluator<'_> {
         let mut rewriter = Rewriter::new();
         let derivative = value.each_scalar(&mut |e| {
             if self.graph.ty(e) != Type::Real {
-                failed.get_or_insert("an output that is not Real");
+                failed.get_or_insert(Construct::DerivativeOfOtherType);
                 return e;
             }
             let mut derivative = e;
@@ -59,7 +61,7 @@ impl Evaluator<'_> {
                     continue;
                 };
                 if self.calls_on(derivative, symbol.variable) {
-                    failed.get_or_insert("a loop whose length only a run knows");
+                    failed.get_or_insert(Construct::DerivativeOfLoop);
                 }
                 let one = self.graph.real(1.0);
                 derivative = forward_derivative(&mut self.graph, derivative, |_, leaf| {
@@ -73,8 +75,8 @@ impl Evaluator<'_> {
                 _ => None,
             })
         });
-        if let Some(what) = failed {
-            self.unsupported(span, &format!("the derivative of a function with {what}"));
+        if let Some(construct) = failed {
+            self.unsupported(span, construct);
             return None;
         }
         Some(derivative)
@@ -93,27 +95,22 @@ impl Evaluator<'_> {
         let name = variable.name;
         let Some(at) = inputs.iter().position(|input| *input == name) else {
             let listed: Vec<&str> = inputs.iter().map(|n| n.as_str()).collect();
-            let message = format!("`{full_name}` is differentiated by `{name}`, which is no input");
-            let diagnostic = Diagnostic::error("MO0219", variable.span, message)
-                .help(format!("it has {}", crate::classes::error::listed(&listed)))
-                .note("section 12.7.2 of the specification");
-            self.problems.push(diagnostic);
+            let others = Alternatives::all(&listed);
+            let cause = CallCause::UnknownDerivativeInput { function: full_name, name, others };
+            self.report(cause, variable.span);
             return None;
         };
         let Some(value) = &given[at] else {
-            let message = format!(
-                "argument `{name}` of `{full_name}` is missing, by which the function is differentiated"
-            );
-            self.error("MO0219", span, message);
+            self.report(CallCause::MissingArgument { function: full_name, name }, span);
             return None;
         };
         let Some(argument) = value.scalar() else {
-            self.unsupported(span, "derivatives of functions by arrays and records");
+            self.unsupported(span, Construct::DerivativeByArray);
             return None;
         };
         if !matches!(self.graph.ty(argument), Type::Real | Type::Integer) {
-            let message = format!("`{full_name}` is differentiated by `{name}`, which is not Real");
-            self.error("MO0219", variable.span, message);
+            let cause = CallCause::DerivativeByOther { function: full_name, name };
+            self.report(cause, variable.span);
             return None;
         }
         self.loops.symbols += 1;

@@ -4,6 +4,7 @@
 use std::rc::Rc;
 
 use super::Evaluator;
+use super::cause::call::CallCause;
 use super::frame::FrameKind;
 use super::function::has_fixed_value;
 use super::value::{Record, Value};
@@ -112,9 +113,9 @@ impl Evaluator<'_> {
             Ok(built) => built,
             Err(k) => {
                 let name = components[k].0.name.name;
-                let message = format!("field `{name}` of `{full_name}` has no value");
                 if !self.problems.has_errors() {
-                    self.error("MO0219", span, message);
+                    let cause = CallCause::FieldWithoutValue { record: full_name, field: name };
+                    self.report(cause, span);
                 }
                 return None;
             }

@@ -12,6 +12,7 @@
 
 use super::algorithm::Exits;
 use super::assertion::Asserted;
+use super::cause::call::CallCause;
 use super::frame::FrameKind;
 use super::function::Components;
 use super::runtime_loop::symbol;
@@ -148,12 +149,10 @@ impl Evaluator<'_> {
             return true;
         }
         let full_name = self.classes[recurring].full_name;
-        let message = format!("`{full_name}` calls itself more than {MAX_DEPTH} deep");
-        let mut diagnostic = Diagnostic::error("MO0221", span, message)
-            .help("let parameters and constants decide how deep it goes, or write a loop");
+        let cause = CallCause::DeepRecursion { function: full_name, most: MAX_DEPTH };
+        let mut diagnostic = Diagnostic::new(cause, span);
         if let Some(why) = self.recursions.refused.get(&recurring) {
-            diagnostic =
-                diagnostic.note(format!("the run cannot decide how deep it goes, since {why}"));
+            diagnostic = diagnostic.note(format!("its depth cannot be decided at run time: {why}"));
         }
         self.problems.push(diagnostic);
         self.recursions.unwinding = Some(Unwinding::Out);
@@ -238,7 +237,7 @@ impl Evaluator<'_> {
         }
         self.recursions.unwinding = None;
         let why = new.iter().find(|d| d.severity == Severity::Error).map(|d| d.message.clone());
-        let why = why.unwrap_or_else(|| "what it computes depends on its depth".to_string());
+        let why = why.unwrap_or_else(|| "its results depend on its depth".to_string());
         self.recursions.refused.entry(class).or_insert(why);
         // It may end for a reason of its own.
         self.run_function(class, components, given.to_vec(), span)

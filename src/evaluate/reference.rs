@@ -3,6 +3,9 @@
 use std::rc::Rc;
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::name::NameCause;
+use super::cause::value::ValueCause;
 use super::demand::Demand;
 use super::mode::Mode;
 use super::subscript::Selector;
@@ -11,6 +14,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::classes::cause::{Alternatives, ClassCause, Holder, Varying};
 use crate::classes::lookup::Found;
 use crate::ir::ast::{ComponentRef, ExprKind, Ident, RefPart, Subscript, Variability};
 use crate::ir::expr::{Const, ExprId, Type};
@@ -55,11 +59,7 @@ impl Evaluator<'_> {
                 let mut value = self.subscripted(value, &first.subscripts, scope, r.span)?;
                 for part in &r.parts[1..] {
                     let Some(field) = value.field(part.name.name) else {
-                        self.error(
-                            "MO0202",
-                            part.name.span,
-                            format!("`{}` is no field of `{}`", part.name.name, first.name.name),
-                        );
+                        self.report_unknown_field(first.name.name, &value, part.name);
                         return None;
                     };
                     value = self.subscripted(field, &part.subscripts, scope, r.span)?;
@@ -83,7 +83,8 @@ impl Evaluator<'_> {
     pub(crate) fn select_target(&mut self, r: &ComponentRef, scope: Scope) -> Option<Selection> {
         match self.start_of(r, scope)? {
             Start::Literal(_) => {
-                self.error("MO0212", r.span, "a component is needed here");
+                let found = "a literal of an enumeration";
+                self.report(NameCause::NotAVariable { found }, r.span);
                 None
             }
             Start::Instance(id, used) => self.walk(id, &r.parts[used - 1..], true, scope, r.span),
@@ -132,12 +133,8 @@ impl Evaluator<'_> {
                 return self.literal(class, &part.name).map(Start::Literal);
             }
         }
-        let full_name = self.classes[class].full_name;
-        self.error(
-            "MO0212",
-            r.span,
-            format!("`{full_name}` is a class, and a value is needed here"),
-        );
+        let class = self.classes[class].full_name;
+        self.report(NameCause::ClassAsValue { class }, r.span);
         None
     }
 
@@ -154,13 +151,9 @@ impl Evaluator<'_> {
         if self.from_outside(part.span) {
             return;
         }
-        let message =
-            format!("`{}` stands in `{}`, which is partial", part.name, partial.name.name);
+        let cause = NameCause::ElementOfPartial { name: part.name, class: partial.name.name };
         self.problems.push(
-            Diagnostic::error("MO0208", part.span, message)
-                .also(partial.name.span, "declared `partial` here")
-                .help("name a package that extends it")
-                .note("section 5.3.2 of the specification"),
+            Diagnostic::new(cause, part.span).also(partial.name.span, "declared `partial` here"),
         );
     }
 
@@ -193,18 +186,11 @@ impl Evaluator<'_> {
         let Some(Type::Enumeration(id)) = table.scalar else {
             let names: Vec<String> =
                 table.entries.iter().map(|e| e.name.name.to_string()).collect();
-            let near =
-                crate::base::diag::did_you_mean(&part.name, names.iter().map(String::as_str));
-            let mut d = Diagnostic::error(
-                "MO0202",
-                part.span,
-                format!("there is no `{}` in `{full_name}`", part.name),
-            )
-            .label("not found");
-            if let Some(near) = near {
-                d = d.help(format!("did you mean `{near}`?"));
-            }
-            self.problems.push(d);
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let holder = Holder::Named(full_name.to_string());
+            let others = Alternatives::near(part.name, &names);
+            let cause = ClassCause::UnknownElement { holder, name: part.name, others };
+            self.problems.push(Diagnostic::new(cause, part.span).label("not found"));
             return None;
         };
         let literals = self.graph.enumerations[id].literals.clone();
@@ -212,17 +198,9 @@ impl Evaluator<'_> {
             return Some(self.graph.constant(Const::Enumeration(id, at as u32 + 1)));
         }
         let names: Vec<&str> = literals.iter().map(|l| l.as_str()).collect();
-        let mut d = Diagnostic::error(
-            "MO0202",
-            part.span,
-            format!("`{full_name}` has no literal `{}`", part.name),
-        )
-        .label("not found");
-        d = match crate::base::diag::did_you_mean(&part.name, names.iter().copied()) {
-            Some(near) => d.help(format!("did you mean `{near}`?")),
-            None => d.help(format!("it has {}", crate::classes::error::listed(&names))),
-        };
-        self.problems.push(d);
+        let (enumeration, others) = (full_name.to_string(), Alternatives::of(part.name, &names));
+        let cause = NameCause::UnknownLiteral { enumeration, name: part.name, others };
+        self.problems.push(Diagnostic::new(cause, part.span).label("not found"));
         None
     }
 
@@ -358,15 +336,11 @@ impl Evaluator<'_> {
             let Some(given) = given.map(|e| self.graph.ty(e)).filter(|t| *t != wanted) else {
                 continue;
             };
-            let kind = crate::symbolic::print::type_name(&self.graph, given);
-            let name = self.sources.text(dim.span).unwrap_or_default();
-            let message =
-                format!("`{name}` counts this dimension, and the subscript is of type {kind}");
+            let found = crate::symbolic::print::type_name(&self.graph, given);
+            let index = self.sources.text(dim.span).unwrap_or_default().to_string();
             self.problems.push(
-                Diagnostic::error("MO0216", e.span, message)
-                    .also(dim.span, "declared here")
-                    .help("write one of its values")
-                    .note("section 10.5.1 of the specification"),
+                Diagnostic::new(ArrayCause::SubscriptType { index, found }, e.span)
+                    .also(dim.span, "declared here"),
             );
         }
     }
@@ -375,8 +349,7 @@ impl Evaluator<'_> {
         if subscripts.is_empty() {
             return Some(());
         }
-        let message = format!("`{}` is no array", part.name.name);
-        self.error("MO0216", part.name.span, message);
+        self.report(ArrayCause::NotAnArray { name: part.name.name }, part.name.span);
         None
     }
 
@@ -433,12 +406,12 @@ impl Evaluator<'_> {
         }
     }
 
-    fn report_absent(&mut self, span: Span) {
+    pub(super) fn report_absent(&mut self, span: Span) {
         self.problems.push(
-            Diagnostic::error("MO0217", span, "this component is not there")
+            Diagnostic::new(NameCause::AbsentComponent, span)
                 .label("its condition is false, or nothing is connected to it")
-                .note("a conditional component may stand in `connect` only (section 4.4.5)")
-                .note("a variable of an expandable connector is there if a connection reaches it (section 9.1.3)"),
+                .note("a conditional component may occur in `connect` only")
+                .note("a variable of an expandable connector exists if a connection reaches it"),
         );
     }
 
@@ -503,7 +476,7 @@ impl Evaluator<'_> {
                 if let Some(constant) = self.mode.constant
                     && !self.mode.sizes
                 {
-                    self.report_variability(constant, span, "a parameter");
+                    self.report_variability(constant, span, Varying::Parameter);
                     return None;
                 }
                 // Sizes may depend on choices of parameters.
@@ -542,14 +515,9 @@ impl Evaluator<'_> {
             let path = self.path(id);
             let declared = self.declared_at(id);
             self.problems.push(
-                Diagnostic::error(
-                    "MO0213",
-                    span,
-                    format!("`{path}` is needed before the model runs, and is no parameter"),
-                )
-                .label("needed to fix the structure of the model")
-                .also(declared, "declared here")
-                .help("make it a parameter or a constant"),
+                Diagnostic::new(ValueCause::NotEvaluable { path: Some(path) }, span)
+                    .label("needed to fix the structure of the model")
+                    .also(declared, "declared here"),
             );
             return None;
         }
@@ -589,9 +557,8 @@ impl Evaluator<'_> {
         }
         let path = self.path(id);
         self.class_graph.problems.push(
-            Diagnostic::error("MO0218", span, format!("the value of `{path}` depends on itself"))
-                .also(self.declared_at(id), "declared here")
-                .help("break the circle of bindings"),
+            Diagnostic::new(ValueCause::ValueCycle { path }, span)
+                .also(self.declared_at(id), "declared here"),
         );
     }
 

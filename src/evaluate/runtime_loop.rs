@@ -11,6 +11,7 @@ use super::value::Value;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::Name;
 use crate::base::source::Span;
+use crate::classes::unsupported::Construct;
 use crate::ir::ast::{Expr, ExprKind, Iterator as Loop, Statement};
 use crate::ir::expr::{Binary, Const, ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
 use crate::ir::flat::{Assert, Function, LocalId, Statement as Step};
@@ -207,14 +208,11 @@ impl Evaluator<'_> {
         }
         iteration.next_values.extend(variables.iter().map(|v| self.assigned[v]));
         if iteration.next_values.len() != iteration.symbols.len() {
-            self.unsupported(span, "arrays that grow in a loop");
+            self.unsupported(span, Construct::GrowingArray);
             return None;
         }
         if !self.frames.in_function() && self.assigned.len() != variables.len() {
-            self.unsupported(
-                span,
-                "variables that are first assigned in a loop whose length only a run knows",
-            );
+            self.unsupported(span, Construct::FirstAssignmentInLoop);
             return None;
         }
         let (condition, returns) = self.until_left(condition, flow, left, &mut iteration);

@@ -1,10 +1,11 @@
 //! `String(...)`: conversion of values (section 3.7.2 of the specification).
 
 use super::Evaluator;
+use super::cause::builtin::BuiltinCause;
 use super::value::Value;
-use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
+use crate::classes::unsupported::Construct;
 use crate::ir::ast::{Expr, Ident};
 use crate::ir::expr::{Binary, Const, ExprId, Form, Type, Unary};
 use crate::ir::instance::Scope;
@@ -22,7 +23,7 @@ impl Evaluator<'_> {
         let mut operands = vec![value];
         operands.extend(self.evaluate_all(&args[1..], scope)?);
         if let Some((name, _)) = named.first() {
-            self.unsupported(name.span, "named arguments of `String` for an operator record");
+            self.unsupported(name.span, Construct::NamedStringArguments);
             return None;
         }
         self.overloaded("'String'", &operands, span)
@@ -37,7 +38,7 @@ impl Evaluator<'_> {
         scope: Scope,
     ) -> Option<Value> {
         let Some(first) = args.first() else {
-            self.wrong_arguments(span, "one is");
+            self.wrong_arguments(span, "one argument");
             return None;
         };
         let value = self.evaluate(first, scope)?;
@@ -58,11 +59,8 @@ impl Evaluator<'_> {
         let format = match given.get("format") {
             Some(Const::String(format)) => {
                 if crate::external::printf::formatted(0.0, format).is_none() {
-                    let message = format!("`{format}` is no format of a number");
-                    self.problems.push(
-                        Diagnostic::error("MO0219", span, message)
-                            .help("write it as in C without the %: \"8.3f\", \".6g\", \"12.4e\""),
-                    );
+                    let format = format.to_string();
+                    self.report(BuiltinCause::NumberFormat { format }, span);
                     return None;
                 }
                 Some(format.as_str())

@@ -2,6 +2,8 @@
 //! specification).
 
 use super::Evaluator;
+use super::cause::array::ArrayCause;
+use super::cause::types::Expected;
 use super::reference::{Selection, many};
 use super::value::{Value, offset};
 use crate::base::source::Span;
@@ -87,12 +89,8 @@ impl Evaluator<'_> {
         span: Span,
     ) -> Option<Vec<Selector>> {
         if subscripts.len() > dims.len() {
-            let message = format!(
-                "there are {} subscripts, and only {} dimensions",
-                subscripts.len(),
-                dims.len()
-            );
-            self.error("MO0216", span, message);
+            let (given, dimensions) = (subscripts.len(), dims.len());
+            self.report(ArrayCause::TooManySubscripts { given, dimensions }, span);
             return None;
         }
         let mut out = Vec::with_capacity(subscripts.len());
@@ -146,8 +144,9 @@ impl Evaluator<'_> {
             Const::Integer(i) => i,
             Const::Enumeration(_, k) => i64::from(k),
             Const::Boolean(b) => i64::from(b) + 1,
-            _ => {
-                self.error("MO0212", span, "a subscript is a whole number");
+            other => {
+                let other = Value::Scalar(self.graph.constant(other));
+                self.report_type(Expected::Subscript, &other, span);
                 return None;
             }
         };
@@ -156,8 +155,8 @@ impl Evaluator<'_> {
             if size > 0 && (self.is_unreached() || self.mode.sizes) {
                 return Some(1);
             }
-            let message = format!("subscript {i} is outside 1 to {size}");
-            self.error("MO0216", span, message);
+            let subscript = i.to_string();
+            self.report(ArrayCause::OutOfBounds { subscript, size, array: None }, span);
             return None;
         }
         Some(i as usize)

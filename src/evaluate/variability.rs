@@ -1,7 +1,7 @@
 //! How fast values change, and which are known before the model runs (section 3.8 of the specification).
 
 use super::Evaluator;
-use crate::base::diag::Diagnostic;
+use super::cause::types::TypeCause;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::ir::ast::Variability;
@@ -53,18 +53,8 @@ impl Evaluator<'_> {
 
     /// Reports a value that changes between events for a variable that does not.
     pub(crate) fn report_continuous(&mut self, ty: Type, span: Span) {
-        let name = crate::symbolic::print::type_name(&self.graph, ty);
-        let help = match ty {
-            Type::String => "put the text together in a when-clause",
-            _ => "write the relation where the function is called, or compute it in a when-clause",
-        };
-        let message =
-            format!("a value of type {name} changes at events only, and this changes between them");
-        self.problems.push(
-            Diagnostic::error("MO0247", span, message)
-                .help(help)
-                .note("section 3.8.3 of the specification"),
-        );
+        let of = crate::symbolic::print::type_name(&self.graph, ty);
+        self.report(TypeCause::ContinuousValue { of }, span);
     }
 
     pub(super) fn variable_variability(&self, v: VarId) -> Variability {

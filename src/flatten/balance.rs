@@ -5,6 +5,7 @@
 //! of potential and flow of its connectors: the flows of unconnected connectors are zero, and this
 //! equation represents the one that a connection would add.
 
+use super::cause::FlattenCause;
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::index::{FastMap, FastSet};
 use crate::evaluate::Evaluator;
@@ -29,24 +30,12 @@ impl EquationBalance {
         if unknowns == equations {
             return;
         }
-        let count = |n: usize, what: &str| match n {
-            1 => format!("1 {what}"),
-            n => format!("{n} {what}s"),
-        };
-        let message = format!(
-            "`{}` is not balanced: it has {} for {}",
-            flat.name,
-            count(equations, "equation"),
-            count(unknowns, "unknown"),
-        );
-        let help = match equations.checked_sub(unknowns) {
-            None => format!("add {}", count(unknowns - equations, "equation")),
-            Some(more) => format!("remove {}", count(more, "equation")),
-        };
+        let component = flat.name.to_string();
         problems.push(
-            Diagnostic::error("MO0234", flat.span, message)
-                .help(help)
-                .note("inputs are known from outside, and so is one of each potential and its flow (section 4.7)"),
+            Diagnostic::new(FlattenCause::Unbalanced { component, equations, unknowns }, flat.span)
+                .note(
+                    "inputs are known from outside, and so is one of each potential and its flow",
+                ),
         );
     }
 }

@@ -1,6 +1,7 @@
 //! Checks the values of parameters and constants against their `min` and `max` attributes without a
 //! simulation, for `mocc check` (Modelica 3.6, section 4.8).
 
+use super::cause::FlattenCause;
 use crate::base::diag::{Diagnostic, Problems};
 use crate::ir::ast::Variability;
 use crate::ir::expr::ExprId;
@@ -14,14 +15,12 @@ pub fn check(flat: &FlatModel, problems: &mut Problems) {
             continue;
         }
         let Some(value) = number(v.binding) else { continue };
-        let min = number(v.min).filter(|min| value < *min).map(|min| ("below", "min", min));
-        let max = number(v.max).filter(|max| value > *max).map(|max| ("above", "max", max));
-        if let Some((side, attribute, bound)) = min.or(max) {
-            let message = format!("`{}` is {value}, {side} its `{attribute}` of {bound}", v.name);
-            problems.push(
-                Diagnostic::warning("MO0273", v.span, message)
-                    .help("give it another value, or another bound"),
-            );
+        let min = number(v.min).filter(|min| value < *min).map(|min| (min, false));
+        let max = number(v.max).filter(|max| value > *max).map(|max| (max, true));
+        if let Some((bound, above)) = min.or(max) {
+            let name = v.name.to_string();
+            let cause = FlattenCause::OutsideBounds { name, value, bound, above };
+            problems.push(Diagnostic::new(cause, v.span));
         }
     }
 }

@@ -3,12 +3,18 @@
 
 use std::sync::Arc;
 
+use super::cause::{ConnectPlace, FlattenCause, WhenEquationPlace};
 use super::connect::Connections;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::classes::unsupported::Construct;
 use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::{Asserted, level_of};
 use crate::evaluate::builtin::argument;
+use crate::evaluate::cause::array::Pair;
+use crate::evaluate::cause::builtin::BuiltinCause;
+use crate::evaluate::cause::call::{CallCause, Takes};
+use crate::evaluate::cause::types::{Expected, Pairing, TypeCause};
 use crate::evaluate::implicit_ranges::Body;
 use crate::evaluate::random_draw::Place;
 use crate::evaluate::value::Value;
@@ -109,7 +115,8 @@ fn expand(
         }
         ast::EquationKind::When { branches } => {
             if target.initial {
-                cx.error("MO0231", e.span, "`when` cannot stand in an initial section");
+                let inside = WhenEquationPlace::Initial;
+                cx.report(FlattenCause::MisplacedWhen { inside }, e.span);
                 return None;
             }
             let branches = cx.in_when(|cx| super::when::branches(cx, branches, scope))?;
@@ -118,15 +125,8 @@ fn expand(
         }
         ast::EquationKind::Connect(a, b) => {
             if !cx.assertions.conditions.is_empty() {
-                cx.problems.push(
-                    Diagnostic::error(
-                        "MO0231",
-                        e.span,
-                        "`connect` under a condition that changes while the model runs",
-                    )
-                    .help("decide it by parameters, or switch by equations")
-                    .note("section 9.1 of the specification"),
-                );
+                let inside = ConnectPlace::VaryingIf;
+                cx.report(FlattenCause::MisplacedConnect { inside }, e.span);
                 return None;
             }
             target.connections.connect(cx, a, b, e.span, scope, &target.component)
@@ -163,16 +163,12 @@ fn equal(
 ) -> Option<()> {
     if let ExprKind::Tuple(items) = &lhs.kind {
         let Value::Tuple(values) = cx.evaluate_outputs(rhs, scope)? else {
-            cx.error("MO0219", rhs.span, "a function with several outputs is needed here");
+            cx.report(CallCause::NotSeveralOutputs, rhs.span);
             return None;
         };
         if items.len() > values.len() {
-            let message = format!(
-                "{} values are wanted, and the function gives {}",
-                items.len(),
-                values.len()
-            );
-            cx.error("MO0219", span, message);
+            let (wanted, given) = (items.len(), values.len());
+            cx.report(CallCause::TooFewOutputs { wanted, given }, span);
             return None;
         }
         for (item, value) in items.iter().zip(values.iter()) {
@@ -199,7 +195,7 @@ fn equate(
             let (s, t) = (cx.graph.ty(*a), cx.graph.ty(*b));
             let kind = |t| if t == Type::Integer { Type::Real } else { t };
             if kind(s) != kind(t) {
-                cx.report_types(span, "equal", s, t);
+                cx.report_types(span, Pairing::Equal, s, t);
                 return None;
             }
             let discrete = |t: Type| !matches!(t, Type::Real | Type::String);
@@ -218,9 +214,7 @@ fn equate(
         }
         (Value::Array(_), Value::Array(_)) => {
             if left.dims() != right.dims() {
-                let message =
-                    format!("the two sides have sizes {:?} and {:?}", left.dims(), right.dims());
-                cx.error("MO0215", span, message);
+                cx.report_sizes(Pair::Sides, left, right, span);
                 return None;
             }
             for (a, b) in left.elements().iter().zip(right.elements()) {
@@ -233,8 +227,7 @@ fn equate(
                 match s.fields.iter().find(|(n, _)| n == name) {
                     Some((_, b)) => equate(cx, a, b, span, target)?,
                     None => {
-                        let message = format!("the right side has no field `{name}`");
-                        cx.error("MO0212", span, message);
+                        cx.report(TypeCause::MissingField { name: *name }, span);
                         return None;
                     }
                 }
@@ -242,9 +235,7 @@ fn equate(
             Some(())
         }
         _ => {
-            let message =
-                format!("the two sides have sizes {:?} and {:?}", left.dims(), right.dims());
-            cx.error("MO0215", span, message);
+            cx.report_sizes(Pair::Sides, left, right, span);
             None
         }
     }
@@ -264,7 +255,7 @@ fn call_equation(
     target: &mut Target<'_>,
 ) -> Option<()> {
     let ExprKind::Call { function, args, named } = &call.kind else {
-        cx.error("MO0231", call.span, "this is no equation");
+        cx.report(FlattenCause::NotAnEquation, call.span);
         return None;
     };
     let simple = function.simple();
@@ -279,10 +270,10 @@ fn call_equation(
             {
                 let text = match cx.graph.as_const(assert.message) {
                     Some(Const::String(s)) => s.to_string(),
-                    _ => "assertion failed".into(),
+                    _ => "its message is known only at run time".into(),
                 };
                 cx.problems.push(
-                    Diagnostic::error("MO0233", call.span, format!("assertion failed: {text}"))
+                    Diagnostic::new(FlattenCause::Assertion { message: text }, call.span)
                         .label("false for these parameters"),
                 );
                 return None;
@@ -290,16 +281,16 @@ fn call_equation(
             target.push(EquationKind::Assert(assert), call.span);
             Some(())
         }
-        Some("reinit" | "terminate") => {
-            let name = function.parts[0].name.name;
-            cx.problems.push(
-                Diagnostic::error("MO0231", call.span, format!("`{name}` stands outside `when`"))
-                    .help("put it into a when-clause that says when it acts"),
-            );
+        Some("reinit") => {
+            cx.report(BuiltinCause::ReinitOutsideWhen, call.span);
+            None
+        }
+        Some("terminate") => {
+            cx.report(BuiltinCause::TerminateOutsideWhen, call.span);
             None
         }
         _ if function.parts[0].name.name == "Connections" => {
-            cx.unsupported(call.span, "over-constrained connection graphs");
+            cx.unsupported(call.span, Construct::OverconstrainedConnections);
             None
         }
         _ => cx.evaluate_outputs(call, scope).map(|_| ()),
@@ -316,7 +307,8 @@ pub(super) fn assertion(
 ) -> Option<Assert> {
     let find = |k: usize, name: &str| argument(args, named, k, name);
     let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
-        cx.error("MO0219", span, "`assert` takes a condition and a message");
+        let (function, takes) = ("assert".to_string(), Takes::These("a condition and a message"));
+        cx.report(CallCause::WrongArguments { function, takes }, span);
         return None;
     };
     let c = cx.evaluate(condition, scope)?;
@@ -329,7 +321,7 @@ pub(super) fn assertion(
     let violated = cx.graph.not(c);
     let text = cx.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
     if cx.graph.ty(text) != Type::String {
-        cx.error("MO0212", message.span, "the message must be a String");
+        cx.report_type(Expected::Message, &Value::Scalar(text), message.span);
         return None;
     }
     let level = match find(2, "level") {

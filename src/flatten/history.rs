@@ -1,7 +1,6 @@
 //! Introduces variables for operators with history: `delay`, `spatialDistribution`, random numbers.
 
 use super::variable::add_synthetic;
-use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
@@ -106,14 +105,7 @@ fn number(
     drawing: RandomDraw,
 ) -> ExprId {
     let Some(generator) = generator else {
-        cx.problems.push(
-            Diagnostic::error(
-                "MO0219",
-                drawing.span,
-                "what this generator begins with is not known",
-            )
-            .help("call `initializeImpureRandom` with a seed that is known before the model runs"),
-        );
+        cx.report(super::cause::FlattenCause::UnknownSeed, drawing.span);
         return cx.graph.real(0.5);
     };
     let mut at = cx.graph.integer(drawing.number);

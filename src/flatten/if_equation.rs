@@ -1,7 +1,7 @@
 //! If-equations: decided by parameters, or merged branch by branch (Modelica 3.6, section 8.3.4).
 
+use super::cause::{FlattenCause, WhenEquationPlace};
 use super::equation::{Target, expand_all};
-use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{self, Expr};
@@ -131,11 +131,8 @@ fn merge(
                     target.push(kind, e.origin.span);
                 }
                 EquationKind::When(_) | EquationKind::Algorithm { .. } => {
-                    cx.error(
-                        "MO0231",
-                        e.origin.span,
-                        "`when` under a condition that only a run knows; put the condition inside",
-                    );
+                    let inside = WhenEquationPlace::VaryingIf;
+                    cx.report(FlattenCause::MisplacedWhen { inside }, e.origin.span);
                     return None;
                 }
             }
@@ -143,18 +140,8 @@ fn merge(
     }
     let [first, second] = sides;
     if first.len() != second.len() {
-        cx.problems.push(
-            Diagnostic::error(
-                "MO0232",
-                span,
-                format!(
-                    "the branches have {} and {} equations, and their condition changes while the model runs",
-                    first.len(),
-                    second.len()
-                ),
-            )
-            .help("give each branch, `else` included, the same number of equations (section 8.3.4)"),
-        );
+        let (first, second) = (first.len(), second.len());
+        cx.report(FlattenCause::BranchCount { first, second }, span);
         return None;
     }
     for ((a, b, origin), (a2, b2, _)) in first.into_iter().zip(second) {
@@ -165,11 +152,7 @@ fn merge(
             let zero = cx.graph.real(0.0);
             EquationKind::Equal(zero, cx.graph.if_then_else(c, r, r2))
         } else {
-            cx.error(
-                "MO0231",
-                origin.span,
-                "branches must define the same discrete variable in the same order",
-            );
+            cx.report(FlattenCause::DifferentDiscrete, origin.span);
             return None;
         };
         target.push(kind, origin.span);

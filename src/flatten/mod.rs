@@ -6,6 +6,7 @@ mod algorithm;
 pub mod assembly;
 pub mod balance;
 pub mod bounds;
+pub mod cause;
 pub mod connect;
 pub mod equation;
 mod experiment;

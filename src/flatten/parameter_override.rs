@@ -3,6 +3,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::cause::{OverrideCause, WrongOverride};
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
@@ -18,18 +19,16 @@ pub fn read(
     sources: &mut SourceMap,
     problems: &mut Problems,
 ) -> Option<Rc<ParameterOverride>> {
-    let usage = |problems: &mut Problems, why: &str| {
-        problems.push(
-            Diagnostic::error("MO0240", Span::NONE, format!("the setting `{text}` {why}"))
-                .help("write NAME=VALUE, such as `seal_a.s_ce=1.2e-3`"),
-        );
+    let malformed = |problems: &mut Problems, why| {
+        let cause = OverrideCause::Malformed { text: text.to_string(), why };
+        problems.push(Diagnostic::new(cause, Span::NONE));
     };
     let Some((left, right)) = text.split_once('=') else {
-        usage(problems, "has no `=`");
+        malformed(problems, WrongOverride::NoValue);
         return None;
     };
     let Some(parts) = left.trim().split('.').map(name_part).collect::<Option<Vec<_>>>() else {
-        usage(problems, "does not start with a name");
+        malformed(problems, WrongOverride::NoName);
         return None;
     };
     let value = expression(right, text, sources, problems)?;
@@ -65,14 +64,8 @@ fn expression(
 ) -> Option<Expr> {
     let found = binding("--set", whole, whole.len() - value.len(), None, sources);
     if found.is_none() {
-        problems.push(
-            Diagnostic::error(
-                "MO0240",
-                Span::NONE,
-                format!("the value in the setting `{whole}` is no expression"),
-            )
-            .help("write a number, true, false, a literal such as Contact.Free, or {1, 2}"),
-        );
+        let (text, why) = (whole.to_string(), WrongOverride::NoExpression);
+        problems.push(Diagnostic::new(OverrideCause::Malformed { text, why }, Span::NONE));
     }
     found
 }
@@ -90,28 +83,17 @@ pub(super) fn report_unused(
         }
         let all = parameters.get_or_insert_with(|| scalar_names(cx, root));
         let plain = s.text.replace(' ', "");
-        let known = all.iter().find(|(n, _)| *n == plain);
-        let mut d = if known.is_some() {
-            Diagnostic::error(
-                "MO0241",
-                Span::NONE,
-                format!("`{plain}` is a variable, not a parameter"),
-            )
-            .help(format!("set its start value instead: `{plain}.start=...`"))
+        let cause = if all.iter().any(|(n, _)| *n == plain) {
+            OverrideCause::OverriddenVariable { name: plain }
         } else {
-            Diagnostic::error("MO0241", Span::NONE, format!("the model has no parameter `{plain}`"))
-        };
-        if known.is_none() {
             let names = all.iter().filter(|(_, p)| *p).map(|(n, _)| n.as_str());
             let last = plain.rsplit('.').next().unwrap_or_default();
             let same_end = all.iter().find(|(n, p)| *p && n.rsplit('.').next() == Some(last));
-            d = match (did_you_mean(&plain, names), same_end) {
-                (Some(near), _) => d.help(format!("did you mean `{near}`?")),
-                (None, Some((near, _))) => d.help(format!("did you mean `{near}`?")),
-                _ => d.help("`mocc flatten FILE` lists all parameters"),
-            };
-        }
-        cx.problems.push(d);
+            let near = did_you_mean(&plain, names).or(same_end.map(|(near, _)| near.as_str()));
+            let near = near.map(str::to_string);
+            OverrideCause::UnknownParameter { name: plain, near }
+        };
+        cx.report(cause, Span::NONE);
     }
 }
 

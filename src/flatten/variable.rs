@@ -2,11 +2,15 @@
 
 use std::rc::Rc;
 
+use super::cause::FlattenCause;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
+use crate::classes::cause::Varying;
 use crate::classes::subscript_text;
 use crate::evaluate::Evaluator;
+use crate::evaluate::cause::array::ArrayCause;
+use crate::evaluate::cause::types::{Expected, TypeCause};
 use crate::evaluate::random_draw::Place;
 use crate::evaluate::value::Value;
 use crate::evaluate::value::advance;
@@ -251,19 +255,10 @@ fn binding(
     let Some(value) = value else { return };
     let setting = cx.binding(id).is_some_and(|b| b.setting);
     if value.dims() != &**dims && !(setting && value.dims().is_empty()) {
-        cx.problems.push(
-            Diagnostic::error(
-                "MO0215",
-                span,
-                format!(
-                    "`{}` has size {:?}, and this has size {:?}",
-                    flat.variables[first].name.split('[').next().unwrap_or_default(),
-                    dims,
-                    value.dims()
-                ),
-            )
-            .help("give it a value of the same size, or `fill` one"),
-        );
+        let name = flat.variables[first].name.split('[').next().unwrap_or_default();
+        let (declared, given) = (dims.to_vec(), value.dims().to_vec());
+        let variable = Some(name.to_string());
+        cx.report(ArrayCause::BindingSize { variable, declared, given }, span);
         return;
     }
     let none = cx.no_sizes.clone();
@@ -272,7 +267,7 @@ fn binding(
     {
         let mut scalars = value.elements().iter().filter_map(Value::scalar);
         if scalars.any(|e| cx.variability(e) > Variability::Parameter) {
-            cx.report_variability(id, span, "a value that changes while the model runs");
+            cx.report_variability(id, span, Varying::Variable);
             return;
         }
     }
@@ -296,16 +291,14 @@ fn binding(
 }
 
 /// Reports a `discrete` Real with a binding: its value must come from when-clauses (Modelica 3.6,
-/// section 4.5).
+/// section 4.4.4).
 fn report_bound_discrete(cx: &mut Evaluator<'_>, id: InstanceId, span: Span) {
     let path = cx.path(id);
     let declared = cx.declared_at(id);
     cx.problems.push(
-        Diagnostic::error("MO0248", span, format!("`{path}` is `discrete`, and has a value here"))
+        Diagnostic::new(FlattenCause::BoundDiscrete { path }, span)
             .label("holds at all times")
-            .also(declared, "declared `discrete`")
-            .help("assign it in a when-clause, or leave `discrete` out")
-            .note("section 4.5 of the specification"),
+            .also(declared, "declared `discrete`"),
     );
 }
 
@@ -328,14 +321,8 @@ fn converted(
         _ => {
             let wanted = crate::symbolic::print::type_name(&cx.graph, ty);
             let given = crate::symbolic::print::type_name(&cx.graph, given);
-            cx.problems.push(
-                Diagnostic::error(
-                    "MO0212",
-                    span,
-                    format!("the {what} must be of type {wanted}, and this is of type {given}"),
-                )
-                .label(given),
-            );
+            let expected = Expected::Attribute { attribute: what.to_string(), ty: wanted };
+            cx.report(TypeCause::WrongType { expected, found: given }, span);
             None
         }
     }

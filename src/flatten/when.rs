@@ -1,9 +1,13 @@
 //! Expands when-clauses into conditions and actions (Modelica 3.6, section 8.3.5).
 
+use super::cause::{ConnectPlace, FlattenCause, WhenEquationPlace};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::Asserted;
+use crate::evaluate::cause::array::Pair;
+use crate::evaluate::cause::call::{CallCause, Takes};
+use crate::evaluate::cause::types::{Conversion, Pairing, TypeCause};
 use crate::evaluate::value::Value;
 use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
@@ -63,15 +67,11 @@ fn action(
         }
         ast::EquationKind::Call(call) => call_action(cx, call, scope, out),
         ast::EquationKind::When { .. } => {
-            cx.error(
-                "MO0231",
-                e.span,
-                "when-clauses cannot be nested; write `elsewhen` or join the conditions",
-            );
+            cx.report(FlattenCause::MisplacedWhen { inside: WhenEquationPlace::When }, e.span);
             None
         }
         ast::EquationKind::Connect(..) => {
-            cx.error("MO0231", e.span, "`connect` cannot stand in a when-clause");
+            cx.report(FlattenCause::MisplacedConnect { inside: ConnectPlace::When }, e.span);
             None
         }
         ast::EquationKind::Broken => None,
@@ -91,7 +91,7 @@ fn equal(
     }
     if let ExprKind::Tuple(items) = &lhs.kind {
         let Value::Tuple(values) = cx.evaluate_outputs(rhs, scope)? else {
-            cx.error("MO0219", rhs.span, "a function with several outputs is needed here");
+            cx.report(CallCause::NotSeveralOutputs, rhs.span);
             return None;
         };
         for (item, value) in items.iter().zip(values.iter()) {
@@ -117,7 +117,7 @@ fn targets(lhs: &Expr) -> Vec<&ast::ComponentRef> {
 }
 
 /// Checks that a when-clause only determines variables of its own class; otherwise a component
-/// would have one more equation than its class shows (Modelica 3.6, section 8.3.5.1).
+/// would have one more equation than its class shows (Modelica 3.6, section 4.7).
 fn check_target(cx: &mut Evaluator<'_>, target: &ast::ComponentRef, scope: Scope) {
     let [first, .., last] = target.parts.as_slice() else { return };
     let Some(mut at) = cx.child(scope.instance, first.name.name) else { return };
@@ -128,15 +128,10 @@ fn check_target(cx: &mut Evaluator<'_>, target: &ast::ComponentRef, scope: Scope
     }
     let Some(class) = cx.instances[at].class else { return };
     if matches!(cx.kind(class), ast::ClassKind::Model | ast::ClassKind::Block) {
-        let message = format!(
-            "`{}` of component `{}` is determined in a when-clause outside of it",
-            last.name.name, first.name.name
-        );
+        let (variable, component) = (last.name.name, first.name.name);
         cx.problems.push(
-            Diagnostic::error("MO0231", target.span, message)
-                .label("belongs to another component")
-                .help("write the when-clause there, or determine a variable of this class and bind or connect the other one to it")
-                .note("section 8.3.5.1 of the specification"),
+            Diagnostic::new(FlattenCause::ForeignVariable { variable, component }, target.span)
+                .label("belongs to another component"),
         );
     }
 }
@@ -157,8 +152,7 @@ fn assign(
     out: &mut Vec<Action>,
 ) -> Option<()> {
     if left.elements().len() != right.elements().len() {
-        let message = format!("the two sides have sizes {:?} and {:?}", left.dims(), right.dims());
-        cx.error("MO0215", span, message);
+        cx.report_sizes(Pair::Sides, left, right, span);
         return None;
     }
     for (a, b) in left.elements().iter().zip(right.elements()) {
@@ -170,15 +164,13 @@ fn assign(
             }
             _ => {
                 let (Some(a), Some(b)) = (a.scalar(), b.scalar()) else {
-                    cx.error("MO0212", span, "the two sides do not fit together");
+                    let (left, right) = (cx.described(a), cx.described(b));
+                    let (as_, by) = (Pairing::Equal, Conversion::None);
+                    cx.report(TypeCause::IncompatibleTypes { left, right, as_, by }, span);
                     return None;
                 };
                 let Node::Var(v) = cx.graph.node(a) else {
-                    cx.error(
-                        "MO0231",
-                        span,
-                        "an equation in a when-clause has a variable alone on its left side",
-                    );
+                    cx.report(FlattenCause::LeftSideInWhen, span);
                     return None;
                 };
                 out.push(Action::Assign(v, b));
@@ -195,28 +187,26 @@ fn call_action(
     out: &mut Vec<Action>,
 ) -> Option<()> {
     let ExprKind::Call { function, args, named } = &call.kind else {
-        cx.error("MO0231", call.span, "this is no equation");
+        cx.report(FlattenCause::NotAnEquation, call.span);
         return None;
     };
     match function.simple().as_ref().map(|n| n.as_str()) {
         Some("reinit") => {
             let [state, value] = args.as_slice() else {
-                cx.error("MO0219", call.span, "`reinit` takes a state and its new value");
+                let takes = Takes::These("a state and its new value");
+                let function = "reinit".to_string();
+                cx.report(CallCause::WrongArguments { function, takes }, call.span);
                 return None;
             };
             let (x, e) = (cx.evaluate(state, scope)?, cx.evaluate(value, scope)?);
             if x.elements().len() != e.elements().len() {
-                cx.error("MO0215", call.span, "the state and its new value differ in size");
+                cx.report_sizes(Pair::StateAndValue, &x, &e, call.span);
                 return None;
             }
             for (a, b) in x.elements().iter().zip(e.elements()) {
                 let (a, b) = (a.scalar()?, b.scalar()?);
                 let Node::Var(v) = cx.graph.node(a) else {
-                    cx.error(
-                        "MO0231",
-                        state.span,
-                        "`reinit` needs a variable that is differentiated",
-                    );
+                    cx.report(FlattenCause::ReinitTarget, state.span);
                     return None;
                 };
                 out.push(Action::Reinit { state: v, value: b, guard: None });

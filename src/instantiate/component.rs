@@ -458,7 +458,7 @@ fn check_final_attribute(cx: &mut Evaluator<'_>, id: InstanceId, attribute: Name
     let bindings: Vec<Binding> = found.iter().filter_map(Layer::binding).collect();
     let Some((outer, inner)) = bindings.split_first() else { return };
     if let Some(closed) = inner.iter().find(|b| b.is_final) {
-        cx.report_final_attribute(id, attribute, outer.value.span, closed.value.span);
+        cx.report_final(id, Some(attribute), outer.value.span, closed.value.span);
     }
 }
 
@@ -470,7 +470,7 @@ fn check_final(cx: &mut Evaluator<'_>, id: InstanceId) {
     let declared_final = cx.instances[id].declaration.as_ref().is_some_and(|d| d.element.is_final);
     let last = inner.last().filter(|_| declared_final);
     if let Some(closed) = inner.iter().find(|b| b.is_final).or(last) {
-        cx.report_final(id, outer.value.span, closed.value.span);
+        cx.report_final(id, None, outer.value.span, closed.value.span);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Diagnostics of components that cannot be instantiated.
 
+use super::cause::InstantiateCause;
 use crate::base::diag::Diagnostic;
 use crate::evaluate::Evaluator;
 use crate::ir::ast;
@@ -7,12 +8,9 @@ use crate::ir::instance::{ClassDefinition, ClassId, InstanceId, InstanceKind};
 
 pub(crate) fn report_component_cycle(cx: &mut Evaluator<'_>, id: InstanceId) {
     let span = cx.declared_at(id);
-    let path = cx.path(id);
-    cx.problems.push(
-        Diagnostic::error("MO0205", span, format!("the structure of `{path}` depends on itself"))
-            .label("needed for its own size, condition or class")
-            .help("break the circle: give one of the sizes or conditions a value of its own"),
-    );
+    let cause = InstantiateCause::StructureCycle { path: cx.path(id) };
+    cx.problems
+        .push(Diagnostic::new(cause, span).label("needed for its own size, condition or class"));
     cx.instances[id].kind = InstanceKind::Broken;
 }
 
@@ -23,27 +21,13 @@ pub(crate) fn check_instantiable(cx: &mut Evaluator<'_>, id: InstanceId, class: 
     let span = declaration.clause().type_name.span;
     let replaceable = declaration.element.replaceable.is_some();
     if let Some(partial) = cx.partial_definition(class) {
-        let d = Diagnostic::error(
-            "MO0208",
-            span,
-            format!("`{}` is partial: `{}` cannot be of this class", text.name.name, cx.path(id)),
-        )
-        .also(partial.name.span, "declared `partial` here");
-        cx.problems.push(if replaceable {
-            d.help("redeclare the component with a class that is not partial")
-        } else {
-            d.help("use a class that extends it")
-        });
+        let (class, path) = (text.name.name, cx.path(id));
+        let cause = InstantiateCause::PartialClass { class, path, replaceable };
+        cx.problems
+            .push(Diagnostic::new(cause, span).also(partial.name.span, "declared `partial` here"));
     }
     if matches!(text.kind, ast::ClassKind::Package | ast::ClassKind::Function { .. }) {
-        cx.error(
-            "MO0208",
-            span,
-            format!(
-                "`{}` is a package or a function, not the class of a component",
-                text.name.name
-            ),
-        );
+        cx.report(InstantiateCause::NotAComponentClass { class: text.name.name }, span);
     }
     // A component whose class is around it would hold itself without end.
     let mut around = cx.instances[id].parent;
@@ -60,9 +44,8 @@ pub(crate) fn check_instantiable(cx: &mut Evaluator<'_>, id: InstanceId, class: 
     }
     if depth > 0 {
         cx.problems.push(
-            Diagnostic::error("MO0205", span, format!("`{}` contains itself", text.name.name))
-                .label("a component of the class being defined")
-                .help("a model can not hold a component of its own class"),
+            Diagnostic::new(InstantiateCause::ContainsItself { class: text.name.name }, span)
+                .label("a component of the class being defined"),
         );
         cx.instances[id].kind = InstanceKind::Broken;
     }

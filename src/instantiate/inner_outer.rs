@@ -3,8 +3,10 @@
 
 use std::rc::Rc;
 
+use super::cause::{InnerMismatch, InstantiateCause};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
+use crate::classes::cause::ClassCause;
 use crate::classes::{ROOT, package_like};
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{self, ClassKind};
@@ -88,25 +90,14 @@ pub(crate) fn add_inner(
     });
     cx.instances[top].kind =
         InstanceKind::Object(children.iter().copied().chain([added]).collect());
-    cx.problems.push(
-        Diagnostic::warning(
-            "MO0206",
-            name.span,
-            format!("there is no `inner` component `{}`: one is added to the model", name.name),
-        )
-        .label("of this class, with its defaults")
-        .help(format!(
-            "declare it: `inner {}{} {};`",
-            match outer.clause().prefix.variability {
-                Some(ast::Variability::Constant) => "constant ",
-                Some(ast::Variability::Parameter) => "parameter ",
-                _ => "",
-            },
-            outer.clause().type_name,
-            name.name
-        ))
-        .note("section 5.4 of the specification"),
-    );
+    let prefix = match outer.clause().prefix.variability {
+        Some(ast::Variability::Constant) => "constant ",
+        Some(ast::Variability::Parameter) => "parameter ",
+        _ => "",
+    };
+    let class = outer.clause().type_name.to_string();
+    let cause = ClassCause::InnerAdded { name: name.name, prefix, class };
+    cx.problems.push(Diagnostic::new(cause, name.span).label("of this class, with its defaults"));
     cx.added_inner.insert(added);
     super::component::complete_all(cx, added);
     Some(added)
@@ -120,13 +111,8 @@ pub(crate) fn check_outer_unmodified(cx: &mut Evaluator<'_>, id: InstanceId, nam
             _ => layer.inner().filter(|m| m.binding.is_some() || !m.args.is_empty()),
         };
         let Some(modified) = modified else { continue };
-        let message = format!("`{}` is `outer`, and is modified", name.name);
-        cx.problems.push(
-            Diagnostic::error("MO0267", modified.span, message)
-                .also(name.span, "declared `outer`")
-                .help("modify the `inner` component that it stands for")
-                .note("section 5.4 of the specification"),
-        );
+        let cause = InstantiateCause::OuterModified { name: name.name };
+        cx.problems.push(Diagnostic::new(cause, modified.span).also(name.span, "declared `outer`"));
     }
 }
 
@@ -155,21 +141,17 @@ pub(crate) fn check_inner(
     let (a, b) = (rank(&declared, wanted), rank(&found, given));
     let why = if a == b {
         crate::rules::plug_compatibility::incompatibility_without_sizes(cx, wanted, given)
+            .map(InnerMismatch::Class)
     } else {
-        Some(format!("it has {a} dimensions, and the `inner` one has {b}"))
+        Some(InnerMismatch::Rank { outer: a, inner: b })
     };
     let why = why.or_else(|| size_mismatch(cx, id, inner, &declared, wanted));
     let why = why.or_else(|| added_for_another(cx, inner, wanted, given));
     let Some(why) = why else { return };
+    let cause = InstantiateCause::IncompatibleInner { name: name.name, why };
     cx.problems.push(
-        Diagnostic::error(
-            "MO0267",
-            name.span,
-            format!("`outer {}` does not fit its `inner` component: {why}", name.name),
-        )
-        .also(found.component().name.span, "the `inner` component")
-        .help("give both the same class, or the `inner` one a class that extends that of the `outer` one")
-        .note("section 5.4 of the specification"),
+        Diagnostic::new(cause, name.span)
+            .also(found.component().name.span, "the `inner` component"),
     );
 }
 
@@ -179,25 +161,23 @@ fn added_for_another(
     inner: InstanceId,
     wanted: ClassId,
     given: ClassId,
-) -> Option<String> {
+) -> Option<InnerMismatch> {
     let same = match (cx.definition(wanted), cx.definition(given)) {
         (Some(a), Some(b)) => std::sync::Arc::ptr_eq(a, b),
         _ => wanted == given,
     };
-    (!same && cx.added_inner.contains(&inner)).then(|| {
-        let full_name = cx.classes[given].full_name;
-        format!("none is declared, and another `outer` component of that name is a `{full_name}`")
-    })
+    (!same && cx.added_inner.contains(&inner))
+        .then(|| InnerMismatch::AddedForAnother(cx.classes[given].full_name))
 }
 
-/// Sizes of an `outer` component that differ from those of the `inner` one, in words.
+/// Sizes of an `outer` component that differ from those of the `inner` one.
 fn size_mismatch(
     cx: &mut Evaluator<'_>,
     id: InstanceId,
     inner: InstanceId,
     declared: &Declaration,
     class: ClassId,
-) -> Option<String> {
+) -> Option<InnerMismatch> {
     if declared.component().dims.iter().any(|d| matches!(d, ast::Subscript::Colon(_))) {
         return None;
     }
@@ -209,5 +189,5 @@ fn size_mismatch(
     let table = cx.table(class);
     let wanted = super::component::sizes(cx, id, declared, &table)?;
     (*wanted != *found)
-        .then(|| format!("it has size {wanted:?}, and the `inner` one has {found:?}"))
+        .then(|| InnerMismatch::Size { outer: wanted.to_vec(), inner: found.to_vec() })
 }

@@ -5,6 +5,7 @@
 //! size may depend on a parameter declared later. The evaluator asks through
 //! [`Demand`](crate::evaluate::demand::Demand), which this folder implements.
 
+pub mod cause;
 pub mod component;
 mod error;
 mod inner_outer;

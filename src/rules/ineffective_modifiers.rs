@@ -1,6 +1,7 @@
 //! Modifications without effect: allowed, but seldom meant. `mocc check` reports them for the
 //! classes of a file. Overriding a modification from further outside is common and not reported.
 
+use super::cause::element::ElementCause;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
@@ -20,13 +21,10 @@ pub fn report_each_of_one(cx: &mut ClassGraph<'_>, class: ClassId) {
             let Some(modification) = &component.modification else { continue };
             let Some(each) = first_each(modification) else { continue };
             if component.dims.is_empty() && !is_array_type(cx, class, clause) {
-                let message =
-                    format!("`each` has no effect: `{}` is no array", component.name.name);
+                let cause = ElementCause::EachOfScalar { name: component.name.name };
                 cx.problems.push(
-                    Diagnostic::warning("MO0271", each, message)
-                        .also(component.name.span, "declared without sizes")
-                        .help("leave `each` out, or give the component its sizes")
-                        .note("section 7.2.5 of the specification"),
+                    Diagnostic::new(cause, each)
+                        .also(component.name.span, "declared without sizes"),
                 );
             }
         }
@@ -75,14 +73,12 @@ fn written_switch(cx: &mut ClassGraph<'_>, id: InstanceId) -> Option<InstanceId>
 }
 
 fn report_absent_modified(cx: &mut ClassGraph<'_>, id: InstanceId, switch: InstanceId, at: Span) {
-    let (path, switch_path) = (cx.path(id), cx.path(switch));
-    let message = format!("this has no effect: `{path}` is switched off by `{switch_path}`");
+    let cause = ElementCause::AbsentModified { path: cx.path(id), switch: cx.path(switch) };
     let value = cx.binding(switch).map_or(at, |b| b.value.span);
     cx.problems.push(
-        Diagnostic::warning("MO0272", at, message)
+        Diagnostic::new(cause, at)
             .also(value, "its value")
-            .help(format!("set `{switch_path}`, or leave the modification out"))
-            .note("what is modified of a conditional component that is not there is not looked at (section 4.4.5)"),
+            .note("modifications of a conditional component are ignored if its condition is false"),
     );
 }
 

@@ -4,6 +4,7 @@
 //! each rule takes the least that it needs: diagnostics and syntax, or the [`ClassGraph`]. The rules
 //! of a class definition are called from here, for [`DefinitionRules`].
 
+pub mod cause;
 pub mod ineffective_modifiers;
 mod iterators;
 pub(crate) mod plug_compatibility;

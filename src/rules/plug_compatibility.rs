@@ -7,9 +7,12 @@
 
 use std::rc::Rc;
 
+use super::cause::element::{Closed, ElementCause};
+use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
+use crate::classes::cause::Incompatibility;
 use crate::ir::ast::{self, ElementKind};
 use crate::ir::instance::{ClassId, ClassTable, Entry, EntryKind, InstanceId, Scope};
 use crate::ir::modification::{Layer, LayerSource};
@@ -78,16 +81,9 @@ fn check_own_constraint(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) 
     let Some(given) = original(cx, id, entry) else { return };
     if let Some(why) = incompatibility_with(cx, wanted, given, own_rank(entry)) {
         let text = entry.name.name;
-        cx.problems.push(
-            crate::base::diag::Diagnostic::error(
-                "MO0225",
-                entry.name.span,
-                format!("`{text}` does not fit its own constraining class: {why}"),
-            )
-            .also(path.span, "the constraining class")
-            .help("declare it with a class that has all that the constraining class has")
-            .note("section 7.3.2 of the specification"),
-        );
+        let cause = ElementCause::IncompatibleDefault { name: text, why };
+        cx.problems
+            .push(Diagnostic::new(cause, entry.name.span).also(path.span, "the constraining type"));
     }
 }
 
@@ -116,8 +112,8 @@ fn is_compatible(
         }
     }
     let closed = match () {
-        () if entry.element.is_final => Some("is final"),
-        () if super::prefix::is_constant(entry) => Some("is a constant"),
+        () if entry.element.is_final => Some(Closed::Final),
+        () if super::prefix::is_constant(entry) => Some(Closed::Constant),
         () => None,
     };
     if let Some(why) = closed {
@@ -188,7 +184,11 @@ fn is_same(cx: &ClassGraph<'_>, a: ClassId, b: ClassId) -> bool {
 }
 
 /// The reason why `given` is not plug-compatible with `wanted`.
-fn incompatibility(cx: &mut ClassGraph<'_>, wanted: ClassId, given: ClassId) -> Option<String> {
+fn incompatibility(
+    cx: &mut ClassGraph<'_>,
+    wanted: ClassId,
+    given: ClassId,
+) -> Option<Incompatibility> {
     incompatibility_with(cx, wanted, given, 0)
 }
 
@@ -198,7 +198,7 @@ fn incompatibility_with(
     wanted: ClassId,
     given: ClassId,
     added: usize,
-) -> Option<String> {
+) -> Option<Incompatibility> {
     if is_same(cx, wanted, given) || cx.table_in_progress(wanted) || cx.table_in_progress(given) {
         return None;
     }
@@ -206,12 +206,12 @@ fn incompatibility_with(
     let (needs, has) = (rank(wanted), rank(given).saturating_sub(added));
     if needs != has {
         let (wanted, given) = (cx.classes[wanted].full_name, cx.classes[given].full_name);
-        return Some(format!("`{given}` has {has} dimensions, and `{wanted}` has {needs}"));
+        return Some(Incompatibility::Dimensions { given, has, wanted, needs });
     }
     incompatibility_without_sizes(cx, wanted, given)
 }
 
-/// `enumeration(:)`: any enumeration takes its place (section 4.9.5).
+/// `enumeration(:)`: any enumeration takes its place (section 4.8.5.4).
 fn is_open_enumeration(cx: &ClassGraph<'_>, class: ClassId) -> bool {
     matches!(cx.definition(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
 }
@@ -221,7 +221,7 @@ pub(crate) fn incompatibility_without_sizes(
     cx: &mut ClassGraph<'_>,
     wanted: ClassId,
     given: ClassId,
-) -> Option<String> {
+) -> Option<Incompatibility> {
     let in_progress = cx.table_in_progress(wanted) || cx.table_in_progress(given);
     if is_same(cx, wanted, given) || in_progress {
         return None;
@@ -231,17 +231,17 @@ pub(crate) fn incompatibility_without_sizes(
         && matches!(has.scalar, Some(crate::ir::expr::Type::Enumeration(_)));
     let (wanted, given) = (cx.classes[wanted].full_name, cx.classes[given].full_name);
     if needs.scalar.is_some() && needs.scalar != has.scalar && !open {
-        return Some(format!("`{given}` is of another type than `{wanted}`"));
+        return Some(Incompatibility::Type { given, wanted });
     }
     let needed = needs.entries.iter().filter(|e| !e.protected && !is_conditional(e));
     for entry in needed {
         let text = entry.name.name;
         let Some(at) = has.index.get(&text) else {
-            return Some(format!("`{given}` has no `{text}`, and `{wanted}` has"));
+            return Some(Incompatibility::Missing { given, element: text, wanted });
         };
         let is_class = |e: &Entry| matches!(e.kind, EntryKind::Class(_));
         if is_class(entry) != is_class(&has.entries[*at]) {
-            return Some(format!("`{text}` is another kind of element than in `{wanted}`"));
+            return Some(Incompatibility::Element { element: text, wanted });
         }
     }
     None

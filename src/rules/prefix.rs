@@ -1,6 +1,7 @@
 //! Conflicting prefixes: of components with components, of connectors, of redeclared elements
 //! (sections 4.4.2, 7.3.3 and 9.3 of the specification).
 
+use super::cause::element::{Closed, ElementCause, TwicePrefix};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
@@ -37,24 +38,16 @@ pub(crate) fn check_component(
             Some(Variability::Constant) => "constant",
             _ => "parameter",
         };
-        cx.problems.push(
-            Diagnostic::error(
-                "MO0228",
-                name.span,
-                format!("connector `{}` cannot be `{what}`", name.name),
-            )
-            .help("leave the prefix out, or use a record")
-            .note("section 9.3 of the specification"),
-        );
+        let cause = ElementCause::FixedConnector { name: name.name, prefix: what };
+        cx.report(cause, name.span);
         return;
     }
     if wrong {
-        let class = cx.classes[class].full_name;
-        let message = format!("`{}` of class `{class}` cannot be `{what}`", name.name);
+        let class = cx.classes[class].full_name.to_string();
+        let cause = ElementCause::ForbiddenPrefix { name: name.name, class, prefix: what };
         cx.problems.push(
-            Diagnostic::error("MO0228", name.span, message)
-                .help("leave the prefix out, or use a type that can have it")
-                .note("flows are real; models and blocks have no prefixes (section 4.4.2)"),
+            Diagnostic::new(cause, name.span)
+                .note("flows are Real; models and blocks have no prefixes"),
         );
     }
 }
@@ -83,8 +76,10 @@ pub(crate) fn check_prefix_conflict(
             below = of_type.scalar.is_none().then_some(of_type);
         }
         let twice = match () {
-            () if prefix.connection.is_some() && inner.connection.is_some() => "flow` or `stream",
-            () if prefix.causality.is_some() && inner.causality.is_some() => "input` or `output",
+            () if prefix.connection.is_some() && inner.connection.is_some() => {
+                TwicePrefix::Connection
+            }
+            () if prefix.causality.is_some() && inner.causality.is_some() => TwicePrefix::Causality,
             () => {
                 if let Some(below) = below {
                     check_prefix_conflict(cx, prefix, &below, name);
@@ -92,13 +87,11 @@ pub(crate) fn check_prefix_conflict(
                 continue;
             }
         };
-        let message =
-            format!("`{}` is `{twice}`, and so is `{}` in it", name.name, entry.name.name);
+        let element = entry.name;
+        let cause =
+            ElementCause::PrefixTwice { name: name.name, element: element.name, prefix: twice };
         cx.problems.push(
-            Diagnostic::error("MO0228", name.span, message)
-                .also(entry.name.span, "has such a prefix already")
-                .help("leave one of the prefixes out")
-                .note("section 4.4.2 of the specification"),
+            Diagnostic::new(cause, name.span).also(element.span, "has such a prefix already"),
         );
         return;
     }
@@ -107,26 +100,18 @@ pub(crate) fn check_prefix_conflict(
 /// A redeclaration keeps an element final, constant, public or protected (section 7.3.3).
 pub(crate) fn check_redeclared(cx: &mut ClassGraph<'_>, before: &Entry, after: &Entry) {
     let why = match () {
-        () if before.element.is_final => "is final",
-        () if is_constant(before) => "is a constant",
-        () if before.protected && !after.protected => "is protected, and would become public",
-        () if !before.protected && after.protected => "is public, and would become protected",
+        () if before.element.is_final => Closed::Final,
+        () if is_constant(before) => Closed::Constant,
+        () if before.protected && !after.protected => Closed::BecomesPublic,
+        () if !before.protected && after.protected => Closed::BecomesProtected,
         () => return,
     };
     report_closed(cx, after.name, before.name.span, why);
 }
 
-pub(crate) fn report_closed(cx: &mut ClassGraph<'_>, name: ast::Ident, before: Span, why: &str) {
-    cx.problems.push(
-        Diagnostic::error(
-            "MO0224",
-            name.span,
-            format!("`{}` cannot be redeclared: it {why}", name.name),
-        )
-        .also(before, "declared here")
-        .help("leave it as it is, or change what is declared there")
-        .note("section 7.3.3 of the specification"),
-    );
+pub(crate) fn report_closed(cx: &mut ClassGraph<'_>, name: ast::Ident, before: Span, why: Closed) {
+    let cause = ElementCause::ClosedElement { name: name.name, why };
+    cx.problems.push(Diagnostic::new(cause, name.span).also(before, "declared here"));
 }
 
 /// Whether an element is a component that is declared `constant`.

@@ -1,5 +1,6 @@
 //! A base class must not be replaceable (section 7.1.4 of the specification).
 
+use super::cause::element::ElementCause;
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::classes::ClassGraph;
@@ -44,11 +45,9 @@ fn check_not_replaceable(
         return;
     }
     cx.problems.push(
-        Diagnostic::error("MO0262", part.span, format!("base class `{}` is replaceable", part.name))
+        Diagnostic::new(ElementCause::ReplaceableBase { name: part.name }, part.span)
             .label("may become another class")
-            .also(found.span, "declared `replaceable`")
-            .help("extend a class that is not replaceable, or leave `replaceable` out where it is declared")
-            .note("section 7.1.4 of the specification"),
+            .also(found.span, "declared `replaceable`"),
     );
 }
 

@@ -1,6 +1,7 @@
 //! Names that hide others (section 5.3 of the specification): allowed, and seldom meant. `mocc check`
 //! asks for them, of the classes of a file.
 
+use super::cause::element::{ElementCause, Shadow};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -39,13 +40,12 @@ fn check_loops(cx: &mut ClassGraph<'_>, class: ClassId, composition: &Compositio
             .get(&iterator.name)
             .map(|at| &table.entries[*at])
             .filter(|entry| entry.component.is_some());
-        let (what, hidden) = match (around, component) {
-            (Some(around), _) => ("the iterator of a loop around it", around),
-            (None, Some(entry)) => ("a component", entry.name),
+        let (by, hidden) = match (around, component) {
+            (Some(around), _) => (Shadow::IteratorOfIterator, around),
+            (None, Some(entry)) => (Shadow::IteratorOfComponent, entry.name),
             (None, None) => continue,
         };
-        let message = format!("iterator `{}` hides {what}", iterator.name);
-        warn(cx, message, iterator.span, hidden.span, "rename the iterator");
+        warn(cx, by, iterator, hidden.span);
     }
 }
 
@@ -63,9 +63,7 @@ fn check_imports(cx: &mut ClassGraph<'_>, class: ClassId, composition: &Composit
         for name in names {
             let Some(at) = table.index.get(&name.name) else { continue };
             let entry = &table.entries[*at];
-            let message = format!("element `{}` hides what is imported", name.name);
-            let help = "remove the import, or give it a name of its own: `import NAME = ...`";
-            warn(cx, message, entry.name.span, name.span, help);
+            warn(cx, Shadow::Element, entry.name, name.span);
         }
     }
 }
@@ -76,9 +74,7 @@ fn check_components(cx: &mut ClassGraph<'_>, class: ClassId, composition: &Compo
         let ElementKind::Components(clause) = &element.kind else { continue };
         for name in clause.components.iter().map(|c| c.name) {
             if let Some(constant) = constant_around(cx, class, name.name) {
-                let message =
-                    format!("component `{}` hides a constant of a class around", name.name);
-                warn(cx, message, name.span, constant, "rename the component");
+                warn(cx, Shadow::Component, name, constant);
             }
         }
     }
@@ -101,11 +97,10 @@ fn constant_around(cx: &mut ClassGraph<'_>, class: ClassId, wanted: Name) -> Opt
     }
 }
 
-fn warn(cx: &mut ClassGraph<'_>, message: String, span: Span, hidden: Span, help: &str) {
+fn warn(cx: &mut ClassGraph<'_>, by: Shadow, name: Ident, hidden: Span) {
     cx.problems.push(
-        Diagnostic::warning("MO0270", span, message)
+        Diagnostic::new(ElementCause::Shadowing { name: name.name, by }, name.span)
             .also(hidden, "hidden here")
-            .help(help)
-            .note("the innermost name counts (section 5.3.1 of the specification)"),
+            .note("the innermost name counts"),
     );
 }

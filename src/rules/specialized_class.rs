@@ -1,5 +1,6 @@
 //! Restrictions of the specialised classes (sections 4.6, 4.8 and 7.1.3 of the specification).
 
+use super::cause::specialized_class::{Forbidden, SpecializedClassCause};
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -16,6 +17,7 @@ const PREDEFINED: [&str; 5] = ["Real", "Integer", "Boolean", "String", "External
 const STATE_SELECT: &str = "StateSelect";
 /// Attributes that would be hidden by literals of an enumeration.
 const ATTRIBUTES: [&str; 5] = ["quantity", "min", "max", "start", "fixed"];
+const DIFFER: &str = "specialized classes differ in the elements that they may have";
 
 /// Checks the definition of a class.
 pub(crate) fn check_definition(problems: &mut Problems, text: &Class) {
@@ -26,20 +28,14 @@ pub(crate) fn check_definition(problems: &mut Problems, text: &Class) {
                 if let Some(before) =
                     literals[..k].iter().find(|l| l.name.name == literal.name.name)
                 {
-                    let message = format!("literal `{}` stands here twice", literal.name.name);
+                    let cause = SpecializedClassCause::LiteralTwice { name: literal.name.name };
                     problems.push(
-                        Diagnostic::error("MO0226", literal.name.span, message)
-                            .also(before.name.span, "first")
-                            .help("give one of them another name (section 4.9.5)"),
+                        Diagnostic::new(cause, literal.name.span).also(before.name.span, "first"),
                     );
                 }
                 if ATTRIBUTES.contains(&literal.name.name.as_str()) {
-                    let message =
-                        format!("`{}` is an attribute of enumerations", literal.name.name);
-                    problems.push(
-                        Diagnostic::error("MO0226", literal.name.span, message)
-                            .help("give the literal another name (section 4.9.5)"),
-                    );
+                    let cause = SpecializedClassCause::LiteralAttribute { name: literal.name.name };
+                    problems.push(Diagnostic::new(cause, literal.name.span));
                 }
             }
         }
@@ -50,10 +46,7 @@ pub(crate) fn check_definition(problems: &mut Problems, text: &Class) {
 
 fn check_name(problems: &mut Problems, text: Name, span: Span, component: bool) {
     if PREDEFINED.contains(&text.as_str()) || component && text == STATE_SELECT {
-        let message = format!("`{text}` is the name of a predefined type");
-        problems.push(
-            Diagnostic::error("MO0226", span, message).help("choose another name (section 4.9)"),
-        );
+        problems.push(Diagnostic::new(SpecializedClassCause::PredefinedName { name: text }, span));
     }
 }
 
@@ -66,13 +59,9 @@ fn check_parts(problems: &mut Problems, text: &Class, composition: &Composition)
     let equations = composition.equations.iter().any(|s| !s.equations.is_empty());
     let algorithms = composition.algorithms.iter().any(|s| !s.statements.is_empty());
     if (connector || record) && (equations || algorithms) || function && equations {
-        let what = if equations { "equations" } else { "algorithms" };
-        let where_to = match () {
-            () if connector => "write them in the model that has the connector",
-            () if record => "write them in the model that has the record",
-            () => "write an `algorithm`",
-        };
-        report(problems, text.name.span, format!("{} `{name}` has {what}", word(kind)), where_to);
+        let section = if equations { "equations" } else { "algorithms" };
+        let cause = SpecializedClassCause::ForbiddenSection { kind, class: name, section };
+        problems.push(Diagnostic::new(cause, text.name.span).note(DIFFER));
     }
     if function {
         check_sections(problems, text, composition);
@@ -87,39 +76,33 @@ fn check_parts(problems: &mut Problems, text: &Class, composition: &Composition)
         }
         let ElementKind::Components(clause) = &element.kind else { continue };
         let Some(first) = clause.components.first().map(|c| c.name) else { continue };
-        let path = first.name;
-        let say = |what: &str| format!("`{path}` of {} `{name}` is {what}", word(kind));
+        let mut forbid = |is| {
+            let element = first.name;
+            let cause = SpecializedClassCause::ForbiddenElement { element, kind, class: name, is };
+            problems.push(Diagnostic::new(cause, first.span).note(DIFFER));
+        };
         if (connector || record) && (element.inner || element.outer) {
-            let what = if element.inner { "`inner`" } else { "`outer`" };
-            report(problems, first.span, say(what), "declare it in a model");
+            forbid(if element.inner { Forbidden::Inner } else { Forbidden::Outer });
         }
         if (connector || record) && element.protected {
-            report(problems, first.span, say("protected"), "make it public");
+            forbid(Forbidden::Protected);
         }
         if record && (clause.prefix.connection.is_some() || clause.prefix.causality.is_some()) {
-            let what = match (clause.prefix.connection, clause.prefix.causality) {
-                (Some(ConnectionPrefix::Flow), _) => "a `flow` variable",
-                (Some(ConnectionPrefix::Stream), _) => "a `stream` variable",
-                (None, Some(Causality::Input)) => "an `input`",
-                _ => "an `output`",
-            };
-            report(problems, first.span, say(what), "use a connector, or leave the prefix out");
+            forbid(match (clause.prefix.connection, clause.prefix.causality) {
+                (Some(ConnectionPrefix::Flow), _) => Forbidden::Flow,
+                (Some(ConnectionPrefix::Stream), _) => Forbidden::Stream,
+                (None, Some(Causality::Input)) => Forbidden::Input,
+                _ => Forbidden::Output,
+            });
         }
         if !(connector || record) && clause.prefix.connection == Some(ConnectionPrefix::Stream) {
-            let what = "a `stream` variable";
-            report(problems, first.span, say(what), "declare it in a connector");
+            forbid(Forbidden::StreamOutsideConnector);
         }
         if function && element.protected && clause.prefix.causality.is_some() {
-            let what = "an input or output, and protected";
-            report(problems, first.span, say(what), "make it public, or leave the prefix out");
+            forbid(Forbidden::ProtectedFormal);
         }
         if kind == ClassKind::Package && clause.prefix.variability != Some(Variability::Constant) {
-            report(
-                problems,
-                first.span,
-                say("no constant"),
-                "declare it `constant`, or make the package a model",
-            );
+            forbid(Forbidden::NotConstant);
         }
     }
 }
@@ -128,21 +111,16 @@ fn check_parts(problems: &mut Problems, text: &Class, composition: &Composition)
 fn check_sections(problems: &mut Problems, text: &Class, composition: &Composition) {
     let name = text.name.name;
     for (k, section) in composition.algorithms.iter().enumerate() {
-        let (what, help) = match () {
-            () if section.initial => ("an initial algorithm", "write `algorithm`"),
-            () if k > 0 => ("more than one algorithm", "put the statements into one"),
-            () => continue,
-        };
-        problems.push(
-            Diagnostic::error("MO0226", section.span, format!("function `{name}` has {what}"))
-                .also(text.name.span, "declared here")
-                .help(help)
-                .note("section 12.2 of the specification"),
-        );
+        if !section.initial && k == 0 {
+            continue;
+        }
+        let cause =
+            SpecializedClassCause::FunctionAlgorithm { function: name, initial: section.initial };
+        problems.push(Diagnostic::new(cause, section.span).also(text.name.span, "declared here"));
     }
 }
 
-/// An operator holds functions (section 4.7).
+/// An operator holds functions (section 4.6).
 fn check_operator(problems: &mut Problems, operator: Name, element: &ast::Element) {
     let wrong = match &element.kind {
         ElementKind::Class(c) => !matches!(c.kind, ClassKind::Function { .. }),
@@ -150,12 +128,8 @@ fn check_operator(problems: &mut Problems, operator: Name, element: &ast::Elemen
         ElementKind::Import(_) | ElementKind::Extends(_) => false,
     };
     for (declared, at) in element.names().into_iter().filter(|_| wrong) {
-        report(
-            problems,
-            at,
-            format!("`{declared}` of operator `{operator}` is no function"),
-            "declare it beside the operator, in the record",
-        );
+        let cause = SpecializedClassCause::OtherInOperator { element: declared, operator };
+        problems.push(Diagnostic::new(cause, at));
     }
     if operator == "'constructor'"
         && let ElementKind::Class(function) = &element.kind
@@ -174,21 +148,12 @@ fn check_constructor(problems: &mut Problems, function: &Class) {
         _ => None,
     });
     if let Some(second) = outputs.flatten().nth(1) {
-        report(
-            problems,
-            second.span,
-            format!("constructor `{}` has a second output, `{}`", function.name.name, second.name),
-            "leave the record as its only output",
-        );
+        let cause = SpecializedClassCause::SecondOutput {
+            constructor: function.name.name,
+            output: second.name,
+        };
+        problems.push(Diagnostic::new(cause, second.span));
     }
-}
-
-fn report(problems: &mut Problems, span: Span, message: String, help: &str) {
-    problems.push(
-        Diagnostic::error("MO0226", span, message)
-            .help(help)
-            .note("kinds of classes differ in what they may hold (section 4.7)"),
-    );
 }
 
 /// A class may extend classes of these kinds only (section 7.1.3).
@@ -223,21 +188,7 @@ pub(crate) fn check_base(cx: &mut ClassGraph<'_>, text: &Class, base: ClassId, s
         check_operator_base(cx.problems, text, &of, composition, span);
     }
     if !fits {
-        let base = cx.classes[base].full_name;
-        let message = format!(
-            "{} `{}` cannot extend {} `{base}`",
-            word(text.kind),
-            text.name.name,
-            word(of_base)
-        );
-        cx.problems.push(
-            Diagnostic::error("MO0227", span, message)
-                .label("of another kind")
-                .help("extend a class of the same kind, or declare a component of it")
-                .note(
-                    "a model extends models, blocks and records, a block no model (section 7.1.3)",
-                ),
-        );
+        report_base(cx, text, of_base, base, span);
     }
 }
 
@@ -258,31 +209,21 @@ fn check_operator_base(
         }
         _ => None,
     });
-    let (why, help, place) = match inside {
-        _ if base.kind == ClassKind::OperatorRecord => (
-            format!("operator record `{}` cannot be extended", base.name.name),
-            format!("write `operator record {} = {}(...)`", text.name.name, base.name.name),
-            base.name.span,
-        ),
-        Some(record) => (
-            format!(
-                "`{}` cannot be extended: it holds operator record `{}`",
-                base.name.name, record.name
-            ),
-            "move the operator record to a package of its own".to_string(),
-            record.span,
-        ),
+    let (inside, place) = match inside {
+        _ if base.kind == ClassKind::OperatorRecord => (None, base.name.span),
+        Some(record) => (Some(record.name), record.span),
         None => return,
     };
+    let (base, class) = (base.name.name, text.name.name);
+    let cause = SpecializedClassCause::OperatorRecordBase { base, class, inside };
     problems.push(
-        Diagnostic::error("MO0227", span, why)
+        Diagnostic::new(cause, span)
             .also(place, "declared here")
-            .help(help)
-            .note("what an operator does must not depend on who extends it (section 4.7)"),
+            .note("the meaning of an operator must not depend on the class that extends it"),
     );
 }
 
-/// A class with prefixes of its own must be the only `extends` (section 4.6).
+/// A class with prefixes of its own must be the only `extends` (section 4.5.2).
 pub(crate) fn check_prefixed_base(
     cx: &mut ClassGraph<'_>,
     class: ClassId,
@@ -303,12 +244,9 @@ pub(crate) fn check_prefixed_base(
     if short.prefix == ast::TypePrefix::default() || others.count() == 0 {
         return;
     }
-    let message = format!("`{}` has a prefix, and is extended beside other things", of.name.name);
     cx.problems.push(
-        Diagnostic::error("MO0227", span, message)
-            .also(of.name.span, "declared with a prefix such as `input`")
-            .help("declare a component of the class")
-            .note("section 4.6.2 of the specification"),
+        Diagnostic::new(SpecializedClassCause::PrefixedBase { base: of.name.name }, span)
+            .also(of.name.span, "declared with a prefix such as `input`"),
     );
 }
 
@@ -317,24 +255,25 @@ pub(crate) fn check_short_base(cx: &mut ClassGraph<'_>, text: &Class, base: Clas
     if text.kind != ClassKind::Class || !matches!(cx.kind(base), ClassKind::Function { .. }) {
         return;
     }
-    let base = cx.classes[base].full_name;
-    let message = format!("class `{}` cannot extend function `{base}`", text.name.name);
+    let of = cx.kind(base);
+    report_base(cx, text, of, base, span);
+}
+
+fn report_base(cx: &mut ClassGraph<'_>, text: &Class, of: ClassKind, base: ClassId, span: Span) {
+    let base = cx.classes[base].full_name.to_string();
+    let cause =
+        SpecializedClassCause::OtherBase { kind: text.kind, class: text.name.name, of, base };
     cx.problems.push(
-        Diagnostic::error("MO0227", span, message)
+        Diagnostic::new(cause, span)
             .label("of another kind")
-            .help(format!("write `function {} = ...`", text.name.name))
-            .note("section 7.1.3 of the specification"),
+            .note("a model can extend models, blocks and records; a block cannot extend a model"),
     );
 }
 
 /// A public component of a function is an input or an output, if only by its type.
 pub(crate) fn report_formal(problems: &mut Problems, function: Name, name: ast::Ident) {
-    report(
-        problems,
-        name.span,
-        format!("`{}` of function `{function}` is neither input nor output, and public", name.name),
-        "declare it after `protected`",
-    );
+    let cause = SpecializedClassCause::UndirectedFormal { name: name.name, function };
+    problems.push(Diagnostic::new(cause, name.span));
 }
 
 /// `time` is known in models and blocks only (section 3.6.7).
@@ -344,14 +283,12 @@ pub(crate) fn check_time(cx: &mut ClassGraph<'_>, span: Span, scope: Scope) {
         return;
     }
     cx.problems.push(
-        Diagnostic::error("MO0226", span, format!("`time` in a {}", word(kind)))
-            .label("known in models and blocks only")
-            .help("give it from outside: as an input, or by a modification in a model")
-            .note("section 3.6.7 of the specification"),
+        Diagnostic::new(SpecializedClassCause::TimeOutsideModel { kind }, span)
+            .label("known in models and blocks only"),
     );
 }
 
-/// A class that is a predefined type or an array has no other elements (section 7.1.3).
+/// A class that is a predefined type or an array has no other elements (section 4.5.2).
 pub(crate) fn check_simple_type(
     cx: &mut ClassGraph<'_>,
     class: ClassId,
@@ -376,14 +313,8 @@ pub(crate) fn check_simple_type(
     if !components && filled < 2 {
         return;
     }
-    let what = if table.scalar.is_some() { "a predefined type" } else { "an array" };
-    let more = if components { "has components" } else { "another class" };
-    let message = format!("`{}` extends {what}, and {more} besides", text.name.name);
-    cx.problems.push(
-        Diagnostic::error("MO0227", text.name.span, message)
-            .help("declare a component of the type instead of extending it")
-            .note("section 7.1.3 of the specification"),
-    );
+    let (class, scalar) = (text.name.name, table.scalar.is_some());
+    cx.report(SpecializedClassCause::SimpleBase { class, scalar, components }, text.name.span);
 }
 
 pub(crate) fn word(kind: ClassKind) -> &'static str {

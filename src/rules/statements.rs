@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use super::cause::element::{ElementCause, WhenPlace};
+use super::cause::specialized_class::SpecializedClassCause;
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
@@ -22,7 +24,7 @@ struct Around<'a> {
     initial: bool,
     in_loop: bool,
     /// The enclosing statement.
-    inside: Option<&'static str>,
+    inside: Option<WhenPlace>,
     /// Inputs of the function.
     inputs: &'a FastMap<Name, Span>,
 }
@@ -90,13 +92,11 @@ fn check_elements(problems: &mut Problems, composition: &Composition) {
                 };
                 for name in names {
                     if let Some(before) = imported.insert(name.name, name.span) {
-                        let message = format!("`{}` is imported twice", name.name);
+                        let cause = ElementCause::ImportedTwice { name: name.name };
                         problems.push(
-                            Diagnostic::error("MO0263", name.span, message)
+                            Diagnostic::new(cause, name.span)
                                 .label("second import of this name")
-                                .also(before, "first import")
-                                .help("remove one of them, or rename it: `import NAME = ...`")
-                                .note("section 13.2.1 of the specification"),
+                                .also(before, "first import"),
                         );
                     }
                 }
@@ -113,16 +113,12 @@ fn check_duplicates(problems: &mut Problems, modification: Option<&Arc<Modificat
     values(modification, "", &mut said);
     let mut first: FastMap<(String, bool), Span> = FastMap::default();
     for (names, redeclared, span) in said {
-        let what = if redeclared { "redeclared" } else { "modified" };
-        let message = format!("`{names}` is {what} twice");
-        let before = *first.entry((names, redeclared)).or_insert(span);
+        let before = *first.entry((names.clone(), redeclared)).or_insert(span);
         if before != span {
             problems.push(
-                Diagnostic::error("MO0264", span, message)
+                Diagnostic::new(ElementCause::ModifiedTwice { names, redeclared }, span)
                     .label("second value")
-                    .also(before, "first value")
-                    .help("remove one of them")
-                    .note("section 7.2.3 of the specification"),
+                    .also(before, "first value"),
             );
         }
     }
@@ -138,40 +134,32 @@ fn check_statements(problems: &mut Problems, list: &[Statement], around: Around<
                 }
             }
             StatementKind::If { branches, otherwise } => {
-                let inner = Around { inside: Some("if"), ..around };
+                let inner = Around { inside: Some(WhenPlace::If), ..around };
                 for (_, body) in branches {
                     check_statements(problems, body, inner);
                 }
                 check_statements(problems, otherwise, inner);
             }
             StatementKind::For { body, .. } => {
-                let inner = Around { inside: Some("for"), in_loop: true, ..around };
+                let inner = Around { inside: Some(WhenPlace::For), in_loop: true, ..around };
                 check_statements(problems, body, inner);
             }
             StatementKind::While { body, .. } => {
-                let inner = Around { inside: Some("while"), in_loop: true, ..around };
+                let inner = Around { inside: Some(WhenPlace::While), in_loop: true, ..around };
                 check_statements(problems, body, inner);
             }
             StatementKind::When { branches } => {
                 check_when(problems, s.span, around);
-                let inner = Around { inside: Some("when"), in_loop: false, ..around };
+                let inner = Around { inside: Some(WhenPlace::When), in_loop: false, ..around };
                 for (_, body) in branches {
                     check_statements(problems, body, inner);
                 }
             }
             StatementKind::Break if !around.in_loop => {
-                problems.push(
-                    Diagnostic::error("MO0265", s.span, "`break` stands outside of a loop")
-                        .help("write it inside of `for` or `while`, or turn the condition round")
-                        .note("section 11.2.5 of the specification"),
-                );
+                problems.push(Diagnostic::new(ElementCause::BreakOutsideLoop, s.span));
             }
             StatementKind::Return if !around.function => {
-                problems.push(
-                    Diagnostic::error("MO0265", s.span, "`return` stands outside of a function")
-                        .help("put what follows into the `else` branch of an `if`")
-                        .note("section 12.1.2 of the specification"),
-                );
+                problems.push(Diagnostic::new(ElementCause::ReturnOutsideFunction, s.span));
             }
             StatementKind::Break
             | StatementKind::Return
@@ -182,36 +170,22 @@ fn check_statements(problems: &mut Problems, list: &[Statement], around: Around<
 }
 
 fn check_when(problems: &mut Problems, span: Span, around: Around<'_>) {
-    let wrong = match around {
-        Around { function: true, .. } => "a function",
-        Around { initial: true, .. } => "an initial section",
-        Around { inside: Some("when"), .. } => "another `when`",
-        Around { inside: Some("if"), .. } => "`if`",
-        Around { inside: Some("for"), .. } => "`for`",
-        Around { inside: Some(_), .. } => "`while`",
+    let inside = match around {
+        Around { function: true, .. } => WhenPlace::Function,
+        Around { initial: true, .. } => WhenPlace::Initial,
+        Around { inside: Some(place), .. } => place,
         Around { inside: None, .. } => return,
     };
-    let help = match wrong {
-        "another `when`" => "write `elsewhen`, or join the conditions with `and`",
-        "a function" => "compute it in the model, in a when-clause",
-        _ => "put the `when` outside, and this statement into it",
-    };
-    problems.push(
-        Diagnostic::error("MO0231", span, format!("`when` stands inside of {wrong}"))
-            .help(help)
-            .note("section 11.2.7 of the specification"),
-    );
+    problems.push(Diagnostic::new(ElementCause::MisplacedWhen { inside }, span));
 }
 
 fn check_target(problems: &mut Problems, target: &ComponentRef, around: Around<'_>) {
     let first = target.parts[0].name;
     let Some(declared) = around.inputs.get(&first.name) else { return };
-    let message = format!("input `{}` of a function is assigned", first.name);
     problems.push(
-        Diagnostic::error("MO0266", first.span, message)
+        Diagnostic::new(ElementCause::InputAssigned { name: first.name }, first.span)
             .also(*declared, "declared `input`")
-            .help("copy it to a protected variable, and change that")
-            .note("inputs of functions keep their values (section 12.2)"),
+            .note("inputs of functions keep their values"),
     );
 }
 
@@ -239,14 +213,10 @@ pub(crate) fn check_function(cx: &mut ClassGraph<'_>, class: ClassId) {
         let Some(of) = cx.find_class(&clause.type_name, scope) else { continue };
         let kind = cx.kind(of);
         if matches!(kind, ClassKind::Model | ClassKind::Block) {
-            let what = super::specialized_class::word(kind);
-            let message = format!("`{}` of a function is a {what}", entry.name.name);
+            let cause = SpecializedClassCause::ModelInFunction { name: entry.name.name, kind };
             cx.problems.push(
-                Diagnostic::error("MO0226", entry.name.span, message)
-                    .help("use a record, or pass the values that are needed")
-                    .note(
-                        "components of functions are of types, records or functions (section 12.2)",
-                    ),
+                Diagnostic::new(cause, entry.name.span)
+                    .note("components of functions are of types, records or functions"),
             );
         }
     }

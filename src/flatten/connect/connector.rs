@@ -1,6 +1,7 @@
 //! Checks of connector classes and connection sets: as many flows as potentials, and one source of
 //! each signal (Modelica 3.6, sections 9.3 and 9.3.1).
 
+use super::cause::ConnectCause;
 use super::sets::SetMember;
 use super::{expandable, is_connector};
 use crate::base::diag::Diagnostic;
@@ -100,12 +101,10 @@ fn check_block(cx: &mut Evaluator<'_>, block: InstanceId) {
 }
 
 fn report_undirected(cx: &mut Evaluator<'_>, connector: InstanceId, variable: InstanceId) {
-    let message = format!("`{}` of a block is neither input nor output", cx.path(variable));
+    let cause = ConnectCause::UndirectedInBlock { variable: cx.path(variable) };
     cx.class_graph.problems.push(
-        Diagnostic::error("MO0249", cx.declared_at(connector), message)
-            .also(cx.declared_at(variable), "declared here")
-            .help("use connectors of inputs and outputs, or declare the class as a model")
-            .note("section 4.7 of the specification"),
+        Diagnostic::new(cause, cx.declared_at(connector))
+            .also(cx.declared_at(variable), "declared here"),
     );
 }
 
@@ -122,16 +121,9 @@ fn check_conserved(cx: &mut Evaluator<'_>, id: InstanceId) {
         .into_iter()
         .find(|(operator, inputs)| !cx.has_operator(class, operator, *inputs));
     let Some((operator, _)) = missing else { return };
-    let message = format!(
-        "`{}` is a flow, and `{}` has no operator {operator}",
-        cx.path(id),
-        cx.classes[class].full_name
-    );
-    cx.class_graph.problems.push(
-        Diagnostic::error("MO0250", cx.declared_at(id), message)
-            .help("sums at connections need the operators '0', '+' and '-' of one argument")
-            .note("section 9.2 of the specification"),
-    );
+    let (path, class) = (cx.path(id), cx.classes[class].full_name);
+    let span = cx.declared_at(id);
+    cx.report(ConnectCause::FlowWithoutOperator { path, class, operator }, span);
 }
 
 fn count_scalars(cx: &mut Evaluator<'_>, id: InstanceId, counts: &mut ScalarCounts) {
@@ -169,47 +161,20 @@ fn report(cx: &mut Evaluator<'_>, id: InstanceId, class: ClassId, counts: &Scala
     let name = full_name.rsplit('.').next().unwrap_or_default();
     let declared = cx.definition(class).map_or(Span::NONE, |t| t.name.span);
     if streams > 0 && flows != 1 {
-        let message = format!(
-            "connector `{name}` has {} and {}",
-            counted(streams, "`stream` variable"),
-            counted(flows, "flow")
-        );
-        cx.class_graph.problems.push(
-            Diagnostic::error("MO0245", declared, message)
-                .also(cx.declared_at(id), "of this class")
-                .help("give it one scalar `flow` variable, which carries what the streams say")
-                .note("section 15.1 of the specification"),
-        );
+        let cause = ConnectCause::StreamFlows { connector: name.to_string(), streams, flows };
+        cx.class_graph
+            .problems
+            .push(Diagnostic::new(cause, declared).also(cx.declared_at(id), "of this class"));
         return;
     }
     if potentials == flows || overdetermined {
         return;
     }
-    let message = format!(
-        "connector `{name}` has {} and {}",
-        counted(potentials, "potential"),
-        counted(flows, "flow")
-    );
-    let help = match (potentials, flows) {
-        (_, 0) => {
-            "declare one `flow` variable for each potential, or make them `input` or `output`"
-        }
-        _ => "give each potential one `flow` variable, and each `flow` variable a potential",
-    };
-    cx.class_graph.problems.push(
-        Diagnostic::error("MO0245", declared, message)
-            .also(cx.declared_at(id), "of this class")
-            .help(help)
-            .note("section 9.3.1 of the specification"),
-    );
-}
-
-fn counted(n: usize, what: &str) -> String {
-    match n {
-        0 => format!("no {what}"),
-        1 => format!("1 {what}"),
-        n => format!("{n} {what}s"),
-    }
+    let cause =
+        ConnectCause::UnbalancedConnector { connector: name.to_string(), potentials, flows };
+    cx.class_graph
+        .problems
+        .push(Diagnostic::new(cause, declared).also(cx.declared_at(id), "of this class"));
 }
 
 /// True if a variable determines the value of its connection set: an output of an inside component,
@@ -246,11 +211,7 @@ pub(super) fn check_connectable(
         at = cx.instances[id].parent;
     }
     let path = cx.path(*id);
-    cx.problems.push(
-        Diagnostic::error("MO0230", span, format!("`{path}` is no connector"))
-            .help("write an equation, or declare it with a connector class")
-            .note("section 9.1 of the specification"),
-    );
+    cx.report(ConnectCause::NotAConnector { path }, span);
     None
 }
 
@@ -269,13 +230,12 @@ pub(super) fn check_single_source(
         return;
     }
     let (a, b) = (&flat.variables[*a], &flat.variables[*b]);
-    let message = format!("`{}` and `{}` are connected, and both give a value", a.name, b.name);
+    let cause = ConnectCause::TwoSources { first: a.name.to_string(), second: b.name.to_string() };
     cx.problems.push(
-        Diagnostic::error("MO0246", span, message)
+        Diagnostic::new(cause, span)
             .also(a.span, format!("`{}`", a.name))
             .also(b.span, format!("`{}`", b.name))
-            .help("connect each input to one output only")
-            .note("outputs of components and inputs of the model itself give values (section 9.3)"),
+            .note("outputs of components and inputs of the model itself give values"),
     );
 }
 
@@ -292,11 +252,11 @@ pub(super) fn is_within_reach(cx: &mut Evaluator<'_>, r: &ComponentRef, scope: S
         let connector =
             matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector);
         if k > 1 && matches!(cx.kind(class), ClassKind::Model | ClassKind::Block) && !connector {
-            let message = format!("`{}` is inside of a component of a component", part.name.name);
+            let cause = ConnectCause::ConnectedTooDeep { name: part.name.name };
             cx.problems.push(
-                Diagnostic::error("MO0230", r.span, message)
-                    .help("connect it in the class in which its component stands")
-                    .note("a connection names a connector of the class or of one of its components (section 9.1)"),
+                Diagnostic::new(cause, r.span).note(
+                    "a connection names a connector of the class or of one of its components",
+                ),
             );
             return false;
         }

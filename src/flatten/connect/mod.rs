@@ -2,6 +2,7 @@
 //! 3.6, chapter 9).
 
 pub(crate) mod cardinality;
+pub mod cause;
 pub(crate) mod connector;
 mod equations;
 pub(crate) mod expandable;
@@ -13,12 +14,14 @@ use self::connector::check_connectable;
 use self::sets::ConnectionSets;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::classes::unsupported::Construct;
 use crate::evaluate::Evaluator;
 use crate::evaluate::reference::Selection;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, VarId};
 use crate::ir::flat::{Assert, AssertionLevel, Origin};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
+use cause::{ConnectCause, Mismatch};
 
 /// The connections of a model.
 #[derive(Default)]
@@ -101,13 +104,13 @@ impl Connections {
                         self.record(cx, x.0, y.0, pair);
                         self.scalars(cx, x, y, pair)
                     }
-                    _ => mismatch(cx, pair, "are not of one kind"),
+                    _ => mismatch(cx, pair, Mismatch::Kind),
                 }
             }
             _ => {
                 let (left, right) = (parts(cx, a), parts(cx, b));
                 if left.len() != right.len() {
-                    return mismatch(cx, pair, "have different sizes");
+                    return mismatch(cx, pair, Mismatch::Sizes);
                 }
                 for (x, y) in left.iter().zip(&right) {
                     match (scalar(cx, x), scalar(cx, y)) {
@@ -116,7 +119,7 @@ impl Connections {
                             self.scalars(cx, x, y, pair)?;
                         }
                         (None, None) => self.pair(cx, x, y, pair)?,
-                        _ => return mismatch(cx, pair, "are not of one kind"),
+                        _ => return mismatch(cx, pair, Mismatch::Kind),
                     }
                 }
                 Some(())
@@ -141,7 +144,7 @@ impl Connections {
             | (_, InstanceKind::Absent | InstanceKind::Broken) => Some(()),
             (InstanceKind::Variable { dims: d, .. }, InstanceKind::Variable { dims: e, .. }) => {
                 if d != e {
-                    return mismatch(cx, pair, "have different sizes");
+                    return mismatch(cx, pair, Mismatch::Sizes);
                 }
                 self.record(cx, x, y, pair);
                 for k in 0..d.iter().product() {
@@ -156,10 +159,7 @@ impl Connections {
                     let path = cx.path(which);
                     let records = [x, y].into_iter().all(|i| is_record(cx, i));
                     if !records {
-                        cx.problems.push(
-                            Diagnostic::error("MO0230", end, format!("`{path}` is no connector"))
-                                .help("connect its connectors: `component.connector`"),
-                        );
+                        cx.report(ConnectCause::NotAConnector { path }, end);
                         return None;
                     }
                 }
@@ -181,13 +181,12 @@ impl Connections {
                     match others.iter().find(|o| cx.instances[**o].name == name) {
                         Some(other) => self.instances(cx, *child, *other, pair)?,
                         None => {
-                            let message = format!("do not match: only one of them has `{name}`");
-                            return mismatch(cx, pair, &message);
+                            return mismatch(cx, pair, Mismatch::OnlyOne(name));
                         }
                     }
                 }
                 if children.len() != others.len() {
-                    return mismatch(cx, pair, "do not match: they have different variables");
+                    return mismatch(cx, pair, Mismatch::Variables);
                 }
                 Some(())
             }
@@ -196,7 +195,7 @@ impl Connections {
                 InstanceKind::Array { dims: e, elements: others },
             ) => {
                 if d != e {
-                    return mismatch(cx, pair, "have different sizes");
+                    return mismatch(cx, pair, Mismatch::Sizes);
                 }
                 for (x, y) in elements.iter().zip(others.iter()) {
                     self.instances(cx, *x, *y, pair)?;
@@ -215,7 +214,7 @@ impl Connections {
                 }
                 Some(())
             }
-            _ => mismatch(cx, pair, "are not of one kind"),
+            _ => mismatch(cx, pair, Mismatch::Kind),
         }
     }
 
@@ -249,13 +248,13 @@ impl Connections {
             |i: InstanceId| cx.instances[i].prefix.connection == Some(ConnectionPrefix::Flow);
         let (s, t) = (flow(x.0), flow(y.0));
         if s != t {
-            return mismatch(cx, pair, "do not match: a flow variable meets a potential");
+            return mismatch(cx, pair, Mismatch::FlowWithPotential);
         }
         if [x.0, y.0]
             .iter()
             .any(|i| cx.instances[*i].prefix.connection == Some(ConnectionPrefix::Stream))
         {
-            cx.unsupported(pair.origin.span, "`stream` connectors");
+            cx.unsupported(pair.origin.span, Construct::Streams);
             return None;
         }
         let ty = |i: InstanceId| match cx.instances[i].kind {
@@ -263,19 +262,15 @@ impl Connections {
             _ => None,
         };
         if ty(x.0) != ty(y.0) {
-            return mismatch(cx, pair, "do not match: their variables have different types");
+            return mismatch(cx, pair, Mismatch::Types);
         }
         // Signals must be connected to signals.
         let causal = [x.0, y.0].map(|i| cx.instances[i].prefix.causality.is_some());
         let bus = [x.0, y.0].into_iter().any(|i| expandable::is_within(cx, i));
         if causal[0] != causal[1] && !bus {
             let (signal, other) = if causal[0] { (x.0, y.0) } else { (y.0, x.0) };
-            let why = format!(
-                "do not match: `{}` is an input or output, and `{}` is neither",
-                cx.path(signal),
-                cx.path(other)
-            );
-            return mismatch(cx, pair, &why);
+            let (signal, other) = (cx.path(signal), cx.path(other));
+            return mismatch(cx, pair, Mismatch::SignalWithOther { signal, other });
         }
         let fixed = |i: InstanceId| {
             matches!(
@@ -291,14 +286,8 @@ impl Connections {
                     Some(_) => "a parameter",
                     None => "a variable",
                 };
-                let why = format!(
-                    "do not match: `{}` is {}, and `{}` is {}",
-                    cx.path(x.0),
-                    word(of(x.0)),
-                    cx.path(y.0),
-                    word(of(y.0))
-                );
-                return mismatch(cx, pair, &why);
+                let both = [x.0, y.0].map(|i| (cx.path(i), word(of(i))));
+                return mismatch(cx, pair, Mismatch::Variability(both));
             }
             return self.equal(cx, x, y, pair);
         }
@@ -327,16 +316,19 @@ impl Connections {
         };
         let (a, b) = (read(x)?, read(y)?);
         let same = cx.graph.binary(Binary::Equal, a, b);
-        let names = format!("`{}` and `{}`", cx.path(x.0), cx.path(y.0));
+        let names = [cx.path(x.0), cx.path(y.0)];
         match cx.graph.as_const(same) {
             Some(Const::Boolean(true)) => {}
             Some(Const::Boolean(false)) => {
                 let show = |e| crate::symbolic::print::print(&cx.graph, e, &|_| String::new());
-                let why = format!("have different values of {names}: {} and {}", show(a), show(b));
-                return mismatch(cx, pair, &why);
+                let values = [show(a), show(b)];
+                report_pair(cx, pair, ConnectCause::ValuesDiffer { names, values });
+                return None;
             }
             _ => {
-                let message = cx.graph.string(&format!("connected parameters differ: {names}"));
+                let message =
+                    format!("connected parameters differ: `{}` and `{}`", names[0], names[1]);
+                let message = cx.graph.string(&message);
                 let assert = Assert { condition: same, message, level: AssertionLevel::Error };
                 self.equalities.push((assert, pair.origin.clone()));
             }
@@ -355,19 +347,20 @@ struct ConnectedPair {
     of: [Option<InstanceId>; 2],
 }
 
-fn mismatch(cx: &mut Evaluator<'_>, pair: &ConnectedPair, why: &str) -> Option<()> {
+fn mismatch(cx: &mut Evaluator<'_>, pair: &ConnectedPair, why: Mismatch) -> Option<()> {
+    report_pair(cx, pair, ConnectCause::ConnectorsDiffer { why });
+    None
+}
+
+fn report_pair(cx: &mut Evaluator<'_>, pair: &ConnectedPair, cause: ConnectCause) {
     let class = |id: Option<InstanceId>, otherwise: &str| {
         let class = id.and_then(|id| cx.instances[id].class);
         class.map_or(otherwise.to_string(), |c| format!("`{}`", cx.classes[c].full_name))
     };
     let (one, other) = (class(pair.of[0], "one"), class(pair.of[1], "the other"));
     cx.problems.push(
-        Diagnostic::error("MO0230", pair.origin.span, format!("the two connectors {why}"))
-            .also(pair.ends.0, one)
-            .also(pair.ends.1, other)
-            .help("connect connectors of the same class (section 9.3)"),
+        Diagnostic::new(cause, pair.origin.span).also(pair.ends.0, one).also(pair.ends.1, other),
     );
-    None
 }
 
 /// The first of the selected instances.

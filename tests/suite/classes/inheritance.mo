@@ -21,7 +21,7 @@ model Base
 end Base;
 model Box
   extends Base;
-  //@ error[MO0204] 8
+  //@ error[MO0292] 8
   Real x = 2;
 end Box;
 
@@ -58,7 +58,7 @@ package P
   end Data;
   record Given = input Data;
   record Both
-    //@ error[MO0227] 13-17
+    //@ error[MO1289] 13-17
     extends Given;
     Real y;
   end Both;

@@ -20,7 +20,7 @@ model Shaft
   Translational.Mass mass(m = 1);
 equation
   connect(wall.flange, spring.flange_a);
-  //@ error[MO0202] 18-24
+  //@ error[MO0283] 18-24
   connect(spring.flangeb, mass.flange);
 end Shaft;
 
@@ -53,9 +53,9 @@ package Lookup
 
   model Plant
     import Lookup.Units;
-    //@ error[MO0263] 12-16
+    //@ error[MO1216] 12-16
     import Units = Lookup.Others;
-    //@ error[MO0263] 12-27
+    //@ error[MO1217] 12-27
     import Lookup.Pump.Seal;
     //@ error[MO0261] 10-14
     Pump.Wheel wheel;
@@ -66,7 +66,7 @@ package Lookup
     //@ error[MO0261] 19-23
     Real n = Pump.poles;
     Real p = Units.bar;
-    //@ error[MO0201] 5-9
+    //@ error[MO0282] 5-9
     wheel second;
   end Plant;
 end Lookup;
@@ -102,9 +102,9 @@ package P
     Derived derived;
     //@ error[MO0208] 5-9
     Alias alias;
-    //@ error[MO0208] 19
+    //@ error[MO1201] 19
     Real x = Open.k;
-    //@ error[MO0202] 14-23
+    //@ error[MO0286] 14-23
     Real y = parts[1].f(2);
     //@ error[MO0217] 14-17
     Real z = some.f(2);
@@ -134,15 +134,15 @@ end P;
 
 //@ case names_of_predefined_types
 model NamesOfPredefinedTypes
-  //@ error[MO0226] 9-22
+  //@ error[MO1280] 9-22
   model ExternalObject
     Real x = 1;
   end ExternalObject;
-  //@ error[MO0226] 8-14
+  //@ error[MO1280] 8-14
   type Integer = Real;
-  //@ error[MO0226] 8-18
+  //@ error[MO1280] 8-18
   Real StateSelect = 1;
-  //@ error[MO0226] 8-14
+  //@ error[MO1280] 8-14
   Real Boolean = 2;
   ExternalObject x;
 end NamesOfPredefinedTypes;

@@ -28,7 +28,7 @@ end Body;
 //@ case override_of_a_variable
 //@ run set=v=2
 //@ status 2
-//@ error[MO0241] nowhere
+//@ error[MO1213] nowhere
 model Body
   parameter Real mass = 1;
   Real v(start = 1);
@@ -51,7 +51,7 @@ model Two
 end Two;
 
 //@ case override_of_wrong_type
-//@ error[MO0202] at --set:1:21-25
+//@ error[MO0284] at --set:1:21-25
 //@ run set=closed=5 set=kind=Kind.Steel
 //@ status 2
 //@ error[MO0212] at --set:1:16

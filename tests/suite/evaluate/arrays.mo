@@ -7,16 +7,16 @@ end Sums;
 
 //@ case enumerations_misused
 model Enumerations
-  //@ error[MO0226] 42-46
+  //@ error[MO1278] 42-46
   type Size = enumeration(small, medium, small);
   type Gear = enumeration(low, high);
   parameter Real ratio[Gear] = {3, 1};
   parameter Boolean on = true;
   Real flags[Boolean] = {0, 1};
-  //@ error[MO0216] 18
+  //@ error[MO1243] 18
   Real x = ratio[1];
   Real y = flags[on];
-  //@ error[MO0216] 18
+  //@ error[MO1243] 18
   Real z = flags[2];
   Real w = ratio[Gear.low];
   Size size = Size.medium;
@@ -25,7 +25,7 @@ end Enumerations;
 //@ case size_of_something_missing
 // A size that depends on something missing is not a second error.
 model Sizes
-  //@ error[MO0202] 29-32
+  //@ error[MO0288] 29-32
   parameter Real given[:] = rows(3);
   //@ error[MO0202] 15-21
   Real y[:] = missing + given;

@@ -2,12 +2,12 @@
 model Conditional
   parameter Boolean present = true;
   record Reading
-    //@ error[MO0226] 15-18
+    //@ error[MO1286] 15-18
     Real at = time;
     Real value;
   end Reading;
   function clock
-    //@ error[MO0226] 21-24
+    //@ error[MO1286] 21-24
     output Real t = time;
   algorithm
   end clock;
@@ -28,11 +28,11 @@ end Conditional;
 //@ case delay_arguments
 model Bounds
   Real x = time;
-  //@ error[MO0219] 27
+  //@ error[MO1250] 27
   Real late = delay(x, 2, 1);
-  //@ error[MO0219] 29
+  //@ error[MO1249] 29
   Real free = delay(x, 0.5, x);
-  //@ error[MO0219] 27
+  //@ error[MO1269] 27
   Integer n = cardinality(x);
 end Bounds;
 
@@ -43,15 +43,15 @@ model Pipe
   parameter Real p = 0.5;
 equation
   der(x) = 1;
-  //@ error[MO0219] 53-68
+  //@ error[MO1252] 53-68
   (y[1], y[2]) = spatialDistribution(x, 0, x, true, {0, 0.7, 0.5, 1}, {0, 0, 0, 0});
-  //@ error[MO0219] 47
+  //@ error[MO1251] 47
   (y[3], y[4]) = spatialDistribution(time, 0, p, true);
   //@ error[MO0219] 18-48
   (y[5], y[6]) = spatialDistribution(time, 0, x);
   //@ error[MO0212] 18-51
   (y[7], y[8]) = spatialDistribution(time, 0, x, 1);
-  //@ error[MO0219] 57-62
+  //@ error[MO1252] 57-62
   (y[9], y[10]) = spatialDistribution(time, 0, x, true, {0, 1}, {1, 2, 3});
 end Pipe;
 
@@ -92,7 +92,7 @@ package P
         import P.Twice;
         input Real a;
         output Twice t(a = a);
-        //@ error[MO0226] 21-24
+        //@ error[MO1283] 21-24
         output Real rest = 0;
       algorithm
       end make;
@@ -100,11 +100,11 @@ package P
   end Twice;
   model Top
     Pair p(a = 1);
-    //@ error[MO0219] 14-22
+    //@ error[MO1257] 14-22
     Pair q = Pair(3.0);
-    //@ error[MO0202] 18-20
+    //@ error[MO0287] 18-20
     Pair sum = p.'+'.add(p, q);
-    //@ error[MO0212] 18-24
+    //@ error[MO1224] 18-24
     Pair wrong = p and q;
     Twice t = Twice(1);
   end Top;

@@ -4,11 +4,11 @@ model Call
     input Real x;
     output Real y = 2*x;
   end twice;
-  //@ error[MO0219] 12-18
+  //@ error[MO1262] 12-18
   Real a = twice();
   //@ error[MO0219] 12-22
   Real b = twice(1, 2);
-  //@ error[MO0219] 18
+  //@ error[MO1261] 18
   Real c = twice(z = 2);
 end Call;
 
@@ -17,7 +17,7 @@ package P
   function begun
     input Real x;
     output Real y;
-  //@ error[MO0226] 3-
+  //@ error[MO1285] 3-
   initial algorithm
     y := x;
   end begun;
@@ -26,7 +26,7 @@ package P
     output Real y;
   algorithm
     y := x;
-  //@ error[MO0226] 3-
+  //@ error[MO1285] 3-
   algorithm
     y := 2*y;
   end twice;
@@ -40,9 +40,9 @@ package P
   model Top
     Real a = begun(1);
     Real b = twice(1);
-    //@ error[MO0208] 14-20
+    //@ error[MO1200] 14-20
     Real c = open(1);
-    //@ error[MO0208] 14-21
+    //@ error[MO1200] 14-21
     Real d = short(1);
   end Top;
 end P;
@@ -55,10 +55,10 @@ model DerivedFunctions
     output Real y = x + u[1];
   algorithm
   end f;
-  //@ error[MO0219] 29
+  //@ error[MO1253] 29
   function by_what = der(f, z);
   function by_array = der(f, u);
-  //@ error[MO0219] 26-29
+  //@ error[MO1255] 26-29
   function of_what = der(Real, x);
   Real a = by_what(time, {1, 2});
   //@ error[MO0200] 12-33
@@ -76,7 +76,7 @@ model Sums
     output Real s;
   algorithm
     // It never looks whether there are elements left.
-    //@ error[MO0221] 31-50
+    //@ error[MO1205] 31-50
     s := if x < 0 then 0 else sum(x - 1, v[2:end]) + sum(x - 2, cat(1, v, {x}));
   end sum;
   Real s = sum(time, {1, 2, 3});

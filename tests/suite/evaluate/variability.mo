@@ -10,10 +10,10 @@ model Bindings
   constant Integer n = size({p, p}, 1);
   //@ error[MO0248] 21
   discrete Real d = 1;
-  //@ error[MO0212] 16-21
+  //@ error[MO1226] 16-21
   Real slope = der(d);
   parameter Integer k = 3;
-  //@ error[MO0212] 15-20
+  //@ error[MO1226] 15-20
   Real rate = der(k);
 end Bindings;
 

@@ -30,7 +30,7 @@ model Mixed
   Translational.Mass mass(m = 1);
   Pneumatics.Volume  tank(V_0 = 1);
 equation
-  //@ error[MO0230] 3-33
+  //@ error[MO1211] 3-33
   connect(mass.flange, tank.port);
 end Mixed;
 
@@ -67,12 +67,12 @@ package P
     Real x = 1;
     Real y;
   equation
-    //@ error[MO0230] 5-25
+    //@ error[MO1211] 5-25
     connect(one.p, two.h);
     //@ error[MO0230] 13
     connect(x, y);
     if time > 0.5 then
-      //@ error[MO0231] 7-27
+      //@ error[MO1272] 7-27
       connect(one.p, two.p);
     end if;
   end Top;
@@ -126,17 +126,17 @@ package Restrictions
     Outlet outlet;
     Device device;
     Adapter adapter;
-    //@ error[MO0228] 18-20
+    //@ error[MO1208] 18-20
     constant Pin pin;
-    //@ error[MO0228] 18-23
+    //@ error[MO1209] 18-23
     input Signal signal(e = 1, u = 2);
   equation
     //@ error[MO0246] 5-29
     connect(source.y, sink.u);
     connect(sink.u, other.y);
-    //@ error[MO0230] 5-37
+    //@ error[MO1291] 5-37
     connect(outlet.plug, device.plug);
-    //@ error[MO0230] 5-40
+    //@ error[MO1211] 5-40
     connect(outlet.plug, adapter.socket);
   end System;
 end Restrictions;

@@ -28,11 +28,11 @@ end Unbalanced;
 
 //@ case stream_connectors
 package Streams
-  //@ error[MO0245] 13-16
+  //@ error[MO1215] 13-16
   connector Lone
     stream Real h;
   end Lone;
-  //@ error[MO0245] 13-18
+  //@ error[MO1215] 13-18
   connector Double
     Real p[2];
     flow Real m[2];

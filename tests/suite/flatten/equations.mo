@@ -3,7 +3,7 @@ model Switch
   Boolean on;
   Real x(start = 0);
 equation
-  //@ error[MO0212] 3-8
+  //@ error[MO1220] 3-8
   on = 1;
   //@ error[MO0212] 15-16
   der(x) = if x then 1 else 2;

@@ -86,7 +86,7 @@ end M;
 //@ case bus_mixed
 model M
   expandable connector Bus
-    //@ error[MO0243] 14
+    //@ error[MO1214] 14
     Real x = 1;
     //@ error[MO0243] 15
     flow Real f;
@@ -101,9 +101,9 @@ model M
   Real y;
 equation
   pin.v = 1;
-  //@ error[MO0230] 3-19
+  //@ error[MO1212] 3-19
   connect(bus, pin);
-  //@ error[MO0217] 7-16
+  //@ error[MO1203] 7-16
   y = bus.unused;
 end M;
 

@@ -30,7 +30,7 @@ equation
   when x > 0.5 then
     n = n + 1;
   end when;
-  //@ error[MO0231] 3-14
+  //@ error[MO1265] 3-14
   reinit(x, 0);
 end Count;
 
@@ -46,9 +46,9 @@ model Foreign
   Display display;
 equation
   when sample(0, 1) then
-    //@ error[MO0231] 5-18
+    //@ error[MO1275] 5-18
     counter.count = pre(counter.count) + 1;
-    //@ error[MO0231] 5-18
+    //@ error[MO1275] 5-18
     display.shown = time;
   end when;
 end Foreign;

@@ -6,13 +6,13 @@ model MissingInner
     Real T = 300;
   end Air;
   model Part
-    //@ warning[MO0206] 16-22
+    //@ warning[MO0295] 16-22
     outer Real ambient;
     //@ error[MO0206] 16-21
     outer Real levels[2];
-    //@ warning[MO0206] 15-17
+    //@ warning[MO0295] 15-17
     outer Air air;
-    //@ warning[MO0206] 29
+    //@ warning[MO0295] 29
     outer parameter Integer n;
     Real y = ambient + levels[1] + air.T + n;
   end Part;
@@ -31,11 +31,11 @@ model Surroundings
   model Inside
     outer Air air;
     Real t = air.temperature;
-    //@ error[MO0202] 18-25
+    //@ error[MO0283] 18-25
     Real h = air.humidity;
   end Inside;
   model Modified
-    //@ error[MO0267] 28-33
+    //@ error[MO1219] 28-33
     outer parameter Real g = 9.81;
   end Modified;
   model Plain
@@ -51,7 +51,7 @@ model Surroundings
   inner Real list[4] = {1, 2, 3, 4};
   Inside inside;
   Modified modified;
-  //@ error[MO0267] 17-20
+  //@ error[MO1219] 17-20
   Plain plain(g = 10);
 end Surroundings;
 
@@ -121,7 +121,7 @@ package P
     Real weight = 2*g;
   end World;
   model Body
-    //@ warning[MO0206] 17-21
+    //@ warning[MO0295] 17-21
     outer World world;
     Real f = world.weight;
   end Body;

@@ -18,7 +18,7 @@ end Misspelt;
 
 //@ case unknown_attribute
 model Start
-  //@ error[MO0203] 10-14
+  //@ error[MO0289] 10-14
   Real x(begin = 1);
 equation
   der(x) = -x;
@@ -35,17 +35,17 @@ end Switch;
 
 //@ case missing_each
 model Chain
-  //@ error[MO0215] 34-39
+  //@ error[MO1230] 34-39
   Translational.Mass mass[3](m = {1, 2});
-  //@ error[MO0215] 40
+  //@ error[MO1230] 40
   Translational.Mass more[3](s_start = 1);
 end Chain;
 
 //@ case too_many_values
 model Chain
-  //@ error[MO0215] 34-42
+  //@ error[MO1230] 34-42
   Translational.Mass mass[2](m = {1, 2, 3});
-  //@ error[MO0215] 52-60
+  //@ error[MO1230] 52-60
   Translational.Mass more[2](each m = 1, s_start = {0, 1, 2});
   Translational.Mass fine[2](m = {1, 2}, s(start = {0, 1}));
 end Chain;
@@ -64,7 +64,7 @@ package Modified
     //@ error[MO0262] 13-24
     extends Exchangeable;
   end Extended;
-  //@ error[MO0227] 13-17
+  //@ error[MO1290] 13-17
   connector Mixed
     extends Real;
     Real more = 1;
@@ -76,7 +76,7 @@ package Modified
   end Same;
   model Twice
     extends Same;
-    //@ error[MO0204] 11-15
+    //@ error[MO0292] 11-15
     model Inner
       Real x = 2;
     end Inner;

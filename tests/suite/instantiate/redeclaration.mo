@@ -52,16 +52,16 @@ package Closed
 
   model Derived
     extends Base;
-    //@ error[MO0224] 20-29
+    //@ error[MO1206] 20-29
     redeclare Real fixed_part = 3;
-    //@ error[MO0224] 20-25
+    //@ error[MO1206] 20-25
     redeclare Real number = 2;
-    //@ error[MO0224] 21-26
+    //@ error[MO1206] 21-26
     redeclare model Inside
       Real x = 2;
     end Inside;
   protected
-    //@ error[MO0224] 20-24
+    //@ error[MO1206] 20-24
     redeclare Real level = 4;
   end Derived;
 
@@ -83,7 +83,7 @@ package Closed
   end Narrow;
 
   model Wrong
-    //@ error[MO0225] 23-26
+    //@ error[MO1207] 23-26
     replaceable Small part constrainedby Large;
   end Wrong;
 
@@ -129,13 +129,13 @@ package P
     extends Holder(replaceable Large part constrainedby Small);
   end Wider;
   model Changed
-    //@ error[MO0224] 29
+    //@ error[MO1206] 29
     Holder h(redeclare Real k = 2);
   end Changed;
   type Row = Real[3];
   type Matrix = Real[2, 3];
   model Rows
-    //@ error[MO0225] 22
+    //@ error[MO1207] 22
     replaceable type T = Row[2] constrainedby Matrix;
     T x = {{1, 2, 3}, {4, 5, 6}};
   end Rows;

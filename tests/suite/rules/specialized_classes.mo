@@ -1,7 +1,7 @@
 //@ case restrictions
 model KindsOfClasses
   type State = enumeration(
-    //@ error[MO0226] 10-14
+    //@ error[MO1279] 10-14
     off, start);
 
   connector Bad
@@ -23,11 +23,11 @@ model KindsOfClasses
     Real y;
   end Rule;
 
-  //@ error[MO0226] 12-16
+  //@ error[MO1281] 12-16
   function twice
     input Real u;
     output Real y;
-    //@ error[MO0226] 10-16
+    //@ error[MO1284] 10-16
     Real between;
   equation
     y = 2*u;
@@ -54,14 +54,14 @@ model KindsOfClasses
   Flows flows;
   //@ error[MO0228] 17-20
   constant Part part;
-  //@ error[MO0226] 8-13
+  //@ error[MO1280] 8-13
   Real String = 3;
   Real y;
   Real t = twice(1);
   State state = State.off;
 equation
   y = 1;
-  //@ error[MO0218] 7
+  //@ error[MO1204] 7
   for i loop
     y = 1;
   end for;
@@ -72,7 +72,7 @@ package P
   operator record Pair
     Real a;
     operator '+'
-      //@ error[MO0226] 21-24
+      //@ error[MO1282] 21-24
       constant Real bias = 1;
       function add
         input Pair x;
@@ -84,7 +84,7 @@ package P
     end '+';
   end Pair;
   operator record Longer
-    //@ error[MO0227] 13-16
+    //@ error[MO1288] 13-16
     extends Pair;
   end Longer;
   package Inside
@@ -93,7 +93,7 @@ package P
     end Number;
   end Inside;
   package Around
-    //@ error[MO0227] 13-18
+    //@ error[MO1288] 13-18
     extends Inside;
     constant Real k = 2;
   end Around;

@@ -12,7 +12,7 @@ model Statements
   protected
     //@ error[MO0226] 16-19
     input Real gain = 2;
-    //@ error[MO0226] 10-13
+    //@ error[MO1287] 10-13
     Part part;
   algorithm
     //@ error[MO0266] 5
@@ -43,7 +43,7 @@ model Statements
   discrete Real w(start = 0);
 algorithm
   when x > 2 then
-    //@ error[MO0231] 5-
+    //@ error[MO1271] 5-
     when time > 1 then
       y := 1;
     end when;
@@ -52,10 +52,10 @@ algorithm
     //@ error[MO0265] 5-9
     break;
   elseif x > 2 then
-    //@ error[MO0265] 5-10
+    //@ error[MO1218] 5-10
     return;
   else
-    //@ error[MO0231] 5-
+    //@ error[MO1271] 5-
     when time > 2 then
       w := 1;
     end when;
@@ -70,7 +70,7 @@ equation
 algorithm
   when time > 0.5 then
     if z > 0 then
-      //@ error[MO0219] 7-18
+      //@ error[MO1265] 7-18
       reinit(z, 1);
     end if;
   end when;

@@ -14,6 +14,7 @@ mod augment;
 pub(crate) mod connection_ends;
 mod presence;
 
+use super::cause::ConnectCause;
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
@@ -243,12 +244,9 @@ fn report_self_containing(
         }
     }
     let [outer, inner] = [outer, inner].map(|id| cx.path(id));
-    let message = format!("`{outer}` is connected with `{inner}`, which is a part of it");
     cx.problems.push(
-        Diagnostic::error("MO0276", span, message)
-            .label("each would have what the other has, without an end")
-            .help("connect a bus with buses that stand outside of it, or with variables in it")
-            .note("section 9.1.3 of the specification"),
+        Diagnostic::new(ConnectCause::ConnectedToOwnPart { outer, inner }, span)
+            .label("each would get the variables of the other, without end"),
     );
 }
 

@@ -7,6 +7,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
+use crate::flatten::connect::cause::ConnectCause;
 use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
@@ -29,22 +30,17 @@ pub(super) fn check_declarations(cx: &mut Evaluator<'_>, bus: InstanceId) {
         }
         let (path, place) = (cx.path(child), cx.declared_at(child));
         if cx.instances[child].prefix.connection == Some(ConnectionPrefix::Flow) {
-            let message = format!("`{path}` is a flow variable of an expandable connector");
+            let cause = ConnectCause::FlowInExpandable { path: path.clone() };
             cx.problems.push(
-                Diagnostic::error("MO0243", place, message)
-                    .help("declare it in a connector, and that in the expandable one")
-                    .note(
-                        "an expandable connector has no flow variables of its own (section 9.1.3)",
-                    ),
+                Diagnostic::new(cause, place)
+                    .note("an expandable connector has no flow variables of its own"),
             );
         }
         if let Some(binding) = cx.binding(child) {
-            let message = format!("`{path}` is given a value, and may not be present at all");
             cx.problems.push(
-                Diagnostic::error("MO0243", binding.value.span, message)
+                Diagnostic::new(ConnectCause::BoundInExpandable { path }, binding.value.span)
                     .also(place, "declared in an expandable connector")
-                    .help("connect it to an output that has the value")
-                    .note("variables of expandable connectors are present if they are connected (section 9.1.3)"),
+                    .note("variables of expandable connectors exist if they are connected"),
             );
         }
     }
@@ -114,10 +110,9 @@ pub(super) fn apply(
             None => format!("{path}.{name}"),
         };
         cx.problems.push(
-            Diagnostic::error("MO0244", span, format!("nothing gives `{written}` a value"))
+            Diagnostic::new(ConnectCause::UndrivenVariable { path: written }, span)
                 .label("read here")
-                .help("connect an output to it, here or at any connector that this one is connected to")
-                .note("what is an input in one expandable connector is none in another (section 9.1.3)"),
+                .note("an input of one expandable connector must not be an input in all others"),
         );
     }
     for &bus in &buses.all {
@@ -189,16 +184,11 @@ fn mismatched(
     }
     let (bus, other) = if is_bus(cx, *x) { (0, *y) } else { (1, *x) };
     let path = cx.path(other);
-    let text = cx.sources.text(connect.ends[bus].span).unwrap_or("BUS").to_string();
-    let message =
-        format!("an expandable connector is connected to `{path}`, which is not expandable");
+    let name = cx.sources.text(connect.ends[bus].span).unwrap_or("BUS").to_string();
     cx.problems.push(
-        Diagnostic::error("MO0230", connect.span, message)
+        Diagnostic::new(ConnectCause::ExpandableWithOther { path, bus: name }, connect.span)
             .also(connect.ends[bus].span, "expandable")
-            .help(format!("name a variable of the expandable connector: `{text}.NAME`"))
-            .note(
-                "expandable connectors are connected to expandable connectors only (section 9.1.3)",
-            ),
+            .note("expandable connectors are connected to expandable connectors only"),
     );
 }
 

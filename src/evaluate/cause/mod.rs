@@ -1,0 +1,34 @@
+//! Causes found in expressions, by topic.
+
+pub mod array;
+pub mod builtin;
+pub mod call;
+pub mod name;
+pub mod types;
+pub mod value;
+
+use crate::base::diag::Diagnostic;
+use crate::classes::cause::ClassCause;
+use crate::rules::cause::element::ElementCause;
+use array::ArrayCause;
+use name::NameCause;
+use types::TypeCause;
+
+/// Whether an error in a function holds for all arguments, and not only for the sizes assumed while
+/// the function is checked: names and types.
+pub fn holds_for_all_arguments(d: &Diagnostic) -> bool {
+    d.is(|cause: &NameCause| {
+        !matches!(cause, NameCause::AbsentComponent | NameCause::ElementOfPartial { .. })
+    }) || d.is(|cause: &TypeCause| !matches!(cause, TypeCause::ContinuousValue { .. }))
+        || d.is(|cause: &ArrayCause| matches!(cause, ArrayCause::ZeroStep))
+        || d.is(|cause: &ClassCause| {
+            matches!(
+                cause,
+                ClassCause::UnknownClass { .. }
+                    | ClassCause::NothingToExtend { .. }
+                    | ClassCause::ComponentAsClass { .. }
+                    | ClassCause::UnknownElement { .. }
+            )
+        })
+        || d.is(|cause: &ElementCause| matches!(cause, ElementCause::InputAssigned { .. }))
+}

@@ -1,0 +1,185 @@
+//! Causes found while a model is flattened: equations, clauses and parameter overrides.
+
+use std::fmt;
+
+use crate::base::cause::causes;
+use crate::base::name::Name;
+
+causes! {
+    /// Causes found in the equations of a model while it is flattened.
+    pub enum FlattenCause {
+        /// A when-equation is where none may occur.
+        error MO0231 MisplacedWhen { inside: WhenEquationPlace } (section "8.3.5.2")
+            => ("`when` is inside of {inside}"), help("{}", inside.remedy());
+        /// A connect-equation is where none may occur.
+        error MO1272 MisplacedConnect { inside: ConnectPlace } (section "9.3")
+            => ("`connect` is inside of {inside}"),
+            help("decide it by parameters, or switch by equations");
+        /// An expression is where an equation must be.
+        error MO1273 NotAnEquation (section "8.3")
+            => ("expected an equation, found an expression"),
+            help("write an equation with `=`, or call a function");
+        /// The branches of an if-equation define different discrete variables.
+        error MO1274 DifferentDiscrete (section "8.3.4")
+            => ("branches must define the same discrete variables in the same order"),
+            help("sort the equations of the branches by their variables");
+        /// The branches of an if-equation have different numbers of equations.
+        error MO0232 BranchCount { first: usize, second: usize } (section "8.3.4")
+            => ("the branches have {first} and {second} equations, \
+                 but their condition changes during simulation"),
+            help("give each branch, `else` included, the same number of equations");
+        /// A when-equation determines a variable of another component.
+        error MO1275 ForeignVariable { variable: Name, component: Name } (section "4.7")
+            => ("`{variable}` of component `{component}` is determined \
+                 in a when-clause outside of it"),
+            help("write the when-clause there, or determine a variable of this class \
+                  and bind or connect the other one to it");
+        /// The left side of an equation in a when-clause is not a variable.
+        error MO1276 LeftSideInWhen (section "8.3.5.3")
+            => ("expected a variable on the left side of an equation in a when-clause"),
+            help("solve the equation for a variable");
+        /// The operator `reinit` is applied to something other than a variable.
+        error MO1277 ReinitTarget (section "8.3.6")
+            => ("the first argument of `reinit` must be a state"),
+            help("name a variable that is differentiated");
+        /// An assertion is false for the given parameters.
+        error MO0233 Assertion { message: String } (section "8.3.7")
+            => ("assertion failed: {message}"),
+            help("give the parameters values for which the assertion holds");
+        /// A component has more or fewer equations than unknowns.
+        error MO0234 Unbalanced { component: String, equations: usize, unknowns: usize }
+            (section "4.7")
+            => (
+                "`{component}` is not balanced: it has {} for {}",
+                counted(*equations, "equation"),
+                counted(*unknowns, "unknown")
+            ),
+            remedy(Some(match equations.checked_sub(*unknowns) {
+                None => format!("add {}", counted(unknowns - equations, "equation")),
+                Some(more) => format!("remove {}", counted(more, "equation")),
+            }));
+        /// A discrete variable has a declaration equation.
+        error MO0248 BoundDiscrete { path: String } (section "4.4.4")
+            => ("`{path}` is `discrete`, and cannot have a declaration equation"),
+            help("assign it in a when-clause, or leave `discrete` out");
+        /// A parameter or constant is outside of its bounds.
+        warning MO0273 OutsideBounds { name: String, value: f64, bound: f64, above: bool }
+            (section "4.8.1")
+            => ("`{name}` is {value}, {} of {bound}", match above {
+                true => "above its `max`",
+                false => "below its `min`",
+            }),
+            help("give it another value, or another bound");
+        /// The seed of a random number generator is known only at run time.
+        error MO1246 UnknownSeed
+            => ("the seed of this random number generator is known only at run time"),
+            help("call `initializeImpureRandom` with a seed that is known before simulation");
+    }
+}
+
+causes! {
+    /// Causes found in parameter overrides, such as those of `--set`.
+    pub enum OverrideCause {
+        /// A parameter override cannot be read.
+        error MO0240 Malformed { text: String, why: WrongOverride }
+            => ("the parameter override `{text}` {why}"), help("{}", why.remedy());
+        /// A parameter override names nothing in the model.
+        error MO0241 UnknownParameter { name: String, near: Option<String> }
+            => ("the model has no parameter `{name}`"), remedy(Some(match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => "`mocc flatten FILE` lists all parameters".to_string(),
+            }));
+        /// A parameter override names a variable.
+        error MO1213 OverriddenVariable { name: String }
+            => ("`{name}` is a variable, not a parameter"),
+            help("set its start value instead: `{name}.start=...`");
+    }
+}
+
+/// Where a when-equation may not occur.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)]
+pub enum WhenEquationPlace {
+    Initial,
+    When,
+    VaryingIf,
+}
+
+impl WhenEquationPlace {
+    fn remedy(self) -> &'static str {
+        match self {
+            WhenEquationPlace::Initial => "write it in an `equation` section",
+            WhenEquationPlace::When => "write `elsewhen`, or join the conditions with `and`",
+            WhenEquationPlace::VaryingIf => "put the condition into the `when`",
+        }
+    }
+}
+
+impl fmt::Display for WhenEquationPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            WhenEquationPlace::Initial => "an initial section",
+            WhenEquationPlace::When => "another `when`",
+            WhenEquationPlace::VaryingIf => "an `if` whose condition is known only at run time",
+        })
+    }
+}
+
+/// Where a connect-equation may not occur.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)]
+pub enum ConnectPlace {
+    VaryingIf,
+    When,
+}
+
+impl fmt::Display for ConnectPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            ConnectPlace::VaryingIf => "an `if` whose condition is known only at run time",
+            ConnectPlace::When => "a when-clause",
+        })
+    }
+}
+
+/// Why a parameter override cannot be read.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)]
+pub enum WrongOverride {
+    NoValue,
+    NoName,
+    NoExpression,
+}
+
+impl WrongOverride {
+    fn remedy(self) -> &'static str {
+        match self {
+            WrongOverride::NoValue | WrongOverride::NoName => {
+                "write NAME=VALUE, such as `seal_a.s_ce=1.2e-3`"
+            }
+            WrongOverride::NoExpression => {
+                "write a number, true, false, a literal such as Contact.Free, \
+                 or {1, 2} after the `=`"
+            }
+        }
+    }
+}
+
+impl fmt::Display for WrongOverride {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            WrongOverride::NoValue => "has no `=`",
+            WrongOverride::NoName => "does not start with a name",
+            WrongOverride::NoExpression => "has a value that is not an expression",
+        })
+    }
+}
+
+/// `no X`, `1 X`, `2 Xs`.
+pub(super) fn counted(n: usize, what: &str) -> String {
+    match n {
+        0 => format!("no {what}s"),
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    }
+}
