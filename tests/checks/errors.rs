@@ -34,6 +34,8 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO0999", "is a bug in mocc"),
 ];
 
+/// Stack of a thread that checks examples, as large as that of the program: some recurse deeply.
+const STACK: usize = 1 << 30;
 /// The model that an example without names of files consists of.
 const MODEL: &str = "model.mo";
 const PLAN: &str = "plan.toml";
@@ -67,7 +69,12 @@ fn examples_report_their_codes() {
         }
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| (0..threads).for_each(|_| _ = scope.spawn(work)));
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            let worker = std::thread::Builder::new().stack_size(STACK);
+            worker.spawn_scoped(scope, work).expect("a thread");
+        }
+    });
     let broken = broken.into_inner().expect("no thread panics");
     let shown: Vec<&str> = broken.values().map(String::as_str).collect();
     assert!(broken.is_empty(), "\n{}\n", shown.join("\n"));
