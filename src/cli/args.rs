@@ -34,6 +34,8 @@ pub enum Command {
     Plot(Plot),
     /// Report all problems of the models in a file, without simulating them.
     Check(Check),
+    /// Explain a diagnostic, with a model that causes it and its repair.
+    Explain(Explain),
     /// Format Modelica files; comments and line breaks are kept.
     #[command(name = "fmt")]
     Format(Format),
@@ -91,6 +93,14 @@ pub enum Units {
     Warning,
     /// Report an error.
     Error,
+}
+
+/// The diagnostic to explain.
+#[derive(Args, Debug)]
+pub struct Explain {
+    /// Code of the diagnostic, such as MO0402 or 402; without it, all codes are listed.
+    #[arg(value_name = "CODE")]
+    pub code: Option<String>,
 }
 
 /// The files to format.

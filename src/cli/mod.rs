@@ -3,6 +3,7 @@ pub mod args;
 pub mod calibrate;
 pub mod check;
 pub mod diagnose;
+pub mod explain;
 pub mod format;
 pub mod interrupt;
 pub mod plot;
@@ -68,7 +69,13 @@ impl From<FailureKind> for Status {
 
 /// Runs the command that the arguments name.
 pub fn run() -> Status {
-    match args::read() {
+    let status = carry_out(args::read());
+    explain::print_hint();
+    status
+}
+
+fn carry_out(command: args::Command) -> Status {
+    match command {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Report(options) => report::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
@@ -76,6 +83,7 @@ pub fn run() -> Status {
         args::Command::Plot(options) => plot::run(&options),
         args::Command::Sweep(options) => sweep::run(&options),
         args::Command::Check(options) => check::run(&options),
+        args::Command::Explain(options) => explain::run(&options),
         args::Command::Format(options) => format::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
         args::Command::Structure(options) => show::structure(&options),
@@ -95,6 +103,7 @@ fn say(session: &Session) {
 /// Writes diagnostics to the standard error, in colours on a terminal.
 fn say_problems(problems: &Problems, sources: &SourceMap) {
     eprint!("{}", render_all(problems, sources, style()));
+    explain::remember(problems.sorted());
     let errors = problems.error_count();
     if errors > 1 {
         eprintln!("{errors} errors");
@@ -114,9 +123,14 @@ fn print(text: &str) -> Status {
     }
 }
 
+/// The style of the standard error.
 fn style() -> Style {
-    use std::io::IsTerminal;
-    if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
+    style_of(&std::io::stderr())
+}
+
+/// Colours on a terminal, unless the user asks for none.
+fn style_of(stream: &impl std::io::IsTerminal) -> Style {
+    if stream.is_terminal() && std::env::var_os("NO_COLOR").is_none() {
         Style::Coloured
     } else {
         Style::Plain

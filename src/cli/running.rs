@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::args::{Model, Running};
-use super::{Status, style};
+use super::{Status, explain, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;
 use crate::codegen::recording;
@@ -61,6 +61,7 @@ pub(super) fn settings(options: &Running, experiment: &Experiment) -> Settings {
 /// Shows why a run failed.
 pub(super) fn failed(failure: &Failure, sources: &SourceMap) -> Status {
     eprintln!("{}", render(&failure.diagnostic, sources, style()));
+    explain::remember([&*failure.diagnostic]);
     failure.kind.into()
 }
 

@@ -1,5 +1,5 @@
 //! The origin of sources: folders on disk and the library in the binary. Nothing else reads files of
-//! models.
+//! models. The pages that explain diagnostics are in the binary as well.
 
 use std::path::{Path, PathBuf};
 
@@ -11,6 +11,20 @@ use crate::resolve::version::of_entry;
 
 /// The shipped library.
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
+
+/// The pages that explain diagnostics.
+static ERROR_PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/errors");
+
+/// The pages that explain diagnostics, by code: `("MO0201", "# MO0201: unknown class ...")`.
+pub fn error_pages() -> Vec<(&'static str, &'static str)> {
+    let page = |file: &'static include_dir::File<'static>| {
+        let code = file.path().file_stem()?.to_str().filter(|name| name.starts_with("MO"))?;
+        Some((code, file.contents_utf8()?))
+    };
+    let mut all: Vec<_> = ERROR_PAGES.files().filter_map(page).collect();
+    all.sort_unstable();
+    all
+}
 
 /// The library in the binary.
 pub struct Shipped;

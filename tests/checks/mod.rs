@@ -12,6 +12,7 @@ mod closed_form;
 mod diagnose;
 mod docs;
 mod effects;
+mod errors;
 mod examples;
 mod figures;
 mod format;
