@@ -40,7 +40,7 @@ impl CandidateFits<'_> {
         };
         sort_by_preference(search, from, &mut hypotheses, criterion);
         if let Some(best) = hypotheses.first().filter(|h| self.may_be_local_minimum(h))
-            && let Some(better) = self.from_other_starts(best)
+            && let Some(better) = self.fit_other_starts(best)
         {
             hypotheses[0] = better;
             sort_by_preference(search, from, &mut hypotheses, criterion);
@@ -167,7 +167,7 @@ impl CandidateFits<'_> {
 
     /// The last added effects fitted from other starts: the plan's start, which the calibration without them
     /// has left to compensate for them, and other shape parameters. `None` if nothing better is found.
-    fn from_other_starts(&self, best: &Hypothesis) -> Option<Hypothesis> {
+    fn fit_other_starts(&self, best: &Hypothesis) -> Option<Hypothesis> {
         let mut better: Option<Hypothesis> = None;
         for (effects, plan) in self.other_starts(best) {
             if !self.search.may_continue() {

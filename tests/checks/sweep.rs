@@ -188,7 +188,7 @@ fn courses_are_kept_on_request() {
 /// Sweeps in process up to some number of runs, so that the interruption does not depend on a clock.
 fn sweep_until(journal: &Path, jobs: usize, stop_after: u64) -> Option<Vec<u8>> {
     let file = journal.with_file_name("model.mo");
-    std::fs::write(&file, &decay_model()).expect("a model");
+    std::fs::write(&file, decay_model()).expect("a model");
     let axes = vec![Axis::read("rate=0.5:3.5:600").expect("an axis")];
     let design = Design::grid(axes).expect("a grid");
     let model = Model {
