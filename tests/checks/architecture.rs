@@ -243,6 +243,7 @@ fn absolute(path: &[String], module: &str) -> Option<String> {
             "super" => _ = base.pop(),
             // A macro is exported at the root of the crate, wherever it is defined.
             "define_id" => base.extend(["base", "index"]),
+            "causes" if base.is_empty() => base.extend(["base", "cause"]),
             part => base.push(part),
         }
     }

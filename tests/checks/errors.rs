@@ -237,7 +237,10 @@ fn every_code_has_a_page() {
     let missing: Vec<_> = codes.difference(&pages).collect();
     assert!(missing.is_empty(), "docs/errors/ has no pages for {missing:?}");
     let idle: Vec<_> = pages.difference(&codes).collect();
-    assert!(idle.is_empty(), "docs/errors/ has pages for {idle:?}, which the program never reports");
+    assert!(
+        idle.is_empty(),
+        "docs/errors/ has pages for {idle:?}, which the program never reports"
+    );
     let unknown: Vec<_> =
         WITHOUT_EXAMPLE.iter().map(|(code, _)| *code).filter(|c| !codes.contains(*c)).collect();
     assert!(unknown.is_empty(), "{unknown:?} are exceptions, but not codes");
