@@ -4,7 +4,14 @@
 use std::any::Any;
 use std::fmt::Debug;
 
-use super::diag::Severity;
+/// Whether a diagnostic prevents the model from running.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Severity {
+    /// The model cannot be compiled or run.
+    Error,
+    /// The model runs, but the user should know.
+    Warning,
+}
 
 /// The facts about a cause that do not depend on the model.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -118,8 +125,8 @@ macro_rules! causes {
             section: concat!($($section)?),
         }
     };
-    (@severity error) => { $crate::base::diag::Severity::Error };
-    (@severity warning) => { $crate::base::diag::Severity::Warning };
+    (@severity error) => { $crate::base::cause::Severity::Error };
+    (@severity warning) => { $crate::base::cause::Severity::Warning };
     (@help) => { None };
     (@help ($($help:tt)+)) => { Some(format!($($help)+)) };
     (@help [$remedy:expr]) => { $remedy };

@@ -4,17 +4,9 @@ use std::any::Any;
 use std::sync::Arc;
 
 use super::cause::Cause;
+pub use super::cause::Severity;
 use super::source::Span;
 use super::specification;
-
-/// Whether a diagnostic prevents the model from running.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Severity {
-    /// The model cannot be compiled or run.
-    Error,
-    /// The model runs, but the user should know.
-    Warning,
-}
 
 /// A message about the model, with the source spans it concerns and a remedy.
 #[derive(Clone, Debug)]
