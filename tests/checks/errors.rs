@@ -25,13 +25,16 @@ use super::program::mocc;
 /// Codes that no example can cause here, each with the reason.
 const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO0022", "needs a file of 4 GB"),
+    ("MO0107", "the command line asks for a file or a model itself"),
     ("MO0313", "an earlier stage finds each initial when-clause of a model"),
     ("MO0409", "start values are assumed for all variables that are open at the start"),
     ("MO0801", "earlier stages reject each construct that is known to be unsupported"),
     ("MO0802", "is a bug in mocc"),
     ("MO0908", "initialization checks each value before the integrator reads it"),
     ("MO0917", "a calibration goes on with differences of runs"),
+    ("MO0931", "follows eight warnings MO0919"),
     ("MO0999", "is a bug in mocc"),
+    ("MO1273", "the parser rejects every expression that is not a call"),
 ];
 
 /// Codes whose wrong example reports further ones, each with the reason.
