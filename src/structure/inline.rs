@@ -5,7 +5,7 @@ use crate::base::index::{FastMap, Id};
 use crate::base::source::Span;
 use crate::ir::dae::{Dae, EqId, GuardedAssert};
 use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node};
-use crate::ir::flat::{Assert, Origin, StraightLine};
+use crate::ir::flat::{Assert, Function, Origin, StraightLine};
 
 /// Inlines the functions that an equation calls; true if there was one.
 pub fn calls_of(dae: &mut Dae, equation: EqId) -> bool {
@@ -33,7 +33,7 @@ fn bodies(dae: &Dae, equation: EqId) -> Option<FastMap<FunctionId, StraightLine>
     for n in dae.graph.postorder([dae.equations[equation].residual]) {
         if let Node::Call { function, .. } = dae.graph.node(n)
             && !found.contains_key(&function)
-            && let Some(body) = dae.functions[function].straight_line()
+            && let Some(body) = dae.functions.get(function).and_then(Function::straight_line)
             && body.outputs.iter().all(|e| has_formula(&dae.graph, *e))
             && !calls_itself(dae, function)
         {
