@@ -13,6 +13,7 @@ use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
 use crate::ir::program::{Bounds, CallSite, Events, Instr, Layout, Op, Routines, Slot, Tape};
 
+use super::derivative_function::{self, Derivatives};
 use super::error;
 use super::sink::{CallKey, expensive_functions, sink_conditions};
 use super::string_ops;
@@ -80,11 +81,14 @@ pub struct Emitter {
     sink_conditions: FastMap<CallKey, ExprId>,
     /// Functions whose calls may be expensive.
     expensive_functions: FastSet<FunctionId>,
+    /// Functions that compute the derivatives of others.
+    pub derivatives: Derivatives,
 }
 
 impl Emitter {
     /// An emitter for a system, before any block is compiled.
     pub fn new(mut dae: Dae) -> Self {
+        let derivatives = derivative_function::add(&mut dae);
         let expensive_functions = expensive_functions(&dae);
         let sink_conditions = sink_conditions(&mut dae, &expensive_functions);
         let count = dae.variables.len();
@@ -112,6 +116,7 @@ impl Emitter {
             call_results: FastMap::default(),
             sink_conditions,
             expensive_functions,
+            derivatives,
         }
     }
 
@@ -436,7 +441,9 @@ impl Emitter {
         let outputs = if partial.is_some() { 1 } else { self.dae.functions[called].outputs.len() };
         let base = self.new_slots(outputs.max(1), 0.0);
         let results = (base..base + outputs as Slot).collect();
-        let condition = self.sink_conditions.get(&(called, args)).copied().map(|g| self.emit(g));
+        // Derivatives are needed where the values are.
+        let primal = self.derivatives.primal.get(&called).copied().unwrap_or(called);
+        let condition = self.sink_conditions.get(&(primal, args)).copied().map(|g| self.emit(g));
         // A continuously varying call is sunk to its condition. A call that changes less often than
         // the condition is computed unconditionally.
         let condition = condition.filter(|(_, l)| *l <= level || level >= CONTINUOUS);

@@ -13,7 +13,7 @@ use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 
 use super::emit::Emitter;
 use super::error;
-use super::lazy_branches::Schedule;
+use super::lazy_branches::{Schedule, short_circuit};
 use super::string_ops;
 
 /// Compiles all functions of the model.
@@ -154,7 +154,8 @@ impl Body {
                     self.independent_group(e, all);
                 }
                 Statement::If(condition, a, b) => {
-                    let c = self.value(e, *condition);
+                    let condition = short_circuit(&mut e.dae.graph, *condition);
+                    let c = self.value(e, condition);
                     let unless = self.push(Op::JumpUnless, 0, c, 0);
                     self.statements(e, a);
                     let over = self.push(Op::Jump, 0, 0, 0);

@@ -143,15 +143,7 @@ impl Rows {
             if inner.is_empty() {
                 continue;
             }
-            let key = (f, output, i as u32);
-            let known = e.partials.iter().position(|p| *p == key);
-            let k = known.unwrap_or_else(|| {
-                e.partials.push(key);
-                e.partials.len() - 1
-            });
-            let function = FunctionId::from_usize(e.dae.functions.len() + k);
-            let partial = Node::Call { function, output: 0, args };
-            let partial = e.dae.graph.intern(partial, Type::Real);
+            let Some(partial) = partial(e, (f, output, i as u32), args) else { continue };
             for (seed, d) in inner {
                 let term = e.dae.graph.mul(partial, d);
                 accumulate(e, &mut sum, seed, term);
@@ -159,6 +151,23 @@ impl Rows {
         }
         sum.into_iter().collect()
     }
+}
+
+/// The derivative of an output of a call by an argument; `None` if it is zero.
+fn partial(e: &mut Emitter, key: (FunctionId, u32, u32), args: ListId) -> Option<ExprId> {
+    let (f, output, argument) = key;
+    let (function, output) = match e.derivatives.find(f, output, argument) {
+        Some(exact) => exact?,
+        None => {
+            let known = e.partials.iter().position(|p| *p == key);
+            let k = known.unwrap_or_else(|| {
+                e.partials.push(key);
+                e.partials.len() - 1
+            });
+            (FunctionId::from_usize(e.dae.functions.len() + k), 0)
+        }
+    };
+    Some(e.dae.graph.intern(Node::Call { function, output, args }, Type::Real))
 }
 
 fn is_special(e: &Emitter, n: ExprId) -> bool {

@@ -2,7 +2,7 @@
 //! with jumps computes them only if the branch is taken.
 
 use crate::base::index::FastMap;
-use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node};
+use crate::ir::expr::{Binary, ExprId, FunctionId, Graph, ListId, Node, Type, Unary};
 use crate::symbolic::dominance::Nesting;
 
 /// The expressions below some roots, grouped by the branch in which they are computed.
@@ -12,6 +12,24 @@ pub struct Schedule {
     /// The expressions of each branch, operands first.
     expressions: Vec<Vec<ExprId>>,
     branches: FastMap<(ExprId, bool), usize>,
+}
+
+/// A condition whose operands that call functions are computed only where the operand before does not decide.
+pub fn short_circuit(graph: &mut Graph, e: ExprId) -> ExprId {
+    let calls = |graph: &Graph, e| graph.any([e], |_, node| matches!(node, Node::Call { .. }));
+    match graph.node(e) {
+        Node::Unary(Unary::Not, a) => {
+            let a = short_circuit(graph, a);
+            graph.intern(Node::Unary(Unary::Not, a), Type::Boolean)
+        }
+        Node::Binary(op @ (Binary::And | Binary::Or), a, b) if calls(graph, b) => {
+            let (a, b) = (short_circuit(graph, a), short_circuit(graph, b));
+            let decided = graph.boolean(op == Binary::Or);
+            let chosen = if op == Binary::Or { [decided, b] } else { [b, decided] };
+            graph.intern(Node::If(a, chosen[0], chosen[1]), Type::Boolean)
+        }
+        _ => e,
+    }
 }
 
 /// All outputs of a call are computed at once.

@@ -7,6 +7,7 @@
 //! Modelica specification 3.6, section 8.6 for the event sequence.
 pub mod algebraic;
 pub mod block;
+mod derivative_function;
 pub mod emit;
 pub mod error;
 mod function;

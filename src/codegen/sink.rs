@@ -5,13 +5,16 @@ use crate::base::index::{FastMap, FastSet, Id};
 use crate::graph::scc::nodes_on_cycles;
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, ListId, Node};
-use crate::ir::flat::Statement;
+use crate::ir::flat::{Function, Statement};
 use crate::symbolic::uses::{Root, Uses};
 
 use super::function::reached;
 
 /// Number of statements from which on a function counts as large.
 const LARGE_BODY: usize = 100;
+
+/// Number of operations from which on a function counts as large, though its statements are few.
+const MANY_OPERATIONS: usize = 1_000;
 
 /// Identity of a call: function and arguments.
 pub type CallKey = (FunctionId, ListId);
@@ -80,10 +83,12 @@ pub fn expensive_functions(dae: &Dae) -> FastSet<FunctionId> {
         if called.contains(f) {
             return true;
         }
-        let all = called.into_iter().chain([*f]);
-        let bodies: Vec<&[Statement]> = all.map(|g| &dae.functions[g].body[..]).collect();
-        bodies.iter().any(|b| has_loop(b))
-            || bodies.iter().map(|b| count(b)).sum::<usize>() > LARGE_BODY
+        let all: Vec<&Function> =
+            called.into_iter().chain([*f]).map(|g| &dae.functions[g]).collect();
+        let operations = |g: &&Function| dae.graph.postorder(g.values()).len();
+        all.iter().any(|g| has_loop(&g.body))
+            || all.iter().map(|g| count(&g.body)).sum::<usize>() > LARGE_BODY
+            || all.iter().map(operations).sum::<usize>() > MANY_OPERATIONS
     };
     dae.functions.ids().filter(is_expensive).collect()
 }

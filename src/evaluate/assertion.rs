@@ -14,6 +14,11 @@ use crate::ir::instance::Scope;
 /// An assertion in a function that is checked at run time.
 #[derive(Clone, Debug)]
 pub(crate) struct Asserted {
+    /// Must be true, unless one of `unless` is.
+    pub(super) bare: ExprId,
+    /// The conditions under which it is not reached, the outermost first.
+    pub(super) unless: Vec<ExprId>,
+    /// Must be true: both together.
     pub(crate) condition: ExprId,
     pub(crate) message: ExprId,
     pub(crate) level: AssertionLevel,
@@ -23,8 +28,13 @@ pub(crate) struct Asserted {
 impl Asserted {
     /// As a statement of a function that is called at run time; warnings are dropped there.
     pub(super) fn in_function(&self) -> Option<(Assert, Span)> {
-        let Asserted { condition, message, level, span } = *self;
-        (level == AssertionLevel::Error).then_some((Assert { condition, message, level }, span))
+        (self.level == AssertionLevel::Error).then(|| self.as_statement())
+    }
+
+    /// As a statement.
+    pub(super) fn as_statement(&self) -> (Assert, Span) {
+        let Asserted { condition, message, level, span, .. } = *self;
+        (Assert { condition, message, level }, span)
     }
 }
 
@@ -106,9 +116,25 @@ impl Evaluator<'_> {
         level: AssertionLevel,
         span: Span,
     ) -> Option<()> {
+        self.assert_unless(condition, Vec::new(), message, level, span)
+    }
+
+    /// As [`Evaluator::assert_now_or_later`], for an assertion that is not reached where one of these holds.
+    pub(super) fn assert_unless(
+        &mut self,
+        bare: ExprId,
+        inner: Vec<ExprId>,
+        message: ExprId,
+        level: AssertionLevel,
+        span: Span,
+    ) -> Option<()> {
+        let condition = bare;
         let left = self.exits;
         let always = self.random_draws.place != Place::When;
-        let sure = always && self.assertions.conditions.is_empty() && left == Exits::default();
+        let surely_reached = self.assertions.conditions.is_empty() && left == Exits::default();
+        let never = Some(Const::Boolean(false));
+        let sure =
+            always && surely_reached && inner.iter().all(|e| self.graph.as_const(*e) == never);
         if sure
             && level == AssertionLevel::Error
             && self.graph.as_const(condition) == Some(Const::Boolean(false))
@@ -124,18 +150,17 @@ impl Evaluator<'_> {
         if self.mode.is_before_simulation() {
             return Some(());
         }
-        let mut condition = condition;
+        let mut unless = Vec::new();
         for c in self.assertions.conditions.clone() {
-            let off = self.graph.not(c);
-            condition = self.graph.or(off, condition);
+            unless.push(self.graph.not(c));
         }
-        for c in left.all() {
-            condition = self.graph.or(c, condition);
-        }
+        unless.extend(left.all());
+        unless.extend(inner);
+        let condition = unless.iter().fold(bare, |all, off| self.graph.or(*off, all));
         if self.graph.as_const(condition) == Some(Const::Boolean(true)) {
             return Some(());
         }
-        self.assertions.pending.push(Asserted { condition, message, level, span });
+        self.assertions.pending.push(Asserted { bare, unless, condition, message, level, span });
         Some(())
     }
 

@@ -1,5 +1,5 @@
 //! Calls of functions and record constructors (chapter 12 of the specification). A function is run on
-//! its arguments, symbolic or not, and so becomes part of the expression that calls it.
+//! symbols (`specialization`), or on its arguments.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -107,7 +107,7 @@ impl Evaluator<'_> {
         if let Some(result) = self.recursive(class, &components, &given, span) {
             return result;
         }
-        let result = self.run_function(class, &components, given.clone(), span);
+        let result = self.call_specialized(class, &components, given.clone(), span);
         self.unwound_result(class, &components, &given, span).unwrap_or(result)
     }
 
@@ -116,14 +116,26 @@ impl Evaluator<'_> {
         &mut self,
         class: ClassId,
         components: &Components,
+        given: Vec<Option<Value>>,
+        span: Span,
+    ) -> Option<Value> {
+        // Calls inside a function become part of it.
+        let outermost = !self.frames.in_function();
+        self.execute(class, components, given, outermost, span)
+    }
+
+    /// As [`Evaluator::run_function`]; the events of an `outermost` function are settled.
+    pub(super) fn execute(
+        &mut self,
+        class: ClassId,
+        components: &Components,
         mut given: Vec<Option<Value>>,
+        outermost: bool,
         span: Span,
     ) -> Option<Value> {
         let left = self.exits;
         // Where its caller was left before, it is not called.
         let reached = self.neither(left.broken, left.returned);
-        // Calls inside a function become part of it.
-        let outermost = !self.frames.in_function();
         self.with_exits_closed(|cx| {
             cx.under(reached, |cx| {
                 cx.open_call(class, left);
@@ -148,18 +160,24 @@ impl Evaluator<'_> {
     ) -> Option<Value> {
         let events = if outermost { self.events_of_arguments(given) } else { FastSet::default() };
         let by = self.table(class).by.clone();
-        let mut result = match by.is_empty() {
+        let result = match by.is_empty() {
             true => self.run(class, components, given, span),
             false => self.run_differentiated(class, components, given, &by, span),
         };
-        if outermost && let Some(made) = &mut result {
-            *made = match events.is_empty() {
-                true => made.each_scalar(&mut |e| self.graph.no_event(e)),
-                false => self.without_events(made, &events),
-            };
-            self.note_moving_results(made);
+        match outermost {
+            true => result.map(|made| self.closed(&made, &events)),
+            false => result,
         }
-        result
+    }
+
+    /// The value of an outermost function, without events except these of its arguments.
+    pub(super) fn closed(&mut self, made: &Value, events: &FastSet<ExprId>) -> Value {
+        let made = match events.is_empty() {
+            true => made.each_scalar(&mut |e| self.graph.no_event(e)),
+            false => self.without_events(made, events),
+        };
+        self.note_moving_results(&made);
+        made
     }
 
     /// The value of a condition where one branch only is followed. A function that has called itself must

@@ -24,6 +24,8 @@ pub mod function;
 mod function_argument;
 pub mod history;
 pub mod implicit_ranges;
+pub mod inline;
+mod loop_function;
 pub mod mode;
 pub mod operator;
 pub mod overload;
@@ -35,6 +37,7 @@ mod recursion;
 pub mod reference;
 pub mod runtime_loop;
 mod sizing;
+mod specialization;
 mod string;
 mod subscript;
 pub mod value;
@@ -85,6 +88,8 @@ pub struct Evaluator<'a> {
     pub(crate) assertions: assertion::Assertions,
     /// Open calls, and functions that call themselves.
     pub(crate) recursions: recursion::Recursions,
+    /// Functions whose bodies were executed on symbols.
+    pub(crate) specializations: specialization::Specializations,
     /// Functions of the flat model.
     pub(crate) loops: runtime_loop::Loops,
     /// The orders in which the variables of functions get their first values.
@@ -135,6 +140,7 @@ impl<'a> Evaluator<'a> {
             units: Default::default(),
             assertions: Default::default(),
             recursions: Default::default(),
+            specializations: Default::default(),
             loops: Default::default(),
             initial_orders: Default::default(),
             sizing: Default::default(),

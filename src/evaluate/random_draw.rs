@@ -28,7 +28,7 @@ pub(crate) enum Place {
 }
 
 /// What is drawn, as far as it was met.
-#[derive(Default)]
+#[derive(Clone, Default, PartialEq)]
 pub(crate) struct RandomDraws {
     /// The state of the generator at the start.
     pub generator: Option<Vec<ExprId>>,

@@ -86,6 +86,23 @@ enum Fit {
     Differs,
 }
 
+impl Recursions {
+    /// Whether calls are being left.
+    pub(super) fn is_unwinding(&self) -> bool {
+        self.unwinding.is_some()
+    }
+
+    /// Whether a recursive function is being made.
+    pub(super) fn is_being_made(&self) -> bool {
+        self.made.values().flatten().any(|f| f.open)
+    }
+
+    /// Goes on after calls were left.
+    pub(super) fn stop_unwinding(&mut self) {
+        self.unwinding = None;
+    }
+}
+
 impl Evaluator<'_> {
     /// A call of a function that is part of the flat model already, or that must become one; `None` for any
     /// other. The inner `None` is one that is left.
@@ -291,7 +308,7 @@ impl Evaluator<'_> {
     }
 
     /// Takes back all functions that were made from this one on.
-    fn forget(&mut self, first: FunctionId) {
+    pub(super) fn forget(&mut self, first: FunctionId) {
         self.loops.functions.truncate(first.idx());
         self.loops.by_body.retain(|_, id| *id < first);
         self.recursions.made.retain(|_, all| {
@@ -384,7 +401,7 @@ impl Evaluator<'_> {
     }
 
     /// The condition under which the code being executed is active.
-    fn active_condition(&mut self) -> ExprId {
+    pub(super) fn active_condition(&mut self) -> ExprId {
         let mut all = self.graph.boolean(true);
         for c in self.assertions.conditions.clone() {
             all = self.graph.and(all, c);

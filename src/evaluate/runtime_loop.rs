@@ -6,17 +6,16 @@
 
 use super::Evaluator;
 use super::algorithm::{Exits, Flow};
-use super::assertion::Asserted;
+use super::loop_function::{self, Iteration, Purpose};
 use super::value::Value;
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::unsupported::Construct;
 use crate::ir::ast::{Expr, ExprKind, Iterator as Loop, Statement};
-use crate::ir::expr::{Binary, Const, ExprId, FIRST_SYMBOL, FunctionId, Graph, Node, Type, VarId};
-use crate::ir::flat::{Assert, Function, LocalId, Statement as Step};
+use crate::ir::expr::{Binary, ExprId, FIRST_SYMBOL, FunctionId, ListId, Node, Type, VarId};
+use crate::ir::flat::{Assert, AssertionLevel, Function};
 use crate::ir::instance::Scope;
-use crate::symbolic::rewrite::Rewriter;
 
 /// The k-th symbol.
 pub(crate) fn symbol(k: u32) -> VarId {
@@ -33,31 +32,6 @@ pub struct Loops {
     pub(super) by_body: FastMap<(Span, usize, Vec<ExprId>), FunctionId>,
     /// How many symbols such functions have.
     pub(super) symbols: u32,
-}
-
-/// One iteration of a loop, in terms of symbols.
-#[derive(Default)]
-struct Iteration {
-    symbols: Vec<VarId>,
-    /// The values of the symbols before the first iteration.
-    initial: Vec<ExprId>,
-    /// Their values after an iteration.
-    next_values: Vec<ExprId>,
-    /// The assertions of an iteration.
-    asserts: Vec<Asserted>,
-    /// The condition for it.
-    condition: Option<ExprId>,
-}
-
-impl Iteration {
-    /// A new symbol with the value `initial` before the first iteration.
-    fn symbol(&mut self, graph: &mut Graph, counter: &mut u32, initial: ExprId) -> ExprId {
-        let v = symbol(*counter);
-        *counter += 1;
-        self.symbols.push(v);
-        self.initial.push(initial);
-        graph.var(v, graph.ty(initial))
-    }
 }
 
 /// A range whose bounds are known only at run time.
@@ -280,193 +254,72 @@ impl Evaluator<'_> {
             Some(call) => self.classes[call.class].full_name.to_string(),
             None => "an algorithm".to_string(),
         };
-        let (function, captured) = function(&mut self.graph, name, span, &iteration, condition);
-        let key = (span, function.inputs.len(), function.values());
-        let next = FunctionId::from_usize(self.loops.functions.len());
-        let id = *self.loops.by_body.entry(key).or_insert(next);
-        if id == next {
-            self.loops.functions.push(function);
+        let asserts = loop_function::assertions(&mut self.graph, &iteration);
+        let place = (name, span);
+        let made = loop_function::function(
+            &mut self.graph,
+            place.clone(),
+            &iteration,
+            condition,
+            asserts,
+            Purpose::Values,
+        );
+        if !made.unchecked.is_empty() {
+            self.check_by_function(place, &iteration, condition, made.unchecked);
         }
-        let mut arguments = iteration.initial;
-        arguments.extend(captured);
-        let args = self.graph.intern_list(&arguments);
+        let (id, args) = self.call_of_loop(made.function, &iteration, made.captured);
         let calls = types.into_iter().enumerate().map(|(output, ty)| {
             let call = Node::Call { function: id, output: output as u32, args };
             self.graph.intern(call, ty)
         });
         calls.collect()
     }
-}
 
-/// Nodes that an assertion in a loop may compute in addition to the iteration. One that needs more,
-/// such as a value of one branch alone, would slow each iteration down: it is dropped.
-const MOST_ASSERTED: usize = 32;
+    /// Leaves assertions of a loop to a function that goes through it once more. They become assertions of what
+    /// contains the loop: unlike the arguments of the loop, what they read does not matter to the equations.
+    fn check_by_function(
+        &mut self,
+        place: (String, Span),
+        iteration: &Iteration,
+        condition: ExprId,
+        asserts: Vec<(Assert, Span)>,
+    ) {
+        let checks: Vec<(AssertionLevel, Span)> =
+            asserts.iter().map(|(a, span)| (a.level, *span)).collect();
+        let made = loop_function::function(
+            &mut self.graph,
+            place,
+            iteration,
+            condition,
+            asserts,
+            Purpose::Checks,
+        );
+        let (function, args) = self.call_of_loop(made.function, iteration, made.captured);
+        for (k, (level, span)) in (0..).zip(checks) {
+            let holds = Node::Call { function, output: 2 * k, args };
+            let holds = self.graph.intern(holds, Type::Boolean);
+            let message = Node::Call { function, output: 2 * k + 1, args };
+            let message = self.graph.intern(message, Type::String);
+            // How the body of the loop was left does not matter to what follows the loop.
+            self.with_exits_closed(|cx| cx.assert_now_or_later(holds, message, level, span));
+        }
+    }
 
-/// Nodes of a Boolean argument that only an assertion reads.
-const MOST_CAPTURED: usize = 8;
-
-/// Whether these are so few, and none is a call.
-fn costs_at_most(graph: &Graph, all: impl IntoIterator<Item = ExprId>, most: usize) -> bool {
-    let mut count = 0;
-    all.into_iter().all(|n| {
-        count += 1;
-        count <= most && !matches!(graph.node(n), Node::Call { .. })
-    })
-}
-
-/// The largest parts below these that are not computed `inside`, but for constants.
-fn outside(
-    graph: &Graph,
-    roots: impl IntoIterator<Item = ExprId>,
-    inside: &FastSet<ExprId>,
-) -> FastSet<ExprId> {
-    let mut seen: FastSet<ExprId> = FastSet::default();
-    let mut found = FastSet::default();
-    let mut pending: Vec<ExprId> = roots.into_iter().collect();
-    while let Some(n) = pending.pop() {
-        if graph.as_const(n).is_some() || !seen.insert(n) {
-            continue;
+    /// The function of a loop, which is shared with equal ones, and its arguments.
+    fn call_of_loop(
+        &mut self,
+        function: Function,
+        iteration: &Iteration,
+        captured: Vec<ExprId>,
+    ) -> (FunctionId, ListId) {
+        let key = (function.span, function.inputs.len(), function.values());
+        let next = FunctionId::from_usize(self.loops.functions.len());
+        let id = *self.loops.by_body.entry(key).or_insert(next);
+        if id == next {
+            self.loops.functions.push(function);
         }
-        match inside.contains(&n) {
-            true => graph.for_each_operand(n, |a| pending.push(a)),
-            false => {
-                found.insert(n);
-            }
-        }
+        let mut arguments = iteration.initial.clone();
+        arguments.extend(captured);
+        (id, self.graph.intern_list(&arguments))
     }
-    found
-}
-
-/// Nodes that are computed whichever branches are taken.
-fn always(graph: &Graph, roots: &[ExprId]) -> FastSet<ExprId> {
-    let mut found: FastSet<ExprId> = FastSet::default();
-    let mut pending = roots.to_vec();
-    while let Some(n) = pending.pop() {
-        if !found.insert(n) {
-            continue;
-        }
-        match graph.node(n) {
-            Node::If(c, ..) => pending.push(c),
-            Node::Binary(Binary::And | Binary::Or, a, _) => pending.push(a),
-            _ => graph.for_each_operand(n, |a| pending.push(a)),
-        }
-    }
-    found
-}
-
-/// The function of a loop over symbols, and the expressions it captures.
-fn function(
-    graph: &mut Graph,
-    name: String,
-    span: Span,
-    Iteration { symbols, next_values, asserts, condition: continues, .. }: &Iteration,
-    condition: ExprId,
-) -> (Function, Vec<ExprId>) {
-    let mut asserts: Vec<(Assert, Span)> =
-        asserts.iter().filter_map(Asserted::in_function).collect();
-    // In an iteration the condition holds.
-    let mut rewriter = Rewriter::new();
-    for (assert, _) in &mut asserts {
-        assert.condition = rewriter.apply(graph, assert.condition, &mut |g, n| {
-            (Some(n) == *continues).then(|| g.boolean(true))
-        });
-    }
-    let mut roots: Vec<ExprId> =
-        std::iter::once(condition).chain(next_values.iter().copied()).collect();
-    let always = always(graph, &roots);
-    asserts.retain(|(a, _)| {
-        let more = graph.postorder([a.condition]).into_iter().filter(|n| !always.contains(n));
-        let is_sure = graph.as_const(a.condition) == Some(Const::Boolean(true));
-        !is_sure && costs_at_most(graph, more, MOST_ASSERTED)
-    });
-    let mut locals: FastMap<VarId, u32> = FastMap::default();
-    for (k, v) in symbols.iter().enumerate() {
-        locals.insert(*v, k as u32);
-    }
-    // Expressions that read a symbol are computed inside, and so are calls in branches that may not
-    // be taken; the largest others become arguments.
-    let mut inside: FastSet<ExprId> = FastSet::default();
-    let mut calls: FastSet<ExprId> = FastSet::default();
-    roots.extend(asserts.iter().flat_map(|(a, _)| [a.condition, a.message]));
-    for n in graph.postorder(roots.iter().copied()) {
-        let mut reads = matches!(graph.node(n), Node::Var(v) if locals.contains_key(&v));
-        let mut has_call = matches!(graph.node(n), Node::Call { .. });
-        graph.for_each_operand(n, |a| {
-            reads |= inside.contains(&a);
-            has_call |= calls.contains(&a);
-        });
-        if has_call {
-            calls.insert(n);
-        }
-        if reads || has_call && !always.contains(&n) {
-            inside.insert(n);
-        }
-    }
-    // A message is built where the assertion is checked.
-    let messages = graph.postorder(asserts.iter().map(|(a, _)| a.message));
-    inside.extend(messages.into_iter().filter(|n| graph.ty(*n) == Type::String));
-    // Assertions have few arguments of their own: calls are differentiated by each.
-    let read =
-        outside(graph, std::iter::once(condition).chain(next_values.iter().copied()), &inside);
-    let is_cheap = |graph: &Graph, n: ExprId| {
-        graph.ty(n) == Type::Boolean && costs_at_most(graph, graph.postorder([n]), MOST_CAPTURED)
-    };
-    asserts.retain_mut(|(a, _)| {
-        let mut all = outside(graph, [a.condition], &inside).into_iter();
-        if !all.all(|n| read.contains(&n) || is_cheap(graph, n)) {
-            return false;
-        }
-        if !outside(graph, [a.message], &inside).is_subset(&read) {
-            a.message = graph.string("its condition is false");
-        }
-        true
-    });
-    let mut captured: Vec<ExprId> = Vec::new();
-    let mut rewriter = Rewriter::new();
-    let mut local = |graph: &mut Graph, root: ExprId| {
-        rewriter.apply(graph, root, &mut |g, n| {
-            if let Node::Var(v) = g.node(n)
-                && let Some(k) = locals.get(&v)
-            {
-                let ty = g.ty(n);
-                return Some(g.var(VarId(*k), ty));
-            }
-            if inside.contains(&n) || g.as_const(n).is_some() {
-                return None;
-            }
-            let at = captured.iter().position(|c| *c == n).unwrap_or_else(|| {
-                captured.push(n);
-                captured.len() - 1
-            });
-            let ty = g.ty(n);
-            Some(g.var(VarId((symbols.len() + at) as u32), ty))
-        })
-    };
-    let condition = local(graph, condition);
-    let next_values: Vec<ExprId> = next_values.iter().map(|e| local(graph, *e)).collect();
-    let mut iteration: Vec<Step> = Vec::new();
-    for (a, span) in asserts {
-        let (condition, message) = (local(graph, a.condition), local(graph, a.message));
-        iteration.push(Step::Assert(Assert { condition, message, ..a }, span));
-    }
-    let (count, inputs) = (symbols.len(), symbols.len() + captured.len());
-    let mut names: Vec<String> = (1..=inputs).map(|k| format!("x{k}")).collect();
-    // All variables are assigned at once: new values are first stored separately.
-    names.extend((1..=count).map(|k| format!("next{k}")));
-    let id = |k: usize| LocalId::from_usize(k);
-    iteration.extend(next_values.iter().enumerate().map(|(k, e)| Step::Assign(id(inputs + k), *e)));
-    for (k, e) in next_values.iter().enumerate().take(count) {
-        let ty = graph.ty(*e);
-        let next = graph.var(VarId((inputs + k) as u32), ty);
-        iteration.push(Step::Assign(id(k), next));
-    }
-    let function = Function {
-        name,
-        span,
-        inputs: (0..inputs).map(id).collect(),
-        outputs: (0..count).map(id).collect(),
-        locals: names.into_iter().collect(),
-        body: vec![Step::While(condition, iteration)],
-    };
-    (function, captured)
 }

@@ -92,7 +92,7 @@ pub(super) fn expand_all(
 /// Adds the assertions of the functions that were called.
 pub(super) fn asserted(cx: &mut Evaluator<'_>, target: &mut Target<'_>) {
     for a in std::mem::take(&mut cx.assertions.pending) {
-        let Asserted { condition, message, level, span } = a;
+        let Asserted { condition, message, level, span, .. } = a;
         target.push(EquationKind::Assert(Assert { condition, message, level }), span);
     }
 }

@@ -12,6 +12,7 @@ pub mod equation;
 mod experiment;
 mod history;
 mod if_equation;
+mod inline;
 pub mod inventory;
 pub mod parameter_override;
 pub mod print;
@@ -112,13 +113,14 @@ fn flatten_with(
         flat.variables[v].structural |= structural.contains(instance);
     }
     history::elaborate(cx, &mut flat);
-    flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
     // Assertions of functions that are called in declarations.
     for a in std::mem::take(&mut cx.assertions.pending) {
         let origin = Origin { span: a.span, component: "".into() };
         let assert = Assert { condition: a.condition, message: a.message, level: a.level };
         flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
     }
+    inline::calls(cx, &mut flat);
+    flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
     flat.graph = std::mem::take(&mut cx.graph);
     flat
 }

@@ -2,7 +2,7 @@
 //! specification describes them.
 //!
 //! *Holds:* every scalar variable with evaluated structure (dimensions, conditions, `if` on structural
-//! parameters), equations of connections written out, functions inlined or listed, every equation
+//! parameters), equations of connections written out, calls inlined or their functions listed, every equation
 //! with its source position. Expressions still contain `der`, `pre` and relations.
 //! *Never holds:* arrays, records, `connect`, `for`, classes, modifications.
 //! *Made by:* `flatten`. *Read by:* `lower`, and printed as flat Modelica by `flatten::print`.
@@ -15,6 +15,7 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 
 pub use super::ast::{Causality, Variability};
+pub use super::function::{Assert, AssertionLevel, Function, LocalId, Statement, StraightLine};
 
 /// A flat model.
 #[derive(Clone)]
@@ -33,7 +34,7 @@ pub struct FlatModel {
     pub equations: Vec<Equation>,
     /// `initial equation` sections.
     pub initial_equations: Vec<Equation>,
-    /// Functions that could not be inlined.
+    /// The functions that calls refer to.
     pub functions: IndexVec<FunctionId, Function>,
     /// `annotation(experiment(...))`.
     pub experiment: Experiment,
@@ -207,28 +208,6 @@ pub enum Action {
     Terminate(ExprId),
 }
 
-/// `assert(condition, message, level)`
-#[derive(Clone, Debug)]
-pub struct Assert {
-    /// Must be true.
-    pub condition: ExprId,
-    /// A `String` expression.
-    pub message: ExprId,
-    /// The consequence if it is false.
-    pub level: AssertionLevel,
-}
-
-/// The consequence of a violated assertion.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum AssertionLevel {
-    /// The run fails.
-    Error,
-    /// The run goes on with a warning.
-    Warning,
-    /// The message is a line for this file, for the terminal if it has no name: `Streams.print`.
-    Print(Name),
-}
-
 /// `delay(variable, time)`, read as a recorded signal of the variable.
 #[derive(Clone, Copy, Debug)]
 pub struct Delay {
@@ -271,73 +250,6 @@ pub struct TransportReader {
     pub to: VarId,
     /// True when the read reaches the end of its piece: triggers the event.
     pub arrives: VarId,
-}
-
-/// A function that is called at run time: loops whose length is known only then.
-#[derive(Clone, Debug)]
-pub struct Function {
-    /// Full name.
-    pub name: String,
-    /// Place of its definition.
-    pub span: Span,
-    /// Scalar inputs.
-    pub inputs: Vec<LocalId>,
-    /// Scalar outputs.
-    pub outputs: Vec<LocalId>,
-    /// Names of all scalar locals, inputs and outputs included.
-    pub locals: IndexVec<LocalId, String>,
-    /// The body; expressions read locals as `Node::Var(VarId(local))`.
-    pub body: Vec<Statement>,
-}
-
-impl Function {
-    /// The expressions of the statements, but for messages.
-    pub fn values(&self) -> Vec<ExprId> {
-        let mut out = Vec::new();
-        values_of(&self.body, &mut out);
-        out
-    }
-}
-
-fn values_of(body: &[Statement], out: &mut Vec<ExprId>) {
-    for statement in body {
-        match statement {
-            Statement::Assign(_, value) => out.push(*value),
-            Statement::If(c, a, b) => {
-                out.push(*c);
-                values_of(a, out);
-                values_of(b, out);
-            }
-            Statement::While(c, a) => {
-                out.push(*c);
-                values_of(a, out);
-            }
-            Statement::Assert(a, _) => out.push(a.condition),
-            Statement::Break | Statement::Return => {}
-        }
-    }
-}
-
-crate::define_id! {
-    /// A scalar local of a [`Function`].
-    pub struct LocalId
-}
-
-/// A statement of a [`Function`].
-#[derive(Clone, Debug)]
-pub enum Statement {
-    /// `local := value`
-    Assign(LocalId, ExprId),
-    /// `if`
-    If(ExprId, Vec<Statement>, Vec<Statement>),
-    /// `while`
-    While(ExprId, Vec<Statement>),
-    /// `break`
-    Break,
-    /// `return`
-    Return,
-    /// `assert(...)` and its position.
-    Assert(Assert, Span),
 }
 
 impl FlatModel {

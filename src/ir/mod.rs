@@ -5,6 +5,7 @@ pub mod instance;
 pub mod external;
 pub mod builtin;
 pub mod expr;
+pub mod function;
 pub mod flat;
 pub mod dae;
 pub mod blocks;

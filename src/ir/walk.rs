@@ -267,6 +267,13 @@ impl flat::Equation {
     }
 }
 
+impl Action {
+    /// Calls `visit` with every expression of the action.
+    pub fn for_each_expression(&self, visit: &mut dyn FnMut(ExprId)) {
+        self.walk(&mut |e| visit(*e));
+    }
+}
+
 impl Function {
     /// Calls `visit` with every expression of the body.
     pub fn for_each_expression(&self, visit: &mut dyn FnMut(ExprId)) {

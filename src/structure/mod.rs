@@ -12,6 +12,7 @@ pub mod error;
 pub mod explain;
 pub mod incidence;
 pub mod initial;
+mod inline;
 pub mod print;
 pub mod reduce;
 pub mod redundant_initial;

@@ -1,7 +1,7 @@
 //! Index reduction: the equations to differentiate, and the states.
 
 use super::incidence::EquationSystem;
-use super::{apply, error, is_continuous, solve};
+use super::{apply, error, inline, is_continuous, solve};
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::graph::bipartite::{Col, Edge, Row};
@@ -54,6 +54,9 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
     let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
         Ok(reduction) => reduction,
         Err(StructurallySingular::NotDifferentiable { row, rows }) => {
+            if inline::calls_of(dae, EqId(row.0)) {
+                return reduce(dae, problems);
+            }
             problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
             return None;
         }

@@ -21,8 +21,8 @@ pub enum Leaf {
 
 /// The partial derivatives of `root` by each leaf below it for which `wanted` holds, in order of
 /// leaf. Structurally zero partials are left out. Relations, `pre` and integer-valued functions
-/// have derivative zero. Function calls have none here: `lower` inlines what must be
-/// differentiated, and codegen differentiates the rest by directional derivatives.
+/// have derivative zero. Function calls have none here: `structure` inlines what must be
+/// differentiated, and codegen has functions for the derivatives of the others.
 pub fn gradient(
     graph: &mut Graph,
     root: ExprId,
@@ -76,7 +76,7 @@ fn leaf(graph: &Graph, e: ExprId) -> Option<Leaf> {
 }
 
 /// `seed * d e / d operand` for each operand that has one.
-fn partials(g: &mut Graph, e: ExprId, seed: ExprId) -> Vec<(ExprId, ExprId)> {
+pub fn partials(g: &mut Graph, e: ExprId, seed: ExprId) -> Vec<(ExprId, ExprId)> {
     match g.node(e) {
         Node::Unary(op, a) => match unary_partial(g, op, a, e) {
             Some(d) => vec![(a, g.mul(seed, d))],

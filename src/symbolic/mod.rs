@@ -9,4 +9,5 @@ pub mod print;
 pub mod rewrite;
 pub mod simplify;
 pub mod string;
+pub mod substitute;
 pub mod uses;

@@ -32,6 +32,9 @@ pub fn check(dae: &Dae) -> Vec<String> {
         parameters(dae, &mut found);
         equations(dae, &mut found);
         events(dae, &mut found);
+        for function in &dae.functions {
+            super::function::check(&dae.graph, function, &mut found);
+        }
     }
     found
 }

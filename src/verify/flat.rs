@@ -3,9 +3,7 @@
 use super::expressions::{Scope, compatible};
 use crate::base::index::{FastSet, Id};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
-use crate::ir::flat::{
-    Action, Assert, EquationKind, FlatModel, Function, Statement, Variability, WhenBranch,
-};
+use crate::ir::flat::{Action, Assert, EquationKind, FlatModel, Variability, WhenBranch};
 
 /// Everything in which a flat model breaks its contract.
 pub fn check(flat: &FlatModel) -> Vec<String> {
@@ -36,7 +34,7 @@ pub fn check(flat: &FlatModel) -> Vec<String> {
         kind(flat, &equation.kind, &mut found);
     }
     for function in &flat.functions {
-        body(flat, function, &mut found);
+        super::function::check(&flat.graph, function, &mut found);
     }
     let exists = |v: &VarId| v.idx() < flat.variables.len();
     let referred =
@@ -122,39 +120,4 @@ fn message(flat: &FlatModel, assert: &Assert, found: &mut Vec<String>) {
     if types != (Type::Boolean, Type::String) {
         found.push(format!("an assertion of {:?} with a message of {:?}", types.0, types.1));
     }
-}
-
-/// In a function variables are its locals.
-fn body(flat: &FlatModel, function: &Function, found: &mut Vec<String>) {
-    let name = &function.name;
-    let locals = function.locals.len();
-    if function.inputs.iter().chain(&function.outputs).any(|l| l.idx() >= locals) {
-        found.push(format!("`{name}` has an input or output that does not exist"));
-    }
-    let mut roots = Vec::new();
-    function.for_each_expression(&mut |e| roots.push(e));
-    if roots.iter().any(|e| e.idx() >= flat.graph.len()) {
-        found.push(format!("`{name}` reads an expression that does not exist"));
-        return;
-    }
-    let foreign = flat.graph.any(roots, |_, node| match node {
-        Node::Var(v) => v.idx() >= locals,
-        Node::Der(_) | Node::Pre(_) | Node::Relation(_) => true,
-        _ => false,
-    });
-    if foreign {
-        found.push(format!("`{name}` reads a variable of the model"));
-    }
-    if assigns_beyond(&function.body, locals) {
-        found.push(format!("`{name}` assigns a local that does not exist"));
-    }
-}
-
-fn assigns_beyond(body: &[Statement], locals: usize) -> bool {
-    body.iter().any(|statement| match statement {
-        Statement::Assign(local, _) => local.idx() >= locals,
-        Statement::If(_, a, b) => assigns_beyond(a, locals) || assigns_beyond(b, locals),
-        Statement::While(_, a) => assigns_beyond(a, locals),
-        Statement::Break | Statement::Return | Statement::Assert(..) => false,
-    })
 }

@@ -10,6 +10,7 @@ pub mod blocks;
 pub mod dae;
 pub mod expressions;
 pub mod flat;
+pub mod function;
 pub mod instance;
 pub mod program;
 pub mod trajectory;

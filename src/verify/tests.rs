@@ -2,11 +2,12 @@
 
 use super::*;
 use crate::base::diag::Problems;
+use crate::base::index::Id;
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Blocks};
 use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
-use crate::ir::flat::{EquationKind, FlatModel, Variability};
+use crate::ir::flat::{EquationKind, FlatModel, Function, LocalId, Statement, Variability};
 use crate::ir::instance::InstanceKind;
 use crate::ir::program::{Entry, Instr, Op, Program};
 use crate::ir::trajectory::{Column, Trajectory};
@@ -94,6 +95,45 @@ fn flat_models() {
         m.variables[VarId(2)].start = Some(e);
     };
     finds(flat(), flat::check, condition, "a condition has type Real");
+}
+
+#[test]
+fn functions() {
+    let with = |change: fn(&mut FlatModel, &mut Function)| {
+        move |m: &mut FlatModel| {
+            let (active, x) =
+                (m.graph.var(VarId(0), Type::Boolean), m.graph.var(VarId(1), Type::Real));
+            let id = LocalId::from_usize;
+            let mut function = Function {
+                name: "f".to_owned(),
+                span: Span::NONE,
+                inputs: vec![id(0), id(1)],
+                outputs: vec![id(2)],
+                locals: ["active", "x", "y"].map(str::to_owned).into_iter().collect(),
+                body: vec![Statement::If(active, vec![Statement::Assign(id(2), x)], Vec::new())],
+            };
+            change(m, &mut function);
+            m.functions.push(function);
+        }
+    };
+    let mut sound = flat();
+    with(|_, _| ())(&mut sound);
+    assert_eq!(flat::check(&sound), Vec::<String>::new());
+    let cases: [(fn(&mut FlatModel, &mut Function), &str); 4] = [
+        (|_, f| f.outputs.push(LocalId::from_usize(3)), "an input or output that does not exist"),
+        (
+            |m, f| f.body.push(Statement::Assign(LocalId::from_usize(2), m.graph.der(VarId(0)))),
+            "a variable",
+        ),
+        (
+            |m, f| f.body.push(Statement::Assign(LocalId::from_usize(9), m.graph.real(1.0))),
+            "assigns",
+        ),
+        (|m, f| f.body.push(Statement::While(m.graph.real(1.0), Vec::new())), "is not Boolean"),
+    ];
+    for (change, what) in cases {
+        finds(flat(), flat::check, with(change), what);
+    }
 }
 
 #[test]

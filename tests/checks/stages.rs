@@ -55,6 +55,19 @@ fn what_expressions_share_stays_short_as_text() {
     }
 }
 
+/// A large function that is called often is one function of the flat model; one that is called twice, or that an
+/// annotation says to inline, is part of the equations.
+#[test]
+fn large_functions_stay_calls_where_copies_would_be_many() {
+    let functions = |case: &str| {
+        let flat = Case::suite(&format!("evaluate/calls/{case}")).flat();
+        flat.matches("  function function").count()
+    };
+    assert_eq!(functions("large_function_called_often"), 1);
+    assert_eq!(functions("large_function_called_twice"), 0);
+    assert_eq!(functions("large_function_annotated"), 0);
+}
+
 /// A value in one branch that a condition needs in another: a variable for it would depend on itself. There it is
 /// written out, which stays short or is reported.
 #[test]

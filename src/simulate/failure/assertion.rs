@@ -1,7 +1,9 @@
 //! Reports assertions and terminations of the model, and unknowns that it does not determine.
 
 use crate::base::diag::{Diagnostic, Severity};
-use crate::ir::expr::{Const, ExprId};
+use crate::base::index::Id;
+use crate::base::name::string_of_id;
+use crate::ir::expr::{Const, ExprId, Node};
 use crate::ir::flat::AssertionLevel;
 use crate::ir::program::Program;
 
@@ -99,15 +101,34 @@ pub fn violated(program: &Program, memory: &[f64], k: usize, t: f64) -> Failure 
 /// Reports that assertion `k` is violated, with its message.
 fn diagnostic(program: &Program, memory: &[f64], k: usize, time: f64, text: String) -> Diagnostic {
     let guarded = &program.blocks.dae.asserts[k];
-    let condition = Explainer::new(program, memory).text(guarded.assert.condition);
-    Diagnostic::new(RunCause::Assertion { time, text }, guarded.origin.span)
-        .label(format!("`{condition}` is false"))
+    let label = match message_of_loop(program, memory, guarded.assert.message) {
+        Some(_) => "false in an iteration of its loop".to_owned(),
+        None => {
+            let condition = Explainer::new(program, memory).text(guarded.assert.condition);
+            format!("`{condition}` is false")
+        }
+    };
+    Diagnostic::new(RunCause::Assertion { time, text }, guarded.origin.span).label(label)
 }
 
 /// The value of a `String` expression.
 pub fn message_text(program: &Program, memory: &[f64], e: ExprId) -> String {
     match program.blocks.dae.graph.as_const(e) {
         Some(Const::String(text)) => text.to_string(),
-        _ => Explainer::new(program, memory).message(e),
+        _ => match message_of_loop(program, memory, e) {
+            Some(text) => text,
+            None => Explainer::new(program, memory).message(e),
+        },
     }
+}
+
+/// The message of a function that checks the assertions of a loop: it comes after the output that says whether
+/// the assertion holds.
+fn message_of_loop(program: &Program, memory: &[f64], e: ExprId) -> Option<String> {
+    let Node::Call { function, output, .. } = program.blocks.dae.graph.node(e) else { return None };
+    let (holds, message) = ((output as usize).checked_sub(1)?, output as usize);
+    let calls = program.routines.calls.iter();
+    let mut of_function = calls.filter(|c| c.function == function.idx() && c.partial.is_none());
+    let violated = of_function.find(|c| memory[c.results[holds] as usize] == 0.0)?;
+    Some(string_of_id(memory[violated.results[message] as usize] as u32).to_string())
 }

@@ -104,3 +104,89 @@ equation
   end when;
   annotation(experiment(StopTime = 10));
 end Gearbox;
+
+//@ case in_a_long_loop
+//@ status 3
+// The trip count is known only at run time, and checking takes a loop of its own: iteration 1000 fails.
+model Sums
+  function divisors
+    input Integer n;
+    output Integer count = 0;
+  algorithm
+    for k in 1:n loop
+      if mod(n, k) == 0 then
+        count := count + 1;
+      end if;
+    end for;
+  end divisors;
+  function total
+    input Integer n;
+    input Real x;
+    input Real limit;
+    output Real sum = 0;
+  algorithm
+    for i in 1:n loop
+      sum := sum + x*i;
+      //@ error[MO0912] 7-117
+      assert(i <> 1000 or divisors(i) <> 16 or sum < limit, "iteration " + String(i) + " of " + String(n) + " fails");
+    end for;
+  end total;
+  Real s(start = 0, fixed = true);
+  Integer n = integer(1200.5 + time);
+  Real y = total(n, 1 + time, 300000*s);
+equation
+  der(s) = -1;
+  annotation(experiment(StopTime = 1));
+end Sums;
+
+//@ case in_a_long_loop_that_holds
+// The same assertion holds, and what it reads is no unknown of the equation that calls the function.
+model Sums
+  function divisors
+    input Integer n;
+    output Integer count = 0;
+  algorithm
+    for k in 1:n loop
+      if mod(n, k) == 0 then
+        count := count + 1;
+      end if;
+    end for;
+  end divisors;
+  function total
+    input Integer n;
+    input Real x;
+    input Real limit;
+    output Real sum = 0;
+  algorithm
+    for i in 1:n loop
+      sum := sum + x*i;
+      assert(i <> 1000 or divisors(i) <> 16 or sum < limit, "iteration " + String(i) + " of " + String(n) + " fails");
+    end for;
+  end total;
+  Integer n = integer(1100.5 + time);
+  Real y = total(n, 1 + time, y + 1);
+  annotation(experiment(StopTime = 1, Interval = 0.25));
+end Sums;
+// (1 + t) (1 + 2 + ... + n)
+//@ expect each y = (1 + time)*n*(n + 1)/2 rel 1e-12
+//@ expect n = 1101
+
+//@ case warning_in_a_long_loop
+// A warning of a loop whose trip count is known only at run time; the run goes on.
+model Sums
+  function total
+    input Integer n;
+    input Real x;
+    output Real sum = 0;
+  algorithm
+    for i in 1:n loop
+      sum := sum + x*i;
+      //@ warning[MO0912] 7-93
+      assert(i < 1000, "iteration " + String(i) + " is late", level = AssertionLevel.warning);
+    end for;
+  end total;
+  Integer n = integer(1200.5 + time);
+  Real y = total(n, 1 + time);
+  annotation(experiment(StopTime = 0.25, Interval = 0.05));
+end Sums;
+//@ expect y at start = 1200*1201/2

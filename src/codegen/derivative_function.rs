@@ -1,0 +1,182 @@
+//! Exact derivatives of functions without loops: each gets another function, whose outputs are the partial
+//! derivatives of its outputs by its inputs. Those of loops and recursions are differences of two calls.
+//!
+//! Selections are differentiated branch by branch, as in [`super::jacobian`].
+
+use std::collections::BTreeMap;
+
+use crate::base::index::FastMap;
+use crate::ir::dae::Dae;
+use crate::ir::expr::{Binary, ExprId, FunctionId, Graph, Node, Type};
+use crate::ir::flat::{Function, LocalId, Statement, StraightLine};
+use crate::symbolic::gradient::partials;
+
+/// The derivatives of one expression by the inputs that it depends on.
+type Row = BTreeMap<u32, ExprId>;
+
+/// The functions that compute derivatives.
+#[derive(Default)]
+pub struct Derivatives {
+    /// For each function that has one: its derivatives, and the outputs of these by output and input.
+    of: FastMap<FunctionId, (FunctionId, FastMap<(u32, u32), u32>)>,
+    /// The function that each one belongs to.
+    pub primal: FastMap<FunctionId, FunctionId>,
+}
+
+impl Derivatives {
+    /// The function and the output that are the derivative of an output by an input: `None` if it has to be
+    /// approximated, `Some(None)` if it is zero.
+    pub fn find(
+        &self,
+        f: FunctionId,
+        output: u32,
+        input: u32,
+    ) -> Option<Option<(FunctionId, u32)>> {
+        let (derivative, outputs) = self.of.get(&f)?;
+        Some(outputs.get(&(output, input)).map(|k| (*derivative, *k)))
+    }
+}
+
+/// Adds the functions of derivatives to a system.
+pub fn add(dae: &mut Dae) -> Derivatives {
+    let mut found = Derivatives::default();
+    for f in dae.functions.ids().collect::<Vec<_>>() {
+        let Some(body) = dae.functions[f].straight_line() else { continue };
+        if !is_smooth_by_parts(&dae.graph, &body) {
+            continue;
+        }
+        let rows = rows(&mut dae.graph, &dae.functions[f], &body);
+        let (function, outputs) = function_of(&mut dae.graph, &dae.functions[f], rows);
+        let derivative = dae.functions.push(function);
+        found.of.insert(f, (derivative, outputs));
+        found.primal.insert(derivative, f);
+    }
+    found
+}
+
+/// Whether a body consists of operators only.
+fn is_smooth_by_parts(graph: &Graph, body: &StraightLine) -> bool {
+    graph.all(body.outputs.iter().copied(), |_, node| !matches!(node, Node::Call { .. }))
+}
+
+/// The derivatives of the outputs by the Real inputs.
+fn rows(graph: &mut Graph, function: &Function, body: &StraightLine) -> Vec<Row> {
+    let mut done: FastMap<ExprId, Row> = FastMap::default();
+    let one = graph.real(1.0);
+    for e in graph.postorder(body.outputs.iter().copied()) {
+        let row = match graph.node(e) {
+            Node::Var(v) => {
+                let by = function.inputs.iter().position(|input| input.0 == v.0);
+                let by = by.filter(|_| graph.ty(e) == Type::Real);
+                by.into_iter().map(|k| (k as u32, one)).collect()
+            }
+            Node::If(c, a, b) => selection(graph, c, &done[&a], &done[&b]),
+            Node::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
+                let relation =
+                    if op == Binary::Min { Binary::LessEqual } else { Binary::GreaterEqual };
+                let c = graph.binary(relation, a, b);
+                selection(graph, c, &done[&a], &done[&b])
+            }
+            _ => {
+                let mut depends = false;
+                graph.for_each_operand(e, |a| depends |= !done[&a].is_empty());
+                let factors = if depends { partials(graph, e, one) } else { Vec::new() };
+                let mut row = Row::new();
+                for (operand, factor) in factors {
+                    for (by, inner) in &done[&operand] {
+                        let term = graph.mul(factor, *inner);
+                        let sum = row.get(by).map_or(term, |so_far| graph.add(*so_far, term));
+                        row.insert(*by, sum);
+                    }
+                }
+                row
+            }
+        };
+        done.insert(e, row);
+    }
+    body.outputs.iter().map(|e| done[e].clone()).collect()
+}
+
+fn selection(graph: &mut Graph, c: ExprId, when_true: &Row, when_false: &Row) -> Row {
+    let zero = graph.real(0.0);
+    let by: Vec<u32> = when_true.keys().chain(when_false.keys()).copied().collect();
+    let side = |row: &Row, k: &u32| row.get(k).copied().unwrap_or(zero);
+    by.into_iter()
+        .map(|k| (k, graph.if_then_else(c, side(when_true, &k), side(when_false, &k))))
+        .collect()
+}
+
+/// The function of these derivatives, and their numbers among its outputs.
+fn function_of(
+    graph: &mut Graph,
+    primal: &Function,
+    rows: Vec<Row>,
+) -> (Function, FastMap<(u32, u32), u32>) {
+    let mut locals = primal.locals.clone();
+    let mut numbers = FastMap::default();
+    let (mut outputs, mut statements) = (Vec::<LocalId>::new(), Vec::new());
+    for (output, row) in (0..).zip(rows) {
+        for (input, e) in row {
+            if graph.as_number(e) == Some(0.0) {
+                continue;
+            }
+            numbers.insert((output, input), outputs.len() as u32);
+            let local = locals.push(format!("d{}_{input}", output + 1));
+            outputs.push(local);
+            statements.push(Statement::Assign(local, e));
+        }
+    }
+    let active = match primal.body.as_slice() {
+        [Statement::If(active, ..)] => *active,
+        _ => graph.boolean(true),
+    };
+    let function = Function {
+        name: primal.name.clone(),
+        span: primal.span,
+        inputs: primal.inputs.clone(),
+        outputs,
+        locals,
+        body: vec![Statement::If(active, statements, Vec::new())],
+    };
+    (function, numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::index::{Id, IndexVec};
+    use crate::base::source::Span;
+    use crate::ir::expr::VarId;
+
+    #[test]
+    fn derivatives_of_products_and_selections() {
+        let mut g = Graph::new();
+        let active = g.var(VarId(0), Type::Boolean);
+        let [x, y] = [1, 2].map(|k| g.var(VarId(k), Type::Real));
+        let product = g.mul(x, y);
+        let larger = g.binary(Binary::Max, x, y);
+        let id = LocalId::from_usize;
+        let locals: IndexVec<LocalId, String> =
+            ["active", "x", "y", "p", "m"].map(str::to_owned).into_iter().collect();
+        let assigns = vec![Statement::Assign(id(3), product), Statement::Assign(id(4), larger)];
+        let function = Function {
+            name: "f".to_owned(),
+            span: Span::NONE,
+            inputs: [0, 1, 2].map(id).to_vec(),
+            outputs: [3, 4].map(id).to_vec(),
+            locals,
+            body: vec![Statement::If(active, assigns, Vec::new())],
+        };
+        let body = function.straight_line().expect("assignments only");
+        let rows = rows(&mut g, &function, &body);
+        let is_x = g.binary(Binary::GreaterEqual, x, y);
+        let [zero, one] = [0.0, 1.0].map(|v| g.real(v));
+        let by_x = g.if_then_else(is_x, one, zero);
+        let by_y = g.if_then_else(is_x, zero, one);
+        assert_eq!(rows[0], Row::from([(1, y), (2, x)]));
+        assert_eq!(rows[1], Row::from([(1, by_x), (2, by_y)]));
+        let (made, numbers) = function_of(&mut g, &function, rows);
+        assert_eq!(made.outputs.len(), 4);
+        assert_eq!(numbers[&(1, 2)], 3);
+    }
+}
