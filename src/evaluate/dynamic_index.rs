@@ -37,13 +37,15 @@ impl Evaluator<'_> {
         Some(selection)
     }
 
-    /// `e == k`, for a subscript that counts from 1; `false` is the first Boolean.
+    /// Whether `e` is the `k`-th subscript, from 1: an Integer, a literal, or `false` before `true`.
     fn is_subscript(&mut self, e: ExprId, k: usize) -> ExprId {
-        if self.graph.ty(e) == Type::Boolean {
-            return if k == 1 { self.graph.not(e) } else { e };
-        }
-        let number = self.graph.integer(k as i64);
-        self.graph.binary(Binary::Equal, e, number)
+        let subscript = match self.graph.ty(e) {
+            Type::Boolean if k == 1 => return self.graph.not(e),
+            Type::Boolean => return e,
+            Type::Enumeration(id) => self.graph.constant(Const::Enumeration(id, k as u32)),
+            _ => self.graph.integer(k as i64),
+        };
+        self.graph.binary(Binary::Equal, e, subscript)
     }
 
     /// Asserts that a subscript known only at run time is one of `1:size`. All values of an index

@@ -29,3 +29,21 @@ end Least;
 //@ expect low at 0.2, 0.4, 0.6, 0.9 = 1, 1, 2, 2
 //@ expect high at 0.2, 0.4, 0.6, 0.9 = 2, 2, 3, 3
 //@ expect other at 0.2, 0.4, 0.6, 0.9 = 1, 1, 3, 3
+
+//@ case subscript_known_only_at_run_time
+//@ run stop=3
+// The literal that selects an element varies.
+model Gearbox
+  type Gear = enumeration(First, Second, Third);
+  constant Real ratio[Gear] = {3.5, 2.0, 1.2};
+  constant Gear next[Gear] = {Gear.Second, Gear.Third, Gear.Third};
+  discrete Gear gear(start = Gear.First, fixed = true);
+  Real speed = ratio[gear];
+equation
+  when sample(1, 1) then
+    gear = next[pre(gear)];
+  end when;
+end Gearbox;
+//@ expect speed at 0.5 = 3.5
+//@ expect speed at 1.5 = 2
+//@ expect speed at 2.5 = 1.2
