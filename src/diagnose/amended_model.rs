@@ -60,7 +60,7 @@ fn with_estimates<'a>(
     let mut values = Vec::new();
     let mut comments = Vec::new();
     for parameter in &chosen.fitted {
-        let full = format!("{}.{parameter}", chosen.name);
+        let full = chosen.full_name(parameter);
         let Some((value, error)) = hypothesis.estimate(&full) else { continue };
         values.push((parameter.clone(), value));
         let base = parameter.split('[').next().unwrap_or(parameter).to_owned();
@@ -68,7 +68,7 @@ fn with_estimates<'a>(
     }
     let fixed = chosen.fixed.iter().filter(|(p, _)| !chosen.fitted.contains(p));
     values.extend(fixed.cloned());
-    Attached { comments, ..Attached::new(effect, &chosen.place, chosen.name.clone(), values) }
+    Attached { comments, ..Attached::new(effect, &chosen.place, chosen.prefix.clone(), values) }
 }
 
 /// The experiment annotation, if it says anything.

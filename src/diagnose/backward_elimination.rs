@@ -39,7 +39,7 @@ pub fn eliminated(search: &Search<'_>, mut hypothesis: Hypothesis) -> Hypothesis
 fn is_weak(search: &Search<'_>, hypothesis: &Hypothesis, chosen: &ChosenEffect) -> bool {
     let amplitudes = &search.study.effects[chosen.effect].amplitudes;
     let weak = |name: &String| {
-        let estimate = hypothesis.estimate(&format!("{}.{name}", chosen.name));
+        let estimate = hypothesis.estimate(&chosen.full_name(name));
         let limit = search.policy().weak_below;
         !estimate.is_some_and(|(value, error)| value.abs() > limit * error)
     };
@@ -57,7 +57,7 @@ pub fn without(
         hypothesis.effects.iter().cloned().partition(|c| names.contains(&c.name));
     let mut plan = hypothesis.plan.clone();
     let is_removed = |target: &String| {
-        removed.iter().any(|c| c.fitted.iter().any(|p| *target == format!("{}.{p}", c.name)))
+        removed.iter().any(|c| c.fitted.iter().any(|p| *target == c.full_name(p)))
     };
     plan.free.retain_mut(|free| {
         free.targets.retain(|target| !is_removed(target));

@@ -8,8 +8,9 @@ use crate::numeric::least_squares;
 
 use super::hypothesis::{ChosenEffect, Hypothesis, attach};
 use super::place::Place;
-use super::preference::{ends_with_curve, sort_by_preference};
+use super::preference::{ends_with_curve, ends_with_sensor, sort_by_preference};
 use super::rank::Scored;
+use super::revise::is_resolved;
 use super::search::Search;
 use super::study::Study;
 
@@ -32,6 +33,9 @@ impl CandidateFits<'_> {
         let (search, from) = (self.search, self.from);
         let mut hypotheses = self.first_fits();
         sort_by_preference(search, from, &mut hypotheses, Hypothesis::bic);
+        if hypotheses.first().is_some_and(|h| self.resolves(h)) {
+            return hypotheses;
+        }
         self.fit_fully(&mut hypotheses);
         // Beside another effect, recordings that were never fitted count as much as the fitted ones.
         let criterion = match from.effects.is_empty() {
@@ -71,12 +75,14 @@ impl CandidateFits<'_> {
         let policy = self.search.policy();
         let mut hypotheses: Vec<Hypothesis> = Vec::new();
         let (left, mut least_gain) = (self.from.train.total(), f64::NEG_INFINITY);
+        let (study, mut variation_resolves) = (self.search.study, false);
         for proposal in self.proposals {
             if !self.search.may_continue() {
                 break;
             }
             let gain = proposal.first().map_or(0.0, |s| s.gain);
-            if proposal.len() > 1 && gain < least_gain {
+            let varies = proposal.iter().any(|s| study.effects[s.effect].varies.is_some());
+            if proposal.len() > 1 && gain < least_gain || varies && variation_resolves {
                 continue;
             }
             let (effects, plan) = attach(self.search.study, self.from, proposal, self.depth);
@@ -87,16 +93,64 @@ impl CandidateFits<'_> {
                 p.trimmed = Vec::new();
                 fit
             };
-            if let Some(fitted) = self.fitted(effects, plan, short) {
+            let mut fitted = self.fitted(effects.clone(), plan.clone(), short);
+            let nothing_yet = self.from.effects.is_empty();
+            if nothing_yet && self.from.chi2_train() > policy.large_effect_above {
+                let from_plan = self.fitted(effects, self.with_planned_starts(&plan), short);
+                let cost = |h: &Option<Hypothesis>| {
+                    h.as_ref().map_or(f64::INFINITY, |h| h.train.total())
+                };
+                if cost(&from_plan) < cost(&fitted) {
+                    fitted = from_plan;
+                }
+            }
+            if let Some(fitted) = fitted {
                 let label = self.label(&fitted);
                 self.search.note(&format!("short fit of {label}: {:.4}", fitted.chi2_train()));
+                let leads = self.leads(&fitted).then(|| self.continued(&fitted)).flatten();
+                let fitted = leads.unwrap_or(fitted);
                 if fitted.chi2_train() < policy.resolved_train {
                     least_gain = least_gain.max(gain - policy.pair_margin * left);
                 }
+                let resolves = self.resolves(&fitted);
                 hypotheses.push(fitted);
+                // A named law may explain as much as a parameter that varies.
+                variation_resolves |= resolves && varies;
+                if resolves && !varies {
+                    break;
+                }
             }
         }
         hypotheses
+    }
+
+    /// True for a short fit that explains so much that it is continued before others are tried.
+    fn leads(&self, hypothesis: &Hypothesis) -> bool {
+        let (study, policy) = (self.search.study, self.search.policy());
+        let excess = self.from.chi2_train() - 1.0;
+        let left = policy.leading_excess + (1.0 - policy.leading_share) * excess;
+        let specific = !ends_with_curve(study, hypothesis) && !ends_with_sensor(hypothesis);
+        specific && self.from.effects.is_empty() && hypothesis.chi2_train() - 1.0 < left
+    }
+
+    /// True for a completed fit of an effect on the machine that leaves nothing to explain.
+    fn resolves(&self, hypothesis: &Hypothesis) -> bool {
+        let specific =
+            !ends_with_curve(self.search.study, hypothesis) && !ends_with_sensor(hypothesis);
+        specific && hypothesis.is_complete_fit && is_resolved(self.search, hypothesis)
+    }
+
+    /// A hypothesis fitted to convergence.
+    fn continued(&self, hypothesis: &Hypothesis) -> Option<Hypothesis> {
+        let full = &mut |p: &mut Problem<'_>| {
+            let start = p.start();
+            self.full_fit(p, &start)
+        };
+        let (effects, plan) = (hypothesis.effects.clone(), hypothesis.plan.clone());
+        let mut better = Hypothesis::fitted(self.search.study, effects, plan, full).ok()?;
+        better.is_complete_fit = true;
+        self.note(&format!("fitted {}", self.label(&better)), &better);
+        Some(better)
     }
 
     /// Continues the best short fits to convergence: parametric effects that explain much, then curves, then the rest.
@@ -120,15 +174,13 @@ impl CandidateFits<'_> {
             if parametric_resolves && own_rank == CURVES || curve_resolves && own_rank == WEAK {
                 continue;
             }
-            let full = &mut |p: &mut Problem<'_>| {
-                let start = p.start();
-                self.full_fit(p, &start)
+            let better = match hypothesis.is_complete_fit {
+                true => hypothesis.clone(),
+                false => match self.continued(hypothesis) {
+                    Some(better) => better,
+                    None => continue,
+                },
             };
-            let (effects, plan) = (hypothesis.effects.clone(), hypothesis.plan.clone());
-            let Ok(better) = Hypothesis::fitted(self.search.study, effects, plan, full) else {
-                continue;
-            };
-            self.note(&format!("fitted {}", self.label(&better)), &better);
             if better.chi2_train() < self.search.policy().resolved_train {
                 match ends_with_curve(self.search.study, &better) {
                     true => curve_resolves = true,
@@ -173,12 +225,21 @@ impl CandidateFits<'_> {
             if !self.search.may_continue() {
                 break;
             }
-            let full = &mut |p: &mut Problem<'_>, start: &[f64]| self.full_fit(p, start);
+            let policy = self.search.policy();
+            let least = better.as_ref().unwrap_or(best);
+            let hopeless = policy.hopeless_factor * least.train.total();
+            let full = &mut |p: &mut Problem<'_>, start: &[f64]| {
+                let on_step = &mut |_, _| self.search.on_step();
+                let short = local_search(p, start, &policy.short_fit, on_step)?;
+                match short.normal.cost > hopeless {
+                    true => Some(short),
+                    false => self.full_fit(p, &short.x),
+                }
+            };
             let Some(fitted) = self.fitted(effects, plan, full) else { continue };
             self.note("from another start", &fitted);
-            let least = better.as_ref().unwrap_or(best);
             if fitted.train.total() < least.train.total() {
-                better = Some(fitted);
+                better = Some(Hypothesis { is_complete_fit: true, ..fitted });
             }
             if better.as_ref().is_some_and(|b| !self.may_be_local_minimum(b)) {
                 break;
@@ -189,11 +250,7 @@ impl CandidateFits<'_> {
 
     fn other_starts(&self, best: &Hypothesis) -> Vec<(Vec<ChosenEffect>, Plan)> {
         let study = self.search.study;
-        let mut from_plan = best.plan.clone();
-        for free in &mut from_plan.free {
-            let as_planned = study.plan.free.iter().find(|f| f.name == free.name);
-            free.start = as_planned.map_or(free.start, |f| f.start);
-        }
+        let from_plan = self.with_planned_starts(&best.plan);
         let mut starts = vec![(best.effects.clone(), from_plan)];
         let new: Vec<(usize, &[String])> =
             self.added(best).iter().map(|c| (c.effect, c.place.at.as_slice())).collect();
@@ -210,6 +267,16 @@ impl CandidateFits<'_> {
             }
         }
         starts
+    }
+
+    /// A plan whose free parameters, but for those of effects, start at the values of the study's plan.
+    fn with_planned_starts(&self, plan: &Plan) -> Plan {
+        let mut plan = plan.clone();
+        for free in &mut plan.free {
+            let as_planned = self.search.study.plan.free.iter().find(|f| f.name == free.name);
+            free.start = as_planned.map_or(free.start, |f| f.start);
+        }
+        plan
     }
 
     /// The effects that a hypothesis has beyond those it extends.
@@ -252,6 +319,14 @@ impl CandidateFits<'_> {
     fn note(&self, what: &str, hypothesis: &Hypothesis) {
         let (train, validation) = (hypothesis.chi2_train(), hypothesis.chi2_validation());
         self.search.note(&format!("{what}: {train:.4}, validation {validation:.4}"));
+        for sums in [&hypothesis.train, &hypothesis.validation] {
+            let each = sums.by_recording();
+            let worst = each.iter().copied().fold(0.0, f64::max);
+            let total = sums.total() / sums.count().max(1) as f64;
+            if worst > OUTSTANDING * total {
+                self.search.note(&format!("  by recording {each:.1?}"));
+            }
+        }
     }
 
     /// True for a fit that explains most of the excess, but not all of it: a better minimum may be near.
@@ -269,11 +344,14 @@ impl CandidateFits<'_> {
     }
 }
 
+/// Multiple of the mean reduced sum at which a recording is worth a line of its own.
+const OUTSTANDING: f64 = 3.0;
+
 /// Full names of the amplitudes of effects.
 fn amplitudes(study: &Study, effects: &[ChosenEffect]) -> Vec<String> {
     let of = |c: &ChosenEffect| {
         let all = study.effects[c.effect].amplitudes.iter();
-        all.map(|a| format!("{}.{}", c.name, a.name)).collect::<Vec<_>>()
+        all.map(|a| c.full_name(&a.name)).collect::<Vec<_>>()
     };
     effects.iter().flat_map(of).collect()
 }
@@ -282,6 +360,9 @@ fn amplitudes(study: &Study, effects: &[ChosenEffect]) -> Vec<String> {
 /// lie far beyond the range in which it holds.
 fn best_start(problem: &mut Problem<'_>, amplitudes: &[String], shares: &[f64]) -> Vec<f64> {
     let whole = problem.start();
+    if amplitudes.is_empty() {
+        return whole;
+    }
     let at = |share: &f64| {
         let scaled = problem.parameters.iter().zip(&whole).map(|(p, x)| {
             let is_new = amplitudes.contains(&p.name);

@@ -6,6 +6,7 @@ use crate::driver::compile::{Annotated, Request, Session};
 use crate::flatten::inventory::{Inventory, InventoryConnector};
 
 use super::cause::CatalogueCause;
+use super::law_choice::Choice;
 
 /// An effect as its class describes it.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +25,8 @@ pub struct Effect {
     pub explains: String,
     /// Its connectors.
     pub connectors: Vec<InventoryConnector>,
+    /// Its law as a formula.
+    pub law: String,
     /// It acts on the sensor, between a variable and its signal.
     pub of_signal: bool,
     /// Units of its parameters.
@@ -36,6 +39,10 @@ pub struct Effect {
     pub inflow: Option<String>,
     /// Of an unknown inflow: variables over which it is shown.
     pub over: Vec<String>,
+    /// Of an effect that lets parameters vary: its output, by which they are multiplied.
+    pub varies: Option<String>,
+    /// Of an effect that is another law: how it is chosen.
+    pub choice: Option<Choice>,
 }
 
 /// An amplitude.
@@ -104,6 +111,8 @@ enum Role {
     Effect,
     /// An inflow that is free over time: the question where a balance does not close.
     Unknown,
+    /// Another law that is built into the class.
+    Choice,
 }
 
 impl Role {
@@ -111,6 +120,7 @@ impl Role {
         match self {
             Role::Effect => "effect",
             Role::Unknown => "unknown",
+            Role::Choice => "choice",
         }
     }
 }
@@ -131,14 +141,18 @@ pub fn catalogue(
     hosts.dedup();
     hosts.retain(|class| !class.is_empty() && !known.contains(class));
     for annotated in session.annotated(packages.request, &hosts) {
-        let Some(mut effect) = described(session, &annotated, Role::Effect) else { continue };
         let Some(host) = model.parts.iter().find(|p| p.class == annotated.class) else { continue };
         let prefix = format!("{}.", host.name);
         let own =
             |(n, u): &(String, String)| Some((n.strip_prefix(&prefix)?.to_owned(), u.clone()));
-        effect.units = units.iter().filter_map(own).collect();
-        effect.built_in = true;
-        effects.push(effect);
+        let units: Vec<(String, String)> = units.iter().filter_map(own).collect();
+        for role in [Role::Effect, Role::Choice] {
+            let Some(mut effect) = described(session, &annotated, role) else { continue };
+            effect.units.clone_from(&units);
+            effect.built_in = true;
+            effect.choice = (role == Role::Choice).then(Choice::default);
+            effects.push(effect);
+        }
     }
     effects
 }
@@ -173,10 +187,11 @@ fn components(
 
 /// The effect that an annotation describes, if it has this role.
 fn described(session: &mut Session, annotated: &Annotated, role: Role) -> Option<Effect> {
-    match read(&annotated.class, &annotated.entry(role.key())?.text) {
+    match read(&annotated.class, &annotated.entry(role.key())?.text, role) {
         Ok(mut effect) => {
             let explains = annotated.entry("explains").map(|e| e.text.as_str());
             effect.explains = explains.unwrap_or("%at has this effect.").to_owned();
+            effect.law = annotated.entry("law").map(|e| e.text.clone()).unwrap_or_default();
             Some(effect)
         }
         Err(why) => {
@@ -224,7 +239,7 @@ fn complete(effect: &mut Effect, inventory: &Inventory) {
     if let Some(own) = inventory.parts.first() {
         effect.connectors = own.connectors.clone();
     }
-    effect.of_signal = effect.connectors.is_empty();
+    effect.of_signal = effect.connectors.is_empty() && effect.varies.is_none();
     for input in &inventory.inputs {
         if !effect.of_signal && !effect.binds.iter().any(|(name, _)| name == input) {
             effect.binds.push((input.clone(), vec![input.clone()]));
@@ -240,7 +255,7 @@ fn elements<'a>(a: &'a Amplitude, names: &'a [String]) -> impl Iterator<Item = A
 }
 
 /// Reads `amplitude=F; s_0=s(15); ...`.
-fn read(class: &str, text: &str) -> Result<Effect, String> {
+fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
     let mut effect = Effect { class: class.to_owned(), ..Effect::default() };
     for entry in text.split(';').map(str::trim).filter(|e| !e.is_empty()) {
         let wrong = || format!("cannot read the entry `{entry}`");
@@ -268,6 +283,7 @@ fn read(class: &str, text: &str) -> Result<Effect, String> {
             }
             "host" => effect.host = items.map(str::to_owned).collect(),
             "inflow" => effect.inflow = Some(value.trim().to_owned()),
+            "varies" => effect.varies = Some(value.trim().to_owned()),
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {
                 let starts: Option<Vec<Start>> = items.map(start).collect();
@@ -275,7 +291,7 @@ fn read(class: &str, text: &str) -> Result<Effect, String> {
             }
         }
     }
-    if effect.amplitudes.is_empty() {
+    if effect.amplitudes.is_empty() && role != Role::Choice {
         return Err("its annotation names no amplitude".to_owned());
     }
     Ok(effect)
@@ -308,7 +324,7 @@ mod tests {
     #[test]
     fn descriptions_are_read() {
         let text = "amplitude=c>0,F_0; s_0=s(15); w=0.1e-3,0.02*span(u); host=spool,port_a; bind m_flow=gap.m_flow|m_flow; a=min(s)";
-        let effect = read("Effects.X", text).unwrap();
+        let effect = read("Effects.X", text, Role::Effect).unwrap();
         let amplitude = |name: &str, positive| Amplitude { name: name.into(), positive };
         assert_eq!(effect.amplitudes, [amplitude("c", true), amplitude("F_0", false)]);
         assert_eq!(effect.shape_parameters[0].1, [Start::Spread("s".into(), 15)]);
@@ -319,11 +335,11 @@ mod tests {
         assert_eq!(effect.shape_parameters[2].1, [Start::Least("s".into())]);
         assert_eq!(effect.host, ["spool", "port_a"]);
         assert_eq!(effect.binds[0].1, ["gap.m_flow", "m_flow"]);
-        let built_in = read("P.Source", "with has_line=true; amplitude=R>0").unwrap();
+        let built_in = read("P.Source", "with has_line=true; amplitude=R>0", Role::Effect).unwrap();
         assert_eq!(built_in.with, [("has_line".to_owned(), "true".to_owned())]);
-        let unknown = read("Effects.U", "amplitude=F; inflow=f; over=s,v").unwrap();
+        let unknown = read("Effects.U", "amplitude=F; inflow=f; over=s,v", Role::Unknown).unwrap();
         assert_eq!((unknown.inflow.as_deref(), unknown.over.len()), (Some("f"), 2));
-        let why = |text: &str| read("Effects.Y", text).unwrap_err();
+        let why = |text: &str| read("Effects.Y", text, Role::Effect).unwrap_err();
         assert_eq!(why("w=1"), "its annotation names no amplitude");
         assert_eq!(why("amplitude=F; w=max(s"), "cannot read the entry `w=max(s`");
         assert_eq!(why("amplitude=F; bind u"), "cannot read the entry `bind u`");

@@ -10,6 +10,7 @@ use crate::calibrate::statistics::standard_errors;
 use crate::calibrate::sums::Sums;
 
 use super::catalogue::Start;
+use super::law_choice::Choice;
 use super::model_source::Attached;
 use super::place::Place;
 use super::rank::Scored;
@@ -22,14 +23,31 @@ pub struct ChosenEffect {
     pub effect: usize,
     /// Where it is attached.
     pub place: Place,
-    /// Name of its component.
+    /// Its name; for an effect with a component of its own, that of the component.
     pub name: String,
+    /// The component whose parameters are those of the effect; empty for the model itself.
+    pub prefix: String,
     /// Parameters that are not fitted, with their values.
     pub fixed: Vec<(String, f64)>,
     /// Parameters that are fitted.
     pub fitted: Vec<String>,
     /// Equal for the places of one effect at several places.
     pub group: usize,
+}
+
+impl ChosenEffect {
+    /// The full name of one of its parameters or variables.
+    pub fn full_name(&self, own: &str) -> String {
+        full_name(&self.prefix, own)
+    }
+}
+
+/// The full name of a variable of a component; an empty component is the model itself.
+pub fn full_name(component: &str, own: &str) -> String {
+    match component {
+        "" => own.to_owned(),
+        component => format!("{component}.{own}"),
+    }
 }
 
 /// A fitted model with effects.
@@ -45,6 +63,8 @@ pub struct Hypothesis {
     pub errors: Vec<f64>,
     /// The fit.
     pub fit: Fit,
+    /// The fit was continued until nothing was left to gain.
+    pub is_complete_fit: bool,
     /// Sums of squares of the training recordings.
     pub train: Sums,
     /// Sums of squares of the recordings that were never fitted.
@@ -75,7 +95,8 @@ impl Hypothesis {
         for (free, value) in plan.free.iter_mut().zip(&values) {
             free.start = Some(*value);
         }
-        Ok(Hypothesis { effects, plan, values, errors, fit, train, validation })
+        let is_complete_fit = false;
+        Ok(Hypothesis { effects, plan, values, errors, fit, is_complete_fit, train, validation })
     }
 
     /// Sums of squares of the recordings of one kind.
@@ -134,7 +155,7 @@ pub fn groups(effects: &[ChosenEffect]) -> impl Iterator<Item = &[ChosenEffect]>
 pub fn attached<'a>(study: &'a Study, effects: &'a [ChosenEffect]) -> Vec<Attached<'a>> {
     let one = |c: &'a ChosenEffect| {
         let effect = &study.effects[c.effect];
-        Attached::new(effect, &c.place, c.name.clone(), c.fixed.clone())
+        Attached::new(effect, &c.place, c.prefix.clone(), c.fixed.clone())
     };
     effects.iter().map(one).collect()
 }
@@ -188,6 +209,7 @@ fn attach_one(
     let (known, group) = (chosen.len(), chosen.last().map_or(0, |c| c.group + 1));
     for (j, mut place) in scored.place.members().into_iter().enumerate() {
         let component = match j {
+            _ if effect.choice.as_ref().is_some_and(Choice::is_of_model) => String::new(),
             _ if effect.built_in => place.at[0].clone(),
             0 => name.clone(),
             _ => format!("{name}_at_{}", place.at[0]),
@@ -195,7 +217,7 @@ fn attach_one(
         let mut fitted = Vec::new();
         let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
         for (a, start) in effect.amplitudes.iter().zip(starts) {
-            let full = format!("{component}.{}", a.name);
+            let full = full_name(&component, &a.name);
             let (start, min) = match a.positive {
                 true if *start > 0.0 => (*start, Some(0.0)),
                 true => (0.0, Some(0.0)),
@@ -210,16 +232,18 @@ fn attach_one(
             if !is_fitted_shape(starts) {
                 continue;
             }
-            let full = format!("{component}.{parameter}");
+            let full = full_name(&component, parameter);
             fitted.push(parameter.clone());
             // An effect at several places shares its shape parameters.
-            let first = chosen.get(known).map(|c| &c.name);
-            let shared = first.map(|first| format!("{first}.{parameter}"));
+            let first = chosen.get(known).map(|c| &c.prefix);
+            let shared = first.map(|first| full_name(first, parameter));
             match plan.free.iter_mut().find(|f| Some(&f.name) == shared.as_ref()) {
                 Some(free) => free.targets.push(full),
                 None => {
                     let free = amplitude(&full, *value, None, &place, &component);
-                    plan.free.push(Free { acts_on: None, ..free });
+                    let range = effect.choice.as_ref().map(|_| Choice::range(*value));
+                    let (min, max) = range.map_or((None, None), |(a, b)| (Some(a), Some(b)));
+                    plan.free.push(Free { acts_on: None, min, max, ..free });
                 }
             }
         }
@@ -229,7 +253,12 @@ fn attach_one(
             place.binds.iter_mut().for_each(|(_, variable)| variable.clone_from(&output));
         }
         let (effect, fixed) = (scored.effect, scored.shape.clone());
-        chosen.push(ChosenEffect { effect, place, name: component, fixed, fitted, group });
+        let name = match component.as_str() {
+            "" => name.clone(),
+            component => component.to_owned(),
+        };
+        let prefix = component;
+        chosen.push(ChosenEffect { effect, place, name, prefix, fixed, fitted, group });
     }
     (chosen, plan)
 }

@@ -44,7 +44,7 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
 fn named(effects: &[Effect], group: &[ChosenEffect]) -> Json {
     let at = group.iter().flat_map(|c| c.place.at.iter());
     Json::object([
-        ("component", Json::text(effects[group[0].effect].class.clone())),
+        ("component", Json::text(component(&effects[group[0].effect]))),
         ("at", Json::list(at.map(|a| Json::text(a.clone())))),
     ])
 }
@@ -69,7 +69,7 @@ fn effect_json(
     let mut parameters: Vec<(String, Json)> = Vec::new();
     for chosen in group {
         for name in &chosen.fitted {
-            let full = format!("{}.{name}", chosen.name);
+            let full = chosen.full_name(name);
             let Some((value, error)) = hypothesis.estimate(&full) else { continue };
             let members = [
                 ("value", Json::number(value)),
@@ -84,13 +84,31 @@ fn effect_json(
     }
     let at = group.iter().flat_map(|c| c.place.at.iter());
     let mut members = vec![
-        ("component", Json::text(effect.class.clone())),
+        ("component", Json::text(component(effect))),
         ("at", Json::list(at.map(|a| Json::text(a.clone())))),
+        ("over", Json::list(over(effect, group).into_iter().map(Json::text))),
+        ("law", Json::text(effect.law.as_str())),
         ("parameters", Json::object(parameters)),
         ("explains", Json::text(sentences(effects, group).join(" "))),
     ];
     members.extend(more);
     Json::object(members)
+}
+
+/// What an effect is, by name: its class, or a parameter that varies.
+fn component(effect: &Effect) -> String {
+    match effect.varies {
+        Some(_) => "parameter".to_owned(),
+        None => effect.class.clone(),
+    }
+}
+
+/// The variables that the law of an effect depends on.
+fn over(effect: &Effect, group: &[ChosenEffect]) -> Vec<String> {
+    match effect.varies {
+        Some(_) => group[0].place.binds.iter().map(|(_, variable)| variable.clone()).collect(),
+        None => effect.over.clone(),
+    }
 }
 
 fn quality(data: &Data, hypothesis: &Hypothesis) -> Json {

@@ -142,7 +142,7 @@ fn contributions(
     for (k, p) in problem.parameters.iter().enumerate().take(hypothesis.plan.free.len()) {
         let targets = &hypothesis.plan.free[k].targets;
         for c in &hypothesis.effects {
-            let own = |name: &str| targets.iter().any(|t| *t == format!("{}.{name}", c.name));
+            let own = |name: &str| targets.iter().any(|t| *t == c.full_name(name));
             let amplitudes = &study.effects[c.effect].amplitudes;
             if amplitudes.iter().any(|a| own(&a.name)) {
                 columns.push((k, p.start / p.scale.slope(p.start)));

@@ -3,6 +3,7 @@
 use crate::calibrate::modification::{Tree, parts};
 
 use super::catalogue::Effect;
+use super::hypothesis::full_name;
 use super::place::Place;
 
 /// An effect at a place with values for its parameters.
@@ -38,7 +39,7 @@ impl<'a> Attached<'a> {
 
     /// Adds the modifications of the component that the effect is built into.
     fn modify(&self, modifications: &mut Tree) {
-        let inner = |parameter: &str| path(&format!("{}.{parameter}", self.name));
+        let inner = |parameter: &str| path(&full_name(&self.name, parameter));
         for (parameter, value) in &self.effect.with {
             modifications.set(&inner(parameter), value.clone(), String::new());
         }
@@ -126,12 +127,27 @@ impl Extension<'_> {
                 out.push_str(&format!("  connect({}.{own}, {other});\n", a.name));
             }
         }
-        if let Some(annotation) = self.annotation {
-            out.push_str(&format!("  annotation({annotation});\n"));
+        let variations = variations(attached);
+        let annotations: Vec<&str> =
+            self.annotation.into_iter().chain(variations.as_deref()).collect();
+        if !annotations.is_empty() {
+            out.push_str(&format!("  annotation({});\n", annotations.join(", ")));
         }
         out.push_str(&format!("end {};\n", self.name));
         out
     }
+}
+
+/// The annotation that lets parameters vary, if an effect does.
+fn variations(attached: &[Attached<'_>]) -> Option<String> {
+    let of = |a: &Attached<'_>| {
+        let factor = a.effect.varies.as_ref().map(|own| format!("{}.{own}", a.name));
+        let parameters = if factor.is_some() { a.place.at.clone() } else { Vec::new() };
+        let factor = factor.unwrap_or_default();
+        parameters.into_iter().map(move |p| format!("{p} = {factor}")).collect::<Vec<_>>()
+    };
+    let all: Vec<String> = attached.iter().flat_map(of).collect();
+    (!all.is_empty()).then(|| format!("__mocc(varies = \"{}\")", all.join(", ")))
 }
 
 /// The path of a parameter in the tree of modifications.

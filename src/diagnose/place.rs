@@ -23,8 +23,22 @@ pub struct Place {
 }
 
 impl Place {
+    /// Components, without anything to connect or to bind.
+    pub fn at(components: &[String]) -> Place {
+        Place {
+            at: components.to_vec(),
+            connections: Vec::new(),
+            binds: Vec::new(),
+            signal: None,
+            others: Vec::new(),
+        }
+    }
+
     /// The single places.
     pub fn members(&self) -> Vec<Place> {
+        if self.others.is_empty() {
+            return vec![self.clone()];
+        }
         let own = Place {
             at: self.at.iter().take(1).cloned().collect(),
             others: Vec::new(),

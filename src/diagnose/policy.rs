@@ -31,7 +31,7 @@ pub struct SearchPolicy {
     /// Places in one model of a score test. Default 48. More places per model cost fewer runs, each of
     /// which propagates more derivatives.
     pub batch: usize,
-    /// Instants of recordings for a score test or a short fit. Default 10 000.
+    /// Instants of recordings for a score test or a short fit. Default 8000.
     pub score_instants: usize,
     /// Instants that suffice to preselect candidates for that test. Default 3000.
     pub preselection_instants: usize,
@@ -68,6 +68,17 @@ pub struct SearchPolicy {
     pub long_fit_factor: f64,
     /// A fit explains most of the excess if it leaves less than this share of it. Default 0.5.
     pub most_share: f64,
+    /// A short fit that explains this share of the excess, but for [`Self::leading_excess`], is continued
+    /// before the next proposal is fitted. Default 0.98. Smaller values continue more fits.
+    pub leading_share: f64,
+    /// Excess of the reduced sum that such a fit may leave in any case. Default 0.3.
+    pub leading_excess: f64,
+    /// Reduced sum without effects above which short fits begin at the plan's values as well: a large effect
+    /// has dragged the calibrated ones far away. Default 5.
+    pub large_effect_above: f64,
+    /// A short fit from another start is given up if its sum of squares exceeds the best one by this factor.
+    /// Default 2.
+    pub hopeless_factor: f64,
     /// Excess of the validation sum over 1 that marks a fit which explains most as a possible local
     /// minimum. Default 0.1.
     pub local_minimum_above: f64,
@@ -88,7 +99,7 @@ pub struct SearchPolicy {
     /// Default 0.1.
     pub parametric_excess: f64,
 
-    /// Candidates from which pairs are formed. Default 400. The number of pairs grows with its square.
+    /// Candidates from which pairs are formed. Default 200. The number of pairs grows with its square.
     pub pair_candidates: usize,
     /// Pairs that are fitted. Default 8.
     pub fitted_pairs: usize,
@@ -116,7 +127,7 @@ impl Default for SearchPolicy {
             explained_limit: 3.0,
             evidence: 30.0,
             batch: 48,
-            score_instants: 10_000,
+            score_instants: 8_000,
             preselection_instants: 3_000,
             preselected: 64,
             max_effects: 5,
@@ -132,6 +143,10 @@ impl Default for SearchPolicy {
             long_fits: 3,
             long_fit_factor: 2.0,
             most_share: 0.5,
+            leading_share: 0.98,
+            leading_excess: 0.3,
+            large_effect_above: 5.0,
+            hopeless_factor: 2.0,
             local_minimum_above: 0.1,
             other_shapes: 2,
             pair_margin: 0.01,
@@ -139,7 +154,7 @@ impl Default for SearchPolicy {
             parametric_share: 0.95,
             parametric_factor: 5.0,
             parametric_excess: 0.1,
-            pair_candidates: 400,
+            pair_candidates: 200,
             fitted_pairs: 8,
             pairs_per_member: 3,
             swap_rounds: 3,

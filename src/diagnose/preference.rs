@@ -18,11 +18,22 @@ pub fn sort_by_preference(
     hypotheses.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
     // A sensor is blamed only if no effect on the measured machine explains as much: an effect in proportion
     // to a pressure is also a scale error of its sensor.
-    let of_sensor = |h: &Hypothesis| h.effects.last().is_some_and(|c| c.place.signal.is_some());
+    let of_sensor = ends_with_sensor;
     if let Some(sensor) = hypotheses.first().filter(|h| of_sensor(h)) {
         let as_good = criterion(sensor) + policy.evidence;
         let machine = |h: &Hypothesis| !of_sensor(h) && criterion(h) < as_good;
         if let Some(k) = hypotheses.iter().position(machine) {
+            hypotheses[..=k].rotate_right(1);
+        }
+    }
+    // A parameter that varies is a finding without a name: a named law comes first if it explains as much.
+    let varies = |h: &Hypothesis| ends_with_variation(study, h);
+    if let Some(variation) = hypotheses.first().filter(|h| varies(h)) {
+        let as_good = criterion(variation) + policy.evidence;
+        let named = |h: &Hypothesis| {
+            !varies(h) && !of_sensor(h) && !ends_with_curve(study, h) && criterion(h) < as_good
+        };
+        if let Some(k) = hypotheses.iter().position(named) {
             hypotheses[..=k].rotate_right(1);
         }
     }
@@ -40,6 +51,16 @@ pub fn sort_by_preference(
     if let Some(k) = hypotheses.iter().position(|h| is_parametric(h) && nearly_as_good(h)) {
         hypotheses[..=k].rotate_right(1);
     }
+}
+
+/// True if the last added effect acts on a sensor.
+pub fn ends_with_sensor(hypothesis: &Hypothesis) -> bool {
+    hypothesis.effects.last().is_some_and(|c| c.place.signal.is_some())
+}
+
+/// True if the last added effect lets a parameter vary.
+pub fn ends_with_variation(study: &Study, hypothesis: &Hypothesis) -> bool {
+    hypothesis.effects.last().is_some_and(|c| study.effects[c.effect].varies.is_some())
 }
 
 /// True if the last added effect is a free curve.

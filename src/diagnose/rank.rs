@@ -4,10 +4,16 @@
 //! a candidate contributes one column of the score test, or several. Effects at several places together are
 //! composed of the columns of the single places.
 
+use crate::base::diag::Problems;
 use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
+use crate::calibrate::problem::Problem;
+use crate::calibrate::parameter::Parameter;
+use crate::calibrate::plan::Free;
+use crate::numeric::least_squares::{NormalEquations, Residuals};
+use crate::numeric::linear::DenseLu;
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{ChosenEffect, Hypothesis, attach, attached};
 use super::linearise::Linearisation;
 use super::place::{Place, places};
 use super::search::Search;
@@ -122,6 +128,9 @@ fn rank_those(
         }
         known.others.push(scored);
     }
+    if replaced.is_none() {
+        best.extend(score_choices(search, hypothesis));
+    }
     for scored in &mut best {
         scored.others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     }
@@ -187,6 +196,106 @@ fn score_batch(
     }
 }
 
+/// Scores the laws that the model offers, each with the best start of its own parameters.
+fn score_choices(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
+    let study = search.study;
+    let names: FastSet<&str> = study.variables.iter().map(String::as_str).collect();
+    let mut offered: Vec<(usize, Place)> = Vec::new();
+    for (k, effect) in study.effects.iter().enumerate() {
+        match &effect.choice {
+            Some(choice) if choice.is_of_model() => offered.push((k, Place::at(&choice.at))),
+            Some(_) => {
+                let all = places(effect, &study.inventory, &names, &hypothesis.plan);
+                offered.extend(all.into_iter().map(|place| (k, place)));
+            }
+            None => {}
+        }
+    }
+    let is_taken = |place: &Place| {
+        let known = |c: &ChosenEffect| study.effects[c.effect].built_in && c.place.at == place.at;
+        hypothesis.effects.iter().any(known)
+    };
+    offered.retain(|(_, place)| !is_taken(place));
+    let chosen = offered.into_iter().filter_map(|(k, place)| {
+        let effect = &study.effects[k];
+        let shapes = shapes(effect, |_| (0.0, 1.0)).into_iter();
+        let unscored = |shape| Scored {
+            effect: k,
+            place: place.clone(),
+            shape,
+            amplitudes: Vec::new(),
+            gain: 0.0,
+            others: Vec::new(),
+        };
+        let mut all: Vec<Scored> = shapes.map(unscored).collect();
+        score_choice(search, hypothesis, &mut all);
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let others = all.split_off(1);
+        all.pop().map(|best| Scored { others, ..best })
+    });
+    chosen.collect()
+}
+
+/// Scores one law with several starts: the decrease that its linearised model promises from the best of them.
+fn score_choice(search: &Search<'_>, hypothesis: &Hypothesis, starts: &mut [Scored]) -> Option<()> {
+    let (study, policy) = (search.study, search.policy());
+    let first = starts.first()?.clone();
+    let (effects, plan) = attach(study, hypothesis, &[first], 0);
+    let (session, program) = study.compile(&plan, &attached(study, &effects), &[]).ok()?;
+    let mut problems = Problems::new();
+    let problem = Problem::new(&program, &session.sources, &plan, &study.data, &mut problems);
+    let mut problem = problem?;
+    problem.trimmed = problem.surplus(policy.preselection_instants);
+    let used = |(k, squares): (usize, &Vec<f64>)| match problem.trimmed.contains(&k) {
+        true => 0.0,
+        false => squares.iter().sum::<f64>(),
+    };
+    let before: f64 = hypothesis.train.squares.iter().enumerate().map(used).sum();
+    let share = before / hypothesis.train.total();
+    // Where the sum of squares is least, the linearised model says how much less it can become.
+    let mut points: Vec<(f64, usize, Vec<f64>)> = Vec::new();
+    for (k, scored) in starts.iter().enumerate() {
+        let (_, plan) = attach(study, hypothesis, std::slice::from_ref(scored), 0);
+        let place = |(p, free): (&Parameter, &Free)| p.scale.place(free.start.unwrap_or(p.start));
+        let x: Vec<f64> = problem.parameters.iter().zip(&plan.free).map(place).collect();
+        if let Some(cost) = Residuals::cost(&mut problem, &x) {
+            points.push((cost, k, x));
+        }
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, k, x) in points.into_iter().take(LINEARISED_STARTS) {
+        let Ok(normal) = problem.normal(&x) else { continue };
+        let decrease = damped_decrease(&normal)?;
+        starts[k].gain = (before - (normal.cost - decrease)).max(0.0) / share;
+    }
+    Some(())
+}
+
+/// Starts of a law's own parameters from which its model is linearised.
+const LINEARISED_STARTS: usize = 2;
+
+/// The decrease of the sum of squares by a damped step: an honest one even where the linearised model would
+/// promise everything by a step that is far too long.
+fn damped_decrease(normal: &NormalEquations) -> Option<f64> {
+    const DAMPING: f64 = 1e-2;
+    let n = normal.n;
+    let mut lu = DenseLu::new(n);
+    let mut matrix = normal.gram.clone();
+    for k in 0..n {
+        let own = matrix[k + n * k];
+        matrix[k + n * k] = if own > 0.0 { own * (1.0 + DAMPING) } else { 1.0 };
+    }
+    lu.factor(&matrix).ok()?;
+    let mut step: Vec<f64> = normal.gradient.iter().map(|g| -g).collect();
+    lu.solve_in_place(&mut step);
+    let mut decrease = 0.0;
+    for j in 0..n {
+        let product: f64 = (0..n).map(|i| normal.gram[i + n * j] * step[i]).sum();
+        decrease -= step[j] * (2.0 * normal.gradient[j] + product);
+    }
+    Some(decrease.clamp(0.0, normal.cost))
+}
+
 /// The trials of a score test and their candidates.
 fn trials(
     study: &Study,
@@ -197,7 +306,14 @@ fn trials(
     let names: FastSet<&str> = study.variables.iter().map(String::as_str).collect();
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in study.effects.iter().enumerate() {
-        for place in places(effect, &study.inventory, &names, &hypothesis.plan) {
+        if effect.choice.is_some() {
+            continue;
+        }
+        let found = match &effect.varies {
+            Some(_) => effect.binds.first().map(|(input, _)| study.variations.places(input)),
+            None => Some(places(effect, &study.inventory, &names, &hypothesis.plan)),
+        };
+        for place in found.unwrap_or_default() {
             let taken = |at: &String| {
                 hypothesis.effects.iter().any(|c| c.effect == k && c.place.at.first() == Some(at))
             };

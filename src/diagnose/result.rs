@@ -75,7 +75,9 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
     let one = |group: &[ChosenEffect]| {
         let at: Vec<&str> =
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
-        effects[group[0].effect].explains.replace("%at", &at.join(", "))
+        let over = group[0].place.binds.first().map_or("", |(_, variable)| variable);
+        let sentence = effects[group[0].effect].explains.replace("%at", &at.join(", "));
+        sentence.replace("%over", over)
     };
     groups(chosen).map(one).collect()
 }
@@ -84,7 +86,7 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
 pub fn estimates(effects: &[Effect], hypothesis: &Hypothesis) -> Vec<(String, f64, f64, String)> {
     let names = hypothesis.effects.iter().flat_map(|c| {
         let effect = &effects[c.effect];
-        c.fitted.iter().map(move |p| (format!("{}.{p}", c.name), unit(effect, p)))
+        c.fitted.iter().map(move |p| (c.full_name(p), unit(effect, p)))
     });
     let one = |(name, unit): (String, String)| {
         let (value, error) = hypothesis.estimate(&name)?;

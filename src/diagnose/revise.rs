@@ -9,6 +9,7 @@ use super::candidate_fit::CandidateFits;
 use super::forward_selection::promising;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups, plan_without_effects};
 use super::pairwise_selection::{pairs, pairwise_selection_from};
+use super::preference::ends_with_variation;
 use super::rank::{Scored, rank, rank_instead};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
@@ -127,9 +128,13 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     };
     let gain = ranking.iter().find(|s| is_own(s)).map_or(0.0, |s| s.gain);
     let is_alternative = |s: &&Scored| s.gain > policy.alternative_share * gain && !is_own(s);
+    // Beside a parameter that varies, named laws are the alternatives that matter.
+    let is_varied = ends_with_variation(search.study, &current);
+    let varies = |s: &&Scored| search.study.effects[s.effect].varies.is_some();
     let alternatives: Vec<Vec<Scored>> = ranking
         .iter()
         .filter(is_alternative)
+        .filter(|s| !(is_varied && varies(s)))
         .take(policy.alternatives)
         .map(|s| vec![s.clone()])
         .collect();
@@ -144,7 +149,11 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let gained = current.total_criterion() - h.total_criterion();
         let simpler = h.values.len() < current.values.len() && h.bic() < current.bic();
         let fewer = h.effects.len() < current.effects.len();
-        gained > policy.evidence || gained > -policy.evidence && (fewer || simpler)
+        let named = is_varied && !ends_with_variation(search.study, h);
+        let preferred = fewer || simpler || named;
+        // Nor does a parameter that varies replace a named law that explains as much.
+        let is_vague = !is_varied && ends_with_variation(search.study, h);
+        gained > policy.evidence || gained > -policy.evidence && preferred && !is_vague
     };
     let best = hypotheses.iter().position(better).map(|k| hypotheses.remove(k));
     diagnosis.rejected.extend(hypotheses.into_iter().chain(distant));

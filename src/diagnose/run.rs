@@ -15,9 +15,11 @@ use super::amended_model::{AmendedModel, amended};
 use super::balance::{Balance, Profile, balances, contributions};
 use super::catalogue::{Effect, Packages, catalogue, unknowns};
 use super::policy::SearchPolicy;
+use super::law_choice::choices;
 use super::result::{Diagnosis, Verdict};
 use super::search::diagnose;
 use super::study::{DiagnosisError, Study};
+use super::variation::VariationTargets;
 
 /// The package of the shipped effects.
 const SHIPPED_EFFECTS: &str = "Effects";
@@ -112,6 +114,8 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     let units: Vec<(String, String)> =
         flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
     let (base, experiment) = (flat.name.clone(), flat.experiment);
+    let variations = VariationTargets::new(&flat, &plan);
+    let choices = choices(&compiled, &flat);
     session.drive(&mut flat, &compiled.recorded)?;
     let mut program = session.compile_flat(flat, compiled.form)?;
     record_signals(&mut program, &plan);
@@ -123,10 +127,21 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
         packages.push(String::new());
     }
     let packages = Packages { request: &compiled, names: &packages };
-    let effects = catalogue(session, &packages, &inventory, &units);
+    let mut effects = catalogue(session, &packages, &inventory, &units);
+    effects.extend(choices);
     let unknowns = unknowns(session, &packages);
     let (request, policy) = (compiled, request.policy.clone());
-    let study =
-        Study { plan, request, data, base, experiment, effects, inventory, variables, policy };
+    let study = Study {
+        plan,
+        request,
+        data,
+        base,
+        experiment,
+        effects,
+        inventory,
+        variables,
+        variations,
+        policy,
+    };
     Ok((study, unknowns))
 }

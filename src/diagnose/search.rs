@@ -121,8 +121,18 @@ pub fn accept(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hypothesis
 /// The model without effects, fitted from the parameters of a hypothesis.
 fn without_effects(search: &Search<'_>, from: &Hypothesis) -> Option<Hypothesis> {
     let plan = plan_without_effects(search.study, from);
+    let policy = search.policy();
+    let hopeless = policy.hopeless_factor * from.train.total();
     let fit = Hypothesis::fitted(search.study, Vec::new(), plan, &mut |p| {
-        quick_fit(p, &search.policy().fit, &mut |_, _| search.on_step())
+        let start = p.start();
+        let short = fit::search(p, &start, &policy.short_fit, &mut |_, _| search.on_step())?;
+        match short.normal.cost > hopeless {
+            true => Some(short),
+            false => {
+                let on_step = &mut |_, _| search.on_step();
+                fit::refined(p, &policy.fit, &short.x, &policy.fit.quick, on_step)
+            }
+        }
     });
     fit.ok()
 }

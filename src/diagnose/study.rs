@@ -12,6 +12,7 @@ use super::catalogue::Effect;
 use super::model_source::{Attached, Extension};
 use super::place::Place;
 use super::policy::SearchPolicy;
+use super::variation::VariationTargets;
 
 /// Name of the generated model that has effects attached.
 const TRIAL_MODEL: &str = "Trial";
@@ -35,6 +36,8 @@ pub struct Study {
     pub inventory: Inventory,
     /// Names of its variables.
     pub variables: Vec<String>,
+    /// The parameters that may vary, and what they may vary with.
+    pub variations: VariationTargets,
     /// Limits, thresholds and stopping rules.
     pub policy: SearchPolicy,
 }

@@ -74,6 +74,9 @@ causes! {
         error MO1246 UnknownSeed
             => ("the seed of this random number generator is known only at run time"),
             help("call `initializeImpureRandom` with a seed that is known before simulation");
+        /// An annotation lets a parameter vary that cannot.
+        error MO1320 UnusableVariation { parameter: String, factor: String, why: WrongVariation }
+            => ("{}", why.message(parameter, factor)), help("{}", why.remedy());
     }
 }
 
@@ -139,6 +142,40 @@ impl fmt::Display for ConnectPlace {
             ConnectPlace::VaryingIf => "an `if` whose condition is known only at run time",
             ConnectPlace::When => "a when-clause",
         })
+    }
+}
+
+/// Why a parameter cannot vary as an annotation says.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)]
+pub enum WrongVariation {
+    Unknown,
+    NotReal,
+    Factor,
+    Structural,
+}
+
+impl WrongVariation {
+    fn message(self, parameter: &str, factor: &str) -> String {
+        match self {
+            WrongVariation::Unknown => format!("the model has no parameter `{parameter}`"),
+            WrongVariation::NotReal => {
+                format!("`{parameter}` cannot vary: it is not a `Real` parameter")
+            }
+            WrongVariation::Factor => {
+                format!("`{parameter}` cannot vary: `{factor}` is not a `Real` variable of the model")
+            }
+            WrongVariation::Structural => {
+                format!("`{parameter}` cannot vary: its value determines the structure of the model")
+            }
+        }
+    }
+
+    fn remedy(self) -> &'static str {
+        match self {
+            WrongVariation::Structural => "let another parameter vary",
+            _ => "write `varies = \"PARAMETER = VARIABLE\"` with names of this model",
+        }
     }
 }
 

@@ -17,6 +17,7 @@ pub mod inventory;
 pub mod parameter_override;
 pub mod print;
 pub mod variable;
+mod varying;
 pub mod when;
 
 use std::rc::Rc;
@@ -107,6 +108,7 @@ fn flatten_with(
     inspect(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
     flat.experiment = experiment::inherited(cx, class, root, 0);
+    let variations = varying::inherited(cx, class, root);
     let structural: FastSet<InstanceId> = cx.parameters.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
@@ -122,6 +124,9 @@ fn flatten_with(
     inline::calls(cx, &mut flat);
     flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
     flat.graph = std::mem::take(&mut cx.graph);
+    for problem in varying::apply(&mut flat, &variations) {
+        cx.class_graph.problems.push(problem);
+    }
     flat
 }
 

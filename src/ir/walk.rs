@@ -261,6 +261,11 @@ impl FlatModel {
 }
 
 impl flat::Equation {
+    /// Replaces every expression of the equation.
+    pub fn map_expressions(&mut self, replace: &mut dyn FnMut(ExprId) -> ExprId) {
+        (&mut self.kind).walk(&mut |e: &mut ExprId| *e = replace(*e));
+    }
+
     /// Calls `visit` with every expression of the equation.
     pub fn for_each_expression(&self, visit: &mut dyn FnMut(ExprId)) {
         self.kind.walk(&mut |e| visit(*e));

@@ -1,0 +1,121 @@
+//! Parameters that are no constants: the parameters that may vary, and the variables that they may vary with.
+//!
+//! Every free parameter of the plan is a hypothesis with every measured variable, every named variable of the
+//! model and time; parameters of the same unit are hypotheses together as well, because one phenomenon often
+//! changes several of them alike.
+
+use crate::base::index::FastSet;
+use crate::calibrate::plan::Plan;
+use crate::ir::expr::{Node, Type, VarId};
+use crate::ir::flat::{FlatModel, Variability};
+
+use super::place::Place;
+
+/// Largest number of parameters that vary alike.
+const MAX_ALIKE: usize = 3;
+/// Largest number of variables that parameters may vary with.
+const MAX_VARIABLES: usize = 12;
+/// Number of named variables of the model from which its states are not needed as well.
+const ENOUGH_VARIABLES: usize = 4;
+
+/// The parameters of a model that may vary, and what they may vary with.
+#[derive(Clone, Debug, Default)]
+pub struct VariationTargets {
+    /// Sets of parameters, by their full names, that vary alike.
+    pub parameters: Vec<Vec<String>>,
+    /// Full names of variables.
+    pub variables: Vec<String>,
+}
+
+impl VariationTargets {
+    /// Those of a flat model and a plan.
+    pub fn new(flat: &FlatModel, plan: &Plan) -> VariationTargets {
+        VariationTargets { parameters: parameters(flat, plan), variables: variables(flat, plan) }
+    }
+
+    /// Every set of parameters with every variable, for an effect whose input is named `input`.
+    pub fn places(&self, input: &str) -> Vec<Place> {
+        let place = |at: &Vec<String>, variable: &String| Place {
+            at: at.clone(),
+            connections: Vec::new(),
+            binds: vec![(input.to_owned(), variable.clone())],
+            signal: None,
+            others: Vec::new(),
+        };
+        let of = |at| self.variables.iter().map(move |variable| place(at, variable));
+        self.parameters.iter().flat_map(of).collect()
+    }
+}
+
+/// The free parameters of the plan one by one, and those of equal units together.
+fn parameters(flat: &FlatModel, plan: &Plan) -> Vec<Vec<String>> {
+    let mut single: Vec<(Vec<String>, String)> = Vec::new();
+    for free in &plan.free {
+        let can_vary = |name: &String| {
+            let v = flat.variables.iter().find(|v| v.name == *name)?;
+            let parameter = v.ty == Type::Real && v.variability == Variability::Parameter;
+            (parameter && !v.structural).then(|| v.unit.to_string())
+        };
+        let units: Option<Vec<String>> = free.targets.iter().map(can_vary).collect();
+        if let Some(unit) = units.and_then(|u| u.first().cloned()) {
+            single.push((free.targets.clone(), unit));
+        }
+    }
+    let mut sets: Vec<Vec<usize>> = (0..single.len()).map(|k| vec![k]).collect();
+    let mut longest = sets.clone();
+    for _ in 1..MAX_ALIKE {
+        let mut longer = Vec::new();
+        for set in &longest {
+            let (first, last) = (set[0], set[set.len() - 1]);
+            let unit = &single[first].1;
+            let alike = |k: &usize| !unit.is_empty() && single[*k].1 == *unit;
+            longer.extend((last + 1..single.len()).filter(alike).map(|k| [&set[..], &[k]].concat()));
+        }
+        sets.extend(longer.iter().cloned());
+        longest = longer;
+    }
+    let names = |set: &Vec<usize>| set.iter().flat_map(|k| single[*k].0.clone()).collect();
+    sets.iter().map(names).collect()
+}
+
+/// The measured variables, those with names of the model's own, and states where these are few.
+fn variables(flat: &FlatModel, plan: &Plan) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let mut add = |name: &str| {
+        if out.len() < MAX_VARIABLES && !out.iter().any(|known| known == name) {
+            out.push(name.to_owned());
+        }
+    };
+    plan.signals.iter().for_each(|s| add(&s.variable));
+    add("time");
+    let is_synthetic: FastSet<VarId> = flat.synthetic.iter().copied().collect();
+    let continuous = |v: VarId| {
+        let x = &flat.variables[v];
+        x.ty == Type::Real && x.variability == Variability::Continuous && !is_synthetic.contains(&v)
+    };
+    let own = flat.variables.enumerate().filter(|(v, x)| {
+        continuous(*v) && !x.protected && !x.name.contains(['.', '['])
+    });
+    own.for_each(|(_, x)| add(&x.name));
+    if out.len() > ENOUGH_VARIABLES {
+        return out;
+    }
+    let mut roots = Vec::new();
+    flat.for_each_expression(&mut |e| roots.push(e));
+    let mut states = Vec::new();
+    for e in flat.graph.postorder(roots) {
+        if let Node::Der(v) = flat.graph.node(e)
+            && continuous(v)
+        {
+            states.push(v);
+        }
+    }
+    states.sort_unstable();
+    for v in states {
+        let name = &flat.variables[v].name;
+        if out.len() < MAX_VARIABLES && !out.contains(name) {
+            out.push(name.clone());
+        }
+    }
+    out
+}

@@ -1,0 +1,239 @@
+//! Parameters that vary: `annotation(__mocc(varies = "p = factor"))`.
+//!
+//! Modelica has no parameter that changes while a model runs, and a component cannot be given a variable
+//! where its class declares a parameter. A model that mocc has amended can need both: a friction that grows
+//! with position, a conductance that depends on temperature. The vendor-specific annotation (Modelica 3.6,
+//! section 18.1) names the parameter and a variable of the model: every equation then reads their product
+//! in place of the parameter, directly or by way of parameters that are bound to it. Attributes such as
+//! `start` keep the parameter's own value.
+
+use std::sync::Arc;
+
+use crate::base::diag::Diagnostic;
+use crate::base::index::{FastMap, FastSet};
+use crate::base::source::Span;
+use crate::evaluate::Evaluator;
+use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path, Variability};
+use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
+use crate::ir::flat::{FlatModel, Variable};
+use crate::ir::instance::{ClassId, InstanceId, Scope};
+use crate::symbolic::rewrite::Rewriter;
+
+use super::cause::{FlattenCause, WrongVariation};
+
+/// A parameter and the variable that it is multiplied by.
+pub(super) struct Variation {
+    parameter: String,
+    factor: String,
+    span: Span,
+}
+
+/// The variations of a class and of its base classes.
+pub(super) fn inherited(cx: &mut Evaluator<'_>, class: ClassId, root: InstanceId) -> Vec<Variation> {
+    let mut found = Vec::new();
+    collect(cx, class, root, 0, &mut found);
+    found
+}
+
+fn collect(
+    cx: &mut Evaluator<'_>,
+    class: ClassId,
+    root: InstanceId,
+    depth: usize,
+    found: &mut Vec<Variation>,
+) {
+    let Some(text) = cx.definition(class).cloned() else { return };
+    if let Some(annotation) = &text.annotation {
+        declared(cx, annotation, Scope { instance: root, class }, found);
+    }
+    // Cyclic inheritance is reported elsewhere.
+    if depth > 50 {
+        return;
+    }
+    let bases: Vec<&Path> = match &text.body {
+        ClassBody::Short(short) => vec![&short.base],
+        ClassBody::Long(composition) => composition
+            .elements
+            .iter()
+            .filter_map(|e| match &e.kind {
+                ElementKind::Extends(extends) => Some(&extends.base),
+                _ => None,
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    for base in bases {
+        let scope = Scope { instance: cx.classes[class].holder, class };
+        if let Some(base) = cx.find_class(base, scope).filter(|b| *b != class) {
+            collect(cx, base, root, depth + 1, found);
+        }
+    }
+}
+
+/// `annotation(__mocc(varies = "a = x, b = x"))`
+fn declared(
+    cx: &mut Evaluator<'_>,
+    annotation: &Arc<Modification>,
+    scope: Scope,
+    found: &mut Vec<Variation>,
+) {
+    for arg in &annotation.args {
+        let ArgumentKind::Element { path, modification: Some(inner), .. } = &arg.kind else {
+            continue;
+        };
+        if path.to_string() != "__mocc" {
+            continue;
+        }
+        for entry in &inner.args {
+            let ArgumentKind::Element { path, modification: Some(m), .. } = &entry.kind else {
+                continue;
+            };
+            let Some(binding) = m.binding.as_ref().filter(|_| path.to_string() == "varies") else {
+                continue;
+            };
+            let value = cx.fold(binding, scope).and_then(|v| v.scalar());
+            let Some(Const::String(text)) = value.and_then(|e| cx.graph.as_const(e)) else {
+                continue;
+            };
+            for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
+                let (parameter, factor) = item.split_once('=').unwrap_or((item, ""));
+                let (parameter, factor) = (parameter.trim().into(), factor.trim().into());
+                found.push(Variation { parameter, factor, span: binding.span });
+            }
+        }
+    }
+}
+
+/// Lets the parameters vary: adds a variable for each of them and for each parameter that is bound to one,
+/// and reads it in all equations.
+pub(super) fn apply(flat: &mut FlatModel, variations: &[Variation]) -> Vec<Diagnostic> {
+    if variations.is_empty() {
+        return Vec::new();
+    }
+    let mut problems = Vec::new();
+    let by_name: FastMap<&str, VarId> =
+        flat.variables.enumerate().map(|(v, x)| (x.name.as_str(), v)).collect();
+    let mut factors: Vec<(VarId, Vec<VarId>)> = Vec::new();
+    for v in variations {
+        let parameter = by_name.get(v.parameter.as_str()).copied();
+        let factor = by_name.get(v.factor.as_str()).copied();
+        match check(flat, parameter, factor) {
+            Ok((parameter, factor)) => {
+                match factors.iter_mut().find(|(known, _)| *known == parameter) {
+                    Some((_, all)) => all.push(factor),
+                    None => factors.push((parameter, vec![factor])),
+                }
+            }
+            Err(why) => {
+                let (parameter, factor) = (v.parameter.clone(), v.factor.clone());
+                let cause = FlattenCause::UnusableVariation { parameter, factor, why };
+                problems.push(Diagnostic::new(cause, v.span));
+            }
+        }
+    }
+    let variants = variants(flat, &factors);
+    for (v, _) in &variants {
+        // A parameter that fixes the structure cannot follow the one that it is bound to.
+        if flat.variables[*v].structural {
+            let (parameter, why) = (flat.variables[*v].name.clone(), WrongVariation::Structural);
+            let cause = FlattenCause::UnusableVariation { parameter, factor: String::new(), why };
+            problems.push(Diagnostic::new(cause, flat.variables[*v].span));
+        }
+    }
+    if problems.is_empty() {
+        substitute(flat, &factors, &variants);
+    }
+    problems
+}
+
+fn check(
+    flat: &FlatModel,
+    parameter: Option<VarId>,
+    factor: Option<VarId>,
+) -> Result<(VarId, VarId), WrongVariation> {
+    let parameter = parameter.ok_or(WrongVariation::Unknown)?;
+    let p = &flat.variables[parameter];
+    if p.ty != Type::Real || p.variability != Variability::Parameter {
+        return Err(WrongVariation::NotReal);
+    }
+    let factor = factor.ok_or(WrongVariation::Factor)?;
+    match flat.variables[factor].ty {
+        Type::Real => Ok((parameter, factor)),
+        _ => Err(WrongVariation::Factor),
+    }
+}
+
+/// The varying form of every parameter that varies, in order of dependence.
+fn variants(flat: &mut FlatModel, factors: &[(VarId, Vec<VarId>)]) -> Vec<(VarId, VarId)> {
+    let mut taken: FastSet<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
+    let mut out: Vec<(VarId, VarId)> = Vec::new();
+    let mut known: FastSet<VarId> = FastSet::default();
+    let mut wanted: Vec<VarId> = factors.iter().map(|(p, _)| *p).collect();
+    while !wanted.is_empty() {
+        for v in wanted.drain(..) {
+            let of = &flat.variables[v];
+            let mut name = format!("{}_varying", of.name);
+            while !taken.insert(name.clone()) {
+                name.push('_');
+            }
+            let bare = Variable::bare(name, Type::Real, Variability::Continuous, of.span);
+            let (unit, display_unit) = (of.unit, of.display_unit);
+            let description = of.description.clone();
+            let new = flat.variables.push(Variable { unit, display_unit, description, ..bare });
+            flat.synthetic.push(new);
+            known.insert(v);
+            out.push((v, new));
+        }
+        for (v, x) in flat.variables.enumerate() {
+            let bound = x.binding.filter(|_| x.variability == Variability::Parameter);
+            let Some(bound) = bound.filter(|_| !known.contains(&v)) else { continue };
+            if flat.graph.variables(bound).iter().any(|read| known.contains(read)) {
+                wanted.push(v);
+            }
+        }
+    }
+    out
+}
+
+/// Defines the varying forms, and reads them wherever an equation reads the parameter.
+fn substitute(
+    flat: &mut FlatModel,
+    factors: &[(VarId, Vec<VarId>)],
+    variants: &[(VarId, VarId)],
+) {
+    let varying: FastMap<VarId, VarId> = variants.iter().copied().collect();
+    let mut graph = std::mem::take(&mut flat.graph);
+    let mut rewriter = Rewriter::new();
+    let mut replaced = |graph: &mut crate::ir::expr::Graph, e: ExprId| {
+        rewriter.apply(graph, e, &mut |graph, e| match graph.node(e) {
+            Node::Var(v) => varying.get(&v).map(|new| graph.var(*new, Type::Real)),
+            _ => None,
+        })
+    };
+    for e in flat.equations.iter_mut().chain(&mut flat.initial_equations) {
+        e.map_expressions(&mut |e| replaced(&mut graph, e));
+    }
+    for x in flat.variables.iter_mut() {
+        if x.variability > Variability::Parameter {
+            x.binding = x.binding.map(|e| replaced(&mut graph, e));
+        }
+    }
+    for delay in &mut flat.delays {
+        delay.time = replaced(&mut graph, delay.time);
+    }
+    for (v, new) in variants {
+        let binding = match factors.iter().find(|(p, _)| p == v) {
+            Some((_, factors)) => {
+                let mut product = graph.var(*v, Type::Real);
+                for f in factors {
+                    let f = graph.var(*f, Type::Real);
+                    product = graph.mul(product, f);
+                }
+                Some(product)
+            }
+            None => flat.variables[*v].binding.map(|e| replaced(&mut graph, e)),
+        };
+        flat.variables[*new].binding = binding;
+    }
+    flat.graph = graph;
+}
