@@ -102,10 +102,10 @@ causes! {
         /// No recording is for training.
         error MO1037 NoTraining { path: String }
             => ("{path}: no recording is for training"),
-            help("the column named by `split` must contain `train` or `validation`");
-        /// A recording is neither for training nor for validation.
+            help("the column named by `split` must contain `train` in at least one row");
+        /// The use of a recording is unknown.
         error MO1038 UnknownSplit { place: String, found: String }
-            => ("{place}: `{found}` is neither `train` nor `validation`");
+            => ("{place}: `{found}` is not `train`, `validation` or `test`");
         /// A condition in the table is not a number.
         error MO1039 ConditionNotANumber { place: String, found: String, column: String }
             => ("{place}: `{found}` of `{column}` is not a number");

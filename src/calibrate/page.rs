@@ -66,7 +66,11 @@ fn key_figures(found: &Calibration, seconds: f64) -> Vec<(String, String)> {
     if validation.count > 0 {
         out.push((format!("{chi}, validation"), format!("{:.4}", validation.reduced())));
     }
-    let count = train.count + validation.count;
+    let test = found.quality(Split::Test, None);
+    if test.count > 0 {
+        out.push((format!("{chi}, test"), format!("{:.4}", test.reduced())));
+    }
+    let count = train.count + validation.count + test.count;
     out.push(("measured values".to_owned(), count.to_string()));
     out.push(("steps".to_owned(), found.fit.iterations.to_string()));
     out.push(("elapsed time".to_owned(), format!("{:.1} s", seconds)));

@@ -39,7 +39,7 @@ pub struct Plan {
     pub file_column: String,
     /// Its column with the names of the recordings; without it, the names of the files.
     pub name_column: Option<String>,
-    /// Its column with `train` or `validation`; without it, all recordings are for training.
+    /// Its column with `train`, `validation` or `test`; without it, all recordings are for training.
     pub split_column: Option<String>,
     /// Its columns that set parameters.
     pub conditions: Vec<Condition>,
@@ -96,7 +96,7 @@ pub struct ListedRecording {
     pub file: String,
     /// Its name.
     pub name: String,
-    /// Training or validation.
+    /// Its use.
     pub split: Split,
     /// The part of the file, s.
     pub part: (f64, f64),

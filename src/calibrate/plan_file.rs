@@ -150,14 +150,11 @@ impl PlanReader<'_> {
             let Some((table, span)) = self.as_table("recordings", item) else { continue };
             self.known(table, &["file", "name", "split", "from", "to", "window", "skip"]);
             let file = self.required(table, "file", &span);
-            let split = match self.text(table, "split").as_deref() {
-                None | Some("train") => Split::Train,
-                Some("validation" | "test") => Split::Validation,
-                Some(_) => {
-                    self.wrong(item, "`split = \"train\"` or `split = \"validation\"`");
-                    Split::Train
-                }
-            };
+            let named = self.text(table, "split");
+            let split = Split::named(named.as_deref()).unwrap_or_else(|| {
+                self.wrong(item, "`split = \"train\"`, `\"validation\"` or `\"test\"`");
+                Split::Train
+            });
             let [from, to] = ["from", "to"].map(|key| self.number(table, key).map(|x| x.0));
             out.push(ListedRecording {
                 name: self.text(table, "name").unwrap_or_else(|| file.clone()),

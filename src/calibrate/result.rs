@@ -87,7 +87,7 @@ pub struct Channel {
 pub struct Comparison {
     /// The recording.
     pub name: String,
-    /// Training or validation.
+    /// Its use.
     pub split: Split,
     /// Instants, s.
     pub time: Vec<f64>,
@@ -255,6 +255,8 @@ impl Calibration {
             ];
             (s.name(), Json::object(members))
         };
+        let has_test = self.quality(Split::Test, None).count > 0;
+        let splits = Split::ALL.into_iter().filter(|s| has_test || *s != Split::Test);
         let texts = |list: &[String]| Json::list(list.iter().map(Json::text));
         Json::object([
             ("model", Json::text(&self.model)),
@@ -262,7 +264,7 @@ impl Calibration {
             ("parameters", Json::list(self.estimates.iter().map(estimate))),
             ("correlations", Json::list(self.correlations.iter().map(|row| Json::numbers(row)))),
             ("not_determined", texts(&self.directions)),
-            ("quality", Json::object(Split::ALL.map(split))),
+            ("quality", Json::object(splits.map(split))),
             ("recordings", Json::list(self.comparisons.iter().map(comparison))),
             ("repairs", texts(&self.repairs)),
             ("iterations", Json::count(self.fit.iterations as usize)),
