@@ -355,6 +355,9 @@ pub struct Diagnose {
     /// Write measured and simulated values, before and after, as a table for each recording.
     #[arg(long)]
     pub tables: bool,
+    /// End the search after this time, s, with the best verdict so far.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub time_limit: Option<f64>,
     /// Report progress on standard error: candidates scored, fitted and kept, with times.
     #[arg(long)]
     pub verbose: bool,
@@ -407,6 +410,12 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
     let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let ends = text.split_once(':').and_then(|(from, to)| Some((number(from)?, number(to)?)));
     ends.filter(|(from, to)| from < to).ok_or_else(|| "write FROM:TO, two numbers".to_owned())
+}
+
+/// A time in s that is not negative.
+fn seconds(text: &str) -> Result<f64, String> {
+    let time = text.trim().parse::<f64>().ok().filter(|t| t.is_finite() && *t >= 0.0);
+    time.ok_or_else(|| "write a time in s".to_owned())
 }
 
 /// Reads the arguments of the process; on a usage error, prints it and exits with status 2.

@@ -49,6 +49,8 @@ pub struct Hypothesis {
     pub train: Sums,
     /// Sums of squares of the recordings that were never fitted.
     pub validation: Sums,
+    /// Sums of squares of the recordings that no decision has seen; empty until the search has ended.
+    pub test: Sums,
 }
 
 impl Hypothesis {
@@ -75,7 +77,8 @@ impl Hypothesis {
         for (free, value) in plan.free.iter_mut().zip(&values) {
             free.start = Some(*value);
         }
-        Ok(Hypothesis { effects, plan, values, errors, fit, train, validation })
+        let test = Sums::default();
+        Ok(Hypothesis { effects, plan, values, errors, fit, train, validation, test })
     }
 
     /// Sums of squares of the recordings of one kind.
@@ -83,6 +86,7 @@ impl Hypothesis {
         match split {
             Split::Train => &self.train,
             Split::Validation => &self.validation,
+            Split::Test => &self.test,
         }
     }
 
@@ -96,6 +100,15 @@ impl Hypothesis {
         match self.validation.count() {
             0 => self.chi2_train(),
             n => self.validation.total() / n as f64,
+        }
+    }
+
+    /// Reduced sum of squares of the recordings of one kind.
+    pub fn chi2(&self, split: Split) -> f64 {
+        match split {
+            Split::Train => self.chi2_train(),
+            Split::Validation => self.chi2_validation(),
+            Split::Test => self.test.total() / self.test.count() as f64,
         }
     }
 

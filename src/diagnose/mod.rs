@@ -19,6 +19,7 @@ pub mod hypothesis;
 pub mod json;
 pub mod linearise;
 pub mod model_source;
+pub mod noise;
 pub mod page;
 pub mod pairwise_selection;
 pub mod place;
