@@ -46,6 +46,13 @@ impl Noise {
         self.is_all() && (0..self.signals.len()).any(|k| self.noticeable(k, policy).is_some())
     }
 
+    /// The noticeable factors, 1 for the other signals; `None` if there are none.
+    pub fn corrections(&self, policy: &SearchPolicy) -> Option<Vec<f64>> {
+        let factors = || (0..self.signals.len()).map(|k| self.noticeable(k, policy));
+        let found = factors().any(|factor| factor.is_some());
+        found.then(|| factors().map(|factor| factor.unwrap_or(1.0)).collect())
+    }
+
     /// The noticeable factors of the signals whose noise the plan declares, with their columns.
     pub fn factors<'a>(&self, study: &'a Study) -> Vec<(&'a str, f64)> {
         let declared = study.plan.signals.iter().enumerate().filter(|(_, s)| s.sigma.is_some());
@@ -75,11 +82,14 @@ pub fn noise(study: &Study, hypothesis: &Hypothesis) -> Noise {
         let of_runs = runs.iter().map(|run| run.residuals[k].as_slice()).collect();
         let own = Residuals::new(of_runs)?;
         let limit = study.policy.structure_limit;
+        // The same share of structure counts as explained where the plan declares the noise that there is.
+        let negligible = study.policy.resolved_train - 1.0;
         let sees = |(of, values): &(Option<usize>, Vec<Vec<f64>>)| {
-            *of != Some(k) && own.correlation(values) > limit
+            *of != Some(k) && own.correlation(values, limit) > negligible
         };
-        let is_white = own.structure() < limit && !others.iter().any(sees);
-        let noise = SignalNoise { factor: own.root_mean_square(), error: own.relative_error() };
+        let is_white = own.structure(limit) < negligible && !others.iter().any(sees);
+        let factor = own.root_mean_square() * study.corrections.get(k).copied().unwrap_or(1.0);
+        let noise = SignalNoise { factor, error: own.relative_error() };
         is_white.then_some(noise)
     };
     Noise { signals: (0..count).map(of_signal).collect() }

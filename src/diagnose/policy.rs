@@ -28,9 +28,10 @@ pub struct SearchPolicy {
     /// the best of hundreds of places reaches by chance. Smaller values find weaker effects, and false ones.
     pub evidence: f64,
 
-    /// Deviation, in standard deviations of a standard normal variable, above which residuals are not white.
+    /// Deviation, in standard deviations of a standard normal variable, above which residuals have structure.
     /// Default 4.5, which noise reaches in one of 100 000 tests. Larger values overlook weak effects where
-    /// the plan declares too little noise.
+    /// the plan declares too little noise. Structure of less than a share `resolved_train - 1` of the power is
+    /// negligible.
     pub structure_limit: f64,
     /// Deviation of the noise from what the plan declares that is reported, as a share. Default 0.05.
     pub noticeable_noise: f64,

@@ -88,10 +88,15 @@ pub fn run(
     session: &mut Session,
     observer: &dyn Observer,
 ) -> Result<Outcome, RunError> {
-    let (study, unknowns) = prepare(request, session)?;
+    let (mut study, unknowns) = prepare(request, session)?;
     let original = read(&study.plan.model)?;
     observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
     let mut diagnosis = diagnose(&study, observer)?;
+    let corrections = diagnosis.noise.corrections(&study.policy);
+    if let Some(factors) = corrections.filter(|_| !diagnosis.noise.is_all()) {
+        study.correct_noise(factors);
+        diagnosis = diagnose(&study, observer)?;
+    }
     let complete = !observer.is_cancelled();
     diagnosis.noise = noise(&study, &diagnosis.after);
     diagnosis.before.test = test_sums(&study, &diagnosis.before);
@@ -132,7 +137,17 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     let effects = catalogue(session, &packages, &inventory, &units);
     let unknowns = unknowns(session, &packages);
     let (request, policy) = (compiled, request.policy.clone());
-    let study =
-        Study { plan, request, data, base, experiment, effects, inventory, variables, policy };
+    let study = Study {
+        plan,
+        request,
+        data,
+        corrections: Vec::new(),
+        base,
+        experiment,
+        effects,
+        inventory,
+        variables,
+        policy,
+    };
     Ok((study, unknowns))
 }

@@ -62,7 +62,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Searches for the effects that a model lacks.
+/// Searches for the effects that a model lacks. If the noise of some signals is to be corrected first, the result
+/// holds only the calibration and that noise.
 pub fn diagnose(study: &Study, observer: &dyn Observer) -> Result<Diagnosis, DiagnosisError> {
     let search = &Search::new(study, observer);
     let fit_policy = &search.policy().fit;
@@ -70,8 +71,11 @@ pub fn diagnose(study: &Study, observer: &dyn Observer) -> Result<Diagnosis, Dia
         quick_fit(p, fit_policy, &mut |_, _| search.on_step())
     })?;
     let noise = noise(study, &before);
-    if noise.explains_misfit(search.policy()) {
-        search.note("nothing but noise is left");
+    let is_correctable = study.corrections.is_empty();
+    if noise.explains_misfit(search.policy())
+        || (is_correctable && noise.corrections(search.policy()).is_some())
+    {
+        search.note("signals are white with another noise than the plan declares");
         return Ok(Diagnosis { noise, ..Diagnosis::new(before) });
     }
     let mut diagnosis = diagnose_from(search, before);

@@ -144,12 +144,45 @@ fn white_residuals_of_another_size_are_noise() {
 /// Too little noise in the plan hides no effect: the drag leaves structure.
 #[test]
 fn an_effect_is_not_taken_for_noise() {
-    let scratch = study("sigma = 5e-4", "sigma = 2.5e-4", |_, v| -0.1 * v.abs() * v);
+    let scratch = study("sigma = 5e-4", "sigma = 2.5e-4", |_, v| -0.3 * v.abs() * v);
     let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
     assert_eq!(ended.status, 0, "{}", ended.err);
     let found = found_in(&scratch);
     assert_ne!(found["verdict"], "complete", "{found:#}");
     assert!(found["before"]["train"]["chi2"].as_f64() > Some(4.2), "{found:#}");
+}
+
+/// A second sensor shows nothing but noise, three times what the plan says: that is corrected, and the first sensor
+/// shows the drag.
+#[test]
+fn the_noise_of_one_sensor_is_corrected_before_the_search() {
+    let scratch = study("c = {}", "c = {}", |_, v| -0.9 * v.abs() * v);
+    let noise = "w = { variable = \"silence\", unit = \"1\", sigma = 1 }\n[free]";
+    let plan = PLAN.replace("[free]", noise);
+    let silence = "  Real silence(start = 0, fixed = true);\nequation\n  der(silence) = 0;\n";
+    let model = swing_model().replace("equation\n", silence);
+    scratch.file("swing.mo", &model);
+    scratch.file("plan.toml", &plan);
+    for k in 0..4 {
+        let name = format!("{k}.csv");
+        let text = std::fs::read_to_string(scratch.path().join(&name)).expect("a file");
+        let noise = recording(0.0, 71 + k, |_, _| 0.0, |_| 0.0);
+        let both = text.lines().zip(noise.lines()).map(|(line, noise)| {
+            match noise.split_once(',').and_then(|(_, x)| x.parse::<f64>().ok()) {
+                Some(x) => format!("{line},{}\n", 3.0 * x / SIGMA),
+                None => format!("{line},w\n"),
+            }
+        });
+        scratch.file(&name, &both.collect::<String>());
+    }
+    let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let found = found_in(&scratch);
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    assert_eq!(found["effects"][0]["component"], "Effects.QuadraticDrag");
+    let factor = found["noise"]["w"].as_f64().expect("a factor");
+    assert!((factor / 3.0 - 1.0).abs() < 0.06 && found["noise"].get("s").is_none(), "{factor}");
+    assert!((found["after"]["train"]["chi2"].as_f64().expect("a number") - 1.0).abs() < 0.1);
 }
 
 /// A search that has no time ends with the calibration, and says so everywhere.
@@ -198,9 +231,13 @@ fn nothing_depends_on_the_recordings_of_the_test() {
     }
 }
 
-/// What explains only a part is named as such, and not among the effects.
+/// What explains only a part is named as such, and not among the effects. While the search goes on, the best
+/// verdict so far is told with its evidence.
 #[test]
 fn a_partial_explanation_is_no_effect() {
+    use std::cell::RefCell;
+
+    use mocc::calibrate::observer::{Event, Observer};
     use mocc::diagnose::policy::SearchPolicy;
     use mocc::diagnose::result::Verdict;
     use mocc::diagnose::run::{Request, run};
@@ -215,8 +252,25 @@ fn a_partial_explanation_is_no_effect() {
         modelica_path: None,
         policy: SearchPolicy::default(),
     };
-    let mut outcome = run(&request, &mut Session::default(), &()).expect("an outcome");
+    #[derive(Default)]
+    struct Watcher(RefCell<Vec<String>>);
+
+    impl Observer for Watcher {
+        fn event(&self, event: &Event<'_>) {
+            if let Event::Best(text) = event {
+                self.0.borrow_mut().push((*text).to_owned());
+            }
+        }
+    }
+
+    let watcher = Watcher::default();
+    let mut outcome = run(&request, &mut Session::default(), &watcher).expect("an outcome");
     assert_eq!(outcome.verdict(), Verdict::EffectFound);
+    let told = watcher.0.borrow();
+    let first = told.first().map(String::as_str).unwrap_or_default();
+    assert!(first.starts_with("unexplained, reduced chi-square "), "{told:?}");
+    let last = told.last().map(String::as_str).unwrap_or_default();
+    assert!(last.starts_with("effect_found, ") && last.ends_with(" (validation)"), "{told:?}");
     // As if more had been asked.
     outcome.study.policy.resolved_validation = 0.0;
     outcome.study.policy.explained_limit = 0.0;
@@ -303,6 +357,17 @@ fn two_effects_of_one_sensor_are_found() {
     let amended = found["amended_model"].as_str().expect("a name");
     let ended = mocc(&scratch.path().join("out"), &["simulate", amended]);
     assert_eq!(ended.status, 0, "{}", ended.err);
+
+    // Judged on the same recordings, the amended model is as good as the diagnosis says: with its sensor.
+    let amended = format!("out/{amended}");
+    let arguments = ["evaluate", &amended, "--plan", "plan.toml", "--json", "judged.json"];
+    let ended = mocc(scratch.path(), &arguments);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let text = std::fs::read_to_string(scratch.path().join("judged.json")).expect("a file");
+    let judged: Value = serde_json::from_str(&text).expect("JSON");
+    let rmse = judged["recordings"][3]["signals"]["s"]["rmse"].as_f64().expect("a number");
+    let expected = found["after"]["validation"]["signals"]["s"]["rmse"].as_f64().expect("a number");
+    assert!((rmse / expected - 1.0).abs() < 1e-4, "{rmse} {expected}");
 }
 
 /// A drag and the zero of the sensor, neither of which explains much without the other.
