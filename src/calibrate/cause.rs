@@ -65,7 +65,12 @@ causes! {
         /// A parameter is both free and set by the recordings.
         error MO1044 FreeAndSet { name: String }
             => ("`{name}` is both free and set by the recordings"),
-            help("remove it from `[starts]` or from `[free]`");
+            help("remove it from `[free]`, or from `[starts]` or `[conditions]`");
+        /// Two entries free the same parameter.
+        error MO1046 FreeTwice { name: String }
+            => ("`{name}` is free twice"),
+            help("remove one of the entries: a parameter is free for all recordings together in `[free]`, \
+                  or for each in `[free.each]`");
         /// A plan has conditions but no table that lists them.
         error MO1045 ConditionsWithoutTable
             => ("the plan has conditions but no table with their columns"),

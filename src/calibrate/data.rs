@@ -128,13 +128,18 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
     if problems.error_count() > before {
         return None;
     }
-    if !recordings.iter().any(|r| r.split == Split::Train) {
-        let cause = RecordingCause::NoTraining { path: path.display().to_string() };
-        problems.push(Diagnostic::new(cause, Span::NONE));
-        return None;
-    }
     let sigmas = sigmas(plan, &recordings, problems, &mut repairs);
     (problems.error_count() == before).then_some(Data { recordings, sigmas, repairs })
+}
+
+/// Reports if no recording is for training.
+pub fn check_training(plan: &Plan, data: &Data, problems: &mut Problems) -> Option<()> {
+    let found = data.of(Split::Train).next();
+    if found.is_none() {
+        let path = plan.folder.join(&plan.table).display().to_string();
+        problems.push(Diagnostic::new(RecordingCause::NoTraining { path }, Span::NONE));
+    }
+    found.map(|_| ())
 }
 
 /// The recordings that the plan itself lists. A file that several are parts of is read once.
@@ -426,10 +431,12 @@ fn sigmas(
     problems: &mut Problems,
     repairs: &mut Vec<String>,
 ) -> Vec<f64> {
+    let only_test = recordings.iter().all(|r| r.split == Split::Test);
     let mut sigma = |(k, signal): (usize, &super::plan::Signal)| {
         signal.sigma.unwrap_or_else(|| {
             // Nothing may depend on the recordings of the test.
-            let seen = recordings.iter().filter(|r| r.split != Split::Test);
+            let is_seen = |r: &&Recording| r.split != Split::Test || only_test;
+            let seen = recordings.iter().filter(is_seen);
             let all = seen.flat_map(|r| third_differences(&r.signals[k]));
             let sigma = noise::estimate(all.collect());
             if sigma > 0.0 {

@@ -36,6 +36,9 @@ pub fn html(found: &Calibration, seconds: f64) -> String {
     };
     page.add(&facts(&key_figures(found, seconds)));
     page.section("parameters", "Parameters", &part(&parameters));
+    if !found.own.is_empty() {
+        page.section("each", "Values of each recording", &part(&own));
+    }
     page.section("quality", "Quality of the fit", &part(&quality));
     page.section("correlations", "Correlations", &part(&correlations));
     if !found.repairs.is_empty() {
@@ -102,6 +105,24 @@ fn parameters(found: &Calibration, out: &mut String) {
     for line in &found.directions {
         out.push_str(&format!("<p class=\"note\">{}</p>", escaped(line)));
     }
+}
+
+fn own(found: &Calibration, out: &mut String) {
+    out.push_str("<table><tr><th>recording</th><th class=\"l\"></th>");
+    for v in found.own.iter().take(1).flat_map(|o| &o.values) {
+        out.push_str(&format!("<th><code>{}</code>, {}</th>", escaped(&v.name), escaped(&v.unit)));
+    }
+    out.push_str("</tr>\n");
+    for o in &found.own {
+        let (name, split) = (escaped(&o.recording), o.split.name());
+        out.push_str(&format!("<tr><td>{name}</td><td class=\"l\">{split}</td>"));
+        for v in &o.values {
+            let (value, error) = (shown(v.value, v.error), shown(v.error, 10.0 * v.error));
+            out.push_str(&format!("<td>{value} ± {error}</td>"));
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</table>");
 }
 
 /// The interval beside the start, from half of the start to twice as much.

@@ -45,6 +45,8 @@ pub enum Command {
     Calibrate(Calibrate),
     /// Find the physical effects that a model lacks, from recordings.
     Diagnose(Diagnose),
+    /// Judge a model on recordings, without fitting it.
+    Evaluate(Evaluate),
     /// Print how a model is solved: states, blocks, differentiated equations.
     Structure(Structure),
 }
@@ -372,6 +374,26 @@ pub struct Calibrate {
     /// Derive the intervals from the standard errors alone, which is faster.
     #[arg(long)]
     pub no_profiles: bool,
+}
+
+/// A frozen model and what it is judged by.
+#[derive(Args, Debug)]
+pub struct Evaluate {
+    /// Plan file, TOML; or the file of a model, .mol or .mo, with --plan.
+    #[arg(value_name = "PLAN|MODEL")]
+    pub subject: PathBuf,
+    /// Plan for the model that is named first.
+    #[arg(long, value_name = "PLAN")]
+    pub plan: Option<PathBuf>,
+    /// File whose last model takes the place of the plan's model.
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Folder of the recordings [default: the plan's].
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Write the result as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }
 
 impl Model {

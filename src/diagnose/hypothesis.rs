@@ -171,6 +171,7 @@ pub fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, compon
         min,
         max: None,
         acts_on: place.signal.map(|k| (k, format!("{component}.y"))),
+        only: None,
         span: Span::NONE,
     }
 }

@@ -114,10 +114,15 @@ u_V = { variable = \"u\", unit = \"V\", sigma = 0.01 }
 [free]
 R = {}
 ";
-    for (model, variable) in [("ohm", "u"), ("ohm_with_events", "u"), ("ohm_with_events", "sampled")] {
+    for (model, variable) in
+        [("ohm", "u"), ("ohm_with_events", "u"), ("ohm_with_events", "sampled")]
+    {
         let folder = Scratch::new();
         folder.file("ohm.mo", &suite_model(&format!("measure/models/{model}")));
-        folder.file("plan.toml", &plan.replace("variable = \"u\"", &format!("variable = \"{variable}\"")));
+        folder.file(
+            "plan.toml",
+            &plan.replace("variable = \"u\"", &format!("variable = \"{variable}\"")),
+        );
         folder.file("run.csv", &text);
         let ended = mocc(folder.path(), &["calibrate", "plan.toml", "--out", "out"]);
         assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
@@ -125,7 +130,10 @@ R = {}
         let found: Value = serde_json::from_str(&text.expect("a file")).expect("JSON");
         let resistance = found["parameters"][0]["value"].as_f64().expect("a number");
         let chi = found["quality"]["train"]["reduced_chi_square"].as_f64().expect("a number");
-        assert!((resistance - 2.0).abs() < 1e-9 && chi < 1e-9, "{model} {variable}: {resistance}, {chi}");
+        assert!(
+            (resistance - 2.0).abs() < 1e-9 && chi < 1e-9,
+            "{model} {variable}: {resistance}, {chi}"
+        );
     }
 }
 
