@@ -65,7 +65,12 @@ causes! {
         /// A parameter is both free and set by the recordings.
         error MO1044 FreeAndSet { name: String }
             => ("`{name}` is both free and set by the recordings"),
-            help("remove it from `[starts]` or from `[free]`");
+            help("remove it from `[free]`, or from `[starts]` or `[conditions]`");
+        /// Two entries free the same parameter.
+        error MO1046 FreeTwice { name: String }
+            => ("`{name}` is free twice"),
+            help("remove one of the entries: a parameter is free for all recordings together in `[free]`, \
+                  or for each in `[free.each]`");
         /// A plan has conditions but no table that lists them.
         error MO1045 ConditionsWithoutTable
             => ("the plan has conditions but no table with their columns"),
@@ -102,10 +107,10 @@ causes! {
         /// No recording is for training.
         error MO1037 NoTraining { path: String }
             => ("{path}: no recording is for training"),
-            help("the column named by `split` must contain `train` or `validation`");
-        /// A recording is neither for training nor for validation.
+            help("the column named by `split` must contain `train` in at least one row");
+        /// The use of a recording is unknown.
         error MO1038 UnknownSplit { place: String, found: String }
-            => ("{place}: `{found}` is neither `train` nor `validation`");
+            => ("{place}: `{found}` is not `train`, `validation` or `test`");
         /// A condition in the table is not a number.
         error MO1039 ConditionNotANumber { place: String, found: String, column: String }
             => ("{place}: `{found}` of `{column}` is not a number");

@@ -23,19 +23,28 @@ const REPAIRABLE: f64 = 0.05;
 pub enum Split {
     /// Fitted.
     Train,
-    /// Never fitted, only reported.
+    /// Never fitted; decides between models.
     Validation,
+    /// Seen by no fit and no decision, only reported at the end.
+    Test,
 }
 
 impl Split {
-    /// Both, in the order of reports.
-    pub const ALL: [Split; 2] = [Split::Train, Split::Validation];
+    /// All, in the order of reports.
+    pub const ALL: [Split; 3] = [Split::Train, Split::Validation, Split::Test];
+
+    /// The use that a plan or a table names; training if it names none.
+    pub fn named(name: Option<&str>) -> Option<Split> {
+        let Some(name) = name else { return Some(Split::Train) };
+        Split::ALL.into_iter().find(|split| split.name() == name)
+    }
 
     /// Its name in tables and reports.
     pub fn name(self) -> &'static str {
         match self {
             Split::Train => "train",
             Split::Validation => "validation",
+            Split::Test => "test",
         }
     }
 }
@@ -49,7 +58,7 @@ pub struct Recording {
     pub name: String,
     /// Its file.
     pub path: PathBuf,
-    /// Training or validation.
+    /// Its use.
     pub split: Split,
     /// One value in SI units for each condition of the plan.
     pub conditions: Vec<f64>,
@@ -80,6 +89,12 @@ impl Data {
     /// The recordings of one kind.
     pub fn of(&self, split: Split) -> impl Iterator<Item = &Recording> {
         self.recordings.iter().filter(move |r| r.split == split)
+    }
+
+    /// The kinds to report: training and validation, and the test if there are recordings for it.
+    pub fn splits(&self) -> impl Iterator<Item = Split> {
+        let has_test = self.of(Split::Test).next().is_some();
+        Split::ALL.into_iter().filter(move |split| has_test || *split != Split::Test)
     }
 
     /// Names of the recordings of one kind before they were cut into windows.
@@ -113,13 +128,18 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
     if problems.error_count() > before {
         return None;
     }
-    if !recordings.iter().any(|r| r.split == Split::Train) {
-        let cause = RecordingCause::NoTraining { path: path.display().to_string() };
-        problems.push(Diagnostic::new(cause, Span::NONE));
-        return None;
-    }
     let sigmas = sigmas(plan, &recordings, problems, &mut repairs);
     (problems.error_count() == before).then_some(Data { recordings, sigmas, repairs })
+}
+
+/// Reports if no recording is for training.
+pub fn check_training(plan: &Plan, data: &Data, problems: &mut Problems) -> Option<()> {
+    let found = data.of(Split::Train).next();
+    if found.is_none() {
+        let path = plan.folder.join(&plan.table).display().to_string();
+        problems.push(Diagnostic::new(RecordingCause::NoTraining { path }, Span::NONE));
+    }
+    found.map(|_| ())
 }
 
 /// The recordings that the plan itself lists. A file that several are parts of is read once.
@@ -177,15 +197,12 @@ fn tabled(
     let mut out = Vec::new();
     for (line, row) in &table.rows {
         let place = || format!("{}:{line}", path.display());
-        let split = match split.flatten().map(|k| row[k].as_str()) {
-            None | Some("train") => Split::Train,
-            Some("validation" | "test") => Split::Validation,
-            Some(other) => {
-                let cause =
-                    RecordingCause::UnknownSplit { place: place(), found: other.to_owned() };
-                problems.push(Diagnostic::new(cause, Span::NONE));
-                continue;
-            }
+        let named = split.flatten().map(|k| row[k].as_str());
+        let Some(split) = Split::named(named) else {
+            let found = named.unwrap_or_default().to_owned();
+            let cause = RecordingCause::UnknownSplit { place: place(), found };
+            problems.push(Diagnostic::new(cause, Span::NONE));
+            continue;
         };
         let mut values = Vec::new();
         for (k, condition) in conditions.iter().flatten().zip(&plan.conditions) {
@@ -414,9 +431,13 @@ fn sigmas(
     problems: &mut Problems,
     repairs: &mut Vec<String>,
 ) -> Vec<f64> {
+    let only_test = recordings.iter().all(|r| r.split == Split::Test);
     let mut sigma = |(k, signal): (usize, &super::plan::Signal)| {
         signal.sigma.unwrap_or_else(|| {
-            let all = recordings.iter().flat_map(|r| third_differences(&r.signals[k]));
+            // Nothing may depend on the recordings of the test.
+            let is_seen = |r: &&Recording| r.split != Split::Test || only_test;
+            let seen = recordings.iter().filter(is_seen);
+            let all = seen.flat_map(|r| third_differences(&r.signals[k]));
             let sigma = noise::estimate(all.collect());
             if sigma > 0.0 {
                 let unit = &signal.unit_name;

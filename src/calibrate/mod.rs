@@ -9,10 +9,12 @@
 pub mod calibrated_model;
 pub mod cause;
 pub mod data;
+pub mod evaluate;
 pub mod fit;
 pub mod modification;
 pub mod noise;
 pub mod observer;
+pub mod own_fit;
 pub mod page;
 pub mod parallel;
 pub mod parameter;

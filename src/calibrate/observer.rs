@@ -24,6 +24,8 @@ pub enum Event<'a> {
         /// Number of parameters.
         count: usize,
     },
+    /// The best result so far, with its evidence.
+    Best(&'a str),
     /// Anything else, as a line of a log.
     Note(&'a str),
 }
@@ -37,6 +39,7 @@ impl fmt::Display for Event<'_> {
             Event::Interval { parameter, number, count } => {
                 write!(f, "interval of {parameter} ({number} of {count})")
             }
+            Event::Best(text) => write!(f, "best so far: {text}"),
             Event::Note(text) => f.write_str(text),
         }
     }

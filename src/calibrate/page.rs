@@ -36,6 +36,9 @@ pub fn html(found: &Calibration, seconds: f64) -> String {
     };
     page.add(&facts(&key_figures(found, seconds)));
     page.section("parameters", "Parameters", &part(&parameters));
+    if !found.own.is_empty() {
+        page.section("each", "Values of each recording", &part(&own));
+    }
     page.section("quality", "Quality of the fit", &part(&quality));
     page.section("correlations", "Correlations", &part(&correlations));
     if !found.repairs.is_empty() {
@@ -66,7 +69,11 @@ fn key_figures(found: &Calibration, seconds: f64) -> Vec<(String, String)> {
     if validation.count > 0 {
         out.push((format!("{chi}, validation"), format!("{:.4}", validation.reduced())));
     }
-    let count = train.count + validation.count;
+    let test = found.quality(Split::Test, None);
+    if test.count > 0 {
+        out.push((format!("{chi}, test"), format!("{:.4}", test.reduced())));
+    }
+    let count = train.count + validation.count + test.count;
     out.push(("measured values".to_owned(), count.to_string()));
     out.push(("steps".to_owned(), found.fit.iterations.to_string()));
     out.push(("elapsed time".to_owned(), format!("{:.1} s", seconds)));
@@ -98,6 +105,24 @@ fn parameters(found: &Calibration, out: &mut String) {
     for line in &found.directions {
         out.push_str(&format!("<p class=\"note\">{}</p>", escaped(line)));
     }
+}
+
+fn own(found: &Calibration, out: &mut String) {
+    out.push_str("<table><tr><th>recording</th><th class=\"l\"></th>");
+    for v in found.own.iter().take(1).flat_map(|o| &o.values) {
+        out.push_str(&format!("<th><code>{}</code>, {}</th>", escaped(&v.name), escaped(&v.unit)));
+    }
+    out.push_str("</tr>\n");
+    for o in &found.own {
+        let (name, split) = (escaped(&o.recording), o.split.name());
+        out.push_str(&format!("<tr><td>{name}</td><td class=\"l\">{split}</td>"));
+        for v in &o.values {
+            let (value, error) = (shown(v.value, v.error), shown(v.error, 10.0 * v.error));
+            out.push_str(&format!("<td>{value} ± {error}</td>"));
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</table>");
 }
 
 /// The interval beside the start, from half of the start to twice as much.

@@ -7,6 +7,7 @@ use crate::runtime::machine::Machine;
 use crate::simulate::sensitivity::Input;
 
 use super::cause::PlanCause;
+use super::data::{Recording, Split};
 use super::plan::Free;
 
 /// Factor around its start within which a positive parameter without bounds is searched.
@@ -70,9 +71,17 @@ pub struct Parameter {
     pub bounds: (f64, f64),
     /// The only signal that it acts on, and the position of the recorded variable through which it does.
     pub acts_on: Option<(usize, usize)>,
+    /// The only recording that takes its value, if it is not the same for all.
+    pub only: Option<String>,
 }
 
 impl Parameter {
+    /// True if the runs of a recording take its value.
+    pub fn acts_in(&self, recording: &Recording) -> bool {
+        let is_only = |of: &String| *of == recording.of && recording.split == Split::Train;
+        self.only.as_ref().is_none_or(is_only)
+    }
+
     /// Its bounds in coordinates of the search.
     pub fn range(&self) -> (f64, f64) {
         (self.scale.place(self.bounds.0), self.scale.place(self.bounds.1))
@@ -147,5 +156,6 @@ pub fn parameter(
         let column = program.recorded.iter().position(|v| program.name(*v) == variable)?;
         Some((*signal, column))
     });
-    Some(Parameter { name: free.name.clone(), unit, targets, scale, start, bounds, acts_on })
+    let (name, only) = (free.name.clone(), free.only.clone());
+    Some(Parameter { name, unit, targets, scale, start, bounds, acts_on, only })
 }

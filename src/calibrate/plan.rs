@@ -7,7 +7,7 @@ use crate::base::source::Span;
 use crate::driver::compile::Request;
 use crate::numeric::time_series::Interpolation;
 
-use super::data::Split;
+use super::data::{Data, Split};
 use super::unit::Unit;
 
 /// A plan.
@@ -39,7 +39,7 @@ pub struct Plan {
     pub file_column: String,
     /// Its column with the names of the recordings; without it, the names of the files.
     pub name_column: Option<String>,
-    /// Its column with `train` or `validation`; without it, all recordings are for training.
+    /// Its column with `train`, `validation` or `test`; without it, all recordings are for training.
     pub split_column: Option<String>,
     /// Its columns that set parameters.
     pub conditions: Vec<Condition>,
@@ -53,8 +53,10 @@ pub struct Plan {
     pub time_unit: Unit,
     /// The measured signals.
     pub signals: Vec<Signal>,
-    /// The free parameters.
+    /// The free parameters; those of single recordings stand at the end ([`Plan::free_each`]).
     pub free: Vec<Free>,
+    /// Parameters that are free for each recording: it has a value of its own.
+    pub each: Vec<Free>,
 }
 
 /// A column of the table that sets a parameter.
@@ -96,7 +98,7 @@ pub struct ListedRecording {
     pub file: String,
     /// Its name.
     pub name: String,
-    /// Training or validation.
+    /// Its use.
     pub split: Split,
     /// The part of the file, s.
     pub part: (f64, f64),
@@ -155,6 +157,23 @@ impl Plan {
             ..Request::new(Some(self.model.clone()), self.name.clone())
         }
     }
+
+    /// Gives each training recording parameters of its own, which are fitted together with the others.
+    pub fn free_each(&mut self, data: &Data) {
+        for recording in data.wholes(Split::Train) {
+            let of_recording = |free: &Free| Free {
+                name: own_name(&free.name, recording),
+                only: Some(recording.to_owned()),
+                ..free.clone()
+            };
+            self.free.extend(self.each.iter().map(of_recording));
+        }
+    }
+}
+
+/// The name of a parameter that is free for each recording, in one of them.
+pub fn own_name(parameter: &str, recording: &str) -> String {
+    format!("{parameter} of {recording}")
 }
 
 /// A free parameter.
@@ -172,6 +191,8 @@ pub struct Free {
     pub max: Option<f64>,
     /// If it acts on one signal only: its position, and the variable through which it acts.
     pub acts_on: Option<(usize, String)>,
+    /// The only recording that takes its value, if it is not the same for all.
+    pub only: Option<String>,
     /// Its place in the plan.
     pub span: Span,
 }

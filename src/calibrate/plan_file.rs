@@ -48,6 +48,10 @@ struct PlanReader<'a> {
     problems: &'a mut Problems,
 }
 
+/// The table of `[free]` with the parameters that are free for each recording; a keyword of Modelica, so no
+/// parameter has this name.
+const EACH: &str = "each";
+
 const TOP: [&str; 15] = [
     "model",
     "name",
@@ -79,6 +83,9 @@ impl PlanReader<'_> {
             if root.get("recordings").is_none() || data.get("table").is_some() {
                 table = self.required(data, "table", &span);
                 file_column = self.required(data, "file", &span);
+            } else if ["file", "recording", "split"].iter().any(|key| data.get(*key).is_some()) {
+                // Columns of a table that the plan does not have.
+                self.missing("table", &span);
             }
             name_column = self.text(data, "recording");
             split_column = self.text(data, "split");
@@ -89,22 +96,27 @@ impl PlanReader<'_> {
             time = self.required(at, "column", &span);
             time_unit = self.unit(at, &span).map(|(u, _)| u);
         }
-        let fixed = self.entries(root, "fixed").into_iter().map(|(name, value)| {
+        let mut fixed = Vec::new();
+        for (name, value) in self.entries(root, "fixed") {
             let text = match value.get_ref() {
                 DeValue::String(text) => text.to_string(),
                 DeValue::Float(x) => x.as_str().to_owned(),
                 DeValue::Integer(i) => i.as_str().to_owned(),
                 DeValue::Boolean(b) => b.to_string(),
-                _ => String::new(),
+                _ => {
+                    self.wrong(value, "a number, a string, `true` or `false`");
+                    continue;
+                }
             };
-            format!("{name}={text}")
-        });
+            fixed.push(format!("{name}={text}"));
+        }
+        let (free, each) = self.all_free(root);
         let plan = Plan {
             path: path.to_owned(),
             model: base.join(model),
             name: self.text(root, "name"),
             libraries: self.texts(root, "libraries").into_iter().map(|f| base.join(f)).collect(),
-            fixed: fixed.collect(),
+            fixed,
             folder: base.join(folder),
             listed: self.listed(root),
             window: self.window(root).unwrap_or(f64::INFINITY),
@@ -120,7 +132,8 @@ impl PlanReader<'_> {
             time,
             time_unit: time_unit.unwrap_or(Unit { factor: 1.0, offset: 0.0 }),
             signals: self.signals(root, whole),
-            free: self.free(root),
+            free,
+            each,
         };
         self.contradictions(&plan);
         plan
@@ -150,14 +163,11 @@ impl PlanReader<'_> {
             let Some((table, span)) = self.as_table("recordings", item) else { continue };
             self.known(table, &["file", "name", "split", "from", "to", "window", "skip"]);
             let file = self.required(table, "file", &span);
-            let split = match self.text(table, "split").as_deref() {
-                None | Some("train") => Split::Train,
-                Some("validation" | "test") => Split::Validation,
-                Some(_) => {
-                    self.wrong(item, "`split = \"train\"` or `split = \"validation\"`");
-                    Split::Train
-                }
-            };
+            let named = self.text(table, "split");
+            let split = Split::named(named.as_deref()).unwrap_or_else(|| {
+                self.wrong(item, "`split = \"train\"`, `\"validation\"` or `\"test\"`");
+                Split::Train
+            });
             let [from, to] = ["from", "to"].map(|key| self.number(table, key).map(|x| x.0));
             out.push(ListedRecording {
                 name: self.text(table, "name").unwrap_or_else(|| file.clone()),
@@ -264,11 +274,20 @@ impl PlanReader<'_> {
                 self.problems.push(Diagnostic::new(cause, driven.span));
             }
         }
-        for initial in &plan.starts {
-            let is_free = |f: &&Free| f.targets.contains(&initial.target);
-            if plan.free.iter().any(|f| is_free(&f)) {
-                let cause = PlanCause::FreeAndSet { name: initial.target.clone() };
-                self.problems.push(Diagnostic::new(cause, initial.span));
+        let free = || plan.free.iter().chain(&plan.each);
+        let starts = plan.starts.iter().map(|s| (&s.target, s.span));
+        let conditions = plan.conditions.iter().map(|c| (&c.parameter, c.span));
+        for (target, span) in starts.chain(conditions) {
+            if free().any(|f| f.targets.contains(target)) {
+                let cause = PlanCause::FreeAndSet { name: target.clone() };
+                self.problems.push(Diagnostic::new(cause, span));
+            }
+        }
+        for (k, later) in free().enumerate() {
+            let known = |target: &&String| free().take(k).any(|f| f.targets.contains(target));
+            if let Some(target) = later.targets.iter().find(known) {
+                let cause = PlanCause::FreeTwice { name: target.clone() };
+                self.problems.push(Diagnostic::new(cause, later.span));
             }
         }
         if let Some(first) = plan.conditions.first().filter(|_| plan.table.is_empty()) {
@@ -305,9 +324,22 @@ impl PlanReader<'_> {
         out
     }
 
-    fn free(&mut self, root: &Table<'_>) -> Vec<Free> {
+    /// The parameters that are free for all recordings together, and those that are free for each.
+    fn all_free(&mut self, root: &Table<'_>) -> (Vec<Free>, Vec<Free>) {
+        let (each, shared): (Vec<_>, Vec<_>) =
+            self.entries(root, "free").into_iter().partition(|(name, _)| name == EACH);
+        let mut of_each = Vec::new();
+        for (_, value) in each {
+            let Some((table, _)) = self.as_table(EACH, value) else { continue };
+            let entries = table.iter().map(|(k, v)| (k.get_ref().to_string(), v)).collect();
+            of_each.extend(self.free(entries));
+        }
+        (self.free(shared), of_each)
+    }
+
+    fn free(&mut self, entries: Vec<(String, &Value<'_>)>) -> Vec<Free> {
         let mut out = Vec::new();
-        for (name, value) in self.entries(root, "free") {
+        for (name, value) in entries {
             let span = value.span();
             let Some((table, _)) = self.as_table(&name, value) else { continue };
             self.known(table, &["start", "min", "max", "tied"]);
@@ -323,8 +355,8 @@ impl PlanReader<'_> {
             if !is_room || start.is_some_and(|s| !(low..=high).contains(&s)) {
                 self.report(PlanCause::ContradictoryBounds { name: name.clone() }, &span);
             }
-            let (acts_on, span) = (None, self.at(&span));
-            out.push(Free { name, targets, start, min, max, acts_on, span });
+            let (acts_on, only, span) = (None, None, self.at(&span));
+            out.push(Free { name, targets, start, min, max, acts_on, only, span });
         }
         out
     }

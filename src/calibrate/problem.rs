@@ -44,6 +44,34 @@ struct Channel {
     sigma: f64,
 }
 
+/// Where residuals are evaluated, in coordinates of the search.
+#[derive(Clone, Copy, Debug)]
+pub struct Point<'x> {
+    /// The free parameters.
+    pub free: &'x [f64],
+    /// The parameters that the recording has for itself; empty for one that is fitted.
+    pub own: &'x [f64],
+}
+
+/// By which parameters residuals are differentiated.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum By {
+    /// By the free parameters.
+    Free,
+    /// By those that the recording has for itself.
+    Own,
+}
+
+/// A parameter that the runs of a recording take.
+struct Taken<'p> {
+    parameter: &'p Parameter,
+    value: f64,
+    /// It is one that the recording has for itself.
+    is_own: bool,
+    /// Its position among those of its kind.
+    index: usize,
+}
+
 /// Everything that residuals depend on, except for the values of the parameters. Threads share it.
 pub struct Problem<'a> {
     /// The compiled model, which records the variables of the signals.
@@ -52,6 +80,9 @@ pub struct Problem<'a> {
     data: &'a Data,
     /// The free parameters.
     pub parameters: Vec<Parameter>,
+    /// Parameters of which a recording has a value of its own, for the recordings that are not fitted: their
+    /// values are fitted to them alone ([`super::own_fit`]).
+    pub own: Vec<Parameter>,
     conditions: Vec<VarId>,
     /// Inputs of the program that the starts of the recordings set.
     starts: Vec<Input>,
@@ -125,6 +156,15 @@ impl<'a> Problem<'a> {
         let evaluated = machine.run(&program.tapes.parameters).is_ok();
         let parameters: Vec<Parameter> =
             plan.free.iter().filter_map(|f| parameter(program, &machine, f, problems)).collect();
+        // Those of the training recordings are among the free ones, and have been checked there.
+        let unchecked = &mut Problems::new();
+        let problems_of_own =
+            if plan.free.iter().any(|f| f.only.is_some()) { unchecked } else { &mut *problems };
+        let own: Vec<Parameter> = plan
+            .each
+            .iter()
+            .filter_map(|f| parameter(program, &machine, f, problems_of_own))
+            .collect();
         if problems.error_count() > before || !evaluated {
             return None;
         }
@@ -137,6 +177,7 @@ impl<'a> Problem<'a> {
             sources,
             data,
             parameters,
+            own,
             conditions,
             starts,
             driven,
@@ -168,6 +209,11 @@ impl<'a> Problem<'a> {
         self.data.of(split).collect()
     }
 
+    /// The windows of a recording, or itself if it is whole.
+    pub fn windows(&self, recording: &Recording) -> Vec<&'a Recording> {
+        self.data.of(recording.split).filter(|r| r.of == recording.of).collect()
+    }
+
     /// Number of residuals of one kind of recordings.
     pub fn count(&self, split: Split) -> usize {
         let values = self.data.of(split).flat_map(|r| r.signals.iter().flatten());
@@ -192,8 +238,24 @@ impl<'a> Problem<'a> {
         &self.data.sigmas
     }
 
+    /// The parameters that the runs of a recording take.
+    fn taken<'p>(&'p self, recording: &Recording, at: Point<'_>) -> Vec<Taken<'p>> {
+        let taken = |is_own: bool| {
+            move |(index, (parameter, x)): (usize, (&'p Parameter, &f64))| Taken {
+                parameter,
+                value: parameter.scale.value(*x),
+                is_own,
+                index,
+            }
+        };
+        let free = self.parameters.iter().zip(at.free).enumerate();
+        let free = free.filter(|(_, (p, _))| p.acts_in(recording));
+        let own = self.own.iter().zip(at.own).enumerate();
+        free.map(taken(false)).chain(own.map(taken(true))).collect()
+    }
+
     /// Settings of a run under the conditions of a recording.
-    pub fn settings(&self, recording: &Recording, values: &[f64]) -> Settings {
+    fn settings(&self, recording: &Recording, taken: &[Taken<'_>]) -> Settings {
         let mut settings = self.settings.clone();
         let conditions = self.conditions.iter().copied().zip(recording.conditions.iter().copied());
         settings.parameters = conditions.filter(|(_, value)| !value.is_nan()).collect();
@@ -205,8 +267,8 @@ impl<'a> Problem<'a> {
         }
         let courses = recording.courses.iter().cloned();
         settings.courses = self.driven.iter().copied().zip(courses).collect();
-        for (p, value) in self.parameters.iter().zip(values) {
-            for target in &p.targets {
+        for Taken { parameter, value, .. } in taken {
+            for target in &parameter.targets {
                 match *target {
                     Input::Parameter(v) => settings.parameters.push((v, *value)),
                     Input::Start(v) => settings.starts.push((v, *value)),
@@ -225,7 +287,12 @@ impl<'a> Problem<'a> {
     /// The variables of the signals at the instants of a recording, signal by signal, in the units of
     /// the columns.
     pub fn predict(&self, recording: &Recording, x: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
-        let settings = self.settings(recording, &self.values(x));
+        let own = self.own_place(recording, x)?;
+        self.predict_at(recording, Point { free: x, own: &own })
+    }
+
+    fn predict_at(&self, recording: &Recording, at: Point<'_>) -> Result<Vec<Vec<f64>>, Failure> {
+        let settings = self.settings(recording, &self.taken(recording, at));
         let mut rows = Rows::new(recording.time.clone(), self.program.recorded.len(), 0);
         simulate_to(self.program, &settings, self.sources, &mut rows)?;
         let of = |c: &Channel| {
@@ -244,7 +311,9 @@ impl<'a> Problem<'a> {
         x: &[f64],
         names: &[String],
     ) -> Result<Vec<Vec<f64>>, Failure> {
-        let settings = self.settings(recording, &self.values(x));
+        let own = self.own_place(recording, x)?;
+        let taken = self.taken(recording, Point { free: x, own: &own });
+        let settings = self.settings(recording, &taken);
         let width = self.program.recorded.len();
         let mut rows = Rows::new(recording.time.clone(), width, 0);
         simulate_to(self.program, &settings, self.sources, &mut rows)?;
@@ -257,7 +326,17 @@ impl<'a> Problem<'a> {
 
     /// Residuals of a recording, signal by signal, in units of the noise; NaN without a value.
     pub fn residuals(&self, recording: &Recording, x: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
-        let mut predicted = self.predict(recording, x)?;
+        let own = self.own_place(recording, x)?;
+        self.residuals_at(recording, Point { free: x, own: &own })
+    }
+
+    /// As `residuals`, with given values of the recording's own parameters.
+    pub fn residuals_at(
+        &self,
+        recording: &Recording,
+        at: Point<'_>,
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let mut predicted = self.predict_at(recording, at)?;
         for ((p, measured), c) in predicted.iter_mut().zip(&recording.signals).zip(&self.channels) {
             for (p, m) in p.iter_mut().zip(measured) {
                 *p = (*p - m) / c.sigma;
@@ -269,10 +348,10 @@ impl<'a> Problem<'a> {
     /// The least and the greatest value of recorded variables over the training recordings.
     pub fn ranges(&self, x: &[f64], names: &[String]) -> Result<Vec<(f64, f64)>, Failure> {
         let recordings = self.recordings(Split::Train);
-        let values = self.values(x);
         let of_run = |i: usize| {
             let recording = recordings[i];
-            let settings = self.settings(recording, &values);
+            let settings =
+                self.settings(recording, &self.taken(recording, Point { free: x, own: &[] }));
             let width = self.program.recorded.len();
             let mut rows = Rows::new(recording.time.clone(), width, 0);
             simulate_to(self.program, &settings, self.sources, &mut rows).map(|_| rows.values)
@@ -344,12 +423,26 @@ impl<'a> Problem<'a> {
         &self,
         recording: &Recording,
         x: &[f64],
+        take: impl FnMut(f64, &[f64]),
+    ) -> Result<(), Failure> {
+        let own = self.own_place(recording, x)?;
+        self.each_slope_at(recording, Point { free: x, own: &own }, By::Free, take)
+    }
+
+    /// The same by the free parameters, or by the recording's own.
+    pub fn each_slope_at(
+        &self,
+        recording: &Recording,
+        at: Point<'_>,
+        by: By,
         mut take: impl FnMut(f64, &[f64]),
     ) -> Result<(), Failure> {
-        let values = self.values(x);
-        let settings = self.settings(recording, &values);
+        let taken = self.taken(recording, at);
+        let settings = self.settings(recording, &taken);
+        // Only parameters that the recording takes have derivatives; those of the others are zero.
+        let moved: Vec<&Taken<'_>> = taken.iter().filter(|t| t.is_own == (by == By::Own)).collect();
         let inputs: Vec<Input> =
-            self.parameters.iter().flat_map(|p| p.targets.iter().copied()).collect();
+            moved.iter().flat_map(|t| t.parameter.targets.iter().copied()).collect();
         let width = self.program.recorded.len();
         let mut rows = Rows::new(recording.time.clone(), width, inputs.len());
         let run =
@@ -357,13 +450,11 @@ impl<'a> Problem<'a> {
         match run {
             Ok(_) => {}
             Err(failure) if failure.is_without_derivatives() => {
-                return self.each_difference(recording, x, take);
+                return self.each_difference(recording, at, by, take);
             }
             Err(failure) => return Err(failure),
         }
-        let factors: Vec<f64> =
-            self.parameters.iter().zip(&values).map(|(p, v)| p.scale.slope(*v)).collect();
-        let mut slopes = vec![0.0; self.parameters.len()];
+        let mut slopes = vec![0.0; self.count_of(by)];
         for k in 0..recording.time.len() {
             let row = &rows.values[k * width..(k + 1) * width];
             let all = &rows.slopes[k * width * inputs.len()..(k + 1) * width * inputs.len()];
@@ -373,7 +464,7 @@ impl<'a> Problem<'a> {
                 }
                 let residual = (c.unit.of_si(row[c.column]) - signal[k]) / c.sigma;
                 let mut first = 0;
-                for ((slope, p), factor) in slopes.iter_mut().zip(&self.parameters).zip(&factors) {
+                for Taken { parameter: p, value, index, .. } in &moved {
                     let column = match p.acts_on {
                         Some((only, _)) if only != channel => None,
                         Some((_, column)) => Some(column),
@@ -384,7 +475,7 @@ impl<'a> Problem<'a> {
                         all[at..at + p.targets.len()].iter().sum()
                     });
                     first += p.targets.len();
-                    *slope = sum * factor / (c.unit.factor * c.sigma);
+                    slopes[*index] = sum * p.scale.slope(*value) / (c.unit.factor * c.sigma);
                 }
                 take(residual, &slopes);
             }
@@ -392,31 +483,49 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    /// As `each_slope`, by central differences.
+    /// Number of parameters of one kind.
+    fn count_of(&self, by: By) -> usize {
+        match by {
+            By::Free => self.parameters.len(),
+            By::Own => self.own.len(),
+        }
+    }
+
+    /// As `each_slope_at`, by central differences.
     fn each_difference(
         &self,
         recording: &Recording,
-        x: &[f64],
+        at: Point<'_>,
+        by: By,
         mut take: impl FnMut(f64, &[f64]),
     ) -> Result<(), Failure> {
-        let here = self.residuals(recording, x)?;
-        let mut moved = x.to_vec();
-        let mut by = Vec::with_capacity(x.len());
-        for j in 0..x.len() {
-            moved[j] = x[j] + DISPLACEMENT;
-            let above = self.residuals(recording, &moved)?;
-            moved[j] = x[j] - DISPLACEMENT;
-            let below = self.residuals(recording, &moved)?;
-            moved[j] = x[j];
-            by.push((above, below));
+        let here = self.residuals_at(recording, at)?;
+        let (mut free, mut own) = (at.free.to_vec(), at.own.to_vec());
+        let count = self.count_of(by);
+        let mut differences = Vec::with_capacity(count);
+        for j in 0..count {
+            if by == By::Free && !self.parameters[j].acts_in(recording) {
+                differences.push((here.clone(), here.clone()));
+                continue;
+            }
+            let mut moved = |distance: f64| {
+                let place = if by == By::Free { &mut free[j] } else { &mut own[j] };
+                let before = *place;
+                *place += distance;
+                let found = self.residuals_at(recording, Point { free: &free, own: &own });
+                let place = if by == By::Free { &mut free[j] } else { &mut own[j] };
+                *place = before;
+                found
+            };
+            differences.push((moved(DISPLACEMENT)?, moved(-DISPLACEMENT)?));
         }
-        let mut slopes = vec![0.0; x.len()];
+        let mut slopes = vec![0.0; count];
         for k in 0..recording.time.len() {
             for (c, signal) in here.iter().enumerate() {
                 if signal[k].is_nan() {
                     continue;
                 }
-                for (slope, (above, below)) in slopes.iter_mut().zip(&by) {
+                for (slope, (above, below)) in slopes.iter_mut().zip(&differences) {
                     *slope = (above[c][k] - below[c][k]) / (2.0 * DISPLACEMENT);
                 }
                 take(signal[k], &slopes);

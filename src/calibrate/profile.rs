@@ -84,7 +84,8 @@ pub fn profile(
 ) -> Profiles {
     let mut intervals = quadratic(problem, fit, statistics);
     for (i, place) in intervals.iter_mut().enumerate() {
-        if !statistics.spreads[i].is_finite() {
+        // A parameter of a single recording is not worth the runs of all.
+        if !statistics.spreads[i].is_finite() || problem.parameters[i].only.is_some() {
             continue;
         }
         if !goes_on(i) {

@@ -6,6 +6,7 @@ use crate::simulate::failure::Failure;
 
 use super::data::Split;
 use super::fit::Fit;
+use super::own_fit::OwnValue;
 use super::parallel;
 use super::plan::Plan;
 use super::problem::Problem;
@@ -60,7 +61,8 @@ impl Quality {
         self.reduced().sqrt() * sigma
     }
 
-    fn plus(self, other: Quality) -> Quality {
+    /// Of two sets of values together.
+    pub fn plus(self, other: Quality) -> Quality {
         Quality { squares: self.squares + other.squares, count: self.count + other.count }
     }
 }
@@ -87,7 +89,9 @@ pub struct Channel {
 pub struct Comparison {
     /// The recording.
     pub name: String,
-    /// Training or validation.
+    /// The recording that contains it as a window; itself if it is whole.
+    pub of: String,
+    /// Its use.
     pub split: Split,
     /// Instants, s.
     pub time: Vec<f64>,
@@ -104,6 +108,17 @@ impl Comparison {
     pub fn whole(&self) -> Quality {
         self.quality.iter().fold(Quality::default(), |a, b| a.plus(*b))
     }
+}
+
+/// The values that a recording has for itself.
+#[derive(Clone, PartialEq, Debug)]
+pub struct OwnValues {
+    /// The recording.
+    pub recording: String,
+    /// Its use.
+    pub split: Split,
+    /// The values, in the order of the plan.
+    pub values: Vec<OwnValue>,
 }
 
 /// How the fit ended.
@@ -124,8 +139,12 @@ pub struct Calibration {
     pub model: String,
     /// The plan file.
     pub plan: String,
-    /// The estimates, in the order of the plan.
+    /// The estimates of the parameters that are the same for all recordings, in the order of the plan.
     pub estimates: Vec<Estimate>,
+    /// The values that the recordings have for themselves.
+    pub own: Vec<OwnValues>,
+    /// Number of values that were fitted to the training recordings and are not at a bound.
+    pub fitted: usize,
     /// Correlations of the estimates, row by row.
     pub correlations: Vec<Vec<f64>>,
     /// Combinations of parameters that the data do not determine, in words.
@@ -150,7 +169,9 @@ impl Calibration {
         (statistics, intervals): (&Statistics, &[Interval]),
         summary: FitSummary,
     ) -> Result<Calibration, Failure> {
-        let n = problem.parameters.len();
+        let shared: Vec<usize> = (0..problem.parameters.len())
+            .filter(|i| problem.parameters[*i].only.is_none())
+            .collect();
         let values = problem.values(&fit.x);
         let estimate = |i: usize| {
             let p = &problem.parameters[i];
@@ -166,27 +187,19 @@ impl Calibration {
                 undetermined: statistics.undetermined[i],
             }
         };
-        let correlations =
-            (0..n).map(|i| (0..n).map(|j| statistics.correlation(i, j)).collect()).collect();
-        let variables = &problem.program.blocks.dae.variables;
-        let channels = plan.signals.iter().zip(problem.sigmas()).map(|(s, sigma)| Channel {
-            column: s.column.clone(),
-            variable: s.variable.clone(),
-            unit: s.unit_name.clone(),
-            sigma: *sigma,
-            si: s.unit,
-            si_unit: variables
-                .iter()
-                .find(|v| v.name == s.variable)
-                .map_or(String::new(), |v| v.unit.to_string()),
-        });
+        let row = |i: &usize| -> Vec<f64> {
+            shared.iter().map(|j| statistics.correlation(*i, *j)).collect()
+        };
+        let correlations = shared.iter().map(row).collect();
         Ok(Calibration {
             model: problem.program.blocks.dae.name.clone(),
             plan: plan.path.display().to_string(),
-            estimates: (0..n).map(estimate).collect(),
+            estimates: shared.iter().map(|i| estimate(*i)).collect(),
+            own: own_values(problem, &fit.x, &statistics.errors)?,
+            fitted: statistics.at_bound.iter().filter(|held| !**held).count(),
             correlations,
             directions: statistics.directions.clone(),
-            channels: channels.collect(),
+            channels: channels(problem, plan),
             comparisons: comparisons(problem, &fit.x)?,
             repairs: repairs.to_vec(),
             fit: summary,
@@ -203,8 +216,7 @@ impl Calibration {
     /// Sum of squares of the recordings for training by degree of freedom.
     pub fn reduced_train(&self) -> f64 {
         let all = self.quality(Split::Train, None);
-        let free = self.estimates.iter().filter(|e| !e.at_bound).count();
-        reduced(all.squares, all.count, free)
+        reduced(all.squares, all.count, self.fitted)
     }
 
     /// As JSON, with the elapsed time. Infinite numbers are `null`.
@@ -224,27 +236,8 @@ impl Calibration {
                 ("determined", Json::flag(!e.undetermined)),
             ])
         };
-        let quality = |q: Quality, k: usize| {
-            let c = &self.channels[k];
-            let members = [
-                ("rmse", Json::number(q.rmse(c.sigma))),
-                ("unit", Json::text(&c.unit)),
-                ("reduced_chi_square", Json::number(q.reduced())),
-                ("values", Json::count(q.count)),
-            ];
-            (c.column.clone(), Json::object(members))
-        };
-        let signals = |of: &dyn Fn(usize) -> Quality| {
-            Json::object((0..self.channels.len()).map(|k| quality(of(k), k)))
-        };
-        let comparison = |c: &Comparison| {
-            Json::object([
-                ("recording", Json::text(&c.name)),
-                ("split", Json::text(c.split.name())),
-                ("reduced_chi_square", Json::number(c.whole().reduced())),
-                ("signals", signals(&|k| c.quality[k])),
-            ])
-        };
+        let signals = |of: &dyn Fn(usize) -> Quality| qualities_json(&self.channels, of);
+        let comparison = |c: &Comparison| comparison_json(&self.channels, c);
         let split = |s: Split| {
             let all = self.quality(s, None);
             let chi = if s == Split::Train { self.reduced_train() } else { all.reduced() };
@@ -255,14 +248,17 @@ impl Calibration {
             ];
             (s.name(), Json::object(members))
         };
+        let has_test = self.quality(Split::Test, None).count > 0;
+        let splits = Split::ALL.into_iter().filter(|s| has_test || *s != Split::Test);
         let texts = |list: &[String]| Json::list(list.iter().map(Json::text));
         Json::object([
             ("model", Json::text(&self.model)),
             ("plan", Json::text(&self.plan)),
             ("parameters", Json::list(self.estimates.iter().map(estimate))),
+            ("each", Json::list(self.own.iter().map(own_json))),
             ("correlations", Json::list(self.correlations.iter().map(|row| Json::numbers(row)))),
             ("not_determined", texts(&self.directions)),
-            ("quality", Json::object(Split::ALL.map(split))),
+            ("quality", Json::object(splits.map(split))),
             ("recordings", Json::list(self.comparisons.iter().map(comparison))),
             ("repairs", texts(&self.repairs)),
             ("iterations", Json::count(self.fit.iterations as usize)),
@@ -295,7 +291,103 @@ impl Calibration {
     }
 }
 
-fn comparisons(problem: &Problem<'_>, x: &[f64]) -> Result<Vec<Comparison>, Failure> {
+/// The signals of a plan.
+pub fn channels(problem: &Problem<'_>, plan: &Plan) -> Vec<Channel> {
+    let variables = &problem.program.blocks.dae.variables;
+    let all = plan.signals.iter().zip(problem.sigmas()).map(|(s, sigma)| Channel {
+        column: s.column.clone(),
+        variable: s.variable.clone(),
+        unit: s.unit_name.clone(),
+        sigma: *sigma,
+        si: s.unit,
+        si_unit: variables
+            .iter()
+            .find(|v| v.name == s.variable)
+            .map_or(String::new(), |v| v.unit.to_string()),
+    });
+    all.collect()
+}
+
+/// The quality of each signal as JSON.
+pub fn qualities_json(channels: &[Channel], of: &dyn Fn(usize) -> Quality) -> Json {
+    Json::object(channels.iter().enumerate().map(|(k, c)| {
+        let q = of(k);
+        let members = [
+            ("rmse", Json::number(q.rmse(c.sigma))),
+            ("unit", Json::text(&c.unit)),
+            ("reduced_chi_square", Json::number(q.reduced())),
+            ("values", Json::count(q.count)),
+        ];
+        (c.column.clone(), Json::object(members))
+    }))
+}
+
+/// The quality of a recording as JSON.
+pub fn comparison_json(channels: &[Channel], c: &Comparison) -> Json {
+    Json::object([
+        ("recording", Json::text(&c.name)),
+        ("split", Json::text(c.split.name())),
+        ("reduced_chi_square", Json::number(c.whole().reduced())),
+        ("signals", qualities_json(channels, &|k| c.quality[k])),
+    ])
+}
+
+/// The values that a recording has for itself as JSON.
+pub fn own_json(own: &OwnValues) -> Json {
+    let value = |v: &OwnValue| {
+        let members = [
+            ("value", Json::number(v.value)),
+            ("standard_error", Json::number(v.error)),
+            ("unit", Json::text(&v.unit)),
+        ];
+        (v.name.clone(), Json::object(members))
+    };
+    Json::object([
+        ("recording", Json::text(&own.recording)),
+        ("split", Json::text(own.split.name())),
+        ("parameters", Json::object(own.values.iter().map(value))),
+    ])
+}
+
+/// The values that each recording has for itself; `errors` are the standard errors of the free parameters.
+pub fn own_values(
+    problem: &Problem<'_>,
+    x: &[f64],
+    errors: &[f64],
+) -> Result<Vec<OwnValues>, Failure> {
+    let mut out: Vec<OwnValues> = Vec::new();
+    if problem.own.is_empty() {
+        return Ok(out);
+    }
+    let values = problem.values(x);
+    for split in Split::ALL {
+        for recording in problem.recordings(split) {
+            let of = &recording.of;
+            if out.last().is_some_and(|last| last.recording == *of && last.split == split) {
+                continue;
+            }
+            let fitted = problem.parameters.iter().enumerate();
+            let fitted = fitted.filter(|(_, p)| p.only.is_some() && p.acts_in(recording));
+            let mut own: Vec<OwnValue> = fitted
+                .zip(&problem.own)
+                .map(|((i, p), own)| OwnValue {
+                    name: own.name.clone(),
+                    unit: p.unit.clone(),
+                    value: values[i],
+                    error: errors[i],
+                })
+                .collect();
+            if own.is_empty() {
+                own = problem.own_values(recording, x)?;
+            }
+            out.push(OwnValues { recording: of.clone(), split, values: own });
+        }
+    }
+    Ok(out)
+}
+
+/// Simulates every recording and compares it with the model.
+pub fn comparisons(problem: &Problem<'_>, x: &[f64]) -> Result<Vec<Comparison>, Failure> {
     let mut out = Vec::new();
     for split in Split::ALL {
         let recordings = problem.recordings(split);
@@ -313,6 +405,7 @@ fn comparisons(problem: &Problem<'_>, x: &[f64]) -> Result<Vec<Comparison>, Fail
             });
             out.push(Comparison {
                 name: r.name.clone(),
+                of: r.of.clone(),
                 split,
                 time: r.time.to_vec(),
                 measured: r.signals.clone(),

@@ -107,14 +107,26 @@ pub fn inputs(
     folder: Option<&Path>,
     session: &mut Session,
 ) -> Result<(Plan, Data), CalibrationError> {
+    let mut plan = read_plan(path, folder, session)?;
+    let data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
+    data::check_training(&plan, &data, &mut session.problems).ok_or(CompileError::Request)?;
+    plan.free_each(&data);
+    Ok((plan, data))
+}
+
+/// The plan of a file, perhaps with recordings from another folder.
+pub fn read_plan(
+    path: &Path,
+    folder: Option<&Path>,
+    session: &mut Session,
+) -> Result<Plan, CalibrationError> {
     let text = read(path)?;
     let plan = plan_file::read(path, &text, &mut session.sources, &mut session.problems);
     let mut plan = plan.ok_or(CompileError::Request)?;
     if let Some(folder) = folder {
         plan.folder = folder.to_owned();
     }
-    let data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
-    Ok((plan, data))
+    Ok(plan)
 }
 
 /// The text of a file.

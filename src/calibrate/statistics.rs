@@ -190,8 +190,16 @@ mod tests {
     use super::*;
 
     fn parameter(name: &str, scale: Scale, bounds: (f64, f64)) -> Parameter {
-        let (name, unit) = (name.to_owned(), String::new());
-        Parameter { name, unit, targets: Vec::new(), scale, start: 1.0, bounds, acts_on: None }
+        Parameter {
+            name: name.to_owned(),
+            unit: String::new(),
+            targets: Vec::new(),
+            scale,
+            start: 1.0,
+            bounds,
+            acts_on: None,
+            only: None,
+        }
     }
 
     fn positive(name: &str) -> Parameter {

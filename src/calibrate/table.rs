@@ -1,7 +1,7 @@
 //! A calibration as a table for the terminal, and numbers with their significant digits.
 
 use super::data::Split;
-use super::result::{Calibration, Estimate};
+use super::result::{Calibration, Estimate, OwnValues};
 
 impl Calibration {
     /// As a table for the terminal.
@@ -28,6 +28,7 @@ impl Calibration {
         for (a, b, rho) in self.strong_correlations() {
             out.push_str(&format!("`{a}` and `{b}` are correlated: {rho:.3}\n"));
         }
+        out.push_str(&own_table(&self.own));
         out.push('\n');
         let mut head = vec!["rmse (chi2 red.)".to_owned()];
         head.extend(self.channels.iter().map(|c| format!("{}, {}", c.column, c.unit)));
@@ -50,6 +51,27 @@ impl Calibration {
         out.push_str(&aligned(&rows, 0));
         out
     }
+}
+
+/// The values that recordings have for themselves, as a table; empty without any.
+pub fn own_table(own: &[OwnValues]) -> String {
+    let Some(first) = own.first() else { return String::new() };
+    let mut head = vec!["recording".to_owned(), "split".to_owned()];
+    head.extend(first.values.iter().map(|v| match v.unit.as_str() {
+        "" | "1" => v.name.clone(),
+        unit => format!("{}, {unit}", v.name),
+    }));
+    let mut rows = vec![head];
+    for o in own {
+        let mut row = vec![o.recording.clone(), o.split.name().to_owned()];
+        row.extend(
+            o.values.iter().map(|v| {
+                format!("{} ± {}", shown(v.value, v.error), shown(v.error, 10.0 * v.error))
+            }),
+        );
+        rows.push(row);
+    }
+    format!("\n{}", aligned(&rows, 0))
 }
 
 /// A remark on an estimate; empty if there is nothing to remark.
@@ -94,7 +116,7 @@ pub fn rmse_shown(rmse: f64) -> String {
 }
 
 /// Columns of equal width; those from the second on to the right, but for the `left` last ones.
-fn aligned<R: AsRef<[String]>>(rows: &[R], left_from: usize) -> String {
+pub fn aligned<R: AsRef<[String]>>(rows: &[R], left_from: usize) -> String {
     let columns = rows.first().map_or(0, |r| r.as_ref().len());
     let width = |k: usize| rows.iter().map(|r| r.as_ref()[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();

@@ -45,6 +45,8 @@ pub enum Command {
     Calibrate(Calibrate),
     /// Find the physical effects that a model lacks, from recordings.
     Diagnose(Diagnose),
+    /// Judge a model on recordings, without fitting it.
+    Evaluate(Evaluate),
     /// Print how a model is solved: states, blocks, differentiated equations.
     Structure(Structure),
 }
@@ -355,6 +357,9 @@ pub struct Diagnose {
     /// Write measured and simulated values, before and after, as a table for each recording.
     #[arg(long)]
     pub tables: bool,
+    /// End the search after this time, s, with the best verdict so far.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub time_limit: Option<f64>,
     /// Report progress on standard error: candidates scored, fitted and kept, with times.
     #[arg(long)]
     pub verbose: bool,
@@ -369,6 +374,26 @@ pub struct Calibrate {
     /// Derive the intervals from the standard errors alone, which is faster.
     #[arg(long)]
     pub no_profiles: bool,
+}
+
+/// A frozen model and what it is judged by.
+#[derive(Args, Debug)]
+pub struct Evaluate {
+    /// Plan file, TOML; or the file of a model, .mol or .mo, with --plan.
+    #[arg(value_name = "PLAN|MODEL")]
+    pub subject: PathBuf,
+    /// Plan for the model that is named first.
+    #[arg(long, value_name = "PLAN")]
+    pub plan: Option<PathBuf>,
+    /// File whose last model takes the place of the plan's model.
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Folder of the recordings [default: the plan's].
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Write the result as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }
 
 impl Model {
@@ -407,6 +432,12 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
     let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let ends = text.split_once(':').and_then(|(from, to)| Some((number(from)?, number(to)?)));
     ends.filter(|(from, to)| from < to).ok_or_else(|| "write FROM:TO, two numbers".to_owned())
+}
+
+/// A time in s that is not negative.
+fn seconds(text: &str) -> Result<f64, String> {
+    let time = text.trim().parse::<f64>().ok().filter(|t| t.is_finite() && *t >= 0.0);
+    time.ok_or_else(|| "write a time in s".to_owned())
 }
 
 /// Reads the arguments of the process; on a usage error, prints it and exits with status 2.

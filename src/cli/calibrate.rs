@@ -18,7 +18,7 @@ pub fn run(options: &Calibrate) -> Status {
     let started_at = Instant::now();
     let mut session = Session::default();
     let folder = options.study.folder("calibration");
-    let terminal = Terminal::new(folder.clone(), None);
+    let terminal = Terminal::new(folder.clone());
     let request = Request {
         plan: options.study.plan.clone(),
         data: options.study.data.clone(),

@@ -1,11 +1,11 @@
 //! `mocc diagnose`: finds the effects that a model lacks, and writes what it finds.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::args::Diagnose;
 use super::terminal::Terminal;
-use super::{Status, modelica_path, print};
+use super::{Status, interrupt, modelica_path, print};
 use crate::diagnose::policy::SearchPolicy;
 use crate::diagnose::run::{Outcome, Request, RunError, run as diagnose};
 use crate::diagnose::study::DiagnosisError;
@@ -19,7 +19,11 @@ pub fn run(options: &Diagnose) -> Status {
     let started_at = Instant::now();
     let mut session = Session::default();
     let folder = options.study.folder("diagnosis");
-    let terminal = Terminal::new(folder.clone(), options.verbose.then_some(started_at));
+    let mut terminal = Terminal::new(folder.clone());
+    terminal.log_since = options.verbose.then_some(started_at);
+    // A limit beyond what the clock can count is none.
+    let limit = options.time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
+    terminal.deadline = limit.and_then(|limit| started_at.checked_add(limit));
     let request = Request {
         plan: options.study.plan.clone(),
         data: options.study.data.clone(),
@@ -50,7 +54,7 @@ pub fn run(options: &Diagnose) -> Status {
     let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
     text.push_str(&format!("wrote {}\n", names.join(", ")));
     match print(&text) {
-        Status::Done if !outcome.complete => Status::Interrupted,
+        Status::Done if interrupt::is_requested() && !outcome.complete => Status::Interrupted,
         status => status,
     }
 }

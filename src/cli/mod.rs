@@ -3,6 +3,7 @@ pub mod args;
 pub mod calibrate;
 pub mod check;
 pub mod diagnose;
+pub mod evaluate;
 pub mod explain;
 pub mod format;
 pub mod interrupt;
@@ -80,6 +81,7 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Report(options) => report::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Diagnose(options) => diagnose::run(&options),
+        args::Command::Evaluate(options) => evaluate::run(&options),
         args::Command::Plot(options) => plot::run(&options),
         args::Command::Sweep(options) => sweep::run(&options),
         args::Command::Check(options) => check::run(&options),

@@ -18,18 +18,29 @@ use crate::io::atomic_file::create_folder;
 pub struct Terminal {
     folder: PathBuf,
     /// When the command began, if notes are to be shown.
-    log_since: Option<Instant>,
+    pub log_since: Option<Instant>,
+    /// When the run is cancelled.
+    pub deadline: Option<Instant>,
+    /// The best result so far.
+    best: RefCell<String>,
     /// Everything was checked, and the diagnostics are on the screen.
     started: Cell<bool>,
     working: RefCell<Option<Working>>,
 }
 
 impl Terminal {
-    /// A terminal for a command whose results go to `folder`. Notes are shown if `log_since` is given, with the
-    /// time since then.
-    pub fn new(folder: PathBuf, log_since: Option<Instant>) -> Terminal {
+    /// A terminal for a command whose results go to `folder`.
+    pub fn new(folder: PathBuf) -> Terminal {
         let (started, working) = (Cell::new(false), RefCell::new(None));
-        Terminal { folder, log_since, started, working }
+        let best = RefCell::new(String::new());
+        Terminal { folder, log_since: None, deadline: None, best, started, working }
+    }
+
+    /// Replaces the progress line.
+    fn say(&self, what: &str) {
+        if let Some(working) = &*self.working.borrow() {
+            working.say(what.to_owned());
+        }
     }
 
     /// Removes the progress line.
@@ -67,19 +78,26 @@ impl Observer for Terminal {
 
     fn event(&self, event: &Event<'_>) {
         match (event, self.log_since) {
-            (Event::Note(text), Some(since)) => {
-                eprintln!("{:7.2} s  {text}", since.elapsed().as_secs_f64());
+            (Event::Note(_) | Event::Best(_), Some(since)) => {
+                eprintln!("{:7.2} s  {event}", since.elapsed().as_secs_f64());
             }
-            (Event::Note(_), None) => {}
-            (Event::Step { .. } | Event::Interval { .. }, _) => {
-                if let Some(working) = &*self.working.borrow() {
-                    working.say(event.to_string());
-                }
+            (Event::Best(_), None) => {
+                self.best.replace(event.to_string());
+                self.say(&self.best.borrow());
             }
+            (Event::Note(text), None) => {
+                let best = self.best.borrow();
+                self.say(&format!(
+                    "{best}{}{}",
+                    if best.is_empty() { "" } else { "; " },
+                    text.trim()
+                ));
+            }
+            (Event::Step { .. } | Event::Interval { .. }, _) => self.say(&event.to_string()),
         }
     }
 
     fn is_cancelled(&self) -> bool {
-        interrupt::is_requested()
+        interrupt::is_requested() || self.deadline.is_some_and(|at| Instant::now() >= at)
     }
 }

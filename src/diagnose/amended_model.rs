@@ -1,5 +1,6 @@
 //! The amended model: the original with the effects that were found.
 
+use crate::calibrate::evaluate::{MEASURED, sensors_text};
 use crate::ir::flat::Experiment;
 
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
@@ -27,7 +28,8 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
         name.push_str(&short(&study.effects[group[0].effect].class));
     }
     let mut values = Vec::new();
-    for free in &study.plan.free {
+    // A parameter of single recordings has no value in the model.
+    for free in study.plan.free.iter().filter(|f| f.only.is_none()) {
         for target in &free.targets {
             let Some((value, error)) = hypothesis.estimate(target) else { continue };
             let comment = format!("+- {error:.2e}");
@@ -36,13 +38,13 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
     }
     let attached: Vec<Attached<'_>> =
         hypothesis.effects.iter().map(|c| with_estimates(study, hypothesis, c)).collect();
-    let experiment = experiment(&study.experiment);
+    let annotation = annotation(study, hypothesis);
     let description = sentences(&study.effects, &hypothesis.effects).join(" ").replace('"', "'");
     let extension = Extension {
         name: &name,
         base: &study.base,
         description: &description,
-        annotation: experiment.as_deref(),
+        annotation: annotation.as_deref(),
         values: &values,
     };
     let added = extension.source(&attached);
@@ -69,6 +71,20 @@ fn with_estimates<'a>(
     let fixed = chosen.fixed.iter().filter(|(p, _)| !chosen.fitted.contains(p));
     values.extend(fixed.cloned());
     Attached { comments, ..Attached::new(effect, &chosen.place, chosen.prefix.clone(), values) }
+}
+
+/// The annotation, if it says anything: the experiment, and the outputs of the sensors that effects are part
+/// of.
+fn annotation(study: &Study, hypothesis: &Hypothesis) -> Option<String> {
+    let signals = hypothesis.plan.signals.iter().zip(&study.plan.signals);
+    let sensors: Vec<(&str, &str)> = signals
+        .filter(|(own, planned)| own.variable != planned.variable)
+        .map(|(own, _)| (own.column.as_str(), own.variable.as_str()))
+        .collect();
+    let measured = (!sensors.is_empty())
+        .then(|| format!("__mocc({MEASURED} = \"{}\")", sensors_text(&sensors)));
+    let parts: Vec<String> = experiment(&study.experiment).into_iter().chain(measured).collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
 }
 
 /// The experiment annotation, if it says anything.

@@ -97,9 +97,8 @@ impl CandidateFits<'_> {
             let nothing_yet = self.from.effects.is_empty();
             if nothing_yet && self.from.chi2_train() > policy.large_effect_above {
                 let from_plan = self.fitted(effects, self.with_planned_starts(&plan), short);
-                let cost = |h: &Option<Hypothesis>| {
-                    h.as_ref().map_or(f64::INFINITY, |h| h.train.total())
-                };
+                let cost =
+                    |h: &Option<Hypothesis>| h.as_ref().map_or(f64::INFINITY, |h| h.train.total());
                 if cost(&from_plan) < cost(&fitted) {
                     fitted = from_plan;
                 }

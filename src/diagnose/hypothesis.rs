@@ -69,6 +69,8 @@ pub struct Hypothesis {
     pub train: Sums,
     /// Sums of squares of the recordings that were never fitted.
     pub validation: Sums,
+    /// Sums of squares of the recordings that no decision has seen; empty until the search has ended.
+    pub test: Sums,
 }
 
 impl Hypothesis {
@@ -95,8 +97,18 @@ impl Hypothesis {
         for (free, value) in plan.free.iter_mut().zip(&values) {
             free.start = Some(*value);
         }
-        let is_complete_fit = false;
-        Ok(Hypothesis { effects, plan, values, errors, fit, is_complete_fit, train, validation })
+        let (is_complete_fit, test) = (false, Sums::default());
+        Ok(Hypothesis {
+            effects,
+            plan,
+            values,
+            errors,
+            fit,
+            is_complete_fit,
+            train,
+            validation,
+            test,
+        })
     }
 
     /// Sums of squares of the recordings of one kind.
@@ -104,6 +116,7 @@ impl Hypothesis {
         match split {
             Split::Train => &self.train,
             Split::Validation => &self.validation,
+            Split::Test => &self.test,
         }
     }
 
@@ -117,6 +130,15 @@ impl Hypothesis {
         match self.validation.count() {
             0 => self.chi2_train(),
             n => self.validation.total() / n as f64,
+        }
+    }
+
+    /// Reduced sum of squares of the recordings of one kind.
+    pub fn chi2(&self, split: Split) -> f64 {
+        match split {
+            Split::Train => self.chi2_train(),
+            Split::Validation => self.chi2_validation(),
+            Split::Test => self.test.total() / self.test.count() as f64,
         }
     }
 
@@ -179,6 +201,7 @@ pub fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, compon
         min,
         max: None,
         acts_on: place.signal.map(|k| (k, format!("{component}.y"))),
+        only: None,
         span: Span::NONE,
     }
 }

@@ -7,7 +7,7 @@ use crate::io::json::Json;
 use super::balance::Balance;
 use super::catalogue::Effect;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
-use super::result::{rmse_of, sentences, unit};
+use super::result::{Verdict, rmse_of, sentences, unit};
 use super::run::Outcome;
 
 /// The text of the file. `amended_model`: name of the file of the amended model.
@@ -15,18 +15,32 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
     let Outcome { study, diagnosis, .. } = outcome;
     let catalogue = &study.effects;
     let best = diagnosis.after.bic();
-    let alternatives = diagnosis.rejected.iter().filter_map(|hypothesis| {
+    let alternative = |hypothesis: &Hypothesis, k: usize| {
         let mut all: Vec<_> = groups(&hypothesis.effects).collect();
-        let new = all.pop()?;
+        let own = all.remove(k);
         let delta = Json::number(hypothesis.bic() - best);
         let beside = Json::list(all.into_iter().map(|g| named(catalogue, g)));
         let more = vec![("delta_bic", delta), ("beside", beside)];
-        Some(effect_json(catalogue, hypothesis, new, more))
+        effect_json(catalogue, hypothesis, own, more)
+    };
+    let rejected = diagnosis.rejected.iter().filter_map(|hypothesis| {
+        let last = groups(&hypothesis.effects).count().checked_sub(1)?;
+        Some(alternative(hypothesis, last))
     });
-    let found = groups(&diagnosis.after.effects);
-    let effects = found.map(|g| effect_json(catalogue, &diagnosis.after, g, Vec::new()));
+    let after = &diagnosis.after;
+    let verdict = diagnosis.verdict(&study.policy);
+    // What explains only a part is one alternative of several.
+    let (found, partial) = match verdict {
+        Verdict::Unexplained => (0, groups(&after.effects).count()),
+        Verdict::Complete | Verdict::EffectFound => (groups(&after.effects).count(), 0),
+    };
+    let effects = groups(&after.effects).take(found);
+    let effects = effects.map(|g| effect_json(catalogue, after, g, Vec::new()));
+    let alternatives = (0..partial).map(|k| alternative(after, k)).chain(rejected);
+    let noise = diagnosis.noise.factors(study).into_iter();
     let members = [
-        ("verdict", Json::text(diagnosis.verdict(&study.policy).name())),
+        ("verdict", Json::text(verdict.name())),
+        ("noise", Json::object(noise.map(|(column, factor)| (column, Json::number(factor))))),
         ("effects", Json::list(effects)),
         ("alternatives", Json::list(alternatives)),
         ("before", quality(&study.data, &diagnosis.before)),
@@ -142,8 +156,5 @@ fn quality(data: &Data, hypothesis: &Hypothesis) -> Json {
             ("recordings", recordings(split)),
         ])
     };
-    Json::object([
-        ("train", part(Split::Train, hypothesis.chi2_train())),
-        ("validation", part(Split::Validation, hypothesis.chi2_validation())),
-    ])
+    Json::object(data.splits().map(|split| (split.name(), part(split, hypothesis.chi2(split)))))
 }

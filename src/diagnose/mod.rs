@@ -20,6 +20,7 @@ pub mod json;
 pub mod law_choice;
 pub mod linearise;
 pub mod model_source;
+pub mod noise;
 pub mod page;
 pub mod pairwise_selection;
 pub mod place;

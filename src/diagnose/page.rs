@@ -2,7 +2,7 @@
 
 use crate::calibrate::data::Split;
 use crate::calibrate::plan::Signal;
-use crate::calibrate::table::shown;
+use crate::calibrate::table::{rmse_shown, shown};
 use crate::report::markup::escaped;
 use crate::report::page::diff::unified;
 use crate::report::page::figure::{Curve, Panel, Stroke, figure, figure_over};
@@ -13,7 +13,7 @@ use super::balance::{Balance, Profile};
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::rank::Scored;
 use super::residual::residuals;
-use super::result::{Diagnosis, estimates, rmse_of, sentences};
+use super::result::{Diagnosis, Verdict, estimates, rmse_of, sentences};
 use super::run::Outcome;
 use super::study::Study;
 
@@ -25,20 +25,34 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
     let Outcome { study, diagnosis, .. } = outcome;
     let (before, after) = (&diagnosis.before, &diagnosis.after);
     let mut out = format!("{}: {}\n", study.base, outcome.verdict().name());
+    if !outcome.complete {
+        out.push_str(&format!("  {ENDED_EARLY}\n"));
+    }
     for sentence in sentences(&study.effects, &after.effects) {
-        out.push_str(&format!("  {sentence}\n"));
+        out.push_str(&format!("  {}{sentence}\n", partial(outcome)));
     }
     for (name, value, error, unit) in estimates(&study.effects, after) {
         let line = format!("    {name} = {} ± {error:.1e} {unit}", shown(value, error));
         out.push_str(&format!("{}\n", line.trim_end()));
     }
     out.push_str("  reduced chi-square       before      after\n");
-    let pairs = [
-        ("train", before.chi2_train(), after.chi2_train()),
-        ("validation", before.chi2_validation(), after.chi2_validation()),
-    ];
+    let pairs = study.data.splits().map(|s| (s.name(), before.chi2(s), after.chi2(s)));
     for (name, before, after) in pairs {
         out.push_str(&format!("    {name:<12} {before:16.4} {after:10.4}\n"));
+    }
+    out.push_str("  rmse                     before      after\n");
+    for split in study.data.splits() {
+        for (k, signal) in study.plan.signals.iter().enumerate() {
+            let label = format!("{}, {}", signal.column, split.name());
+            let [before, after] = [before, after].map(|hypothesis| {
+                rmse_shown(hypothesis.sums(split).of_signal(k) * study.data.sigmas[k])
+            });
+            let unit = &signal.unit_name;
+            out.push_str(&format!("    {label:<19} {before:>9} {after:>10} {unit}\n"));
+        }
+    }
+    for line in noise_lines(outcome) {
+        out.push_str(&format!("  {line}\n"));
     }
     for repair in &study.data.repairs {
         out.push_str(&format!("  {repair}\n"));
@@ -47,18 +61,49 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
     out
 }
 
+/// Remark on a result of a search that was ended early.
+const ENDED_EARLY: &str = "the search was ended early: this is the best verdict so far";
+
+/// What precedes the sentence about an effect that leaves structure unexplained.
+fn partial(outcome: &Outcome) -> &'static str {
+    if outcome.verdict() == Verdict::Unexplained { "partial explanation: " } else { "" }
+}
+
+/// A line for each signal with noticeably more or less noise than the plan declares.
+fn noise_lines(outcome: &Outcome) -> Vec<String> {
+    let factors = outcome.diagnosis.noise.factors(&outcome.study);
+    let line = |(column, factor): (&str, f64)| {
+        format!("the noise of {column} is {factor:.2} times what the plan says")
+    };
+    factors.into_iter().map(line).collect()
+}
+
+/// A text with a capital letter at its start.
+fn sentence_case(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    first + characters.as_str()
+}
+
 /// The page.
 pub fn html(outcome: &Outcome) -> String {
     let Outcome { study, diagnosis, .. } = outcome;
     let after = &diagnosis.after;
     let mut page = Page::new(&format!("{}: diagnosis", study.base));
     page.add(&format!(
-        "<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n",
+        "<h1>{}</h1>\n<p class=\"verdict {verdict}\">{verdict}</p>\n",
         escaped(&study.base),
-        outcome.verdict().name()
+        verdict = outcome.verdict().name()
     ));
+    if !outcome.complete {
+        page.add(&format!("<p class=\"note\">{}</p>\n", sentence_case(ENDED_EARLY)));
+    }
     for sentence in sentences(&study.effects, &after.effects) {
-        page.add(&format!("<p>{}</p>\n", escaped(&sentence)));
+        let text = sentence_case(&format!("{}{sentence}", partial(outcome)));
+        page.add(&format!("<p>{}</p>\n", escaped(&text)));
+    }
+    for line in noise_lines(outcome) {
+        page.add(&format!("<p>{}.</p>\n", escaped(&sentence_case(&line))));
     }
     if !study.data.repairs.is_empty() {
         let repair = |text: &String| format!("<p>{}</p>\n", escaped(text));
@@ -205,30 +250,31 @@ fn multiples(study: &Study, diagnosis: &Diagnosis) -> String {
 }
 
 fn errors(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
-    out.push_str("<table><tr><th></th><th>train, before</th><th>train, after</th><th>validation, before</th><th>validation, after</th></tr>");
-    let row = |name: &str, values: [String; 4]| {
+    let splits: Vec<Split> = study.data.splits().collect();
+    out.push_str("<table><tr><th></th>");
+    for split in &splits {
+        let name = split.name();
+        out.push_str(&format!("<th>{name}, before</th><th>{name}, after</th>"));
+    }
+    out.push_str("</tr>");
+    let row = |name: &str, values: Vec<String>| {
         let cells: String = values.iter().map(|v| format!("<td>{v}</td>")).collect();
         format!("<tr><td>{}</td>{cells}</tr>", escaped(name))
     };
     let (b, a) = (&diagnosis.before, &diagnosis.after);
-    let whole = [b.chi2_train(), a.chi2_train(), b.chi2_validation(), a.chi2_validation()];
-    out.push_str(&row("reduced chi-square", whole.map(|x| format!("{x:.4}"))));
+    let whole = splits.iter().flat_map(|s| [b.chi2(*s), a.chi2(*s)]);
+    out.push_str(&row("reduced chi-square", whole.map(|x| format!("{x:.4}")).collect()));
     for (k, signal) in study.plan.signals.iter().enumerate() {
         let of = |hypothesis: &Hypothesis, split: Split| {
             let multiple = hypothesis.sums(split).of_signal(k);
             let rmse = multiple * study.data.sigmas[k];
             format!("{rmse:.4} {} ({multiple:.2} x noise)", escaped(&signal.unit_name))
         };
-        let values = [
-            of(b, Split::Train),
-            of(a, Split::Train),
-            of(b, Split::Validation),
-            of(a, Split::Validation),
-        ];
-        out.push_str(&row(&signal.column, values));
+        let values = splits.iter().flat_map(|s| [of(b, *s), of(a, *s)]);
+        out.push_str(&row(&signal.column, values.collect()));
     }
     out.push_str("</table>");
-    let wholes = [Split::Train, Split::Validation].map(|s| (s, study.data.wholes(s)));
+    let wholes: Vec<_> = splits.into_iter().map(|s| (s, study.data.wholes(s))).collect();
     let most = wholes.iter().map(|(_, w)| w.len()).max().unwrap_or(0);
     if !(2..=LISTED).contains(&most) {
         return;

@@ -28,6 +28,16 @@ pub struct SearchPolicy {
     /// the best of hundreds of places reaches by chance. Smaller values find weaker effects, and false ones.
     pub evidence: f64,
 
+    /// Deviation, in standard deviations of a standard normal variable, above which residuals have structure.
+    /// Default 4.5, which noise reaches in one of 100 000 tests. Larger values overlook weak effects where
+    /// the plan declares too little noise. Structure of less than a share `resolved_train - 1` of the power is
+    /// negligible.
+    pub structure_limit: f64,
+    /// Deviation of the noise from what the plan declares that is reported, as a share. Default 0.05.
+    pub noticeable_noise: f64,
+    /// The same in standard errors; both must be exceeded. Default 4.
+    pub noise_errors: f64,
+
     /// Places in one model of a score test. Default 48. More places per model cost fewer runs, each of
     /// which propagates more derivatives.
     pub batch: usize,
@@ -126,6 +136,9 @@ impl Default for SearchPolicy {
             explained_share: 0.9,
             explained_limit: 3.0,
             evidence: 30.0,
+            structure_limit: 4.5,
+            noticeable_noise: 0.05,
+            noise_errors: 4.0,
             batch: 48,
             score_instants: 8_000,
             preselection_instants: 3_000,

@@ -7,9 +7,9 @@
 use crate::base::diag::Problems;
 use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
-use crate::calibrate::problem::Problem;
 use crate::calibrate::parameter::Parameter;
 use crate::calibrate::plan::Free;
+use crate::calibrate::problem::Problem;
 use crate::numeric::least_squares::{NormalEquations, Residuals};
 use crate::numeric::linear::DenseLu;
 

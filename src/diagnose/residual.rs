@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::base::diag::Problems;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
+use crate::calibrate::sums::Sums;
 use crate::ir::trajectory::{Column, Trajectory};
 
 use super::hypothesis::{Hypothesis, attached};
@@ -17,7 +18,7 @@ pub struct Residual {
     pub name: String,
     /// The recording that contains it as a window; itself if it is whole.
     pub of: String,
-    /// Training or validation.
+    /// Its use.
     pub split: Split,
     /// Instants, s.
     pub time: Arc<[f64]>,
@@ -45,6 +46,30 @@ pub fn residuals(study: &Study, diagnosis: &Diagnosis) -> Vec<Residual> {
             after,
         })
         .collect()
+}
+
+/// The sums of squares of the recordings that no decision has seen. A recording that cannot be simulated
+/// counts as infinitely far off.
+pub fn test_sums(study: &Study, hypothesis: &Hypothesis) -> Sums {
+    let mut sums = Sums::default();
+    if study.data.of(Split::Test).next().is_none() {
+        return sums;
+    }
+    let recordings = Split::ALL.into_iter().flat_map(|split| study.data.of(split));
+    let all = recordings.zip(of_hypothesis(study, hypothesis));
+    for (recording, residuals) in all.filter(|(r, _)| r.split == Split::Test) {
+        let is_simulated = !residuals.is_empty();
+        let of_signal = |(k, measured): (usize, &Vec<f64>)| {
+            let count = measured.iter().filter(|m| !m.is_nan()).count();
+            let squares = residuals.get(k).into_iter().flatten().filter(|r| !r.is_nan());
+            let square: f64 = squares.map(|r| r * r).sum();
+            (if is_simulated { square } else { f64::INFINITY }, count)
+        };
+        let (squares, counts) = recording.signals.iter().enumerate().map(of_signal).unzip();
+        sums.squares.push(squares);
+        sums.counts.push(counts);
+    }
+    sums
 }
 
 /// Measurement and model, without effects and with them: a table for each recording, its windows one after
@@ -80,8 +105,9 @@ pub fn tables(study: &Study, diagnosis: &Diagnosis) -> Vec<Trajectory> {
     out.into_iter().map(|(.., table)| table).collect()
 }
 
-/// The residuals of every recording, training first.
-fn of_hypothesis(study: &Study, hypothesis: &Hypothesis) -> Vec<Vec<Vec<f64>>> {
+/// The residuals of every recording, training first, signal by signal, in units of the noise; NaN without a
+/// measurement. A recording that cannot be simulated has none.
+pub fn of_hypothesis(study: &Study, hypothesis: &Hypothesis) -> Vec<Vec<Vec<f64>>> {
     let nothing = || vec![Vec::new(); study.data.recordings.len()];
     let (plan, attached) = (&hypothesis.plan, attached(study, &hypothesis.effects));
     let Ok((session, program)) = study.compile(plan, &attached, &[]) else { return nothing() };

@@ -4,8 +4,10 @@ use crate::calibrate::data::{Data, Split};
 
 use super::catalogue::Effect;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::noise::Noise;
 use super::policy::SearchPolicy;
 use super::rank::Scored;
+use super::study::Study;
 
 /// The result of a search for missing effects.
 #[derive(Clone, Debug)]
@@ -20,13 +22,16 @@ pub struct Diagnosis {
     pub pairs: Vec<Vec<Scored>>,
     /// The hypotheses that were fitted and not accepted.
     pub rejected: Vec<Hypothesis>,
+    /// The noise that the residuals show; empty until the search has ended.
+    pub noise: Noise,
 }
 
 impl Diagnosis {
     /// A diagnosis that has not found anything yet.
     pub fn new(before: Hypothesis) -> Diagnosis {
         let (rankings, pairs, rejected) = (Vec::new(), Vec::new(), Vec::new());
-        Diagnosis { after: before.clone(), before, rankings, pairs, rejected }
+        let noise = Noise::default();
+        Diagnosis { after: before.clone(), before, rankings, pairs, rejected, noise }
     }
 
     /// The verdict.
@@ -35,16 +40,35 @@ impl Diagnosis {
         let left = after.max(self.after.chi2_train());
         if self.after.effects.is_empty() {
             let limit = 1.0 + 2.0 * (policy.resolved_train - 1.0);
-            let complete = self.before.chi2_train() < limit;
+            let complete = self.before.chi2_train() < limit || self.noise.is_all();
             return if complete { Verdict::Complete } else { Verdict::Unexplained };
         }
         let explained = (before - after) / (before - 1.0).max(f64::MIN_POSITIVE);
         let resolved = left < policy.resolved_validation;
-        if resolved || explained >= policy.explained_share && left < policy.explained_limit {
+        if resolved
+            || self.noise.is_all()
+            || explained >= policy.explained_share && left < policy.explained_limit
+        {
             Verdict::EffectFound
         } else {
             Verdict::Unexplained
         }
+    }
+
+    /// The verdict with its evidence, in one line.
+    pub fn evidence(&self, study: &Study) -> String {
+        let verdict = self.verdict(&study.policy);
+        let found = sentences(&study.effects, &self.after.effects).join(" ");
+        let explanation = match (found.is_empty(), verdict) {
+            (true, _) => String::new(),
+            (_, Verdict::Unexplained) => format!("partial explanation: {found} "),
+            _ => format!("{found} "),
+        };
+        let (train, validation) = (self.after.chi2_train(), self.after.chi2_validation());
+        format!(
+            "{}, {explanation}reduced chi-square {train:.4} (train), {validation:.4} (validation)",
+            verdict.name()
+        )
     }
 }
 

@@ -14,8 +14,10 @@ use crate::driver::compile::{CompileError, Session};
 use super::amended_model::{AmendedModel, amended};
 use super::balance::{Balance, Profile, balances, contributions};
 use super::catalogue::{Effect, Packages, catalogue, unknowns};
-use super::policy::SearchPolicy;
 use super::law_choice::choices;
+use super::noise::noise;
+use super::policy::SearchPolicy;
+use super::residual::test_sums;
 use super::result::{Diagnosis, Verdict};
 use super::search::diagnose;
 use super::study::{DiagnosisError, Study};
@@ -52,7 +54,7 @@ pub struct Outcome {
     pub contributions: Vec<Profile>,
     /// The source of the model's file.
     pub original: String,
-    /// The amended model, if an effect was found.
+    /// The amended model, if the effects found explain the misfit.
     pub amended: Option<AmendedModel>,
     /// The diagnosis was not cancelled.
     pub complete: bool,
@@ -88,18 +90,27 @@ pub fn run(
     session: &mut Session,
     observer: &dyn Observer,
 ) -> Result<Outcome, RunError> {
-    let (study, unknowns) = prepare(request, session)?;
+    let (mut study, unknowns) = prepare(request, session)?;
     let original = read(&study.plan.model)?;
     observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
-    let diagnosis = diagnose(&study, observer)?;
+    let mut diagnosis = diagnose(&study, observer)?;
+    let corrections = diagnosis.noise.corrections(&study.policy);
+    if let Some(factors) = corrections.filter(|_| !diagnosis.noise.is_all()) {
+        study.correct_noise(factors);
+        diagnosis = diagnose(&study, observer)?;
+    }
     let complete = !observer.is_cancelled();
+    diagnosis.noise = noise(&study, &diagnosis.after);
+    diagnosis.before.test = test_sums(&study, &diagnosis.before);
+    diagnosis.after.test = test_sums(&study, &diagnosis.after);
     let (mut all, mut contributed) = (Vec::new(), Vec::new());
     if complete && diagnosis.verdict(&study.policy) != Verdict::Complete {
         all = balances(&study, &unknowns, &diagnosis.before);
         contributed = contributions(&study, &unknowns, &diagnosis.after);
         observer.event(&Event::Note(&format!("{} balances examined", all.len())));
     }
-    let amended = amended(&study, &diagnosis, &original);
+    let is_explained = diagnosis.verdict(&study.policy) != Verdict::Unexplained;
+    let amended = amended(&study, &diagnosis, &original).filter(|_| is_explained);
     let (balances, contributions) = (all, contributed);
     Ok(Outcome { study, diagnosis, balances, contributions, original, amended, complete })
 }
@@ -135,6 +146,7 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
         plan,
         request,
         data,
+        corrections: Vec::new(),
         base,
         experiment,
         effects,

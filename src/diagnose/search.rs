@@ -13,6 +13,7 @@ use crate::calibrate::observer::{Event, Observer};
 use super::backward_elimination::eliminated;
 use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
+use super::noise::noise;
 use super::pairwise_selection::pairwise_selection;
 use super::policy::SearchPolicy;
 use super::result::Diagnosis;
@@ -50,19 +51,33 @@ impl<'a> Search<'a> {
         !self.observer.is_cancelled() && self.steps.get() < self.policy().max_steps
     }
 
+    /// Tells the observer the best result so far.
+    pub fn announce(&self, diagnosis: &Diagnosis) {
+        self.observer.event(&Event::Best(&diagnosis.evidence(self.study)));
+    }
+
     /// Writes a line to the log.
     pub fn note(&self, text: &str) {
         self.observer.event(&Event::Note(text));
     }
 }
 
-/// Searches for the effects that a model lacks.
+/// Searches for the effects that a model lacks. If the noise of some signals is to be corrected first, the result
+/// holds only the calibration and that noise.
 pub fn diagnose(study: &Study, observer: &dyn Observer) -> Result<Diagnosis, DiagnosisError> {
     let search = &Search::new(study, observer);
     let fit_policy = &search.policy().fit;
     let before = Hypothesis::fitted(study, Vec::new(), study.plan.clone(), &mut |p| {
         quick_fit(p, fit_policy, &mut |_, _| search.on_step())
     })?;
+    let noise = noise(study, &before);
+    let is_correctable = study.corrections.is_empty();
+    if noise.explains_misfit(search.policy())
+        || (is_correctable && noise.corrections(search.policy()).is_some())
+    {
+        search.note("signals are white with another noise than the plan declares");
+        return Ok(Diagnosis { noise, ..Diagnosis::new(before) });
+    }
     let mut diagnosis = diagnose_from(search, before);
     if diagnosis.after.chi2_train() >= search.policy().resolved_train && search.may_continue() {
         // If no effect explains the data, the calibration may be in a local minimum.
@@ -86,6 +101,7 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     search.note(&format!("calibrated: reduced chi-square {:.4}", before.chi2_train()));
     search.note(&format!("  by recording {:.1?}", before.train.by_recording()));
     let mut diagnosis = Diagnosis::new(before);
+    search.announce(&diagnosis);
     let (usual, max) = (search.policy().usual_effects, search.policy().max_effects);
     forward_selection(search, &mut diagnosis, 0..1);
     pairwise_selection(search, &mut diagnosis);
@@ -115,7 +131,9 @@ pub fn accept(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hypothesis
             diagnosis.rejected.push(std::mem::replace(&mut best, plain));
         }
     }
-    std::mem::replace(&mut diagnosis.after, best)
+    let replaced = std::mem::replace(&mut diagnosis.after, best);
+    search.announce(diagnosis);
+    replaced
 }
 
 /// The model without effects, fitted from the parameters of a hypothesis.

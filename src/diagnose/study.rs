@@ -26,6 +26,8 @@ pub struct Study {
     pub request: Request,
     /// The recordings.
     pub data: Data,
+    /// Factors by which the noise of the signals was corrected; empty if it is as the plan declares.
+    pub corrections: Vec<f64>,
     /// Full name of the model.
     pub base: String,
     /// The experiment annotation of the model.
@@ -54,6 +56,12 @@ pub enum DiagnosisError {
 }
 
 impl Study {
+    /// Corrects the noise of the signals by factors.
+    pub fn correct_noise(&mut self, factors: Vec<f64>) {
+        self.data.sigmas.iter_mut().zip(&factors).for_each(|(sigma, factor)| *sigma *= factor);
+        self.corrections = factors;
+    }
+
     /// An effect and its place, for messages.
     pub fn label(&self, effect: usize, place: &Place) -> String {
         format!("{} at {}", self.effects[effect].class, place.at.join(", "))

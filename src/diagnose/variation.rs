@@ -69,7 +69,8 @@ fn parameters(flat: &FlatModel, plan: &Plan) -> Vec<Vec<String>> {
             let (first, last) = (set[0], set[set.len() - 1]);
             let unit = &single[first].1;
             let alike = |k: &usize| !unit.is_empty() && single[*k].1 == *unit;
-            longer.extend((last + 1..single.len()).filter(alike).map(|k| [&set[..], &[k]].concat()));
+            longer
+                .extend((last + 1..single.len()).filter(alike).map(|k| [&set[..], &[k]].concat()));
         }
         sets.extend(longer.iter().cloned());
         longest = longer;
@@ -93,9 +94,10 @@ fn variables(flat: &FlatModel, plan: &Plan) -> Vec<String> {
         let x = &flat.variables[v];
         x.ty == Type::Real && x.variability == Variability::Continuous && !is_synthetic.contains(&v)
     };
-    let own = flat.variables.enumerate().filter(|(v, x)| {
-        continuous(*v) && !x.protected && !x.name.contains(['.', '['])
-    });
+    let own = flat
+        .variables
+        .enumerate()
+        .filter(|(v, x)| continuous(*v) && !x.protected && !x.name.contains(['.', '[']));
     own.for_each(|(_, x)| add(&x.name));
     if out.len() > ENOUGH_VARIABLES {
         return out;

@@ -207,31 +207,27 @@ impl Session {
         let mut out = Vec::new();
         for full in classes.iter().cloned() {
             let Some(class) = find(&mut cx, &full) else { continue };
-            let annotation = cx.definition(class).and_then(|t| t.annotation.clone());
-            let Some(annotation) = annotation else { continue };
-            let scope = Scope { instance: ROOT.instance, class };
-            let arguments = annotation
-                .args
-                .iter()
-                .filter_map(|a| named(a, "__mocc"))
-                .flat_map(|m| m.args.iter());
-            let mut entries = Vec::new();
-            for entry in arguments {
-                let ArgumentKind::Element { path, modification: Some(m), .. } = &entry.kind else {
-                    continue;
-                };
-                let Some(binding) = &m.binding else { continue };
-                let value = cx.fold(binding, scope).and_then(|v| v.scalar());
-                if let Some(Const::String(text)) = value.and_then(|e| cx.graph.as_const(e)) {
-                    let (key, span) = (path.to_string(), binding.span);
-                    entries.push(Annotation { key, text: text.to_string(), span });
-                }
-            }
+            let entries = entries(&mut cx, class);
             if !entries.is_empty() {
                 out.push(Annotated { class: full, entries });
             }
         }
         out
+    }
+
+    /// The entries of the annotation `__mocc` of the requested model; none if it cannot be found.
+    pub fn own_annotation(&mut self, request: &Request) -> Annotated {
+        let mut found = Annotated { class: String::new(), entries: Vec::new() };
+        let path = request.modelica_path.as_deref();
+        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let Ok(file) = self.read(request, &mut library) else { return found };
+        let mut cx =
+            Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
+        if let Ok(class) = model(&mut cx, request, file.as_deref()) {
+            found.class = cx.classes[class].full_name.to_string();
+            found.entries = entries(&mut cx, class);
+        }
+        found
     }
 
     /// The sorted system of a flat model.
@@ -384,6 +380,28 @@ impl Session {
         }
         Ok(Some(Arc::new(file)))
     }
+}
+
+/// The entries of the annotation `__mocc` of a class.
+fn entries(cx: &mut Evaluator<'_>, class: ClassId) -> Vec<Annotation> {
+    let Some(annotation) = cx.definition(class).and_then(|t| t.annotation.clone()) else {
+        return Vec::new();
+    };
+    let scope = Scope { instance: ROOT.instance, class };
+    let arguments = annotation.args.iter().filter_map(|a| named(a, "__mocc"));
+    let mut out = Vec::new();
+    for entry in arguments.flat_map(|m| m.args.iter()) {
+        let ArgumentKind::Element { path, modification: Some(m), .. } = &entry.kind else {
+            continue;
+        };
+        let Some(binding) = &m.binding else { continue };
+        let value = cx.fold(binding, scope).and_then(|v| v.scalar());
+        if let Some(Const::String(text)) = value.and_then(|e| cx.graph.as_const(e)) {
+            let (key, span) = (path.to_string(), binding.span);
+            out.push(Annotation { key, text: text.to_string(), span });
+        }
+    }
+    out
 }
 
 fn named<'a>(argument: &'a Argument, name: &str) -> Option<&'a Modification> {

@@ -163,10 +163,14 @@ impl WrongVariation {
                 format!("`{parameter}` cannot vary: it is not a `Real` parameter")
             }
             WrongVariation::Factor => {
-                format!("`{parameter}` cannot vary: `{factor}` is not a `Real` variable of the model")
+                format!(
+                    "`{parameter}` cannot vary: `{factor}` is not a `Real` variable of the model"
+                )
             }
             WrongVariation::Structural => {
-                format!("`{parameter}` cannot vary: its value determines the structure of the model")
+                format!(
+                    "`{parameter}` cannot vary: its value determines the structure of the model"
+                )
             }
         }
     }

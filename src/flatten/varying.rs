@@ -29,7 +29,11 @@ pub(super) struct Variation {
 }
 
 /// The variations of a class and of its base classes.
-pub(super) fn inherited(cx: &mut Evaluator<'_>, class: ClassId, root: InstanceId) -> Vec<Variation> {
+pub(super) fn inherited(
+    cx: &mut Evaluator<'_>,
+    class: ClassId,
+    root: InstanceId,
+) -> Vec<Variation> {
     let mut found = Vec::new();
     collect(cx, class, root, 0, &mut found);
     found
@@ -196,11 +200,7 @@ fn variants(flat: &mut FlatModel, factors: &[(VarId, Vec<VarId>)]) -> Vec<(VarId
 }
 
 /// Defines the varying forms, and reads them wherever an equation reads the parameter.
-fn substitute(
-    flat: &mut FlatModel,
-    factors: &[(VarId, Vec<VarId>)],
-    variants: &[(VarId, VarId)],
-) {
+fn substitute(flat: &mut FlatModel, factors: &[(VarId, Vec<VarId>)], variants: &[(VarId, VarId)]) {
     let varying: FastMap<VarId, VarId> = variants.iter().copied().collect();
     let mut graph = std::mem::take(&mut flat.graph);
     let mut rewriter = Rewriter::new();

@@ -27,3 +27,4 @@ pub mod root;
 pub mod small_lu;
 pub mod smoothing;
 pub mod time_series;
+pub mod whiteness;

@@ -106,6 +106,8 @@ pub struct Recorder {
     /// Distance between the values of a row.
     stride: usize,
     next: u64,
+    /// Time of the last row.
+    last: f64,
     count: u64,
     start: f64,
     stop: f64,
@@ -145,6 +147,7 @@ impl Recorder {
             rows,
             stride: 1,
             next,
+            last: f64::NAN,
             count,
             start,
             stop,
@@ -179,6 +182,11 @@ impl Recorder {
         self.next += 1;
     }
 
+    /// True if the last row is at this time.
+    pub fn has_row_at(&self, t: f64) -> bool {
+        self.last == t
+    }
+
     /// Copies the values of a row; the error is a variable that is not finite.
     pub fn take(&mut self, machine: &Machine<'_>) -> Result<(), VarId> {
         let row = self.times.len();
@@ -200,6 +208,7 @@ impl Recorder {
     /// Completes the row that was taken last; passes the block to the sink if it is full.
     pub fn put(&mut self, time: f64, sink: &mut dyn Sink) {
         self.times.push(time);
+        self.last = time;
         if self.times.len() == self.rows {
             self.flush(sink);
         }

@@ -304,8 +304,10 @@ impl<'p, 's> Simulation<'p, 's> {
             }
             match switched {
                 Some(at) => self.event(at, Cause::State)?,
+                None if reached && t_stop == breakpoint => {
+                    self.breakpoint(t_stop, t_stop == instant)?;
+                }
                 None if reached && t_stop == instant => self.event(t_stop, Cause::Time)?,
-                None if reached && t_stop == breakpoint => self.breakpoint(t_stop)?,
                 None if self.end_of_sliding()?.is_some() => {}
                 None => {
                     let t = self.stepper.t();
@@ -371,25 +373,29 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(())
     }
 
-    /// Advances past a breakpoint of an input signal. It is an event only if a value or rate jumps.
-    fn breakpoint(&mut self, t: f64) -> Result<(), Failure> {
+    /// Advances past a breakpoint of an input signal. It is an event only if a value or rate jumps, or
+    /// if a clock `ticks` at the same instant; whatever is sampled there sees the value after the jump.
+    fn breakpoint(&mut self, t: f64, ticks: bool) -> Result<(), Failure> {
         let machine = &self.system.machine;
         if machine.delays.next_breakpoint(&machine.memory) <= t {
             return self.event(t, Cause::Time);
         }
         self.record_history(t, false)?;
         self.complete_step(t)?;
-        if !self.system.machine.input_signals.advance_past(t) {
-            return Ok(());
+        let jumps = self.system.machine.input_signals.advance_past(t);
+        if ticks || (jumps && !self.program.events.relation_triggers.is_empty()) {
+            self.event(t, Cause::Time)?;
+        } else if jumps {
+            self.evaluate_at(t)?;
+            if let Some(s) = &mut self.sensitivity {
+                s.restart(t);
+            }
+            self.restart()?;
         }
-        if !self.program.events.relation_triggers.is_empty() {
-            return self.event(t, Cause::Time);
+        if jumps && self.recorder.has_row_at(t) {
+            self.record(t)?;
         }
-        self.evaluate_at(t)?;
-        if let Some(s) = &mut self.sensitivity {
-            s.restart(t);
-        }
-        self.restart()
+        Ok(())
     }
 
     fn first_switch(&mut self) -> Result<Option<f64>, Failure> {

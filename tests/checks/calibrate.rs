@@ -203,6 +203,147 @@ fn tied_parameters_take_one_value() {
     assert_close(table.last("b[2].x"), (-k).exp(), 1e-4);
 }
 
+/// Recordings of one decay from different starts to different values at rest: the rate is that of all, and
+/// start and rest are those of each recording, fitted or not.
+#[test]
+fn each_recording_has_values_of_its_own() {
+    let own = [(1, 2.0, 0.3), (2, 0.7, -0.2), (3, -1.5, 0.1), (4, 3.0, 0.5)];
+    let plan = PLAN.replace(
+        "\"start(x)\" = {}",
+        "[free.each]\nambient = { min = -5, max = 5 }\n\"start(x)\" = { min = -5, max = 5 }",
+    );
+    let scratch = stand(&suite_model("calibrate/models/decay_to_ambient"), &plan);
+    scratch
+        .file("table.csv", "file,split\n1.csv,train\n2.csv,train\n3.csv,validation\n4.csv,test\n");
+    let mut rows = Vec::new();
+    for (k, start, rest) in own {
+        let shifted = |(t, x): (f64, f64)| {
+            let e = (-1.5 * t).exp();
+            (t, x - 2.0 * e + rest + (start - rest) * e)
+        };
+        rows.push(decay(k).into_iter().map(shifted).collect::<Vec<_>>());
+        scratch.file(&format!("{k}.csv"), &csv(&rows[k as usize - 1]));
+    }
+    let (found, ended) = calibrate(&scratch);
+    let names: Vec<&str> = found["parameters"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|p| p["name"].as_str())
+        .collect();
+    assert_eq!(names, ["k"]);
+    let [k, error] =
+        ["value", "standard_error"].map(|x| number(&found, &format!("/parameters/0/{x}")));
+    assert!((k - 1.5).abs() < 3.0 * error, "{k} +- {error}");
+    for split in ["train", "validation", "test"] {
+        let chi = number(&found, &format!("/quality/{split}/reduced_chi_square"));
+        assert!((chi - 1.0).abs() < 0.3, "{split}: {chi}");
+    }
+    for (i, ((_, start, rest), rows)) in own.iter().zip(&rows).enumerate() {
+        let of =
+            |name: &str, what: &str| number(&found, &format!("/each/{i}/parameters/{name}/{what}"));
+        let [x, error] = ["value", "standard_error"].map(|what| of("start(x)", what));
+        assert!((x - start).abs() < 4.0 * error && error < 0.01, "{i}: {x} +- {error}");
+        let [at_rest, error] = ["value", "standard_error"].map(|what| of("ambient", what));
+        assert!((at_rest - rest).abs() < 4.0 * error && error < 0.01, "{i}: {at_rest} +- {error}");
+        // With the rate frozen, start and rest of a recording are a linear problem.
+        if i >= 2 {
+            let (mut a, mut b, mut c, mut p, mut q) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            for (t, x) in rows {
+                let e = (-k * t).exp();
+                (a, b, c) = (a + e * e, b + e * (1.0 - e), c + (1.0 - e).powi(2));
+                (p, q) = (p + x * e, q + x * (1.0 - e));
+            }
+            let determinant = a * c - b * b;
+            assert!((x - (p * c - q * b) / determinant).abs() < 2e-5, "{x}");
+            assert!((at_rest - (q * a - p * b) / determinant).abs() < 2e-5, "{at_rest}");
+            assert_close(error, SIGMA * (a / determinant).sqrt(), 1e-3);
+        }
+    }
+    let line = ended.out.lines().find(|l| l.starts_with("recording ")).unwrap_or_default();
+    assert!(line.contains("ambient, m") && line.ends_with("start(x), m"), "{}", ended.out);
+    let text = std::fs::read_to_string(scratch.path().join("out/decay_calibrated.mol"));
+    let text = text.expect("a model");
+    let (_, added) = text.split_once("_calibrated").expect("the calibrated model");
+    assert!(added.contains("k = 1.") && !added.contains("ambient"), "{text}");
+}
+
+fn evaluate(scratch: &Scratch, arguments: &[&str]) -> (Value, Ended) {
+    let arguments = [&["evaluate"], arguments, &["--json", "judged.json"]].concat();
+    let ended = mocc(scratch.path(), &arguments);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
+    let text = std::fs::read_to_string(scratch.path().join("judged.json")).expect("a file");
+    (serde_json::from_str(&text).expect("JSON"), ended)
+}
+
+/// The model keeps the values of its file: the error on each recording is that of the closed form.
+#[test]
+fn a_frozen_model_is_judged() {
+    let scratch = stand(&decay_model(), PLAN);
+    let expected = |rows: &[(f64, f64)], start: f64, k: f64| {
+        let squares = rows.iter().map(|(t, x)| (x - start * (-k * t).exp()).powi(2));
+        1e3 * (squares.sum::<f64>() / rows.len() as f64).sqrt()
+    };
+    let (found, _) = evaluate(&scratch, &["plan.toml"]);
+    for i in 0..2 {
+        let rmse = number(&found, &format!("/recordings/{i}/signals/x_mm/rmse"));
+        assert_close(rmse, expected(&decay(i + 1), 1.0, 1.0), 1e-4);
+        assert_eq!(found["recordings"][i as usize]["signals"]["x_mm"]["unit"], "mm");
+    }
+
+    // The calibrated model, on new recordings, named in both ways.
+    calibrate(&scratch);
+    scratch.file("new/table.csv", "file,split\n7.csv,test\n");
+    scratch.file("new/7.csv", &csv(&decay(7)));
+    let model = "out/decay_calibrated.mol";
+    let (by_plan, ended) = evaluate(&scratch, &["plan.toml", "--model", model, "--data", "new"]);
+    let (by_model, _) = evaluate(&scratch, &[model, "--plan", "plan.toml", "--data", "new"]);
+    assert_eq!(by_plan, by_model);
+    assert_eq!(by_plan["model"], "Decay_calibrated");
+    assert!((number(&by_plan, "/reduced_chi_square") - 1.0).abs() < 0.3);
+    let rmse = number(&by_plan, "/signals/x_mm/rmse");
+    assert_close(rmse, expected(&decay(7), 2.0, 1.5), 0.02);
+    let line = ended.out.lines().find(|l| l.starts_with("7.csv")).expect("a line");
+    assert!(
+        ended.out.starts_with("Decay_calibrated\n") && line.contains(" test "),
+        "{}",
+        ended.out
+    );
+}
+
+/// What belongs to a recording is fitted to it, and nothing else is.
+#[test]
+fn a_frozen_model_has_the_values_of_each_recording() {
+    let plan = PLAN.replace("\"start(x)\" = {}", "[free.each]\n\"start(x)\" = {}");
+    let model = decay_model().replace("= 1 \"Rate\"", "= 1.5 \"Rate\"");
+    let scratch = stand(&model, &plan);
+    let (found, ended) = evaluate(&scratch, &["plan.toml"]);
+    for i in 0..2 {
+        let (_, start) = profile_of_decay(&decay(i + 1), 1.5);
+        assert_close(number(&found, &format!("/each/{i}/parameters/start(x)/value")), start, 1e-5);
+        let chi = number(&found, &format!("/recordings/{i}/reduced_chi_square"));
+        assert!((chi - 1.0).abs() < 0.3, "{chi}");
+    }
+    assert!(ended.out.contains("start(x), m"), "{}", ended.out);
+}
+
+#[test]
+fn an_evaluation_needs_one_plan_and_one_model() {
+    let scratch = stand(&decay_model(), PLAN);
+    let cases: [&[&str]; 4] = [
+        &["decay.mo"],
+        &["plan.toml", "--plan", "plan.toml"],
+        &["decay.mo", "--plan", "plan.toml", "--model", "decay.mo"],
+        &["plan.toml", "--model", "absent.mo"],
+    ];
+    let said = cases.map(|arguments| {
+        let ended = mocc(scratch.path(), &[&["evaluate"], arguments].concat());
+        assert_eq!((ended.status, ended.out.as_str()), (2, ""), "{arguments:?}");
+        ended.err
+    });
+    insta::assert_snapshot!(said.join("\n"));
+}
+
 #[test]
 fn undetermined_parameters_are_reported() {
     let scratch = stand(&decay_model(), &format!("{PLAN}unseen = {{ min = 1, max = 10 }}\n"));
@@ -296,6 +437,31 @@ fn bad_plans_and_recordings_are_refused_with_place_and_remedy() {
         (
             "bounds without room",
             refused("plan.toml", "k          = {}", "k = { min = 2, max = 1 }"),
+        ),
+        (
+            "a list in place of a value",
+            refused("plan.toml", "[free]", "[fixed]\nunseen = [1, 2]\n[free]"),
+        ),
+        (
+            "columns of a table that is not there",
+            refused(
+                "plan.toml",
+                "[data]\nfolder = \".\"\ntable  = \"table.csv\"",
+                "recordings = [{ file = \"1.csv\" }]\n[data]\nfolder = \".\"",
+            ),
+        ),
+        ("a use that means nothing", refused("table.csv", "1.csv,train", "1.csv,fit")),
+        (
+            "free for all and for each",
+            refused("plan.toml", "\"start(x)\" = {}", "\"start(x)\" = {}\n[free.each]\nk = {}"),
+        ),
+        (
+            "no table of what is free for each",
+            refused("plan.toml", "\"start(x)\" = {}", "each = [\"start(x)\"]"),
+        ),
+        (
+            "a start value that is not there",
+            refused("plan.toml", "\"start(x)\" = {}", "[free.each]\n\"start(y)\" = {}"),
         ),
         ("a key that means nothing", refused("plan.toml", "sigma", "sigmas")),
         ("not TOML", refused("plan.toml", "[free]", "[free")),

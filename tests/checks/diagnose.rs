@@ -100,6 +100,197 @@ fn nothing_is_found_where_nothing_is_missing() {
     assert!((chi2 - 1.0).abs() < 0.3, "{chi2}");
 }
 
+/// The folder of a study with a plan in which `old` is replaced by `new`.
+fn study(old: &str, new: &str, more: impl Fn(f64, f64) -> f64) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.file("swing.mo", &swing_model());
+    assert!(PLAN.contains(old));
+    scratch.file("plan.toml", &PLAN.replace(old, new));
+    let mut table = "file,split,s_0\n".to_owned();
+    for (k, (s_0, split)) in
+        [(0.1, "train"), (0.06, "train"), (-0.08, "train"), (0.09, "validation")].iter().enumerate()
+    {
+        scratch.file(&format!("{k}.csv"), &recording(*s_0, 17 + k as u64, &more, |s| s));
+        writeln!(table, "{k}.csv,{split},{s_0}").expect("a String");
+    }
+    scratch.file("table.csv", &table);
+    scratch
+}
+
+fn found_in(scratch: &Scratch) -> Value {
+    let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+/// The sensor is noisier or less noisy than the plan says, and the model lacks nothing.
+#[test]
+fn white_residuals_of_another_size_are_noise() {
+    for (declared, factor) in [("2.5e-4", 2.0), ("1e-3", 0.5)] {
+        let scratch = study("sigma = 5e-4", &format!("sigma = {declared}"), |_, _| 0.0);
+        let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out", "--verbose"]);
+        assert_eq!(ended.status, 0, "{}", ended.err);
+        let found = found_in(&scratch);
+        assert_eq!(found["verdict"], "complete", "{found:#}");
+        let noise = found["noise"]["s"].as_f64().expect("a factor");
+        assert!((noise / factor - 1.0).abs() < 0.06, "{noise}");
+        assert!(!ended.err.contains("short fit"), "no effect is tried: {}", ended.err);
+        let line = format!("the noise of s is {noise:.2} times what the plan says");
+        assert!(ended.out.contains(&line), "{}", ended.out);
+        let page = std::fs::read_to_string(scratch.path().join("out/diagnosis.html"));
+        assert!(page.expect("a page").contains(&line["the".len()..]));
+    }
+}
+
+/// Too little noise in the plan hides no effect: the drag leaves structure.
+#[test]
+fn an_effect_is_not_taken_for_noise() {
+    let scratch = study("sigma = 5e-4", "sigma = 2.5e-4", |_, v| -0.3 * v.abs() * v);
+    let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let found = found_in(&scratch);
+    assert_ne!(found["verdict"], "complete", "{found:#}");
+    assert!(found["before"]["train"]["chi2"].as_f64() > Some(4.2), "{found:#}");
+}
+
+/// A second sensor shows nothing but noise, three times what the plan says: that is corrected, and the first sensor
+/// shows the drag.
+#[test]
+fn the_noise_of_one_sensor_is_corrected_before_the_search() {
+    let scratch = study("c = {}", "c = {}", |_, v| -0.9 * v.abs() * v);
+    let noise = "w = { variable = \"silence\", unit = \"1\", sigma = 1 }\n[free]";
+    let plan = PLAN.replace("[free]", noise);
+    let silence = "  Real silence(start = 0, fixed = true);\nequation\n  der(silence) = 0;\n";
+    let model = swing_model().replace("equation\n", silence);
+    scratch.file("swing.mo", &model);
+    scratch.file("plan.toml", &plan);
+    for k in 0..4 {
+        let name = format!("{k}.csv");
+        let text = std::fs::read_to_string(scratch.path().join(&name)).expect("a file");
+        let noise = recording(0.0, 71 + k, |_, _| 0.0, |_| 0.0);
+        let both = text.lines().zip(noise.lines()).map(|(line, noise)| {
+            match noise.split_once(',').and_then(|(_, x)| x.parse::<f64>().ok()) {
+                Some(x) => format!("{line},{}\n", 3.0 * x / SIGMA),
+                None => format!("{line},w\n"),
+            }
+        });
+        scratch.file(&name, &both.collect::<String>());
+    }
+    let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let found = found_in(&scratch);
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    assert_eq!(found["effects"][0]["component"], "Effects.QuadraticDrag");
+    let factor = found["noise"]["w"].as_f64().expect("a factor");
+    assert!((factor / 3.0 - 1.0).abs() < 0.06 && found["noise"].get("s").is_none(), "{factor}");
+    assert!((found["after"]["train"]["chi2"].as_f64().expect("a number") - 1.0).abs() < 0.1);
+}
+
+/// A search that has no time ends with the calibration, and says so everywhere.
+#[test]
+fn a_time_limit_ends_the_search() {
+    let scratch = study("c = {}", "c = {}", |_, v| -0.9 * v.abs() * v);
+    let arguments = ["diagnose", "plan.toml", "--out", "out", "--time-limit", "0"];
+    let ended = mocc(scratch.path(), &arguments);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let found = found_in(&scratch);
+    assert_eq!((&found["complete"], &found["verdict"]), (&false.into(), &"unexplained".into()));
+    let remark = "he search was ended early: this is the best verdict so far";
+    let page = std::fs::read_to_string(scratch.path().join("out/diagnosis.html")).expect("a page");
+    assert!(ended.out.contains(remark) && page.contains(remark), "{}", ended.out);
+    assert!(page.contains("<p class=\"verdict unexplained\">"));
+    let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--time-limit", "-1"]);
+    assert_eq!(ended.status, 2, "{}", ended.err);
+}
+
+/// A recording for the test changes nothing but what is reported of it.
+#[test]
+fn nothing_depends_on_the_recordings_of_the_test() {
+    let of = |row: &str, force: f64| {
+        let scratch = study("sigma = 5e-4", "sigma = 5e-4", |_, _| 0.0);
+        let table = std::fs::read_to_string(scratch.path().join("table.csv")).expect("a table");
+        scratch.file("table.csv", &format!("{table}{row}"));
+        scratch.file("4.csv", &recording(0.07, 41, |_, v| -force * v.abs() * v, |s| s));
+        let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+        assert_eq!(ended.status, 0, "{}", ended.err);
+        (found_in(&scratch), ended.out)
+    };
+    let (without, _) = of("", 0.0);
+    let (mut healthy, out) = of("4.csv,test,0.07\n", 0.0);
+    let (mut other, _) = of("4.csv,test,0.07\n", 0.9);
+    assert_eq!(without["before"].get("test"), None);
+    let chi2 = |found: &Value| found["after"]["test"]["chi2"].as_f64().expect("a number");
+    assert!((chi2(&healthy) - 1.0).abs() < 0.3 && chi2(&other) > 2.0);
+    assert_eq!(healthy["after"]["test"]["recordings"][0]["name"], "4.csv");
+    assert!(out.contains("    s, test ") && out.contains("    test "), "{out}");
+    for found in [&mut healthy, &mut other] {
+        for part in ["before", "after"] {
+            found[part].as_object_mut().expect("an object").remove("test");
+        }
+        found["seconds"] = without["seconds"].clone();
+        assert_eq!(*found, without);
+    }
+}
+
+/// What explains only a part is named as such, and not among the effects. While the search goes on, the best
+/// verdict so far is told with its evidence.
+#[test]
+fn a_partial_explanation_is_no_effect() {
+    use std::cell::RefCell;
+
+    use mocc::calibrate::observer::{Event, Observer};
+    use mocc::diagnose::policy::SearchPolicy;
+    use mocc::diagnose::result::Verdict;
+    use mocc::diagnose::run::{Request, run};
+    use mocc::diagnose::{json, noise, page};
+    use mocc::driver::compile::Session;
+
+    let scratch = study("c = {}", "c = {}", |_, v| -0.9 * v.abs() * v);
+    let request = Request {
+        plan: scratch.path().join("plan.toml"),
+        data: None,
+        effects: None,
+        modelica_path: None,
+        policy: SearchPolicy::default(),
+    };
+    #[derive(Default)]
+    struct Watcher(RefCell<Vec<String>>);
+
+    impl Observer for Watcher {
+        fn event(&self, event: &Event<'_>) {
+            if let Event::Best(text) = event {
+                self.0.borrow_mut().push((*text).to_owned());
+            }
+        }
+    }
+
+    let watcher = Watcher::default();
+    let mut outcome = run(&request, &mut Session::default(), &watcher).expect("an outcome");
+    assert_eq!(outcome.verdict(), Verdict::EffectFound);
+    let told = watcher.0.borrow();
+    let first = told.first().map(String::as_str).unwrap_or_default();
+    assert!(first.starts_with("unexplained, reduced chi-square "), "{told:?}");
+    let last = told.last().map(String::as_str).unwrap_or_default();
+    assert!(last.starts_with("effect_found, ") && last.ends_with(" (validation)"), "{told:?}");
+    // As if more had been asked.
+    outcome.study.policy.resolved_validation = 0.0;
+    outcome.study.policy.explained_limit = 0.0;
+    outcome.diagnosis.noise = noise::Noise::default();
+    let text = json::json(&outcome, None, 1.0);
+    let found: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(found["verdict"], "unexplained");
+    assert_eq!(found["effects"], Value::Array(Vec::new()));
+    assert_eq!(found["alternatives"][0]["component"], "Effects.QuadraticDrag", "{found:#}");
+    assert_eq!(found["alternatives"][0]["delta_bic"], 0.0);
+    let summary = page::summary(&outcome, 1.0);
+    let lines: Vec<&str> = summary.lines().collect();
+    assert_eq!(lines[0], "Swing: unexplained");
+    assert!(lines[1].starts_with("  partial explanation: "), "{summary}");
+    assert!(lines.iter().any(|l| l.starts_with("    s, train ") && l.ends_with(" m")), "{summary}");
+    let page = page::html(&outcome);
+    assert!(page.contains("<p class=\"verdict unexplained\">unexplained</p>"));
+    assert!(page.contains("<p>Partial explanation: "));
+}
+
 /// `-0.9 |v| v`: drag of a turbulent flow.
 #[test]
 fn a_quadratic_drag_is_found_and_the_amended_model_runs() {
@@ -166,6 +357,17 @@ fn two_effects_of_one_sensor_are_found() {
     let amended = found["amended_model"].as_str().expect("a name");
     let ended = mocc(&scratch.path().join("out"), &["simulate", amended]);
     assert_eq!(ended.status, 0, "{}", ended.err);
+
+    // Judged on the same recordings, the amended model is as good as the diagnosis says: with its sensor.
+    let amended = format!("out/{amended}");
+    let arguments = ["evaluate", &amended, "--plan", "plan.toml", "--json", "judged.json"];
+    let ended = mocc(scratch.path(), &arguments);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let text = std::fs::read_to_string(scratch.path().join("judged.json")).expect("a file");
+    let judged: Value = serde_json::from_str(&text).expect("JSON");
+    let rmse = judged["recordings"][3]["signals"]["s"]["rmse"].as_f64().expect("a number");
+    let expected = found["after"]["validation"]["signals"]["s"]["rmse"].as_f64().expect("a number");
+    assert!((rmse / expected - 1.0).abs() < 1e-4, "{rmse} {expected}");
 }
 
 /// A drag and the zero of the sensor, neither of which explains much without the other.

@@ -90,6 +90,53 @@ fn a_held_recording_jumps_without_events() {
     assert!((k - 2.0).abs() < 1e-5 && rmse < 1e-6, "{k}, {rmse}");
 }
 
+/// `u = R i` with samples of both at the same instants: the sample of an instant sees the input of that
+/// instant, with events and without, and so does a clock of the model that ticks there.
+#[test]
+fn a_sample_sees_the_held_input_of_its_instant() {
+    let current = |k: i32| [0.0, 0.0, 1.0, 1.0, -1.0, -1.0, 0.5][k as usize % 7];
+    let mut text = "t,i_A,u_V\n".to_owned();
+    for k in 0..14 {
+        writeln!(text, "{k},{:?},{:?}", current(k), 2.0 * current(k)).expect("a string");
+    }
+    let plan = "model = \"ohm.mo\"
+[data]
+folder = \".\"
+[[recordings]]
+file = \"run.csv\"
+[inputs]
+i_A = { input = \"i\", unit = \"A\", interpolation = \"hold\" }
+[time]
+column = \"t\"
+unit = \"s\"
+[signals]
+u_V = { variable = \"u\", unit = \"V\", sigma = 0.01 }
+[free]
+R = {}
+";
+    for (model, variable) in
+        [("ohm", "u"), ("ohm_with_events", "u"), ("ohm_with_events", "sampled")]
+    {
+        let folder = Scratch::new();
+        folder.file("ohm.mo", &suite_model(&format!("measure/models/{model}")));
+        folder.file(
+            "plan.toml",
+            &plan.replace("variable = \"u\"", &format!("variable = \"{variable}\"")),
+        );
+        folder.file("run.csv", &text);
+        let ended = mocc(folder.path(), &["calibrate", "plan.toml", "--out", "out"]);
+        assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
+        let text = std::fs::read_to_string(folder.path().join("out/calibration.json"));
+        let found: Value = serde_json::from_str(&text.expect("a file")).expect("JSON");
+        let resistance = found["parameters"][0]["value"].as_f64().expect("a number");
+        let chi = found["quality"]["train"]["reduced_chi_square"].as_f64().expect("a number");
+        assert!(
+            (resistance - 2.0).abs() < 1e-9 && chi < 1e-9,
+            "{model} {variable}: {resistance}, {chi}"
+        );
+    }
+}
+
 /// Of the rows of an input one of ten is as good for a parabola; an input that was not recorded is what
 /// the plan says, here 0.5 V: `x` relaxes to it.
 #[test]

@@ -9,6 +9,16 @@ equation
   der(x) = -k*x;
 end Decay;
 
+//@ case decay_to_ambient
+//@ used by calibrate.rs
+model DecayToAmbient
+  parameter Real k(unit = "1/s") = 1 "Rate";
+  parameter Real ambient(unit = "m") = 0 "Value at rest";
+  Real x(start = 1, fixed = true, unit = "m");
+equation
+  der(x) = -k*(x - ambient);
+end DecayToAmbient;
+
 //@ case tied_parts
 //@ used by calibrate.rs
 model Part

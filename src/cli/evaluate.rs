@@ -1,0 +1,65 @@
+//! `mocc evaluate`: judges a frozen model on recordings.
+
+use super::args::Evaluate;
+use super::{Status, modelica_path, print, running, say};
+use crate::calibrate::evaluate::{Request, is_model, run as evaluate};
+use crate::calibrate::run::CalibrationError;
+use crate::driver::compile::Session;
+use crate::io::atomic_file::write_file;
+
+/// Runs the command.
+pub fn run(options: &Evaluate) -> Status {
+    let request = match request(options) {
+        Ok(request) => request,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
+    };
+    let mut session = Session::default();
+    let evaluation = evaluate(&request, &mut session);
+    say(&session);
+    let evaluation = match evaluation {
+        Ok(evaluation) => evaluation,
+        Err(CalibrationError::Invalid(error)) => return error.into(),
+        Err(CalibrationError::Failed(failure)) => {
+            return running::failed(&failure, &session.sources);
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            return Status::Usage;
+        }
+    };
+    let mut text = evaluation.table();
+    for repair in &evaluation.repairs {
+        text.push_str(&format!("repaired: {repair}\n"));
+    }
+    if let Some(path) = &options.json {
+        if let Err(why) = write_file(path, evaluation.json().as_bytes()) {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
+        text.push_str(&format!("wrote {}\n", path.display()));
+    }
+    print(&text)
+}
+
+/// The plan and the model, whichever is named first.
+fn request(options: &Evaluate) -> Result<Request, String> {
+    let Evaluate { subject, plan, model, data, .. } = options;
+    let (plan, model) = match (is_model(subject), plan, model) {
+        (false, None, _) => (subject.clone(), model.clone()),
+        (false, Some(_), _) => {
+            return Err(format!("`{}` is a plan; leave out `--plan`", subject.display()));
+        }
+        (true, Some(plan), None) => (plan.clone(), Some(subject.clone())),
+        (true, None, _) => {
+            let model = subject.display();
+            return Err(format!("`{model}` is a model; name the plan with `--plan PLAN`"));
+        }
+        (true, Some(_), Some(_)) => {
+            return Err("two models are named; leave out `--model`".to_owned());
+        }
+    };
+    Ok(Request { plan, model, data: data.clone(), modelica_path: modelica_path() })
+}
