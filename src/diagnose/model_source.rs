@@ -2,6 +2,7 @@
 
 use crate::calibrate::modification::{Tree, parts};
 
+use super::adapter::Adapters;
 use super::catalogue::Effect;
 use super::place::Place;
 
@@ -118,19 +119,31 @@ impl Extension<'_> {
             out.push_str("  );\n");
         }
         components.into_iter().for_each(|a| a.declare(&mut out));
-        if attached.iter().any(|a| !a.place.connections.is_empty()) {
-            out.push_str("equation\n");
-        }
-        for a in attached {
-            for (own, other) in &a.place.connections {
-                out.push_str(&format!("  connect({}.{own}, {other});\n", a.name));
-            }
-        }
+        out.push_str(&self.connections(attached));
         if let Some(annotation) = self.annotation {
             out.push_str(&format!("  annotation({annotation});\n"));
         }
         out.push_str(&format!("end {};\n", self.name));
         out
+    }
+
+    /// The adapters that effects need, and all connections.
+    fn connections(&self, attached: &[Attached<'_>]) -> String {
+        let (mut adapters, mut connections) = (Adapters::default(), String::new());
+        for a in attached {
+            for (own, other) in &a.place.connections {
+                let adapter = a.place.adapters.iter().find(|adapter| adapter.end == *other);
+                let other = adapter.map_or(other.clone(), |adapter| adapters.attach(adapter));
+                connections.push_str(&format!("  connect({}.{own}, {other});\n", a.name));
+            }
+        }
+        let mut out = String::new();
+        adapters.declare(self.base, &mut out);
+        if !connections.is_empty() {
+            out.push_str("equation\n");
+        }
+        adapters.connect(&mut out);
+        out + &connections
     }
 }
 
