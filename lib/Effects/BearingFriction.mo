@@ -8,6 +8,6 @@ equation
   tau = -M*z;
 
   annotation(__mocc(
-    effect   = "amplitude=M>0; delta=1e-4*span(phi)",
+    effect   = "amplitude=M>0; delta=1e-5*span(phi)",
     explains = "Dry friction brakes %at, and holds it at rest."));
 end BearingFriction;

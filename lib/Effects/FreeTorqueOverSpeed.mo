@@ -11,6 +11,6 @@ equation
   tau = -z*(M*knotWeights(speed/max(w_hi, 1e-9)*(n - 1), n));
 
   annotation(__mocc(
-    effect   = "amplitude=M; delta=1e-4*span(phi); w_hi=max(speed)",
+    effect   = "amplitude=M; delta=1e-5*span(phi); w_hi=max(speed)",
     explains = "A torque that depends on the speed alone brakes %at, by a law that is not known in advance."));
 end FreeTorqueOverSpeed;

@@ -16,6 +16,6 @@ equation
   i = C*(v - v_C)/tau;
 
   annotation(__mocc(
-    effect   = "amplitude=C>0; tau=0.003*span(t),0.03*span(t),0.3*span(t)",
+    effect   = "amplitude=C>0; tau=0.01*span(t),0.05*span(t),0.3*span(t)",
     explains = "A second capacitance behind a resistor is charged along with %at."));
 end RelaxationBranch;

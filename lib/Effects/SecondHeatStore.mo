@@ -16,6 +16,6 @@ equation
   Q_flow = -C*(T - T_2)/tau;
 
   annotation(__mocc(
-    effect   = "amplitude=C>0; tau=0.003*span(t),0.03*span(t),0.3*span(t)",
+    effect   = "amplitude=C>0; tau=0.01*span(t),0.05*span(t),0.3*span(t)",
     explains = "Something that stores heat warms and cools behind %at."));
 end SecondHeatStore;

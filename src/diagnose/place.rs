@@ -197,8 +197,7 @@ fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) 
         }
     }
     let is_surroundings = |p: &InventoryPart| {
-        let named = |name: &&str| p.class.ends_with(*name);
-        alike(p, a).count() == 1 && SURROUNDINGS.iter().any(|name| named(&name))
+        alike(p, a).count() == 1 && SURROUNDINGS.iter().any(|name| p.class.ends_with(*name))
     };
     let surroundings = ends(inventory, a).find(|(p, _)| is_surroundings(p));
     if let Some(surroundings) = surroundings {

@@ -105,7 +105,11 @@ fn an_effect_of_amplitude_zero_changes_nothing() {
         if let Some(observed) = run.values("observed").filter(|_| run.values("twin").is_some()) {
             let scale = observed.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             for (with, without) in observed.iter().zip(run.of("twin")) {
-                assert!((with - without).abs() <= 1e-7 * scale, "{}: {with}, {without}", effect.name);
+                assert!(
+                    (with - without).abs() <= 1e-7 * scale,
+                    "{}: {with}, {without}",
+                    effect.name
+                );
             }
         }
     }
