@@ -1102,19 +1102,19 @@ package EffectTests
   model BesideCircuit "The same, and a circuit, twice"
     extends Base;
     Electrical.Ground    ground;
-    Electrical.Voltage   supply(v_0 = 2);
+    Electrical.Voltage   battery(v_0 = 2);
     Electrical.Resistor  wire(R = 10);
     Electrical.Capacitor store(C = 1e-3, v_start = 0.1);
-    Electrical.Voltage   supply_2(v_0 = 2);
+    Electrical.Voltage   battery_2(v_0 = 2);
     Electrical.Resistor  wire_2(R = 10);
     Electrical.Capacitor store_2(C = 1e-3, v_start = 0.1);
     Units.Voltage observed = store.v;
     Units.Voltage twin     = store_2.v;
   equation
-    connect(supply.p, wire.p);  connect(supply_2.p, wire_2.p);
+    connect(battery.p, wire.p);  connect(battery_2.p, wire_2.p);
     connect(wire.n, store.p);   connect(wire_2.n, store_2.p);
-    connect(store.n, supply.n); connect(store_2.n, supply_2.n);
-    connect(ground.p, supply.n); connect(ground.p, supply_2.n);
+    connect(store.n, battery.n); connect(store_2.n, battery_2.n);
+    connect(ground.p, battery.n); connect(ground.p, battery_2.n);
   end BesideCircuit;
 
   model BesideBodies "The same, and two bodies, twice"
@@ -1619,7 +1619,7 @@ package EffectTests
 
     model FreeHeatFlowOverTemperature
       extends BesideBodies;
-      Effects.FreeHeatFlowOverTemperature effect(T_lo = 290, T_hi = 310);
+      Effects.FreeHeatFlowOverTemperature effect(T_lo = 305, T_hi = 310);
     equation
       connect(effect.port, body.port);
     end FreeHeatFlowOverTemperature;
@@ -1651,34 +1651,34 @@ package EffectTests
     model Voltage
       extends Base;
       Electrical.Voltage effect(v_0 = 3);
-      Electrical.Voltage supply(v_0 = 1);
+      Electrical.Voltage battery(v_0 = 1);
       Electrical.Resistor load(R = 10);
       Electrical.Ground ground;
       Units.Current observed = load.i;
     equation
-      connect(supply.p, load.p);  connect(load.n, effect.p);  connect(effect.n, supply.n);  connect(supply.n, ground.p);
+      connect(battery.p, load.p);  connect(load.n, effect.p);  connect(effect.n, battery.n);  connect(battery.n, ground.p);
     end Voltage;
 
     model Capacitor
       extends Base;
-      Electrical.Capacitor effect(C = 1e-3, v_start = 1);
-      Electrical.Voltage supply(v_0 = 1);
+      Electrical.Capacitor effect(C = 1e-3, v_start = 0.2);
+      Electrical.Voltage battery(v_0 = 1);
       Electrical.Resistor load(R = 10);
       Electrical.Ground ground;
       Units.Current observed = load.i;
     equation
-      connect(supply.p, load.p);  connect(load.n, effect.p);  connect(effect.n, supply.n);  connect(supply.n, ground.p);
+      connect(battery.p, load.p);  connect(load.n, effect.p);  connect(effect.n, battery.n);  connect(battery.n, ground.p);
     end Capacitor;
 
     model Inductor
       extends Base;
       Electrical.Inductor effect(L = 0.1);
-      Electrical.Voltage supply(v_0 = 1);
+      Electrical.Voltage battery(v_0 = 1);
       Electrical.Resistor load(R = 10);
       Electrical.Ground ground;
       Units.Current observed = load.i;
     equation
-      connect(supply.p, load.p);  connect(load.n, effect.p);  connect(effect.n, supply.n);  connect(supply.n, ground.p);
+      connect(battery.p, load.p);  connect(load.n, effect.p);  connect(effect.n, battery.n);  connect(battery.n, ground.p);
     end Inductor;
   end Absent;
 end EffectTests;
