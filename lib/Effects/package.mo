@@ -12,13 +12,19 @@ package Effects "Physical effects that a model may lack"
   //   w=0.1e-3,0.2e-3       a shape parameter, with values to start from
   //   s_0=s(15)             the same: 15 values, evenly spaced over the range of the effect's variable s in the base run
   //   s_lo=min(s)           the same: the least (max: the greatest) value of the effect's variable s in the base run
-  //   w=0.02*span(u)        the same: a multiple of max(u) - min(u)
+  //   w=0.02*span(u)        the same: a multiple of max(u) - min(u); if it is 0, the effect is not tried
+  //   V=0.1*max(v)          the same: a multiple of the greatest value
   //   host=port_a,port_b    attach to one component that has connectors of these names and classes, each to its namesake;
-  //                         without it, attach to every connection set of flanges, to every pair of ports that a component
-  //                         with two ports bridges, and between every volume and ambient
+  //                         without it, an effect with one connector is attached to every connection set of such
+  //                         connectors, and one with two to every pair that a component bridges, between every volume
+  //                         or body and its surroundings, and between every point of a circuit and ground
   //   bind V=V|gap.V        bind an input of the effect to a variable of the host: the first that exists. An input without
   //                         this entry is bound to the host's variable of the same name
   //   with has_line=true    a class that has the effect built in: the override that makes it part of the model
+  // Without `host`, connectors of a model may be of another class, its own or that of a library, if they mean the same:
+  // one potential and one flow with the units of the effect's connector, or where none are declared, with its names. The
+  // model is then extended by an adapter.
+  //
   // A block Sensor... has no connector: it converts the simulated value u to the reading y.
   // `explains` is the sentence that a diagnosis reports; %at is the location.
   //

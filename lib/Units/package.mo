@@ -48,5 +48,29 @@ package Units "Types of physical quantities in SI units"
   type Fraction            = Real(quantity = "Fraction", unit = "1")
     "Part of a whole, 0 to 1";
   type Exponent            = Real(quantity = "Exponent", unit = "1");
+  type Angle               = Real(quantity = "Angle", unit = "rad");
+  type AngularVelocity     = Real(quantity = "AngularVelocity", unit = "rad/s");
+  type AngularAcceleration = Real(quantity = "AngularAcceleration", unit = "rad/s2");
+  type MomentOfInertia     = Real(quantity = "MomentOfInertia", unit = "kg.m2", min = 0);
+  type Torque              = Real(quantity = "Torque", unit = "N.m");
+  type RotationalStiffness = Real(quantity = "RotationalSpringConstant", unit = "N.m/rad", min = 0);
+  type RotationalDamping   = Real(quantity = "RotationalDampingConstant", unit = "N.m.s/rad", min = 0);
+  type QuadraticRotationalDrag = Real(quantity = "QuadraticRotationalDrag", unit = "N.m.s2/rad2", min = 0)
+    "Torque per square of the speed";
   type Voltage             = Real(quantity = "ElectricPotential", unit = "V");
+  type Current             = Real(quantity = "ElectricCurrent", unit = "A");
+  type Resistance          = Real(quantity = "Resistance", unit = "Ohm", min = 0);
+  type ElectricConductance = Real(quantity = "Conductance", unit = "S", min = 0);
+  type Capacitance         = Real(quantity = "Capacitance", unit = "F", min = 0);
+  type Inductance          = Real(quantity = "Inductance", unit = "H", min = 0);
+  type FluxLinkage         = Real(quantity = "MagneticFlux", unit = "Wb")
+    "Integral of a voltage";
+  type CubicReluctance     = Real(quantity = "CubicReluctance", unit = "A/Wb3")
+    "Current per cube of the flux linkage";
+  type MotorConstant       = Real(quantity = "ElectricalTorqueConstant", unit = "N.m/A")
+    "Torque per current, equal to the voltage per speed";
+  type TemperatureDifference = Real(quantity = "TemperatureDifference", unit = "K");
+  type HeatCapacity        = Real(quantity = "HeatCapacity", unit = "J/K", min = 0);
+  type ThermalConductance  = Real(quantity = "ThermalConductance", unit = "W/K", min = 0);
+  type HeatFlowRate        = Real(quantity = "HeatFlowRate", unit = "W");
 end Units;

@@ -38,13 +38,15 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
     }
     let attached: Vec<Attached<'_>> =
         hypothesis.effects.iter().map(|c| with_estimates(study, hypothesis, c)).collect();
-    let annotation = annotation(study, hypothesis);
+    let experiment = experiment(&study.experiment);
+    let measured = measured(study, hypothesis);
     let description = sentences(&study.effects, &hypothesis.effects).join(" ").replace('"', "'");
     let extension = Extension {
         name: &name,
         base: &study.base,
         description: &description,
-        annotation: annotation.as_deref(),
+        experiment: experiment.as_deref(),
+        measured: measured.as_deref(),
         values: &values,
     };
     let added = extension.source(&attached);
@@ -73,18 +75,14 @@ fn with_estimates<'a>(
     Attached { comments, ..Attached::new(effect, &chosen.place, chosen.prefix.clone(), values) }
 }
 
-/// The annotation, if it says anything: the experiment, and the outputs of the sensors that effects are part
-/// of.
-fn annotation(study: &Study, hypothesis: &Hypothesis) -> Option<String> {
+/// The entry of the annotation `__mocc` that names the outputs of the sensors that effects are part of.
+fn measured(study: &Study, hypothesis: &Hypothesis) -> Option<String> {
     let signals = hypothesis.plan.signals.iter().zip(&study.plan.signals);
     let sensors: Vec<(&str, &str)> = signals
         .filter(|(own, planned)| own.variable != planned.variable)
         .map(|(own, _)| (own.column.as_str(), own.variable.as_str()))
         .collect();
-    let measured = (!sensors.is_empty())
-        .then(|| format!("__mocc({MEASURED} = \"{}\")", sensors_text(&sensors)));
-    let parts: Vec<String> = experiment(&study.experiment).into_iter().chain(measured).collect();
-    (!parts.is_empty()).then(|| parts.join(", "))
+    (!sensors.is_empty()).then(|| format!("{MEASURED} = \"{}\"", sensors_text(&sensors)))
 }
 
 /// The experiment annotation, if it says anything.

@@ -1,8 +1,11 @@
 //! The catalogue of effects, from the annotations of the classes in `lib/Effects` and of the user's own.
 
+use std::path::Path;
+
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
-use crate::driver::compile::{Annotated, Request, Session};
+use crate::driver::compile::{Annotated, CompileError, Request, Session};
+use crate::driver::files;
 use crate::flatten::inventory::{Inventory, InventoryConnector};
 
 use super::cause::CatalogueCause;
@@ -43,6 +46,8 @@ pub struct Effect {
     pub varies: Option<String>,
     /// Of an effect that is another law: how it is chosen.
     pub choice: Option<Choice>,
+    /// Its annotation.
+    pub span: Option<Span>,
 }
 
 /// An amplitude.
@@ -67,6 +72,8 @@ pub enum Start {
     Greatest(String),
     /// This multiple of a variable's range.
     Multiple(f64, String),
+    /// This multiple of the greatest value of a variable.
+    MultipleOfGreatest(f64, String),
 }
 
 impl Start {
@@ -74,18 +81,23 @@ impl Start {
     pub fn variable(&self) -> Option<&str> {
         match self {
             Start::Value(_) => None,
-            Start::Spread(v, _) | Start::Least(v) | Start::Greatest(v) | Start::Multiple(_, v) => {
-                Some(v)
-            }
+            Start::Spread(v, _)
+            | Start::Least(v)
+            | Start::Greatest(v)
+            | Start::Multiple(_, v)
+            | Start::MultipleOfGreatest(_, v) => Some(v),
         }
     }
 
-    /// Its values if the variable covers this range.
+    /// Its values if the variable covers this range; none where a scale or a place over the range is asked for and
+    /// the variable is constant.
     pub fn values(&self, (low, high): (f64, f64)) -> Vec<f64> {
         match *self {
             Start::Value(x) => vec![x],
             Start::Least(_) => vec![low],
             Start::Greatest(_) => vec![high],
+            Start::MultipleOfGreatest(factor, _) => vec![factor * high],
+            Start::Spread(..) | Start::Multiple(..) if high <= low => Vec::new(),
             Start::Multiple(factor, _) => vec![factor * (high - low)],
             // At the centres of equal intervals.
             Start::Spread(_, n) => {
@@ -100,8 +112,10 @@ impl Start {
 pub struct Packages<'a> {
     /// The request that finds their classes.
     pub request: &'a Request,
-    /// Their full names; the empty name is the top level.
+    /// Their full names.
     pub names: &'a [String],
+    /// Full names of further classes.
+    pub classes: &'a [String],
 }
 
 /// The keys of an annotation `__mocc` that describe an effect.
@@ -163,6 +177,36 @@ pub fn unknowns(session: &mut Session, packages: &Packages<'_>) -> Vec<Effect> {
     components(session, packages, Role::Unknown).0
 }
 
+/// The classes in a folder of the user's that describe an effect: at its top and in its packages. Errors: the
+/// folder cannot be searched.
+pub fn of_folder(
+    session: &mut Session,
+    request: &Request,
+    folder: &Path,
+) -> Result<Vec<String>, CompileError> {
+    let name = folder.display().to_string();
+    let mut classes = match files::top_level(folder) {
+        Ok(classes) => classes,
+        Err(why) => {
+            let cause = CatalogueCause::UnreadableEffects { folder: name, why };
+            session.problems.push(Diagnostic::new(cause, Span::NONE));
+            return Err(CompileError::Request);
+        }
+    };
+    for package in classes.clone() {
+        classes.extend(session.members(request, &package));
+    }
+    let has_role =
+        |a: &Annotated| [Role::Effect, Role::Unknown].iter().any(|r| a.entry(r.key()).is_some());
+    let annotated = session.annotated(request, &classes).into_iter().filter(has_role);
+    let annotated: Vec<String> = annotated.map(|a| a.class).collect();
+    if annotated.is_empty() {
+        let cause = CatalogueCause::NoEffects { folder: name, searched: classes.len() };
+        session.problems.push(Diagnostic::new(cause, Span::NONE));
+    }
+    Ok(annotated)
+}
+
 /// The effects of packages that are components of their own, and the names of all annotated classes.
 fn components(
     session: &mut Session,
@@ -171,8 +215,10 @@ fn components(
 ) -> (Vec<Effect>, Vec<String>) {
     let mut effects = Vec::new();
     let mut known = Vec::new();
-    for package in packages.names {
-        let classes = session.members(packages.request, package);
+    let members = packages.names.iter().map(|p| session.members(packages.request, p));
+    let mut groups: Vec<Vec<String>> = members.collect();
+    groups.push(packages.classes.to_vec());
+    for classes in groups {
         for annotated in session.annotated(packages.request, &classes) {
             known.push(annotated.class.clone());
             let Some(effect) = described(session, &annotated, role) else { continue };
@@ -187,8 +233,10 @@ fn components(
 
 /// The effect that an annotation describes, if it has this role.
 fn described(session: &mut Session, annotated: &Annotated, role: Role) -> Option<Effect> {
-    match read(&annotated.class, &annotated.entry(role.key())?.text, role) {
+    let entry = annotated.entry(role.key())?;
+    match read(&annotated.class, &entry.text, role) {
         Ok(mut effect) => {
+            effect.span = Some(entry.span);
             let explains = annotated.entry("explains").map(|e| e.text.as_str());
             effect.explains = explains.unwrap_or("%at has this effect.").to_owned();
             effect.law = annotated.entry("law").map(|e| e.text.clone()).unwrap_or_default();
@@ -311,7 +359,11 @@ fn start(item: &str) -> Option<Start> {
             Err(_) => {
                 let (factor, function) = variable.split_once('*')?;
                 let factor = factor.trim().parse().ok()?;
-                (function.trim() == "span").then_some(Start::Multiple(factor, inner))
+                match function.trim() {
+                    "span" => Some(Start::Multiple(factor, inner)),
+                    "max" => Some(Start::MultipleOfGreatest(factor, inner)),
+                    _ => None,
+                }
             }
         },
     }
@@ -323,14 +375,18 @@ mod tests {
 
     #[test]
     fn descriptions_are_read() {
-        let text = "amplitude=c>0,F_0; s_0=s(15); w=0.1e-3,0.02*span(u); host=spool,port_a; bind m_flow=gap.m_flow|m_flow; a=min(s)";
+        let text = "amplitude=c>0,F_0; s_0=s(15); w=0.1e-3,0.02*span(u),0.5*max(u); host=spool,port_a; bind m_flow=gap.m_flow|m_flow; a=min(s)";
         let effect = read("Effects.X", text, Role::Effect).unwrap();
         let amplitude = |name: &str, positive| Amplitude { name: name.into(), positive };
         assert_eq!(effect.amplitudes, [amplitude("c", true), amplitude("F_0", false)]);
         assert_eq!(effect.shape_parameters[0].1, [Start::Spread("s".into(), 15)]);
         assert_eq!(
             effect.shape_parameters[1].1,
-            [Start::Value(1e-4), Start::Multiple(0.02, "u".into())]
+            [
+                Start::Value(1e-4),
+                Start::Multiple(0.02, "u".into()),
+                Start::MultipleOfGreatest(0.5, "u".into())
+            ]
         );
         assert_eq!(effect.shape_parameters[2].1, [Start::Least("s".into())]);
         assert_eq!(effect.host, ["spool", "port_a"]);
@@ -349,5 +405,7 @@ mod tests {
     fn a_spread_keeps_off_the_ends() {
         assert_eq!(Start::Spread("s".into(), 2).values((0.0, 4.0)), [1.0, 3.0]);
         assert_eq!(Start::Multiple(0.5, "s".into()).values((1.0, 4.0)), [1.5]);
+        assert_eq!(Start::MultipleOfGreatest(0.5, "s".into()).values((1.0, 4.0)), [2.0]);
+        assert!(Start::Multiple(0.5, "s".into()).values((1.0, 1.0)).is_empty());
     }
 }

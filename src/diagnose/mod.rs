@@ -8,6 +8,8 @@
 //! [`search`] extends hypotheses step by step: every effect is scored at every place ([`rank`], [`score`]),
 //! the most promising are fitted ([`candidate_fit`]) and compared ([`preference`]). All thresholds stand in
 //! [`policy`].
+
+pub mod adapter;
 pub mod amended_model;
 pub mod backward_elimination;
 pub mod balance;

@@ -2,6 +2,7 @@
 
 use crate::calibrate::modification::{Tree, parts};
 
+use super::adapter::Adapters;
 use super::catalogue::Effect;
 use super::hypothesis::full_name;
 use super::place::Place;
@@ -93,8 +94,10 @@ pub struct Extension<'a> {
     pub base: &'a str,
     /// Its description.
     pub description: &'a str,
-    /// Its annotation, if any.
-    pub annotation: Option<&'a str>,
+    /// Its experiment annotation, if any.
+    pub experiment: Option<&'a str>,
+    /// The entry of its annotation `__mocc` that names the outputs of sensors, if any.
+    pub measured: Option<&'a str>,
     /// Modifications of the base.
     pub values: &'a [ParameterValue],
 }
@@ -119,26 +122,39 @@ impl Extension<'_> {
             out.push_str("  );\n");
         }
         components.into_iter().for_each(|a| a.declare(&mut out));
-        if attached.iter().any(|a| !a.place.connections.is_empty()) {
-            out.push_str("equation\n");
-        }
-        for a in attached {
-            for (own, other) in &a.place.connections {
-                out.push_str(&format!("  connect({}.{own}, {other});\n", a.name));
-            }
-        }
+        out.push_str(&self.connections(attached));
         let variations = variations(attached);
-        let annotations: Vec<&str> =
-            self.annotation.into_iter().chain(variations.as_deref()).collect();
+        let own: Vec<&str> = self.measured.into_iter().chain(variations.as_deref()).collect();
+        let own = (!own.is_empty()).then(|| format!("__mocc({})", own.join(", ")));
+        let annotations: Vec<&str> = self.experiment.into_iter().chain(own.as_deref()).collect();
         if !annotations.is_empty() {
             out.push_str(&format!("  annotation({});\n", annotations.join(", ")));
         }
         out.push_str(&format!("end {};\n", self.name));
         out
     }
+
+    /// The adapters that effects need, and all connections.
+    fn connections(&self, attached: &[Attached<'_>]) -> String {
+        let (mut adapters, mut connections) = (Adapters::default(), String::new());
+        for a in attached {
+            for (own, other) in &a.place.connections {
+                let adapter = a.place.adapters.iter().find(|adapter| adapter.end == *other);
+                let other = adapter.map_or(other.clone(), |adapter| adapters.attach(adapter));
+                connections.push_str(&format!("  connect({}.{own}, {other});\n", a.name));
+            }
+        }
+        let mut out = String::new();
+        adapters.declare(self.base, &mut out);
+        if !connections.is_empty() {
+            out.push_str("equation\n");
+        }
+        adapters.connect(&mut out);
+        out + &connections
+    }
 }
 
-/// The annotation that lets parameters vary, if an effect does.
+/// The entry of the annotation `__mocc` that lets parameters vary, if an effect does.
 fn variations(attached: &[Attached<'_>]) -> Option<String> {
     let of = |a: &Attached<'_>| {
         let factor = a.effect.varies.as_ref().map(|own| format!("{}.{own}", a.name));
@@ -147,7 +163,7 @@ fn variations(attached: &[Attached<'_>]) -> Option<String> {
         parameters.into_iter().map(move |p| format!("{p} = {factor}")).collect::<Vec<_>>()
     };
     let all: Vec<String> = attached.iter().flat_map(of).collect();
-    (!all.is_empty()).then(|| format!("__mocc(varies = \"{}\")", all.join(", ")))
+    (!all.is_empty()).then(|| format!("varies = \"{}\"", all.join(", ")))
 }
 
 /// The path of a parameter in the tree of modifications.

@@ -5,6 +5,7 @@ use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 
+use super::adapter::{Adapter, adapter, is_compatible};
 use super::catalogue::Effect;
 
 /// A way to attach an effect.
@@ -14,6 +15,8 @@ pub struct Place {
     pub at: Vec<String>,
     /// Connectors of the effect, and those of the model to connect them with.
     pub connections: Vec<(String, String)>,
+    /// Adapters for those of the model's connectors that are of another class.
+    pub adapters: Vec<Adapter>,
     /// Inputs of the effect, and the variables that they are bound to.
     pub binds: Vec<(String, String)>,
     /// The signal that it modifies, by position in the plan.
@@ -28,6 +31,7 @@ impl Place {
         Place {
             at: components.to_vec(),
             connections: Vec::new(),
+            adapters: Vec::new(),
             binds: Vec::new(),
             signal: None,
             others: Vec::new(),
@@ -50,6 +54,9 @@ impl Place {
 
 /// Largest number of hosts that have an effect together.
 const MAX_HOSTS: usize = 8;
+
+/// Names of classes with one connector whose potential is that of the surroundings.
+const SURROUNDINGS: [&str; 4] = ["Ambient", "Ground", "FixedTemperature", "PrescribedTemperature"];
 
 /// All places for an effect.
 pub fn places(
@@ -83,10 +90,44 @@ pub fn places(
     }
 }
 
+/// Why there is no place for an effect, as half a sentence.
+pub fn why_nowhere(effect: &Effect, inventory: &Inventory) -> String {
+    let short = |class: &str| class.rsplit('.').next().unwrap_or(class).to_owned();
+    if effect.built_in {
+        return "the model has no component of this class".to_owned();
+    }
+    let missing = effect.connectors.iter().find(|c| ends(inventory, c).next().is_none());
+    if let Some(missing) = missing {
+        return format!("the model has no connector like `{}`", missing.class);
+    }
+    if !effect.host.is_empty() {
+        let names: Vec<String> =
+            effect.connectors.iter().map(|c| format!("`{}`", c.name)).collect();
+        let inputs: Vec<String> = effect.binds.iter().map(|(i, _)| format!("`{i}`")).collect();
+        let inputs = match inputs.is_empty() {
+            true => String::new(),
+            false => format!(" and variables for its inputs {}", inputs.join(", ")),
+        };
+        return format!("no component has the connectors {}{inputs}", names.join(", "));
+    }
+    match (effect.binds.first(), effect.connectors.as_slice()) {
+        (Some((input, _)), _) => {
+            format!(
+                "nothing says what its input `{input}` is bound to, since it has no entry `host`"
+            )
+        }
+        (None, [a, b]) if a.class == b.class => {
+            format!("no component has two connectors like `{}`", short(&a.class))
+        }
+        _ => "without an entry `host`, it may have one connector, or two of one class".to_owned(),
+    }
+}
+
 fn signals(plan: &Plan) -> Vec<Place> {
     let place = |(k, s): (usize, &crate::calibrate::plan::Signal)| Place {
         at: vec![s.column.clone()],
         connections: Vec::new(),
+        adapters: Vec::new(),
         binds: vec![("u".to_owned(), s.variable.clone())],
         signal: Some(k),
         others: Vec::new(),
@@ -95,9 +136,10 @@ fn signals(plan: &Plan) -> Vec<Place> {
 }
 
 fn built_in(effect: &Effect, part: &InventoryPart) -> Option<Place> {
-    (part.class == effect.class).then(|| Place {
+    (part.class == effect.class && !is_element(part)).then(|| Place {
         at: vec![part.name.clone()],
         connections: Vec::new(),
+        adapters: Vec::new(),
         binds: Vec::new(),
         signal: None,
         others: Vec::new(),
@@ -105,7 +147,7 @@ fn built_in(effect: &Effect, part: &InventoryPart) -> Option<Place> {
 }
 
 fn hosted(effect: &Effect, part: &InventoryPart, variables: &FastSet<&str>) -> Option<Place> {
-    if part.name.is_empty() {
+    if part.name.is_empty() || is_element(part) {
         return None;
     }
     let mut connections = Vec::new();
@@ -121,84 +163,105 @@ fn hosted(effect: &Effect, part: &InventoryPart, variables: &FastSet<&str>) -> O
         binds.push((input.clone(), full.into_iter().find(|v| variables.contains(v.as_str()))?));
     }
     let at = vec![part.name.clone()];
-    Some(Place { at, connections, binds, signal: None, others: Vec::new() })
+    let adapters = Vec::new();
+    Some(Place { at, connections, adapters, binds, signal: None, others: Vec::new() })
 }
 
-/// One place for each connection set of the class. It is named after the component that has the fewest
-/// connectors of the class: a volume rather than the restriction that leads to it.
+/// True for an element of an array of components.
+fn is_element(part: &InventoryPart) -> bool {
+    part.name.ends_with(']')
+}
+
+/// One place for each connection set with connectors like that of the effect. It is named after the component
+/// that has the fewest of them: a volume rather than the restriction that leads to it.
 fn nodes(end: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
     let mut found: Vec<(usize, &InventoryPart, &InventoryConnector)> = Vec::new();
-    for (part, connector) in ends(inventory, &end.class) {
-        let rank = |p: &InventoryPart| {
-            (p.connectors.iter().filter(|c| c.class == end.class).count(), p.name.len())
-        };
+    for (part, connector) in ends(inventory, end) {
+        let rank = |p: &InventoryPart| (alike(p, end).count(), p.name.len());
         match found.iter_mut().find(|(node, ..)| *node == connector.node) {
             None => found.push((connector.node, part, connector)),
             Some(entry) if rank(part) < rank(entry.1) => *entry = (connector.node, part, connector),
             Some(_) => {}
         }
     }
-    let place = |(_, part, connector): (usize, &InventoryPart, &InventoryConnector)| Place {
-        at: vec![part.name.clone()],
-        connections: vec![(end.name.clone(), format!("{}.{}", part.name, connector.name))],
-        binds: Vec::new(),
-        signal: None,
-        others: Vec::new(),
-    };
-    found.into_iter().map(place).collect()
+    found.into_iter().map(|(_, part, other)| attached(part, [(end, (part, other))])).collect()
 }
 
-/// Pairs of connection sets that a component with two connectors of the class bridges, and every volume with
-/// ambient. If several components bridge a pair, it is named after the one with most connectors: a seal
-/// rather than a line.
+/// Pairs of connection sets that a component with two connectors like those of the effect bridges, and every
+/// volume with the surroundings; in a circuit, every connection set with ground. If several components bridge a
+/// pair, it is named after the one with most connectors: a seal rather than a line.
 fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
+    type End<'a> = (&'a InventoryPart, &'a InventoryConnector);
     let mut parts: Vec<&InventoryPart> =
         inventory.parts.iter().filter(|p| !p.name.is_empty()).collect();
     parts.sort_by_key(|p| std::cmp::Reverse(p.connectors.len()));
     let mut known: Vec<(usize, usize)> = Vec::new();
     let mut out = Vec::new();
-    let mut add = |at: &str, x: (String, usize), y: (String, usize)| {
-        let pair = (x.1.min(y.1), x.1.max(y.1));
+    let mut add = |at: &InventoryPart, x: End<'_>, y: End<'_>| {
+        let pair = (x.1.node.min(y.1.node), x.1.node.max(y.1.node));
         if pair.0 == pair.1 || known.contains(&pair) {
             return;
         }
         known.push(pair);
-        let connections = vec![(a.name.clone(), x.0), (b.name.clone(), y.0)];
-        out.push(Place {
-            at: vec![at.to_owned()],
-            connections,
-            binds: Vec::new(),
-            signal: None,
-            others: Vec::new(),
-        });
+        out.push(attached(at, [(a, x), (b, y)]));
     };
-    let path =
-        |p: &InventoryPart, c: &InventoryConnector| (format!("{}.{}", p.name, c.name), c.node);
     for part in &parts {
-        let own: Vec<&InventoryConnector> =
-            part.connectors.iter().filter(|c| c.class == a.class).collect();
+        let own: Vec<&InventoryConnector> = alike(part, a).collect();
         if let [x, y] = own.as_slice() {
-            add(&part.name, path(part, x), path(part, y));
+            add(part, (part, x), (part, y));
         }
     }
-    let ambient = ends(inventory, &a.class).find(|(p, _)| p.class.ends_with("Ambient"));
-    if let Some((ambient, end)) = ambient {
-        for (part, connector) in ends(inventory, &a.class) {
-            let alone = part.connectors.iter().filter(|c| c.class == a.class).count() == 1;
-            if alone && part.name != ambient.name {
-                add(&part.name, path(part, connector), path(ambient, end));
+    let is_surroundings = |p: &InventoryPart| {
+        alike(p, a).count() == 1 && SURROUNDINGS.iter().any(|name| p.class.ends_with(*name))
+    };
+    let surroundings = ends(inventory, a).find(|(p, _)| is_surroundings(p));
+    if let Some(surroundings) = surroundings {
+        let everywhere = surroundings.0.class.ends_with("Ground");
+        let mut others: Vec<End<'_>> =
+            ends(inventory, a).filter(|(p, _)| !is_surroundings(p)).collect();
+        if everywhere {
+            others.sort_by_key(|(p, _)| alike(p, a).count());
+        }
+        for (part, connector) in others {
+            if everywhere || alike(part, a).count() == 1 {
+                add(part, (part, connector), surroundings);
             }
         }
     }
     out
 }
 
+/// The place where connectors of an effect meet connectors of the model.
+fn attached<const N: usize>(
+    at: &InventoryPart,
+    ends: [(&InventoryConnector, (&InventoryPart, &InventoryConnector)); N],
+) -> Place {
+    let path = |(part, other): (&InventoryPart, &InventoryConnector)| {
+        format!("{}.{}", part.name, other.name)
+    };
+    Place {
+        at: vec![at.name.clone()],
+        connections: ends.iter().map(|(own, end)| (own.name.clone(), path(*end))).collect(),
+        adapters: ends.iter().filter_map(|(own, end)| adapter(own, end.1, path(*end))).collect(),
+        binds: Vec::new(),
+        signal: None,
+        others: Vec::new(),
+    }
+}
+
+/// The connectors of a component to which one of an effect can be attached.
+fn alike<'a>(
+    part: &'a InventoryPart,
+    own: &'a InventoryConnector,
+) -> impl Iterator<Item = &'a InventoryConnector> {
+    part.connectors.iter().filter(move |c| is_compatible(own, c))
+}
+
+/// The same of all components.
 fn ends<'a>(
     inventory: &'a Inventory,
-    class: &'a str,
+    own: &'a InventoryConnector,
 ) -> impl Iterator<Item = (&'a InventoryPart, &'a InventoryConnector)> {
     let parts = inventory.parts.iter().filter(|p| !p.name.is_empty());
-    parts
-        .flat_map(|p| p.connectors.iter().map(move |c| (p, c)))
-        .filter(move |(_, c)| c.class == class)
+    parts.flat_map(move |p| alike(p, own).map(move |c| (p, c)))
 }

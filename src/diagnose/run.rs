@@ -6,6 +6,9 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use crate::base::diag::Diagnostic;
+use crate::base::index::FastSet;
+use crate::base::source::Span;
 use crate::calibrate::observer::{Event, Observer};
 use crate::calibrate::problem::{Problem, record_signals};
 use crate::calibrate::run::{CalibrationError, check_start, inputs, read};
@@ -13,9 +16,11 @@ use crate::driver::compile::{CompileError, Session};
 
 use super::amended_model::{AmendedModel, amended};
 use super::balance::{Balance, Profile, balances, contributions};
-use super::catalogue::{Effect, Packages, catalogue, unknowns};
+use super::catalogue::{Effect, Packages, catalogue, of_folder, unknowns};
+use super::cause::CatalogueCause;
 use super::law_choice::choices;
 use super::noise::noise;
+use super::place::{places, why_nowhere};
 use super::policy::SearchPolicy;
 use super::residual::test_sums;
 use super::result::{Diagnosis, Verdict};
@@ -132,15 +137,23 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     record_signals(&mut program, &plan);
     let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
     check_start(&problem.ok_or(CompileError::Request)?).map_err(CalibrationError::from)?;
-    let mut packages = vec![SHIPPED_EFFECTS.to_owned()];
-    if request.effects.is_some() {
-        // The folder of the user is itself a top level.
-        packages.push(String::new());
-    }
-    let packages = Packages { request: &compiled, names: &packages };
+    let own = match &request.effects {
+        Some(folder) => of_folder(session, &compiled, folder)?,
+        None => Vec::new(),
+    };
+    let names = [SHIPPED_EFFECTS.to_owned()];
+    let packages = Packages { request: &compiled, names: &names, classes: &own };
     let mut effects = catalogue(session, &packages, &inventory, &units);
     effects.extend(choices);
     let unknowns = unknowns(session, &packages);
+    let known: FastSet<&str> = variables.iter().map(String::as_str).collect();
+    for effect in effects.iter().chain(&unknowns).filter(|e| own.contains(&e.class)) {
+        if effect.varies.is_none() && places(effect, &inventory, &known, &plan).is_empty() {
+            let (class, why) = (effect.class.clone(), why_nowhere(effect, &inventory));
+            let cause = CatalogueCause::FitsNowhere { class, why };
+            session.problems.push(Diagnostic::new(cause, effect.span.unwrap_or(Span::NONE)));
+        }
+    }
     let (request, policy) = (compiled, request.policy.clone());
     let study = Study {
         plan,

@@ -38,6 +38,7 @@ impl VariationTargets {
         let place = |at: &Vec<String>, variable: &String| Place {
             at: at.clone(),
             connections: Vec::new(),
+            adapters: Vec::new(),
             binds: vec![(input.to_owned(), variable.clone())],
             signal: None,
             others: Vec::new(),

@@ -115,6 +115,23 @@ impl Folder for OnDisk {
     }
 }
 
+/// The names of the classes and packages in a folder, as its files tell. Errors: why it cannot be searched.
+pub fn top_level(folder: &Path) -> Result<Vec<String>, String> {
+    let why = |e: std::io::Error| match e.kind() {
+        std::io::ErrorKind::NotFound => "there is no such folder".to_owned(),
+        std::io::ErrorKind::NotADirectory => "it is not a folder".to_owned(),
+        _ => e.to_string(),
+    };
+    std::fs::read_dir(folder).map_err(why)?;
+    let entries = OnDisk(folder.to_owned()).entries(Path::new(""));
+    if entries.iter().any(|e| e == "package.mo") {
+        return Err("it is a package itself, so name the folder that contains it".to_owned());
+    }
+    let name =
+        |e: &String| e.strip_suffix('/').or_else(|| e.strip_suffix(".mo")).map(str::to_owned);
+    Ok(entries.iter().filter_map(name).filter(|e| !e.contains('.')).collect())
+}
+
 /// The text of a file, or the reason why it cannot be read.
 pub fn read(path: &Path) -> Result<String, String> {
     let bytes = std::fs::read(path).map_err(|e| e.to_string())?;

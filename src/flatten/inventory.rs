@@ -1,10 +1,13 @@
 //! Inventory of a model: its components, their connectors, and the nodes that connections form.
 //!
 //! For tools that attach components to a model: two connectors of the same class at the same node
-//! are equivalent places to attach to.
+//! are equivalent places to attach to. Connectors of different classes can be compared by the names and units of
+//! their variables.
 
 use crate::evaluate::Evaluator;
-use crate::ir::ast::{Causality, ClassKind};
+use crate::ir::ast::{Causality, ClassKind, ConnectionPrefix, Variability};
+use crate::ir::expr::Type;
+use crate::ir::flat::FlatModel;
 use crate::ir::instance::{InstanceId, InstanceKind};
 
 use super::connect::Connections;
@@ -38,6 +41,26 @@ pub struct InventoryConnector {
     pub class: String,
     /// The node that it belongs to: connectors are connected if their nodes are equal.
     pub node: usize,
+    /// Its potential and its flow, if it consists of one of each.
+    pub pair: Option<PotentialFlow>,
+}
+
+/// The variables of a connector that consists of one potential and one flow, both real numbers.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct PotentialFlow {
+    /// The variable that is equal in connected connectors.
+    pub potential: ConnectorVariable,
+    /// The variable whose sum over connected connectors is zero.
+    pub flow: ConnectorVariable,
+}
+
+/// A variable of a connector.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ConnectorVariable {
+    /// Its name.
+    pub name: String,
+    /// Its unit; empty where not declared.
+    pub unit: String,
 }
 
 /// Takes the inventory of the model at `root`, whose connections have been collected.
@@ -45,6 +68,7 @@ pub(super) fn of(
     cx: &mut Evaluator<'_>,
     root: InstanceId,
     connections: &mut Connections,
+    flat: &FlatModel,
 ) -> Inventory {
     let mut inventory = Inventory::default();
     let InstanceKind::Object(children) = cx.instances[root].kind.clone() else { return inventory };
@@ -56,8 +80,10 @@ pub(super) fn of(
         if instance.prefix.causality == Some(Causality::Input) && cx.binding(child).is_none() {
             inventory.inputs.push(name.clone());
         }
-        if let InstanceKind::Object(inner) = cx.instances[child].kind.clone() {
-            parts.push((child, name, inner));
+        for (element, name) in elements(cx, child, name) {
+            if let InstanceKind::Object(inner) = cx.instances[element].kind.clone() {
+                parts.push((element, name, inner));
+            }
         }
     }
     let mut free = usize::MAX;
@@ -71,11 +97,9 @@ pub(super) fn of(
                 free -= 1;
                 free
             });
-            connectors.push(InventoryConnector {
-                name: cx.instances[end].name.to_string(),
-                class,
-                node,
-            });
+            let name = cx.instances[end].name.to_string();
+            let pair = pair(cx, end, flat);
+            connectors.push(InventoryConnector { name, class, node, pair });
         }
         let class = cx.instances[id].class;
         let class = class.map_or_else(String::new, |c| cx.classes[c].full_name.to_string());
@@ -84,6 +108,55 @@ pub(super) fn of(
         }
     }
     inventory
+}
+
+/// A component, or the elements of an array of components, with their names.
+fn elements(cx: &mut Evaluator<'_>, id: InstanceId, name: String) -> Vec<(InstanceId, String)> {
+    let InstanceKind::Array { dims, elements } = cx.instances[id].kind.clone() else {
+        return vec![(id, name)];
+    };
+    let subscripts = |mut k: usize| {
+        let mut all: Vec<String> = Vec::new();
+        for size in dims.iter().rev() {
+            all.push((k % size + 1).to_string());
+            k /= size;
+        }
+        all.reverse();
+        all.join(",")
+    };
+    let mut named = Vec::new();
+    for (k, element) in elements.iter().enumerate() {
+        cx.complete(*element);
+        named.push((*element, format!("{name}[{}]", subscripts(k))));
+    }
+    named
+}
+
+/// The potential and the flow of a connector that has nothing else.
+fn pair(cx: &Evaluator<'_>, connector: InstanceId, flat: &FlatModel) -> Option<PotentialFlow> {
+    let InstanceKind::Object(children) = &cx.instances[connector].kind else { return None };
+    let (mut potentials, mut flows) = (Vec::new(), Vec::new());
+    for &child in children.iter() {
+        let instance = &cx.instances[child];
+        if instance.prefix.variability.is_some_and(|v| v < Variability::Discrete) {
+            continue;
+        }
+        let InstanceKind::Variable { ty: Type::Real, dims, first } = &instance.kind else {
+            return None;
+        };
+        if !dims.is_empty() || instance.prefix.causality.is_some() {
+            return None;
+        }
+        let unit = first.map_or(String::new(), |v| flat.variables[v].unit.to_string());
+        let variable = ConnectorVariable { name: instance.name.to_string(), unit };
+        match instance.prefix.connection {
+            None => potentials.push(variable),
+            Some(ConnectionPrefix::Flow) => flows.push(variable),
+            Some(ConnectionPrefix::Stream) => return None,
+        }
+    }
+    let (potential, flow) = (potentials.pop()?, flows.pop()?);
+    (potentials.is_empty() && flows.is_empty()).then_some(PotentialFlow { potential, flow })
 }
 
 fn connector_class(cx: &mut Evaluator<'_>, id: InstanceId) -> Option<String> {

@@ -61,8 +61,8 @@ pub fn flatten_with_inventory(
 ) -> (FlatModel, inventory::Inventory) {
     let mut found = inventory::Inventory::default();
     let connections = connect::Connections::default();
-    let flat = flatten_with(cx, class, overrides, connections, |cx, root, connections, _| {
-        found = inventory::of(cx, root, connections);
+    let flat = flatten_with(cx, class, overrides, connections, |cx, root, connections, flat| {
+        found = inventory::of(cx, root, connections, flat);
     });
     (flat, found)
 }

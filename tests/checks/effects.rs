@@ -101,6 +101,17 @@ fn an_effect_of_amplitude_zero_changes_nothing() {
     for effect in effects() {
         let run = absent(&format!("Absent.{}", effect.name)).run();
         same(&run, &base, &effect.name);
+        // What an effect is attached to beside the valve stands there twice.
+        if let Some(observed) = run.values("observed").filter(|_| run.values("twin").is_some()) {
+            let scale = observed.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            for (with, without) in observed.iter().zip(run.of("twin")) {
+                assert!(
+                    (with - without).abs() <= 1e-7 * scale,
+                    "{}: {with}, {without}",
+                    effect.name
+                );
+            }
+        }
     }
 }
 
@@ -182,6 +193,7 @@ fn annotations_name_existing_elements() {
                         let of = match value.split_once('(').expect("a bracket").0 {
                             "min" | "max" => rest.trim_end_matches(')'),
                             multiple if multiple.ends_with("*span") => rest.trim_end_matches(')'),
+                            multiple if multiple.ends_with("*max") => rest.trim_end_matches(')'),
                             variable => variable,
                         };
                         assert!(is_there(of), "{}: {of} in {value}", effect.name);

@@ -10,6 +10,7 @@ mod check;
 mod cli;
 mod closed_form;
 mod diagnose;
+mod diagnose_domains;
 mod docs;
 mod effects;
 mod errors;

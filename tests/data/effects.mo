@@ -584,6 +584,448 @@ package EffectTests
       exact = {if time < 1 then u - 0.02*(1 - exp(-u/0.1)) else u - 0.02*(-1 + (1 + z_1)*exp(-(time - 1)/0.1))};
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end SensorHysteresis;
+
+    model ConstantTorque
+      extends Check;
+      Rotational.Inertia body(J = 2);
+      Effects.ConstantTorque effect(M = 3);
+    equation
+      connect(effect.flange, body.flange);
+      found = {body.phi};
+      exact = {3*time^2/(2*2)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ConstantTorque;
+
+    model ExtraTorsionSpring
+      extends Check;
+      Rotational.Inertia body(J = 2, phi_start = 0.1);
+      Effects.ExtraTorsionSpring effect(c = 200, M_0 = 4, phi_0 = 0.01);
+      Real phi_rest = 0.01 - 4/200 "Where the spring is slack";
+    equation
+      connect(effect.flange, body.flange);
+      found = {body.phi};
+      exact = {phi_rest + (0.1 - phi_rest)*cos(sqrt(200/2)*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ExtraTorsionSpring;
+
+    model AddedInertia
+      extends Check;
+      Rotational.Inertia body(J = 2);
+      Effects.AddedInertia effect(J = 1);
+      Rotational.Torque drive(tau = 6);
+    equation
+      connect(effect.flange, body.flange);
+      connect(drive.flange, body.flange);
+      found = {body.phi};
+      exact = {6*time^2/(2*(2 + 1))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end AddedInertia;
+
+    model BearingDamping
+      extends Check;
+      Rotational.Inertia body(J = 2, w_start = 1);
+      Effects.BearingDamping effect(d = 3);
+    equation
+      connect(effect.flange, body.flange);
+      found = {body.w};
+      exact = {exp(-3/2*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end BearingDamping;
+
+    model FanDrag
+      extends Check;
+      Rotational.Inertia body(J = 2, w_start = -1);
+      Effects.FanDrag effect(k = 3);
+    equation
+      connect(effect.flange, body.flange);
+      found = {body.w};
+      exact = {-1/(1 + 3/2*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end FanDrag;
+
+    model BearingFriction
+      extends Check;
+      Rotational.ConstantSpeed drive(w_0 = 1e-3);
+      Effects.BearingFriction effect(M = 3, delta = 1e-5);
+    equation
+      connect(effect.flange, drive.flange);
+      found = {effect.tau};
+      exact = {-3*(1 - exp(-1e-3*time/1e-5))};
+      annotation(experiment(StopTime = 0.1, Tolerance = 1e-9));
+    end BearingFriction;
+
+    model BearingStribeck
+      extends Check;
+      Rotational.ConstantSpeed drive(w_0 = -2e-3);
+      Effects.BearingStribeck effect(M = 3, M_s = 2, delta = 1e-5, w_s = 3e-3);
+    equation
+      connect(effect.flange, drive.flange);
+      found = {effect.tau};
+      exact = {(3 + 2*exp(-(2/3)^2))*(1 - exp(-2e-3*time/1e-5))};
+      annotation(experiment(StopTime = 0.05, Tolerance = 1e-9));
+    end BearingStribeck;
+
+    model Cogging
+      extends Check;
+      Rotational.ConstantSpeed drive(w_0 = 2);
+      Effects.Cogging effect(M_s = 3, M_c = 0.5, N = 4);
+    equation
+      connect(effect.flange, drive.flange);
+      found = {effect.tau};
+      exact = {3*sin(8*time) + 0.5*cos(8*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end Cogging;
+
+    model FreeTorqueOverAngle
+      extends Check;
+      // Values on a straight line make a spring.
+      Rotational.Inertia body(J = 2, phi_start = 0.1);
+      Effects.FreeTorqueOverAngle effect(n = 5, M = {40, 20, 0, -20, -40}, phi_lo = -0.2, phi_hi = 0.2);
+    equation
+      connect(effect.flange, body.flange);
+      found = {body.phi};
+      exact = {0.1*cos(sqrt(200/2)*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeTorqueOverAngle;
+
+    model FreeTorqueOverSpeed
+      extends Check;
+      Rotational.ConstantSpeed drive(w_0 = 1.3);
+      Effects.FreeTorqueOverSpeed effect(n = 5, M = {0, 1, 2, 3, 4}, w_hi = 2, delta = 0.1);
+    equation
+      connect(effect.flange, drive.flange);
+      found = {effect.tau};
+      exact = {-2.6*(1 - exp(-1.3*time/0.1))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeTorqueOverSpeed;
+
+    model TwistSpring
+      extends Check;
+      Rotational.Inertia body(J = 2, phi_start = -0.1);
+      Rotational.Inertia other(J = 2, phi_start = 0.1);
+      Effects.TwistSpring effect(c = 200, M_0 = 4);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.phi_rel};
+      exact = {-4/200 + (0.2 + 4/200)*cos(sqrt(2*200/2)*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end TwistSpring;
+
+    model TwistStiffening
+      extends Check;
+      // What it holds it gives back: the motion keeps its energy.
+      Rotational.Fixed body;
+      Rotational.Inertia other(J = 2, phi_start = 0.5);
+      Effects.TwistStiffening effect(c_3 = 200);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {2*other.w^2/2};
+      exact = {200*(0.5^4 - other.phi^4)/4};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end TwistStiffening;
+
+    model TwistDamping
+      extends Check;
+      Rotational.Inertia body(J = 2, w_start = -1);
+      Rotational.Inertia other(J = 2, w_start = 1);
+      Effects.TwistDamping effect(d = 3);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.w_rel};
+      exact = {2*exp(-2*3/2*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end TwistDamping;
+
+    model Backlash
+      extends Check;
+      // With a spring of the same stiffness, nothing changes within the play.
+      Rotational.ConstantSpeed body(w_0 = 1);
+      Rotational.ConstantSpeed other(w_0 = 2, phi_0 = -0.5);
+      Effects.Backlash effect(c = 200, b = 0.1, phi_0 = 0.05);
+      Rotational.Spring spring(c = 200);
+      Real x = time - 0.5 - 0.05 "Twist from the middle";
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      connect(spring.flange_a, body.flange);
+      connect(spring.flange_b, other.flange);
+      found = {spring.tau + effect.tau};
+      exact = {200*0.05 + (if x < -0.1 then 200*(x + 0.1) elseif x > 0.1 then 200*(x - 0.1) else 0)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end Backlash;
+
+    model LeakConductance
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Capacitor store(C = 2, v_start = 1);
+      Effects.LeakConductance effect(G = 3);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      found = {store.v};
+      exact = {exp(-3/2*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end LeakConductance;
+
+    model VoltageDrop
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Voltage store(v_0 = 10*time - 5);
+      Effects.VoltageDrop effect(G = 3, V = 2);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      found = {effect.i};
+      exact = {if time < 0.3 then 6 elseif time > 0.7 then -6 else -3*(10*time - 5)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end VoltageDrop;
+
+    model DiodeDrop
+      extends Check(n = 2);
+      Electrical.Ground ground;
+      Electrical.Voltage store(v_0 = 10*time - 5);
+      Effects.DiodeDrop effect(G = 3, V = 2);
+      Effects.DiodeDrop back(G = 3, V = 2, side = -1);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      connect(back.p, store.p);
+      connect(back.n, store.n);
+      found = {effect.i, back.i};
+      exact = {if time > 0.7 then -6 else -3*(10*time - 5), if time < 0.3 then 6 else -3*(10*time - 5)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end DiodeDrop;
+
+    model ClampDiode
+      extends Check(n = 2);
+      Electrical.Ground ground;
+      Electrical.Voltage store(v_0 = 10*time - 5);
+      Effects.ClampDiode effect(G = 3, V = 2);
+      Effects.ClampDiode back(G = 3, V = 2, side = -1);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      connect(back.p, store.p);
+      connect(back.n, store.n);
+      found = {effect.i, back.i};
+      exact = {if time > 0.7 then 3*(10*time - 7) else 0, if time < 0.3 then 3*(10*time - 3) else 0};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ClampDiode;
+
+    model RelaxationBranch
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Voltage store(v_0 = 4*time + 1);
+      Effects.RelaxationBranch effect(C = 3, tau = 0.2);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      found = {effect.i};
+      exact = {4*3*(1 - exp(-time/0.2))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end RelaxationBranch;
+
+    model InductorSaturation
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Voltage store(v_0 = 2);
+      Effects.InductorSaturation effect(a = 3);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      found = {effect.i};
+      exact = {3*(2*time)^3};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end InductorSaturation;
+
+    model OffsetCurrent
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Capacitor store(C = 2);
+      Effects.OffsetCurrent effect(I = 3);
+    equation
+      connect(effect.p, store.p);
+      connect(store.n, ground.p);
+      found = {store.v};
+      exact = {3*time/2};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end OffsetCurrent;
+
+    model FreeCurrentOverVoltage
+      extends Check;
+      // Values on a straight line make a conductance.
+      Electrical.Ground ground;
+      Electrical.Capacitor store(C = 2, v_start = 1);
+      Effects.FreeCurrentOverVoltage effect(m = 5, I = {-6, -3, 0, 3, 6}, v_lo = -2, v_hi = 2);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      found = {store.v};
+      exact = {exp(-3/2*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeCurrentOverVoltage;
+
+    model Voltage
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Voltage effect(v_0 = 12 + time, R = 2);
+      Electrical.Resistor load(R = 4);
+    equation
+      connect(effect.p, load.p);
+      connect(effect.n, load.n);
+      connect(effect.n, ground.p);
+      found = {load.v};
+      exact = {(12 + time)*4/(4 + 2)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end Voltage;
+
+    model Capacitor
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Capacitor effect(C = 2, R = 3);
+      Electrical.Current supply(i = 4);
+    equation
+      connect(effect.p, supply.p);
+      connect(effect.n, supply.n);
+      connect(effect.n, ground.p);
+      found = {effect.v};
+      exact = {4*(3 + time/2)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end Capacitor;
+
+    model Inductor
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Inductor effect(L = 2, R = 3);
+      Electrical.Voltage supply(v_0 = 6);
+    equation
+      connect(effect.p, supply.p);
+      connect(effect.n, supply.n);
+      connect(effect.n, ground.p);
+      found = {effect.i};
+      exact = {2*(1 - exp(-3*time/2))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end Inductor;
+
+    model ConstantHeatFlow
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Effects.ConstantHeatFlow effect(P = 30);
+    equation
+      connect(effect.port, body.port);
+      found = {body.T};
+      exact = {400 + 3*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ConstantHeatFlow;
+
+    model HeatLoss
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Effects.HeatLoss effect(G = 3, T_0 = 300);
+    equation
+      connect(effect.port, body.port);
+      found = {body.T};
+      exact = {300 + 100*exp(-0.3*time)};
+      annotation(experiment(StopTime = 5, Tolerance = 1e-9));
+    end HeatLoss;
+
+    model ConvectionLoss
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Effects.ConvectionLoss effect(k = 3, T_0 = 300, dT_min = 0);
+    equation
+      connect(effect.port, body.port);
+      found = {body.T};
+      exact = {300 + (100^(-0.25) + 3/10*time/4)^(-4)};
+      annotation(experiment(StopTime = 5, Tolerance = 1e-9));
+    end ConvectionLoss;
+
+    model RadiationLoss
+      extends Check;
+      // To surroundings at 0 K.
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Effects.RadiationLoss effect(A = 10, T_0 = 0);
+    equation
+      connect(effect.port, body.port);
+      found = {body.T};
+      exact = {(400^(-3) + 3*5.670374419e-8*10/10*time)^(-1/3)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end RadiationLoss;
+
+    model HeatLeak
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Thermal.HeatCapacity other(C = 5, T_start = 300);
+      Effects.HeatLeak effect(G = 3);
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, other.port);
+      found = {effect.dT};
+      exact = {100*exp(-3*(1/10 + 1/5)*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end HeatLeak;
+
+    model ConvectionExchange
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Thermal.HeatCapacity other(C = 5, T_start = 300);
+      Effects.ConvectionExchange effect(k = 3, dT_min = 0);
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, other.port);
+      found = {effect.dT};
+      exact = {(100^(-0.25) + 3*(1/10 + 1/5)*time/4)^(-4)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end ConvectionExchange;
+
+    model RadiationExchange
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Thermal.Ambient other(T = 0);
+      Effects.RadiationExchange effect(A = 10);
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, other.port);
+      found = {body.T};
+      exact = {(400^(-3) + 3*5.670374419e-8*10/10*time)^(-1/3)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end RadiationExchange;
+
+    model SecondHeatStore
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Thermal.HeatSource heater(Q_flow = 30);
+      Effects.SecondHeatStore effect(C = 5, tau = 0.3);
+      Real rate = (1 + 5/10)/0.3 "At which the two come together";
+    equation
+      connect(effect.port, body.port);
+      connect(heater.port, body.port);
+      found = {body.T};
+      exact = {400 + 3*time - 5/10/0.3*3/rate*(time - (1 - exp(-rate*time))/rate)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SecondHeatStore;
+
+    model FreeHeatFlowOverTemperature
+      extends Check;
+      // Values on a straight line make a linear loss.
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Effects.FreeHeatFlowOverTemperature effect(n = 5, P = {300, 0, -300, -600, -900}, T_lo = 200, T_hi = 600);
+    equation
+      connect(effect.port, body.port);
+      found = {body.T};
+      exact = {300 + 100*exp(-0.3*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeHeatFlowOverTemperature;
   end Present;
 
   model Base "A piston, a pilot, a seal at an edge, and a working volume"
@@ -638,6 +1080,57 @@ package EffectTests
     connect(outlet.port_a, upper.port);    connect(outlet.port_b, lower.port);
     connect(drainage.port_a, lower.port);  connect(drainage.port_b, drain.port);
   end BesideTanks;
+
+  model BesideShafts "The same, and an elastic shaft, twice"
+    extends Base;
+    Rotational.Torque  drive(tau = 0.1);
+    Rotational.Inertia motor(J = 1e-3);
+    Rotational.Spring  shaft(c = 20);
+    Rotational.Inertia load(J = 2e-3, phi_start = 0.01);
+    Rotational.Torque  drive_2(tau = 0.1);
+    Rotational.Inertia motor_2(J = 1e-3);
+    Rotational.Spring  shaft_2(c = 20);
+    Rotational.Inertia load_2(J = 2e-3, phi_start = 0.01);
+    Units.Angle observed = load.phi;
+    Units.Angle twin     = load_2.phi;
+  equation
+    connect(drive.flange, motor.flange);        connect(drive_2.flange, motor_2.flange);
+    connect(motor.flange, shaft.flange_a);      connect(motor_2.flange, shaft_2.flange_a);
+    connect(shaft.flange_b, load.flange);       connect(shaft_2.flange_b, load_2.flange);
+  end BesideShafts;
+
+  model BesideCircuit "The same, and a circuit, twice"
+    extends Base;
+    Electrical.Ground    ground;
+    Electrical.Voltage   battery(v_0 = 2);
+    Electrical.Resistor  wire(R = 10);
+    Electrical.Capacitor store(C = 1e-3, v_start = 0.1);
+    Electrical.Voltage   battery_2(v_0 = 2);
+    Electrical.Resistor  wire_2(R = 10);
+    Electrical.Capacitor store_2(C = 1e-3, v_start = 0.1);
+    Units.Voltage observed = store.v;
+    Units.Voltage twin     = store_2.v;
+  equation
+    connect(battery.p, wire.p);  connect(battery_2.p, wire_2.p);
+    connect(wire.n, store.p);   connect(wire_2.n, store_2.p);
+    connect(store.n, battery.n); connect(store_2.n, battery_2.n);
+    connect(ground.p, battery.n); connect(ground.p, battery_2.n);
+  end BesideCircuit;
+
+  model BesideBodies "The same, and two bodies, twice"
+    extends Base;
+    Thermal.HeatCapacity body(C = 2, T_start = 310);
+    Thermal.Conductance  wall(G = 10);
+    Thermal.HeatCapacity cover(C = 1, T_start = 290);
+    Thermal.HeatCapacity body_2(C = 2, T_start = 310);
+    Thermal.Conductance  wall_2(G = 10);
+    Thermal.HeatCapacity cover_2(C = 1, T_start = 290);
+    Units.Temperature observed = body.T;
+    Units.Temperature twin     = body_2.T;
+  equation
+    connect(body.port, wall.port_a);   connect(body_2.port, wall_2.port_a);
+    connect(wall.port_b, cover.port);  connect(wall_2.port_b, cover_2.port);
+  end BesideBodies;
 
   package Absent
     model ConstantForce
@@ -923,5 +1416,269 @@ package EffectTests
     model Source
       extends Base(supply(has_line = true));
     end Source;
+
+    model ConstantTorque
+      extends BesideShafts;
+      Effects.ConstantTorque effect;
+    equation
+      connect(effect.flange, load.flange);
+    end ConstantTorque;
+
+    model ExtraTorsionSpring
+      extends BesideShafts;
+      Effects.ExtraTorsionSpring effect;
+    equation
+      connect(effect.flange, load.flange);
+    end ExtraTorsionSpring;
+
+    model AddedInertia
+      extends BesideShafts;
+      Effects.AddedInertia effect;
+    equation
+      connect(effect.flange, load.flange);
+    end AddedInertia;
+
+    model BearingDamping
+      extends BesideShafts;
+      Effects.BearingDamping effect;
+    equation
+      connect(effect.flange, load.flange);
+    end BearingDamping;
+
+    model FanDrag
+      extends BesideShafts;
+      Effects.FanDrag effect;
+    equation
+      connect(effect.flange, load.flange);
+    end FanDrag;
+
+    model BearingFriction
+      extends BesideShafts;
+      Effects.BearingFriction effect(delta = 0.01);
+    equation
+      connect(effect.flange, load.flange);
+    end BearingFriction;
+
+    model BearingStribeck
+      extends BesideShafts;
+      Effects.BearingStribeck effect(delta = 0.01);
+    equation
+      connect(effect.flange, load.flange);
+    end BearingStribeck;
+
+    model Cogging
+      extends BesideShafts;
+      Effects.Cogging effect(N = 3);
+    equation
+      connect(effect.flange, load.flange);
+    end Cogging;
+
+    model FreeTorqueOverAngle
+      extends BesideShafts;
+      Effects.FreeTorqueOverAngle effect;
+    equation
+      connect(effect.flange, load.flange);
+    end FreeTorqueOverAngle;
+
+    model FreeTorqueOverSpeed
+      extends BesideShafts;
+      Effects.FreeTorqueOverSpeed effect(w_hi = 50);
+    equation
+      connect(effect.flange, load.flange);
+    end FreeTorqueOverSpeed;
+
+    model TwistSpring
+      extends BesideShafts;
+      Effects.TwistSpring effect;
+    equation
+      connect(effect.flange_a, motor.flange);
+      connect(effect.flange_b, load.flange);
+    end TwistSpring;
+
+    model TwistStiffening
+      extends BesideShafts;
+      Effects.TwistStiffening effect;
+    equation
+      connect(effect.flange_a, motor.flange);
+      connect(effect.flange_b, load.flange);
+    end TwistStiffening;
+
+    model TwistDamping
+      extends BesideShafts;
+      Effects.TwistDamping effect;
+    equation
+      connect(effect.flange_a, motor.flange);
+      connect(effect.flange_b, load.flange);
+    end TwistDamping;
+
+    model Backlash
+      extends BesideShafts;
+      Effects.Backlash effect(b = 1e-3);
+    equation
+      connect(effect.flange_a, motor.flange);
+      connect(effect.flange_b, load.flange);
+    end Backlash;
+
+    model LeakConductance
+      extends BesideCircuit;
+      Effects.LeakConductance effect;
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end LeakConductance;
+
+    model VoltageDrop
+      extends BesideCircuit;
+      Effects.VoltageDrop effect;
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end VoltageDrop;
+
+    model DiodeDrop
+      extends BesideCircuit;
+      Effects.DiodeDrop effect;
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end DiodeDrop;
+
+    model ClampDiode
+      extends BesideCircuit;
+      Effects.ClampDiode effect(V = 0.2);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end ClampDiode;
+
+    model RelaxationBranch
+      extends BesideCircuit;
+      Effects.RelaxationBranch effect(tau = 0.01);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end RelaxationBranch;
+
+    model InductorSaturation
+      extends BesideCircuit;
+      Effects.InductorSaturation effect;
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end InductorSaturation;
+
+    model FreeCurrentOverVoltage
+      extends BesideCircuit;
+      Effects.FreeCurrentOverVoltage effect(v_lo = 0, v_hi = 2);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end FreeCurrentOverVoltage;
+
+    model OffsetCurrent
+      extends BesideCircuit;
+      Effects.OffsetCurrent effect;
+    equation
+      connect(effect.p, store.p);
+    end OffsetCurrent;
+
+    model ConstantHeatFlow
+      extends BesideBodies;
+      Effects.ConstantHeatFlow effect;
+    equation
+      connect(effect.port, body.port);
+    end ConstantHeatFlow;
+
+    model HeatLoss
+      extends BesideBodies;
+      Effects.HeatLoss effect;
+    equation
+      connect(effect.port, body.port);
+    end HeatLoss;
+
+    model ConvectionLoss
+      extends BesideBodies;
+      Effects.ConvectionLoss effect;
+    equation
+      connect(effect.port, body.port);
+    end ConvectionLoss;
+
+    model RadiationLoss
+      extends BesideBodies;
+      Effects.RadiationLoss effect;
+    equation
+      connect(effect.port, body.port);
+    end RadiationLoss;
+
+    model SecondHeatStore
+      extends BesideBodies;
+      Effects.SecondHeatStore effect(tau = 0.01);
+    equation
+      connect(effect.port, body.port);
+    end SecondHeatStore;
+
+    model FreeHeatFlowOverTemperature
+      extends BesideBodies;
+      Effects.FreeHeatFlowOverTemperature effect(T_lo = 305, T_hi = 310);
+    equation
+      connect(effect.port, body.port);
+    end FreeHeatFlowOverTemperature;
+
+    model HeatLeak
+      extends BesideBodies;
+      Effects.HeatLeak effect;
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, cover.port);
+    end HeatLeak;
+
+    model ConvectionExchange
+      extends BesideBodies;
+      Effects.ConvectionExchange effect;
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, cover.port);
+    end ConvectionExchange;
+
+    model RadiationExchange
+      extends BesideBodies;
+      Effects.RadiationExchange effect;
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, cover.port);
+    end RadiationExchange;
+
+    model Voltage
+      extends Base;
+      Electrical.Voltage effect(v_0 = 3);
+      Electrical.Voltage battery(v_0 = 1);
+      Electrical.Resistor load(R = 10);
+      Electrical.Ground ground;
+      Units.Current observed = load.i;
+    equation
+      connect(battery.p, load.p);  connect(load.n, effect.p);  connect(effect.n, battery.n);  connect(battery.n, ground.p);
+    end Voltage;
+
+    model Capacitor
+      extends Base;
+      Electrical.Capacitor effect(C = 1e-3, v_start = 0.2);
+      Electrical.Voltage battery(v_0 = 1);
+      Electrical.Resistor load(R = 10);
+      Electrical.Ground ground;
+      Units.Current observed = load.i;
+    equation
+      connect(battery.p, load.p);  connect(load.n, effect.p);  connect(effect.n, battery.n);  connect(battery.n, ground.p);
+    end Capacitor;
+
+    model Inductor
+      extends Base;
+      Electrical.Inductor effect(L = 0.1);
+      Electrical.Voltage battery(v_0 = 1);
+      Electrical.Resistor load(R = 10);
+      Electrical.Ground ground;
+      Units.Current observed = load.i;
+    equation
+      connect(battery.p, load.p);  connect(load.n, effect.p);  connect(effect.n, battery.n);  connect(battery.n, ground.p);
+    end Inductor;
   end Absent;
 end EffectTests;

@@ -1,0 +1,241 @@
+//! `mocc diagnose` beyond pneumatics: models with connectors of their own whose recordings come from a model with an
+//! effect written in other words, and folders of effects that are of no use.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use super::door::{Case, Reading, Scratch, suite_model};
+use super::program::mocc;
+
+/// A model, what its recordings come from, and how they are made.
+struct Study<'a> {
+    model: &'a str,
+    truth: &'a str,
+    /// Parameters that differ between the recordings; the last recording is for validation.
+    conditions: &'a [(&'a str, &'a [f64])],
+    /// Variables that are recorded, with their units and noise.
+    signals: &'a [(&'a str, &'a str, f64)],
+    free: &'a [&'a str],
+}
+
+impl Study<'_> {
+    /// The diagnosis, and the folder it is in.
+    fn diagnose(&self) -> (Value, Scratch) {
+        let scratch = Scratch::new();
+        let model = suite_model(&format!("diagnose/domains/{}", self.model));
+        let truth = model.clone() + &suite_model(&format!("diagnose/domains/{}", self.truth));
+        scratch.file("model.mo", &model);
+        scratch.file("plan.toml", &self.plan());
+        let names: Vec<&str> = self.conditions.iter().map(|(name, _)| *name).collect();
+        let mut table = format!("file,split,{}\n", names.join(","));
+        let count = self.conditions[0].1.len();
+        for k in 0..count {
+            let split = if k + 1 < count { "train" } else { "validation" };
+            let values: Vec<String> =
+                self.conditions.iter().map(|(_, v)| v[k].to_string()).collect();
+            writeln!(table, "{k}.csv,{split},{}", values.join(",")).expect("a String");
+            scratch.file(&format!("{k}.csv"), &self.recording(&truth, k));
+        }
+        scratch.file("table.csv", &table);
+        let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+        let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json"));
+        (serde_json::from_str(&text.expect("a file")).expect("JSON"), scratch)
+    }
+
+    fn plan(&self) -> String {
+        let mut plan = "model = \"model.mo\"\n[data]\nfolder = \".\"\ntable = \"table.csv\"\nfile = \"file\"\n\
+                        split = \"split\"\n[conditions]\n"
+            .to_owned();
+        for (name, _) in self.conditions {
+            writeln!(plan, "{name} = {{ parameter = \"{name}\", unit = \"1\" }}")
+                .expect("a String");
+        }
+        plan += "[time]\ncolumn = \"t\"\nunit = \"s\"\n[signals]\n";
+        for (k, (variable, unit, sigma)) in self.signals.iter().enumerate() {
+            writeln!(
+                plan,
+                "y_{k} = {{ variable = \"{variable}\", unit = \"{unit}\", sigma = {sigma} }}"
+            )
+            .expect("a String");
+        }
+        plan += "[free]\n";
+        self.free.iter().for_each(|name| writeln!(plan, "\"{name}\" = {{}}").expect("a String"));
+        plan
+    }
+
+    /// A run of the truth with noise of the sensors.
+    fn recording(&self, truth: &str, k: usize) -> String {
+        let mut case = Case::text(truth).model("Truth").tolerance(1e-8);
+        for (name, values) in self.conditions {
+            case = case.set(format!("{name}={}", values[k]));
+        }
+        let run = case.run();
+        let mut state = 17 + k as u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut text = "t".to_owned();
+        (0..self.signals.len()).for_each(|k| write!(text, ",y_{k}").expect("a String"));
+        text.push('\n');
+        // At an event there are two rows, and a sensor has only one reading.
+        let is_once = |row: usize| {
+            let at = |k: usize| run.time.get(k).copied();
+            at(row.wrapping_sub(1)) != at(row) && at(row + 1) != at(row)
+        };
+        for row in (0..run.rows()).filter(|row| is_once(*row)) {
+            write!(text, "{}", run.time[row]).expect("a String");
+            for (variable, _, sigma) in self.signals {
+                let normal: f64 = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+                write!(text, ",{}", run.of(variable)[row] + sigma * normal).expect("a String");
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// Checks that one effect was found, with its parameters, and that the amended model runs.
+fn assert_found(
+    found: &Value,
+    scratch: &Scratch,
+    class: &str,
+    at: &str,
+    values: &[(&str, f64, f64)],
+) {
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    assert_eq!(found["effects"].as_array().map(Vec::len), Some(1), "{}", found["effects"]);
+    let effect = &found["effects"][0];
+    assert_eq!((&effect["component"], &effect["at"][0]), (&class.into(), &at.into()), "{effect:#}");
+    for (name, value, tolerance) in values {
+        let parameters = effect["parameters"].as_object().expect("an object");
+        let own =
+            parameters.iter().find(|(full, _)| full.ends_with(&format!(".{name}")) || full == name);
+        let estimate = own.and_then(|(_, p)| p["value"].as_f64()).expect("a number");
+        assert!((estimate - value).abs() < *tolerance, "{name} is {estimate}");
+    }
+    let chi2 = found["after"]["validation"]["chi2"].as_f64();
+    assert!(chi2 < Some(1.3), "{chi2:?}");
+    let amended = found["amended_model"].as_str().expect("a name");
+    let ended = mocc(&scratch.path().join("out"), &["simulate", amended]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+}
+
+/// A motor in its own file, with connectors without units: only their names tell what they are.
+#[test]
+fn a_fan_is_found_on_a_motor_with_connectors_of_its_own() {
+    let study = Study {
+        model: "fan",
+        truth: "fan_truth",
+        conditions: &[("U", &[6.0, 12.0, 18.0, 9.0])],
+        signals: &[("rotor.w", "rad/s", 0.4), ("armature.i", "A", 0.02)],
+        free: &["rotor.J", "armature.k", "bearing.d"],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.FanDrag", "rotor", &[("k", 2.4e-5, 3e-7)]);
+    assert_eq!(found["balances"][0]["inflow"], "Effects.UnknownTorque", "{}", found["balances"][0]);
+    let amended = found["amended_model"].as_str().expect("a name");
+    let text = std::fs::read_to_string(scratch.path().join("out").join(amended)).expect("a model");
+    let (_, added) = text.split_once("// Found by mocc diagnose:").expect("an addition");
+    for line in ["FlangeForShaft at_rotor_shaft;", "connect(at_rotor_shaft.of_model, rotor.shaft);"]
+    {
+        assert!(added.contains(line), "{added}");
+    }
+}
+
+/// Connectors with other names, whose units tell what they are.
+#[test]
+fn a_diode_is_found_in_a_circuit_with_connectors_of_its_own() {
+    let study = Study {
+        model: "rectifier",
+        truth: "rectifier_truth",
+        conditions: &[("U", &[5.0, 10.0, 12.0, 8.0]), ("f", &[5.0, 8.0, 4.0, 6.0])],
+        signals: &[("store.v", "V", 0.02)],
+        free: &["line.R", "store.C"],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("G", 1.0 / 110.0, 2e-4), ("V", 0.7, 0.02)];
+    assert_found(&found, &scratch, "Effects.DiodeDrop", "line", &values);
+}
+
+/// A loss to surroundings that the model does not have, from an element of an array of components.
+#[test]
+fn a_heat_loss_is_found_at_an_element_of_an_array() {
+    let study = Study {
+        model: "plates",
+        truth: "plates_truth",
+        conditions: &[("P", &[20.0, 40.0, 60.0, 30.0]), ("T_s", &[300.0, 310.0, 295.0, 305.0])],
+        signals: &[("plate[1].T", "K", 0.1), ("plate[2].T", "K", 0.1)],
+        free: &["bridge.G"],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("G", 0.12, 2e-3), ("T_0", 288.0, 1.0)];
+    assert_found(&found, &scratch, "Effects.HeatLoss", "plate[2]", &values);
+}
+
+/// A store behind a conductance of 0.3 W/K: it warms with 60/0.3 s. It is found where the heater meets the plate.
+#[test]
+fn a_second_heat_store_is_found() {
+    let study = Study {
+        model: "plates",
+        truth: "holder_truth",
+        conditions: &[("P", &[20.0, 40.0, 60.0, 30.0])],
+        signals: &[("plate[1].T", "K", 0.1), ("plate[2].T", "K", 0.1)],
+        free: &["bridge.G"],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("C", 60.0, 3.0), ("tau", 200.0, 10.0)];
+    assert_found(&found, &scratch, "Effects.SecondHeatStore", "heater", &values);
+}
+
+/// What is said of a folder of effects.
+fn said_of(folder: &str, files: &[(&str, &str)]) -> String {
+    let scratch = Scratch::new();
+    scratch.file("model.mo", &suite_model("diagnose/domains/plates"));
+    let plan = "model = \"model.mo\"\ndata = { folder = \".\" }\nrecordings = [{ file = \"run.csv\" }]\n\
+                time = { column = \"t\", unit = \"s\" }\n\
+                signals = { y = { variable = \"plate[1].T\", unit = \"K\", sigma = 0.1 } }\n\
+                free = { \"bridge.G\" = {} }\n";
+    scratch.file("plan.toml", plan);
+    let run = Case::text(&suite_model("diagnose/domains/plates")).run();
+    let mut text = "t,y\n".to_owned();
+    for (row, temperature) in run.of("plate[1].T").iter().enumerate().step_by(5) {
+        let noise = if row % 2 == 0 { 0.1 } else { -0.1 };
+        writeln!(text, "{},{}", run.time[row], temperature + noise).expect("a String");
+    }
+    scratch.file("run.csv", &text);
+    for (name, text) in files {
+        scratch.file(name, text);
+    }
+    let ended =
+        mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out", "--effects", folder]);
+    format!("status {}\n{}", ended.status, ended.err)
+}
+
+#[test]
+fn a_folder_of_effects_that_is_of_no_use_is_reported() {
+    let leak = &suite_model("diagnose/domains/leak");
+    let plain = &leak.replace("annotation", "annotation(Documentation(info = \"\")); //");
+    let cases = [
+        ("no such folder", said_of("effects", &[])),
+        ("a file", said_of("plan.toml", &[])),
+        ("a package itself", said_of("own", &[("own/package.mo", "package Own end Own;")])),
+        ("no files of Modelica", said_of("own", &[("own/notes.txt", "later")])),
+        ("no annotation", said_of("own", &[("own/Leak.mo", plain)])),
+        ("no connector of this kind", said_of("own", &[("own/Leak.mo", leak)])),
+        (
+            "in a package",
+            said_of(
+                "own",
+                &[
+                    ("own/Mine/package.mo", "package Mine \"Effects\" end Mine;"),
+                    ("own/Mine/Leak.mo", &format!("within Mine;\n{leak}")),
+                ],
+            ),
+        ),
+    ];
+    let said: Vec<String> = cases.iter().map(|(what, said)| format!("## {what}\n{said}")).collect();
+    insta::assert_snapshot!(said.join("\n"));
+}

@@ -1,0 +1,222 @@
+//@ case fan
+//@ used by diagnose_domains.rs
+connector Shaft "End of a shaft, without units"
+  Real phi;
+  flow Real tau;
+end Shaft;
+
+model Rotor
+  parameter Real J = 2e-3;
+  Shaft shaft;
+  Real w(start = 0, fixed = true);
+equation
+  w = der(shaft.phi);
+  J*der(w) = shaft.tau;
+initial equation
+  shaft.phi = 0;
+end Rotor;
+
+model Armature "Torque of a DC motor at a voltage"
+  parameter Real k = 0.08;
+  parameter Real R = 0.9;
+  input Real u;
+  Shaft shaft;
+  Real i;
+equation
+  u = R*i + k*der(shaft.phi);
+  shaft.tau = -k*i;
+end Armature;
+
+model Bearing
+  parameter Real d = 2e-4;
+  Shaft shaft;
+equation
+  shaft.tau = d*der(shaft.phi);
+end Bearing;
+
+model Motor
+  parameter Real U = 10;
+  Rotor    rotor;
+  Armature armature(u = if time < 3 then U else 0);
+  Bearing  bearing;
+equation
+  connect(rotor.shaft, armature.shaft);
+  connect(rotor.shaft, bearing.shaft);
+  annotation(experiment(StopTime = 5, Interval = 0.04));
+end Motor;
+
+//@ case fan_truth
+//@ used by diagnose_domains.rs
+model Blades
+  Shaft shaft;
+  Real w = der(shaft.phi);
+equation
+  shaft.tau = 2.4e-5*w*abs(w);
+end Blades;
+
+model Truth
+  extends Motor;
+  Blades blades;
+equation
+  connect(blades.shaft, rotor.shaft);
+end Truth;
+
+//@ case rectifier
+//@ used by diagnose_domains.rs
+connector Pole
+  Real potential(unit = "V");
+  flow Real current(unit = "A");
+end Pole;
+
+partial model Branch
+  Pole p;
+  Pole n;
+  Real v = p.potential - n.potential;
+  Real i = p.current;
+equation
+  p.current + n.current = 0;
+end Branch;
+
+model Source
+  extends Branch;
+  input Real u;
+equation
+  v = u;
+end Source;
+
+model Resistor
+  extends Branch;
+  parameter Real R = 100;
+equation
+  v = R*i;
+end Resistor;
+
+model Capacitor
+  extends Branch(v(start = 0, fixed = true));
+  parameter Real C = 1e-3;
+equation
+  C*der(v) = i;
+end Capacitor;
+
+model Ground
+  Pole p;
+equation
+  p.potential = 0;
+end Ground;
+
+model Rectifier
+  parameter Real U = 10;
+  parameter Real f = 5;
+  constant Real pi = 3.14159265358979323846;
+  Source    source(u = U*sin(2*pi*f*time));
+  Resistor  line;
+  Capacitor store;
+  Resistor  load(R = 1000);
+  Ground    ground;
+equation
+  connect(source.p, line.p);
+  connect(line.n, store.p);
+  connect(store.p, load.p);
+  connect(store.n, ground.p);
+  connect(load.n, ground.p);
+  connect(source.n, ground.p);
+  annotation(experiment(StopTime = 1, Interval = 4e-3));
+end Rectifier;
+
+//@ case rectifier_truth
+//@ used by diagnose_domains.rs
+model Diode "In series with a resistor of 110 Ohm"
+  extends Branch;
+equation
+  i = if v > 0.7 then (v - 0.7)/110 else 0;
+end Diode;
+
+model Truth
+  extends Rectifier(line(R = 1e12));
+  Diode diode;
+equation
+  connect(diode.p, source.p);
+  connect(diode.n, store.p);
+end Truth;
+
+//@ case plates
+//@ used by diagnose_domains.rs
+connector Contact
+  Real T(unit = "K");
+  flow Real heat(unit = "W");
+end Contact;
+
+model Plate
+  parameter Real C = 100;
+  parameter Real T_0 = 293;
+  Contact contact;
+  Real T(start = T_0, fixed = true);
+equation
+  T = contact.T;
+  C*der(T) = contact.heat;
+end Plate;
+
+model Heater
+  Contact contact;
+  input Real P;
+equation
+  contact.heat = -P;
+end Heater;
+
+model Bridge
+  parameter Real G = 0.8;
+  Contact a;
+  Contact b;
+equation
+  a.heat = G*(a.T - b.T);
+  a.heat + b.heat = 0;
+end Bridge;
+
+model Plates
+  parameter Real P   = 30;
+  parameter Real T_s = 300;
+  Heater heater(P = if time < 300 then P else 0);
+  Plate  plate[2](C = {150, 80}, each T_0 = T_s);
+  Bridge bridge;
+equation
+  connect(heater.contact, plate[1].contact);
+  connect(plate[1].contact, bridge.a);
+  connect(bridge.b, plate[2].contact);
+  annotation(experiment(StopTime = 1000, Interval = 4));
+end Plates;
+
+//@ case plates_truth
+//@ used by diagnose_domains.rs
+model Loss
+  Contact contact;
+equation
+  contact.heat = 0.12*(contact.T - 288);
+end Loss;
+
+model Truth
+  extends Plates;
+  Loss loss;
+equation
+  connect(loss.contact, plate[2].contact);
+end Truth;
+
+//@ case holder_truth
+//@ used by diagnose_domains.rs
+model Truth
+  extends Plates;
+  Plate  holder(C = 60, T_0 = T_s);
+  Bridge grip(G = 0.3);
+equation
+  connect(plate[1].contact, grip.a);
+  connect(grip.b, holder.contact);
+end Truth;
+
+//@ case leak
+//@ used by diagnose_domains.rs
+model Leak "A current to ground"
+  parameter Real G(unit = "S") = 0;
+  Electrical.Pin p;
+equation
+  p.i = G*p.v;
+  annotation(__mocc(effect = "amplitude=G", explains = "%at has a leak."));
+end Leak;
