@@ -7,6 +7,11 @@ model StopMass "Rigid body between two stops without rebound, with friction of s
   // Where nothing can hold it at rest (f_static = 0: no friction, bristles, smoothed friction), a body whose speed
   // passes through zero continues freely in either direction, without further events, until it meets a stop or static
   // friction. Friction without f_static must vanish with the speed, as f_slide, or act as f_push.
+  // With has_bristles, elastic bristles carry the friction of the seals, as in LuGre:
+  //   df_z/dt = sigma_0 (v - |v| f_z/g),   f_bristles = f_z + sigma_1 (v - |v| f_z/g)
+  // where g is the friction that the seals have while sliding. The body then yields before it slips.
+  // Source: Canudas de Wit, Olsson, Åström and Lischinsky (1995), "A New Model for Control of Systems with Friction",
+  // IEEE Trans. Automatic Control 40(3).
   // Source: Otter, Elmqvist, Mattsson (1999), "Hybrid Modeling in Modelica based on the
   // Synchronous Data Flow Principle". A resting body has exactly zero speed and acceleration.
   parameter Units.Mass     m              "Mass";
@@ -16,6 +21,10 @@ model StopMass "Rigid body between two stops without rebound, with friction of s
   parameter Units.Velocity v_start    = 0             "Speed at the start, 0 if it rests";
   parameter Motion         mode_start = Motion.AtMin  "Motion before the start";
   parameter Units.Time     t_no_start = 0 "Time without operation before the start";
+
+  parameter Boolean  has_bristles = false "True if bristles carry the friction of the seals";
+  parameter Units.SpringStiffness    sigma_0 = 1e6 "Bristles: stiffness";
+  parameter Units.DampingCoefficient sigma_1 = 300 "Bristles: damping";
 
   Units.Position     s(start = s_start, fixed = true, nominal = s_max - s_min, stateSelect = StateSelect.prefer)
     "Stroke";
@@ -32,10 +41,13 @@ model StopMass "Rigid body between two stops without rebound, with friction of s
   Units.Force f        "Driving force: all but friction, positive towards +s";
   Units.Force f_slide  "Friction while sliding, sum over the seals";
   Units.Force f_static "Friction available at rest, sum over the seals";
+  Units.Force f_z(start = 0, fixed = has_bristles) "Elastic force of the bristles";
 
   Flange      flange "Forces that drive the body";
   SpoolFlange seals  "Seals on the body";
 protected
+  constant Units.Force f_least = 1e-3 "Friction below which bristles would be too stiff for it";
+  Units.Velocity v_z "Speed at which the bristles bend";
   // Each of the five is the argument of one relation. Where a relation is irrelevant, its argument is kept away
   // from the threshold, so that a relation changes if and only if the physics does.
   Units.Force    f_ahead  "Driving force towards +s on a body that rests and may go there";
@@ -54,9 +66,19 @@ equation
   der(t_no) = if locked then 1 else 0;
 
   // Connections
-  f = flange.f + seals.f_push;
-  f_slide = seals.f_slide;
-  f_static = seals.f_static;
+  if has_bristles then
+    v_z = v - noEvent(abs(v))*f_z/noEvent(max(seals.f_slide, f_least));
+    der(f_z) = sigma_0*v_z;
+    f = flange.f + seals.f_push - f_z - sigma_1*v_z;
+    f_slide = 0;
+    f_static = 0;
+  else
+    v_z = 0;
+    f_z = 0;
+    f = flange.f + seals.f_push;
+    f_slide = seals.f_slide;
+    f_static = seals.f_static;
+  end if;
   flange.s = s;
   seals.s = s;
   seals.v = v;
@@ -90,4 +112,8 @@ equation
     reinit(s, s_min);
   end when;
   assert(s_max > s_min, "StopMass: the upper stop s_max must lie above the lower stop s_min");
+
+  annotation(__mocc(
+    choice   = "with has_bristles=true; sigma_0=2e5,1e6,5e6; sigma_1=30,300; named=Friction.LuGre",
+    explains = "Elastic bristles carry the friction of %at, which yields before it slips (LuGre)."));
 end StopMass;

@@ -28,6 +28,8 @@ pub struct Effect {
     pub explains: String,
     /// Its connectors.
     pub connectors: Vec<InventoryConnector>,
+    /// Its name, where its class says what has the effect rather than what the effect is.
+    pub named: Option<String>,
     /// Its law as a formula.
     pub law: String,
     /// It acts on the sensor, between a variable and its signal.
@@ -331,6 +333,7 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             }
             "host" => effect.host = items.map(str::to_owned).collect(),
             "inflow" => effect.inflow = Some(value.trim().to_owned()),
+            "named" => effect.named = Some(value.trim().to_owned()),
             "varies" => effect.varies = Some(value.trim().to_owned()),
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {

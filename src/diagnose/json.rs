@@ -113,7 +113,7 @@ fn effect_json(
 fn component(effect: &Effect) -> String {
     match effect.varies {
         Some(_) => "parameter".to_owned(),
-        None => effect.class.clone(),
+        None => effect.named.as_ref().unwrap_or(&effect.class).clone(),
     }
 }
 

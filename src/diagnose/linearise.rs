@@ -1,8 +1,6 @@
 //! The normal equations of a hypothesis with candidates attached at amplitude zero: what score tests are
 //! computed from, at the cost of one differentiated run per recording.
 
-use std::cell::OnceCell;
-
 use crate::base::diag::Problems;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
@@ -24,8 +22,6 @@ pub struct Linearisation<'a> {
     instants: usize,
     /// The hypothesis without effects, if candidates are to replace those of `hypothesis`.
     replaced: Option<&'a Hypothesis>,
-    /// The normal equations of the hypothesis alone, of all recordings.
-    alone: OnceCell<Option<NormalEquations>>,
 }
 
 /// The normal equations with some of the candidates.
@@ -68,8 +64,7 @@ impl<'a> Linearisation<'a> {
         candidates: &'a [Candidate],
         instants: usize,
     ) -> Self {
-        let (replaced, alone) = (None, OnceCell::new());
-        Linearisation { study, hypothesis, candidates, instants, replaced, alone }
+        Linearisation { study, hypothesis, candidates, instants, replaced: None }
     }
 
     /// Candidates in place of the effects of the hypothesis; `replaced` is the hypothesis without any.
@@ -105,11 +100,6 @@ impl<'a> Linearisation<'a> {
         let mut problem = problem?;
         problem.trimmed = surplus(&problem, replaced.unwrap_or(hypothesis), instants);
         let mut normal = problem.normal(&problem.start()).ok()?;
-        if !problem.trimmed.is_empty() {
-            // The parameters must fit all recordings, not only those used.
-            let alone = self.alone.get_or_init(|| without_candidates(study, hypothesis));
-            set_parameters(&mut normal, alone.as_ref()?);
-        }
         let share = match replaced {
             None => normal.cost / hypothesis.train.total(),
             Some(replaced) => {
@@ -192,25 +182,6 @@ fn surplus(problem: &Problem<'_>, hypothesis: &Hypothesis, instants: usize) -> V
         trimmed = order;
     }
     trimmed
-}
-
-/// The normal equations of a hypothesis alone.
-fn without_candidates(study: &Study, hypothesis: &Hypothesis) -> Option<NormalEquations> {
-    let (plan, all) = (&hypothesis.plan, attached(study, &hypothesis.effects));
-    let (session, program) = study.compile(plan, &all, &[]).ok()?;
-    let mut problems = Problems::new();
-    let problem = Problem::new(&program, &session.sources, plan, &study.data, &mut problems)?;
-    problem.normal(&problem.start()).ok()
-}
-
-/// Replaces the part of the normal equations that belongs to the parameters of the hypothesis.
-fn set_parameters(normal: &mut NormalEquations, parameters: &NormalEquations) {
-    for j in 0..parameters.n {
-        for i in 0..parameters.n {
-            normal.gram[i + normal.n * j] = parameters.gram[i + parameters.n * j];
-        }
-        normal.gradient[j] = parameters.gradient[j];
-    }
 }
 
 #[cfg(test)]

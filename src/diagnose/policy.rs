@@ -41,7 +41,7 @@ pub struct SearchPolicy {
     /// Places in one model of a score test. Default 48. More places per model cost fewer runs, each of
     /// which propagates more derivatives.
     pub batch: usize,
-    /// Instants of recordings for a score test or a short fit. Default 8000.
+    /// Instants of recordings for a score test or a short fit. Default 10 000.
     pub score_instants: usize,
     /// Instants that suffice to preselect candidates for that test. Default 3000.
     pub preselection_instants: usize,
@@ -140,7 +140,7 @@ impl Default for SearchPolicy {
             noticeable_noise: 0.05,
             noise_errors: 4.0,
             batch: 48,
-            score_instants: 8_000,
+            score_instants: 10_000,
             preselection_instants: 3_000,
             preselected: 64,
             max_effects: 5,

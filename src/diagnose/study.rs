@@ -64,7 +64,9 @@ impl Study {
 
     /// An effect and its place, for messages.
     pub fn label(&self, effect: usize, place: &Place) -> String {
-        format!("{} at {}", self.effects[effect].class, place.at.join(", "))
+        let effect = &self.effects[effect];
+        let name = effect.named.as_ref().unwrap_or(&effect.class);
+        format!("{name} at {}", place.at.join(", "))
     }
 
     /// True for an effect that is a free curve rather than parametric.
