@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=J>0",
+    law      = "tau = -J dw/dt",
     explains = "%at turns an additional inertia."));
 end AddedInertia;

@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=m>0",
+    law      = "f = -m dv/dt",
     explains = "%at carries additional mass."));
 end AddedMass;

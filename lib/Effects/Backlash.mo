@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=c>0; b=0.02*span(phi_rel),0.05*span(phi_rel),0.15*span(phi_rel); phi_0=0",
+    law      = "tau = -c max(-b, min(b, phi_rel - phi_0))",
     explains = "%at has play."));
 end Backlash;

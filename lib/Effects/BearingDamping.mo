@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=d>0",
+    law      = "tau = -d w",
     explains = "%at is damped in proportion to its speed, as by grease in a bearing."));
 end BearingDamping;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=M>0; delta=1e-5*span(phi)",
+    law      = "tau = -M z",
     explains = "Dry friction brakes %at, and holds it at rest."));
 end BearingFriction;

@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F; s_0=s(15); w=0.1e-3,0.2e-3,0.4e-3",
+    law      = "f = F exp(-((s - s_0)/w)^2)",
     explains = "A force that depends on position alone acts on %at."));
 end BellForce;

@@ -14,5 +14,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=G>0; side=-1,1; V=0.3*max(size_of_v),0.5*max(size_of_v),0.7*max(size_of_v),0.9*max(size_of_v)",
+    law      = "i = G max(0, v - V) for voltages from p to n",
     explains = "A diode limits the voltage of %at."));
 end ClampDiode;

@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=M_s,M_c; N=1,2,3,4,5,6,7,8,9,10,12,14,15,16,18,20,22,24,28,30,36,42,48",
+    law      = "tau = M_s sin(N phi) + M_c cos(N phi)",
     explains = "A torque that repeats itself over the turn acts on %at."));
 end Cogging;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F",
+    law      = "f = F",
     explains = "A constant force acts on %at."));
 end ConstantForce;

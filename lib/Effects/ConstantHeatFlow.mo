@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=P",
+    law      = "Q_flow = P",
     explains = "%at receives a constant heat flow, or loses it if negative."));
 end ConstantHeatFlow;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=M",
+    law      = "tau = M",
     explains = "A constant torque acts on %at."));
 end ConstantTorque;

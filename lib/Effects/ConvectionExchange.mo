@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k>0",
+    law      = "Q_flow = k dT |dT|^(1/4)",
     explains = "The heat transfer at %at grows with the difference of the temperatures."));
 end ConvectionExchange;

@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k>0; T_0=min(T),293.15",
+    law      = "Q_flow = -k dT |dT|^(1/4)",
     explains = "%at loses heat by convection that grows with the difference to its surroundings."));
 end ConvectionLoss;

@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F>0",
+    law      = "|f| = F while sliding",
     explains = "Coulomb friction that the model does not account for acts on %at."));
 end CoulombDrag;

@@ -18,5 +18,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F>0; delta=5e-6,20e-6,80e-6",
+    law      = "f = -F z",
     explains = "Friction with an elastic beginning acts on %at."));
 end DahlPresliding;

@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=V>0",
+    law      = "m_flow = V/(R T) dp/dt",
     explains = "The volume at %at is greater than specified."));
 end DeadVolume;

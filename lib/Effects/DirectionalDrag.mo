@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=d",
+    law      = "f = -d |v|",
     explains = "%at is damped more in one direction than in the other."));
 end DirectionalDrag;

@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F",
+    law      = "f = -F |tanh(v/v_0)|",
     explains = "%at rubs more in one direction than in the other."));
 end DirectionalFriction;

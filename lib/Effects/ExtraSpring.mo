@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=c>0,F_0; s_0=min(s)",
+    law      = "f = -(F_0 + c (s - s_0))",
     explains = "A spring acts on %at."));
 end ExtraSpring;

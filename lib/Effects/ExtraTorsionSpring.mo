@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=c>0,M_0; phi_0=min(phi)",
+    law      = "tau = -(M_0 + c (phi - phi_0))",
     explains = "A torsion spring acts on %at."));
 end ExtraTorsionSpring;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k>0",
+    law      = "tau = -k w |w|",
     explains = "%at is damped with the square of its speed, as by a fan."));
 end FanDrag;

@@ -19,5 +19,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k; host=spool,port_a,port_b; bind m_flow=gap.m_flow|m_flow; bind s_ce=s_ce; w=0.1e-3,0.2e-3,0.4e-3",
+    law      = "f = k |m_flow| v exp(-((s - s_ce)/w)^2)",
     explains = "The air that flows past %at pushes the spool where the edge meters: momentum of the jet."));
 end FlowForceEdge;

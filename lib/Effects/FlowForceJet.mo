@@ -16,5 +16,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k; host=spool,port_a,port_b; bind m_flow=gap.m_flow|m_flow",
+    law      = "f = k |m_flow| w",
     explains = "The air that flows past %at pushes the spool: momentum of the jet."));
 end FlowForceJet;

@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=A; host=spool,port_a,port_b; bind opening=gap.opening|opening",
+    law      = "f = A x (p_a - p_b)",
     explains = "The air that flows past %at pushes the spool: pressure in the gap."));
 end FlowForcePressure;

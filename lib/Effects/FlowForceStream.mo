@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=w; host=spool,port_a,port_b; bind m_flow=gap.m_flow|m_flow",
+    law      = "f = w m_flow",
     explains = "The air that flows past %at drags the spool along: momentum of the stream."));
 end FlowForceStream;

@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=I; v_lo=min(v); v_hi=max(v)",
+    law      = "i = I(v)",
     explains = "A current flows past %at that depends on its voltage alone, by a law that is not known in advance."));
 end FreeCurrentOverVoltage;

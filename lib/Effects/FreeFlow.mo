@@ -15,5 +15,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=Q; dp_hi=max(size_of_dp)",
+    law      = "m_flow = Q(dp)",
     explains = "Air flows past %at by a law that is not known in advance."));
 end FreeFlow;

@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F; s_lo=min(s); s_hi=max(s)",
+    law      = "f = F(s)",
     explains = "A force that depends on position alone acts on %at, by a law that is not known in advance."));
 end FreeForceOverPosition;

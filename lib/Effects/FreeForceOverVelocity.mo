@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F; v_hi=max(speed)",
+    law      = "|f| = F(|v|) while sliding",
     explains = "Friction that depends on speed alone acts on %at, by a law that is not known in advance."));
 end FreeForceOverVelocity;

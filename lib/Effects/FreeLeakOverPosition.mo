@@ -22,5 +22,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=C; host=spool,port_a,port_b; s_lo=min(s); s_hi=max(s)",
+    law      = "m_flow = iso6358(p_a, p_b, C(s), b)",
     explains = "The opening of %at over the stroke differs from the model."));
 end FreeLeakOverPosition;

@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=M; delta=1e-5*span(phi); w_hi=max(speed)",
+    law      = "tau = -M(|w|) z",
     explains = "A torque that depends on the speed alone brakes %at, by a law that is not known in advance."));
 end FreeTorqueOverSpeed;

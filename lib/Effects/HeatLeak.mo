@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=G>0",
+    law      = "Q_flow = G (T_a - T_b)",
     explains = "Heat leaks past %at."));
 end HeatLeak;

@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=G>0; T_0=min(T),293.15",
+    law      = "Q_flow = -G (T - T_0)",
     explains = "%at loses heat to its surroundings."));
 end HeatLoss;

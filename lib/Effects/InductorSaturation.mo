@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=a>0",
+    law      = "i = a psi^3",
     explains = "The iron of %at saturates."));
 end InductorSaturation;

@@ -14,5 +14,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k; host=port_a,port_b",
+    law      = "q = k h",
     explains = "The flow through %at has a part proportional to the level."));
 end LaminarOutflow;

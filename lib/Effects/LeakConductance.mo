@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=G>0",
+    law      = "i = G v",
     explains = "A current leaks past %at."));
 end LeakConductance;

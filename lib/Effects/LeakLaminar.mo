@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=G>0",
+    law      = "m_flow = G (p_a^2 - p_b^2)",
     explains = "%at leaks through a narrow gap."));
 end LeakLaminar;

@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=C>0; b=0.15,0.45",
+    law      = "m_flow = iso6358(p_a, p_b, C, b)",
     explains = "%at leaks as through a hole."));
 end LeakOrifice;

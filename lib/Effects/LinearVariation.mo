@@ -2,10 +2,10 @@ within Effects;
 model LinearVariation "A parameter that grows with a variable"
   //   p = p_0 (1 + a u),   u = (x - x_lo)/(x_hi - x_lo)
   // The annotation `varies` of an amended model says which parameters are multiplied by the factor.
-  input Real     x           "What the parameter depends on";
+  input Real     x           "Quantity that the parameter depends on";
   parameter Real a    = 0    "Relative increase from x_lo to x_hi";
-  parameter Real x_lo = 0    "Where the parameter has its own value";
-  parameter Real x_hi = 1    "Where it has grown by a";
+  parameter Real x_lo = 0    "Its value at which the parameter is itself";
+  parameter Real x_hi = 1    "Its value at which the parameter has grown by a";
   Real           factor      "The parameter, relative to its own value";
 equation
   factor = 1 + a*(x - x_lo)/(x_hi - x_lo);

@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F; side=-1,1; s_lo=min(s); s_hi=max(s); d=0.2e-3,0.5e-3,1e-3",
+    law      = "f = F/(1 + x/d)^2 towards the end",
     explains = "%at is attracted by an end of its stroke, as by a magnet."));
 end MagneticForce;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=I",
+    law      = "i = I",
     explains = "A constant current enters the circuit at %at, or leaves it there if negative."));
 end OffsetCurrent;

@@ -24,5 +24,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k_in>0,k_out>0; host=port_a,port_b; h_max=h(8)",
+    law      = "q_in = k_in (h - h_max)^(3/2)",
     explains = "The tank in front of %at runs over."));
 end Overflow;

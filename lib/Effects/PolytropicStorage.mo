@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k>0; host=port; bind V=V",
+    law      = "m_flow = -k V/(R T) dp/dt",
     explains = "The air in %at warms when it is compressed."));
 end PolytropicStorage;

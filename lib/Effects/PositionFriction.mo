@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=F>0; s_0=s(15); w=0.2e-3,0.5e-3",
+    law      = "|f| = F exp(-((s - s_0)/w)^2) while sliding, and at most that at rest",
     explains = "%at rubs more around one position."));
 end PositionFriction;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k>0",
+    law      = "f = -k v |v|",
     explains = "%at is damped with the square of its speed."));
 end QuadraticDrag;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=A>0",
+    law      = "Q_flow = sigma A (T_a^4 - T_b^4)",
     explains = "Heat is radiated across %at."));
 end RadiationExchange;

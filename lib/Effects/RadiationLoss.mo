@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=A>0; T_0=min(T),293.15",
+    law      = "Q_flow = -sigma A (T^4 - T_0^4)",
     explains = "%at loses heat by radiation."));
 end RadiationLoss;

@@ -17,5 +17,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=C>0; tau=0.01*span(t),0.05*span(t),0.3*span(t)",
+    law      = "i = C (v - v_C)/tau",
     explains = "A second capacitance behind a resistor is charged along with %at."));
 end RelaxationBranch;

@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=A; host=spool,port_a,port_b",
+    law      = "f = A (p_a - p_b)",
     explains = "The pressure difference at %at pushes the spool."));
 end SealPressureForce;

@@ -21,5 +21,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=A; host=spool,port_a,port_b",
+    law      = "|f| = A |p_a - p_b| while sliding, and at most that at rest",
     explains = "The friction of %at grows with the pressure difference in a different way than in the model."));
 end SealPressureFriction;

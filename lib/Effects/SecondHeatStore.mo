@@ -17,5 +17,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=C>0; tau=0.01*span(t),0.05*span(t),0.3*span(t)",
+    law      = "Q_flow = -C (T - T_2)/tau",
     explains = "Something that stores heat warms and cools behind %at."));
 end SecondHeatStore;

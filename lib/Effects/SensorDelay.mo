@@ -12,5 +12,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=t_d",
+    law      = "y = u - t_d du/dt",
     explains = "The sensor of %at reads late or early."));
 end SensorDelay;

@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=g",
+    law      = "y = (1 + g) u",
     explains = "The scale of the sensor of %at is wrong."));
 end SensorGain;

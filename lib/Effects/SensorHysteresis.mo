@@ -15,5 +15,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=h>0; w=0.02*span(u),0.1*span(u)",
+    law      = "y = u - h z",
     explains = "The sensor of %at has hysteresis."));
 end SensorHysteresis;

@@ -17,5 +17,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=T>0; tau=0.3e-3,1e-3,3e-3",
+    law      = "y = u - T (u - x)/tau",
     explains = "The sensor of %at follows with a lag."));
 end SensorLag;

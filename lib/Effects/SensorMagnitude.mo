@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=m>0",
+    law      = "y = (1 - m) u + m |u|",
     explains = "The sensor of %at does not see the sign."));
 end SensorMagnitude;

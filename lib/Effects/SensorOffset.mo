@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=offset",
+    law      = "y = u + offset",
     explains = "The sensor of %at has an offset."));
 end SensorOffset;

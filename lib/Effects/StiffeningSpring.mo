@@ -16,5 +16,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=c_2,c_3; s_0=0",
+    law      = "f = -(c_2 x^2 + c_3 x^3)",
     explains = "The spring at %at stiffens with its deflection."));
 end StiffeningSpring;

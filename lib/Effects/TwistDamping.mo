@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=d>0",
+    law      = "tau = d dphi_rel/dt",
     explains = "The twist of %at is damped."));
 end TwistDamping;

@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=c>0,M_0",
+    law      = "tau = M_0 + c phi_rel",
     explains = "A torsion spring acts across %at."));
 end TwistSpring;

@@ -11,5 +11,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=c_3",
+    law      = "tau = c_3 phi_rel^3",
     explains = "%at stiffens with its twist."));
 end TwistStiffening;

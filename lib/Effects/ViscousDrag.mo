@@ -9,5 +9,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=d>0",
+    law      = "f = -d v",
     explains = "%at is damped in proportion to its speed."));
 end ViscousDrag;

@@ -21,5 +21,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=k>0; host=port; bind V=V; tau=3e-3,10e-3,30e-3",
+    law      = "dtheta/dt = (kappa - 1)/kappa (dp/dt)/p - theta/tau",
     explains = "The air in %at warms when it is compressed and cools at the wall."));
 end WallHeat;

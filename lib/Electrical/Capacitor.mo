@@ -13,5 +13,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=R>0",
+    law      = "i = C dv_C/dt",
     explains = "%at has a resistance in series."));
 end Capacitor;

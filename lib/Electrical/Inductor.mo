@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=R>0",
+    law      = "v = L di/dt + R i",
     explains = "The winding of %at has a resistance."));
 end Inductor;

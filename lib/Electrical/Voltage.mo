@@ -10,5 +10,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=R>0",
+    law      = "v = v_0 + R i",
     explains = "The voltage of %at drops under load: it has a resistance in series."));
 end Voltage;

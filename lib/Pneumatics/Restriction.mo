@@ -8,5 +8,6 @@ equation
 
   annotation(__mocc(
     effect   = "amplitude=blocked",
+    law      = "m_flow = iso6358(p_a, p_b, C, b)",
     explains = "The conductance of %at differs from the data sheet: dirt, or another restriction in series."));
 end Restriction;

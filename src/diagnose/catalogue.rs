@@ -7,6 +7,7 @@ use crate::base::source::Span;
 use crate::driver::compile::{Annotated, CompileError, Request, Session};
 use crate::driver::files;
 use crate::flatten::inventory::{Inventory, InventoryConnector};
+use crate::ir::flat::{FlatModel, Variability, Variable};
 
 use super::cause::CatalogueCause;
 use super::law_choice::Choice;
@@ -42,7 +43,7 @@ pub struct Effect {
     pub with: Vec<(String, String)>,
     /// Of an unknown inflow: the variable that enters the balance.
     pub inflow: Option<String>,
-    /// Of an unknown inflow: variables over which it is shown.
+    /// Variables on which its law depends; of an unknown inflow, those over which it is shown.
     pub over: Vec<String>,
     /// Of an effect that lets parameters vary: its output, by which they are multiplied.
     pub varies: Option<String>,
@@ -282,6 +283,9 @@ fn component(mut effect: Effect, request: &Request) -> Result<Effect, String> {
     effect.amplitudes = effect.amplitudes.iter().flat_map(|a| elements(a, &names)).collect();
     let units = flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string()));
     effect.units = units.collect();
+    if effect.over.is_empty() {
+        effect.over = variables_of(&effect.law, &flat);
+    }
     Ok(effect)
 }
 
@@ -295,6 +299,20 @@ fn complete(effect: &mut Effect, inventory: &Inventory) {
             effect.binds.push((input.clone(), vec![input.clone()]));
         }
     }
+}
+
+/// The variables of a class that the right side of its law names.
+fn variables_of(law: &str, flat: &FlatModel) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    let right = law.split_once('=').map_or(law, |(_, right)| right);
+    for word in right.split(|c: char| !c.is_alphanumeric() && c != '_') {
+        let varies = |v: &&Variable| v.name == word && v.variability > Variability::Parameter;
+        let known = found.iter().any(|name| name == word);
+        if !known && flat.variables.iter().any(|v| varies(&v)) {
+            found.push(word.to_owned());
+        }
+    }
+    found
 }
 
 /// The elements of an array amplitude, or the scalar itself.

@@ -43,6 +43,7 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         ("noise", Json::object(noise.map(|(column, factor)| (column, Json::number(factor))))),
         ("effects", Json::list(effects)),
         ("alternatives", Json::list(alternatives)),
+        ("indistinguishable", indistinguishable(outcome)),
         ("before", quality(&study.data, &diagnosis.before)),
         ("after", quality(&study.data, &diagnosis.after)),
         ("balances", Json::list(outcome.balances.iter().map(balance_json))),
@@ -107,6 +108,31 @@ fn effect_json(
     ];
     members.extend(more);
     Json::object(members)
+}
+
+/// The groups of effects of which the data support each as well as the others: at most one, since all compete
+/// with the one that was found.
+fn indistinguishable(outcome: &Outcome) -> Json {
+    let Outcome { study, diagnosis, .. } = outcome;
+    let after = &diagnosis.after;
+    let limit = after.bic() + study.policy.evidence;
+    let number = groups(&after.effects).count();
+    let mut alike: Vec<&Hypothesis> = Vec::new();
+    for rejected in &diagnosis.rejected {
+        let same = |other: &&Hypothesis| other.has_same_effects(rejected);
+        let known = after.has_same_effects(rejected) || alike.iter().any(same);
+        if rejected.bic() < limit && groups(&rejected.effects).count() == number && !known {
+            alike.push(rejected);
+        }
+    }
+    if after.effects.is_empty() || alike.is_empty() {
+        return Json::list([]);
+    }
+    let last = |h: &Hypothesis| {
+        groups(&h.effects).last().map_or(Json::null(), |group| named(&study.effects, group))
+    };
+    let all = std::iter::once(after).chain(alike).map(last);
+    Json::list([Json::list(all.collect::<Vec<_>>())])
 }
 
 /// What an effect is, by name: its class, or a parameter that varies.

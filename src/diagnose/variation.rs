@@ -1,4 +1,4 @@
-//! Parameters that are no constants: the parameters that may vary, and the variables that they may vary with.
+//! Parameters that vary: the parameters that may do so, and the variables that they may vary with.
 //!
 //! Every free parameter of the plan is a hypothesis with every measured variable, every named variable of the
 //! model and time; parameters of the same unit are hypotheses together as well, because one phenomenon often

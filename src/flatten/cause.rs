@@ -75,7 +75,7 @@ causes! {
             => ("the seed of this random number generator is known only at run time"),
             help("call `initializeImpureRandom` with a seed that is known before simulation");
         /// An annotation lets a parameter vary that cannot.
-        error MO1320 UnusableVariation { parameter: String, factor: String, why: WrongVariation }
+        error MO1292 UnusableVariation { parameter: String, factor: String, why: WrongVariation }
             => ("{}", why.message(parameter, factor)), help("{}", why.remedy());
     }
 }

@@ -180,7 +180,8 @@ fn annotations_name_existing_elements() {
             };
             let names = names.strip_prefix("with ").unwrap_or(names);
             match names {
-                "amplitude" => {}
+                "amplitude" | "named" => {}
+                "varies" => assert!(is_there(values), "{}: {values}", effect.name),
                 "host" => {
                     for connector in values.split(',') {
                         assert!(is_there(connector), "{}: connector {connector}", effect.name);

@@ -532,6 +532,18 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end SensorOffset;
 
+    model LinearVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.LinearVariation effect(a = 0.5, x = time, x_lo = 0, x_hi = 2);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-2*(time + 0.125*time^2))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end LinearVariation;
+
     model SensorGain
       extends Check;
       Effects.SensorGain effect(g = 0.1, u = time);
@@ -1361,6 +1373,12 @@ package EffectTests
       extends Base;
       Effects.SensorOffset effect(u = s);
     end SensorOffset;
+
+    model LinearVariation
+      extends Base;
+      Effects.LinearVariation effect(x = s, x_hi = 3.5e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end LinearVariation;
 
     model SensorGain
       extends Base;

@@ -34,7 +34,7 @@ equation
 end Pendulum;
 
 //@ case singular_connection
-//@ error[MO0402] at lib/Pneumatics/Source.mo:20:5-14
+//@ error[MO0402] at lib/Pneumatics/Source.mo:30:5-14
 //@ error[MO0401] at lib/Pneumatics/Port.mo:4:27-32
 model Supplies
   Pneumatics.Source left(p = 2e5);
