@@ -23,12 +23,14 @@ use mocc::calibrate::problem::Problem;
 use mocc::calibrate::sums::Sums;
 use mocc::diagnose::catalogue::{Effect, Packages, catalogue};
 use mocc::diagnose::hypothesis::{Hypothesis, amplitude};
+use mocc::diagnose::law_choice::choices;
 use mocc::diagnose::model_source::Attached;
 use mocc::diagnose::policy::SearchPolicy;
 use mocc::diagnose::rank::{Scored, unscored};
 use mocc::diagnose::result::{Diagnosis, Verdict};
 use mocc::diagnose::search::diagnose;
 use mocc::diagnose::study::Study;
+use mocc::diagnose::variation::VariationTargets;
 use mocc::driver::compile::{Request, Session};
 use mocc::numeric::least_squares::NormalEquations;
 use mocc::numeric::linear::DenseLu;
@@ -88,12 +90,26 @@ impl Stand {
         let variables = flat.variables.iter().map(|v| v.name.clone()).collect();
         let units: Vec<_> =
             flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
-        let packages = Packages { request: &request, names: &["Effects".to_owned()] };
-        let effects = catalogue(&mut session, &packages, &inventory, &units);
+        let names = ["Effects".to_owned()];
+        let packages = Packages { request: &request, names: &names, classes: &[] };
+        let mut effects = catalogue(&mut session, &packages, &inventory, &units);
+        effects.extend(choices(&request, &flat));
+        let variations = VariationTargets::new(&flat, &plan);
         let (base, experiment) = (flat.name.clone(), flat.experiment);
         let policy = SearchPolicy::default();
-        let study =
-            Study { plan, request, data, base, experiment, effects, inventory, variables, policy };
+        let study = Study {
+            plan,
+            request,
+            data,
+            corrections: Vec::new(),
+            base,
+            experiment,
+            effects,
+            inventory,
+            variables,
+            variations,
+            policy,
+        };
         Stand { study }
     }
 
@@ -269,8 +285,10 @@ impl Stand {
                 converged: true,
                 beyond: None,
             },
+            is_complete_fit: false,
             train: Sums::default(),
             validation: Sums::default(),
+            test: Sums::default(),
         }
     }
 

@@ -97,7 +97,7 @@ fn contribution(
     let unknown = unknowns.iter().find(contributed)?;
     let over: Vec<&str> = unknown.over.iter().map(String::as_str).filter(|n| has(n)).collect();
     let names = over.iter().copied().chain(unknown.inflow.as_deref());
-    let names: Vec<String> = names.map(|n| chosen.full_name(&n)).collect();
+    let names: Vec<String> = names.map(|n| chosen.full_name(n)).collect();
     let (plan, attached) = (&hypothesis.plan, attached(study, &hypothesis.effects));
     let (session, program) = study.compile(plan, &attached, &names).ok()?;
     let mut problems = Problems::new();
