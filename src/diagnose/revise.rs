@@ -6,9 +6,11 @@ use crate::calibrate::problem::Problem;
 
 use super::backward_elimination::without;
 use super::candidate_fit::CandidateFits;
+use super::catalogue::Amplitude;
 use super::forward_selection::promising;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups, plan_without_effects};
 use super::pairwise_selection::{pairs, pairwise_selection_from};
+use super::place::Place;
 use super::preference::ends_with_variation;
 use super::rank::{Scored, rank, rank_instead};
 use super::result::Diagnosis;
@@ -128,16 +130,17 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     };
     let gain = ranking.iter().find(|s| is_own(s)).map_or(0.0, |s| s.gain);
     let is_alternative = |s: &&Scored| s.gain > policy.alternative_share * gain && !is_own(s);
-    // Beside a parameter that varies, named laws are the alternatives that matter.
+    // Beside parameters that vary, named laws and slightly other sets are the alternatives that matter.
     let is_varied = ends_with_variation(search.study, &current);
     let varies = |s: &&Scored| search.study.effects[s.effect].varies.is_some();
-    let alternatives: Vec<Vec<Scored>> = ranking
+    let mut alternatives = neighbours(search, &current);
+    let promising = ranking
         .iter()
         .filter(is_alternative)
         .filter(|s| !(is_varied && varies(s)))
         .take(policy.alternatives)
-        .map(|s| vec![s.clone()])
-        .collect();
+        .map(|s| vec![s.clone()]);
+    alternatives.extend(promising);
     let fits = CandidateFits { search, from: &start, proposals: &alternatives, depth: 0 };
     let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
     let (mut hypotheses, distant): (Vec<_>, Vec<_>) =
@@ -161,6 +164,31 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let replaced = accept(search, diagnosis, best);
         diagnosis.rejected.push(replaced);
     }
+}
+
+/// If parameters vary: the sets that differ from theirs by one parameter, with the same amplitude, small ones first.
+fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>> {
+    let study = search.study;
+    let [chosen] = current.effects.as_slice() else { return Vec::new() };
+    let effect = &study.effects[chosen.effect];
+    let input = effect.binds.first().filter(|_| effect.varies.is_some());
+    let Some((input, _)) = input else { return Vec::new() };
+    let estimate = |a: &Amplitude| Some(current.estimate(&chosen.full_name(&a.name))?.0);
+    let amplitudes: Vec<f64> = effect.amplitudes.iter().filter_map(estimate).collect();
+    let own = &chosen.place;
+    let is_near = |place: &Place| {
+        let missing = own.at.iter().filter(|p| !place.at.contains(p)).count();
+        let added = place.at.iter().filter(|p| !own.at.contains(p)).count();
+        place.binds == own.binds && missing + added == 1
+    };
+    let mut places: Vec<Place> = study.variations.places(input);
+    places.retain(is_near);
+    places.sort_by_key(|place| place.at.len());
+    let proposal = |place| {
+        let (effect, shape, amplitudes) = (chosen.effect, chosen.fixed.clone(), amplitudes.clone());
+        vec![Scored { effect, place, shape, amplitudes, gain: 0.0, others: Vec::new() }]
+    };
+    places.into_iter().map(proposal).collect()
 }
 
 /// True for several effects, or a free curve.
