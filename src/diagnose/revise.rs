@@ -128,7 +128,9 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         };
         current.effects.iter().all(own)
     };
-    let gain = ranking.iter().find(|s| is_own(s)).map_or(0.0, |s| s.gain);
+    // A law that is chosen has no score of its own here: it promises what it has explained.
+    let explained = diagnosis.before.train.total() - current.train.total();
+    let gain = ranking.iter().find(|s| is_own(s)).map_or(explained, |s| s.gain);
     let is_alternative = |s: &&Scored| s.gain > policy.alternative_share * gain && !is_own(s);
     // Beside parameters that vary, named laws and slightly other sets are the alternatives that matter.
     let is_varied = ends_with_variation(search.study, &current);
