@@ -8,6 +8,8 @@
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
 //! cargo bench --bench specimens -- foreign [NAME]     # the same, effect not in the catalogue
 //! cargo bench --bench specimens -- pairs 20 [1]       # two effects at once, from number 1
+//! cargo bench --bench specimens -- random 20 [1]      # one effect of any size, some not in the catalogue
+//! cargo bench --bench specimens -- random-pairs 20 [1]  # two such effects at once
 //! cargo bench --bench specimens -- valve32 effects    # with the other valve
 //! ```
 
@@ -22,7 +24,7 @@ use mocc::calibrate::plan_file;
 use mocc::calibrate::problem::Problem;
 use mocc::calibrate::sums::Sums;
 use mocc::diagnose::catalogue::{Effect, Packages, catalogue};
-use mocc::diagnose::hypothesis::{Hypothesis, amplitude};
+use mocc::diagnose::hypothesis::{ChosenEffect, Hypothesis, amplitude, groups};
 use mocc::diagnose::law_choice::choices;
 use mocc::diagnose::model_source::Attached;
 use mocc::diagnose::policy::SearchPolicy;
@@ -39,6 +41,10 @@ use mocc::numeric::linear::DenseLu;
 const EXCESS: f64 = 3.0;
 /// The same for each of two simultaneous effects.
 const EXCESS_OF_EACH: f64 = 10.0;
+/// Range of the reduced sum of squares that effects of random size cause, evenly distributed over its logarithm.
+const RANDOM_SIZES: (f64, f64) = (2.0, 1000.0);
+/// Every so many random specimens, the law is missing in the catalogue.
+const HIDDEN_EVERY: u64 = 3;
 /// Maximum relative difference of the parameters of a specimen from the data sheet.
 const SPREAD: f64 = 0.2;
 
@@ -66,9 +72,12 @@ fn main() {
             }
         }
         Some("pairs") => stand.pairs(first, number(1)),
-        _ => {
-            println!("choose one of: starts N, healthy N, effects [NAME], foreign [NAME], pairs N")
-        }
+        Some("random") => stand.random(first, number(1), 1),
+        Some("random-pairs") => stand.random(first, number(1), 2),
+        _ => println!(
+            "choose one of: starts N, healthy N, effects [NAME], foreign [NAME], pairs N, \
+             random N, random-pairs N"
+        ),
     }
 }
 
@@ -227,6 +236,78 @@ impl Stand {
         }
     }
 
+    /// Effects of the catalogue of any size at any of their places; every third specimen with one effect has
+    /// a law that the catalogue of the diagnosis lacks.
+    fn random(&self, first: u64, count: u64, effects: usize) {
+        let mut tally = [0; OUTCOMES.len()];
+        for k in first..first + count {
+            let mut random = Random(9000 + 100 * effects as u64 + k);
+            // The first numbers of neighbouring seeds are alike.
+            for _ in 0..10 {
+                random.uniform();
+            }
+            let plan = self.other(SPREAD, &mut random);
+            let mut inserted: Vec<Inserted> = Vec::new();
+            while inserted.len() < effects {
+                inserted.extend(self.any(&plan, &mut random));
+            }
+            let is_hidden = effects == 1 && k % HIDDEN_EVERY == 0;
+            let hidden = is_hidden.then_some(inserted[0].scored.effect);
+            let outcome = match self.report(&plan, &inserted, hidden, &mut random) {
+                Some(found) => self.outcome(&found, &inserted, hidden),
+                None => continue,
+            };
+            println!("    {}{}", OUTCOMES[outcome], if is_hidden { ", law hidden" } else { "" });
+            tally[outcome] += 1;
+        }
+        for (outcome, number) in OUTCOMES.iter().zip(tally) {
+            println!("{number:4}  {outcome}");
+        }
+    }
+
+    /// A parametric effect of random class, place, shape and size.
+    fn any(&self, plan: &Plan, random: &mut Random) -> Option<Inserted> {
+        let mut below = |n: usize| ((random.uniform() * n as f64) as usize).min(n - 1);
+        let effect = below(self.study.effects.len());
+        if self.study.is_curve(effect) {
+            return None;
+        }
+        let all = unscored(&self.study, &self.without_effects());
+        let own: Vec<&Scored> =
+            all.iter().filter(|s| s.effect == effect && s.place.others.is_empty()).collect();
+        let scored = own.get(below(own.len().max(1)))?;
+        let (least, most) = RANDOM_SIZES;
+        let size = least * (most / least).powf(random.uniform());
+        let values = self.amplitude(plan, scored, size - 1.0)?;
+        Some(Inserted { scored: (*scored).clone(), values })
+    }
+
+    /// Position in [`OUTCOMES`].
+    fn outcome(&self, found: &Diagnosis, inserted: &[Inserted], hidden: Option<usize>) -> usize {
+        let known = self.catalogue(hidden);
+        let is = |c: &ChosenEffect, one: &Inserted| {
+            let effect = &self.study.effects[one.scored.effect];
+            known[c.effect].name() == effect.name() && c.place.binds == one.scored.place.binds
+        };
+        let is_at = |c: &ChosenEffect, one: &Inserted| {
+            c.place.at.iter().any(|at| one.scored.place.members().iter().any(|p| p.at.contains(at)))
+        };
+        let all_of = |h: &Hypothesis| {
+            let named = |one| h.effects.iter().any(|c| is(c, one) && is_at(c, one));
+            groups(&h.effects).count() == inserted.len() && inserted.iter().all(named)
+        };
+        let limit = found.after.bic() + self.study.policy.evidence;
+        let is_explained = self.verdict(found) == Verdict::EffectFound;
+        let at = |one| found.after.effects.iter().any(|c| is_at(c, one));
+        match is_explained {
+            true if all_of(&found.after) => 0,
+            true if found.rejected.iter().any(|h| h.bic() < limit && all_of(h)) => 1,
+            true if inserted.iter().all(at) => 2,
+            true => 3,
+            false => 4,
+        }
+    }
+
     /// An effect at one of its places with one of its shapes, not always the first. A place where
     /// it has no influence is skipped.
     fn inserted(&self, k: usize, plan: &Plan, excess: f64) -> Option<Inserted> {
@@ -247,7 +328,7 @@ impl Stand {
         inserted: &[Inserted],
         hidden: Option<usize>,
         random: &mut Random,
-    ) {
+    ) -> Option<Diagnosis> {
         let attached: Vec<Attached<'_>> = inserted
             .iter()
             .enumerate()
@@ -256,15 +337,17 @@ impl Stand {
                 attachment(effect, &one.scored, one.values.clone(), &format!("inserted_{i}"))
             })
             .collect();
-        for (one, a) in inserted.iter().zip(&attached) {
-            println!("{} at {} {:?}", a.effect.class, one.scored.place.at.join(", "), one.values);
+        for one in inserted {
+            let label = self.study.label(one.scored.effect, &one.scored.place);
+            println!("{label} {:?}", one.values);
         }
         let Some(data) = self.recorded(plan, &attached, random) else {
             println!("    cannot be simulated");
-            return;
+            return None;
         };
         let (found, seconds) = self.diagnosis(&data, hidden);
         println!("    -> {}  {seconds:6.1} s", self.words(found.as_ref(), hidden));
+        found
     }
 
     fn verdict(&self, diagnosis: &Diagnosis) -> Verdict {
@@ -345,6 +428,15 @@ impl Stand {
         )
     }
 }
+
+/// How a diagnosis ends, best first.
+const OUTCOMES: [&str; 5] = [
+    "right",
+    "right within the group that the data cannot tell apart",
+    "another law at the right place",
+    "another law at another place",
+    "unexplained",
+];
 
 /// An effect with its place and its parameters.
 struct Inserted {

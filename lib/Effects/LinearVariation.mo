@@ -13,5 +13,5 @@ equation
   annotation(__mocc(
     effect   = "varies=factor; amplitude=a; x_lo=min(x); x_hi=max(x)",
     law      = "1 + a (x - x_lo)/(x_hi - x_lo)",
-    explains = "%at varies in proportion to %over."));
+    explains = "The value of %at varies linearly with %over."));
 end LinearVariation;

@@ -21,12 +21,18 @@ package Effects "Physical effects that a model may lack"
   //   bind V=V|gap.V        bind an input of the effect to a variable of the host: the first that exists. An input without
   //                         this entry is bound to the host's variable of the same name
   //   with has_line=true    a class that has the effect built in: the override that makes it part of the model
+  //   varies=factor         parameters of the model are multiplied by this variable of the effect, whose first input is
+  //                         bound to each variable that they may vary with
   // Without `host`, connectors of a model may be of another class, its own or that of a library, if they mean the same:
   // one potential and one flow with the units of the effect's connector, or where none are declared, with its names. The
   // model is then extended by an adapter.
   //
   // A block Sensor... has no connector: it converts the simulated value u to the reading y.
-  // `explains` is the sentence that a diagnosis reports; %at is the location.
+  // `explains` is the sentence that a diagnosis reports; %at is the location and %over the variable that a parameter
+  // varies with. `law` is the effect's formula.
+  //
+  // An entry `choice` describes another law that a class has built in: the overrides that select it (`with`), its own
+  // parameters with values to start from, and by `named` what it is called. `chosen` is its formula.
   //
   // An entry `unknown` instead of `effect` marks a question rather than an effect: an inflow that is free over time,
   // from t_lo to t_hi. Where it would explain most of the residual, the balance does not close.

@@ -2,7 +2,8 @@ within Friction;
 model Chosen "A law selected by a parameter, all laws with the parameters of one data sheet"
   // Only the selected law is part of the model: each law is an array of one instance or of none, and a sum over none
   // is 0. Laws without dwell use the Stribeck force after infinite rest, laws without pressure that at dp = 0.
-  extends Law(f_signed = sum(lugre.f_signed) + sum(lugre_dwell_pressure.f_signed) + sum(dahl.f_signed));
+  extends Law(f_signed = sum(stribeck.f_signed) + sum(stribeck_dwell.f_signed) + sum(stribeck_dwell_pressure.f_signed)
+    + sum(lugre.f_signed) + sum(lugre_dwell_pressure.f_signed) + sum(dahl.f_signed));
   parameter Kind                     kind           "The selected law";
   parameter Units.Force              F_Coulomb      "Coulomb friction without pressure";
   parameter Units.PerPressure        k_C            "Relative increase of F_Coulomb per pressure difference";

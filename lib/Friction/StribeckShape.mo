@@ -1,6 +1,7 @@
 within Friction;
 partial model StribeckShape "Stribeck curve with two magnitudes given by the law"
-  extends Law;
+  //   |f| = F_C + F_S exp(-f_exp |v|) + F_prop |v| while sliding
+  extends Law(f_signed = F_prop*v);
   parameter Units.DampingCoefficient F_prop "Viscous friction per speed";
   parameter Units.PerVelocity        f_exp  "Decay of the Stribeck force with speed";
 
@@ -8,5 +9,5 @@ partial model StribeckShape "Stribeck curve with two magnitudes given by the law
   Units.Force F_S "Stribeck force in the present state: excess of static over Coulomb friction";
 equation
   f_static = F_C + F_S;
-  f_slide = F_C + F_prop*speed + F_S*exp(-f_exp*speed);
+  f_slide = F_C + F_S*exp(-f_exp*speed);
 end StribeckShape;

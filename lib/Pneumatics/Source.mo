@@ -35,5 +35,6 @@ equation
     effect   = "with has_line=true; amplitude=R_line>0; tau_line=1e-3,3e-3,10e-3",
     law      = "V/(R T) dp_port/dt = (p - p_port)/R_line - m_out",
     choice   = "with has_line=true; with is_orifice=true; C_line=1e-9,1e-8,1e-7; V_line=1e-6,1e-5,1e-4",
+    chosen   = "V_line/(R T) dp_port/dt = iso6358(p, p_port, C_line, b_line) - m_out",
     explains = "The pressure at %at drops while air flows, as behind a long line."));
 end Source;

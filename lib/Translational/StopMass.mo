@@ -9,9 +9,14 @@ model StopMass "Rigid body between two stops without rebound, with friction of s
   // friction. Friction without f_static must vanish with the speed, as f_slide, or act as f_push.
   // With has_bristles, elastic bristles carry the friction of the seals, as in LuGre:
   //   df_z/dt = sigma_0 (v - |v| f_z/g),   f_bristles = f_z + sigma_1 (v - |v| f_z/g)
-  // where g is the friction that the seals have while sliding. The body then yields before it slips.
+  // where g is the dry friction that the seals have while sliding. The body then yields before it slips.
   // Source: Canudas de Wit, Olsson, Åström and Lischinsky (1995), "A New Model for Control of Systems with Friction",
   // IEEE Trans. Automatic Control 40(3).
+  // Friction that has grown at rest is lost as the contacts slip: with slip_length, the time without operation falls
+  // from its value at rest to that of a fresh contact,
+  //   dt_no/dt = -|v| (t_no - t_fresh)/slip_length
+  // Source: Dieterich (1979), "Modeling of Rock Friction 1", Journal of Geophysical Research 84(B5): contacts are
+  // renewed over a characteristic path. Without it, the friction keeps the value of rest until the body locks again.
   // Source: Otter, Elmqvist, Mattsson (1999), "Hybrid Modeling in Modelica based on the
   // Synchronous Data Flow Principle". A resting body has exactly zero speed and acceleration.
   parameter Units.Mass     m              "Mass";
@@ -25,6 +30,8 @@ model StopMass "Rigid body between two stops without rebound, with friction of s
   parameter Boolean  has_bristles = false "True if bristles carry the friction of the seals";
   parameter Units.SpringStiffness    sigma_0 = 1e6 "Bristles: stiffness";
   parameter Units.DampingCoefficient sigma_1 = 300 "Bristles: damping";
+  parameter Units.Length             slip_length = 0 "Path over which sliding renews the contacts; 0: it does not";
+  parameter Units.Time               t_fresh = 0   "Time without operation that a fresh contact corresponds to";
 
   Units.Position     s(start = s_start, fixed = true, nominal = s_max - s_min, stateSelect = StateSelect.prefer)
     "Stroke";
@@ -33,13 +40,13 @@ model StopMass "Rigid body between two stops without rebound, with friction of s
   Units.Acceleration a
     "Acceleration";
   Units.Time         t_no(start = t_no_start, fixed = true)
-    "Time without operation: grows at rest, kept while sliding";
+    "Time without operation: grows at rest, kept or lost while sliding";
 
   Motion  mode(start = mode_start, fixed = true) "Motion of the body";
   Boolean locked(start = true) "True at rest, stops included";
 
   Units.Force f        "Driving force: all but friction, positive towards +s";
-  Units.Force f_slide  "Friction while sliding, sum over the seals";
+  Units.Force f_slide  "Dry friction while sliding, sum over the seals";
   Units.Force f_static "Friction available at rest, sum over the seals";
   Units.Force f_z(start = 0, fixed = has_bristles) "Elastic force of the bristles";
 
@@ -63,7 +70,9 @@ equation
     elseif mode == Motion.Backward then f + f_slide
     elseif mode == Motion.Free then (if noEvent(v >= 0) then f - f_slide else f + f_slide)
     else 0;
-  der(t_no) = if locked then 1 else 0;
+  der(t_no) = if locked then 1
+    elseif slip_length > 0 then -noEvent(abs(v))*(t_no - t_fresh)/slip_length
+    else 0;
 
   // Connections
   if has_bristles then
@@ -114,6 +123,8 @@ equation
   assert(s_max > s_min, "StopMass: the upper stop s_max must lie above the lower stop s_min");
 
   annotation(__mocc(
-    choice   = "with has_bristles=true; sigma_0=2e5,1e6,5e6; sigma_1=30,300; named=Friction.LuGre",
+    choice   = "with has_bristles=true; sigma_0=5e4,2e5,1e6; sigma_1=10,100; slip_length=1e-5,1e-4; t_fresh=0.1,10;
+      named=Friction.LuGre",
+    chosen   = "f = f_z + sigma_1 v_z,  der(f_z) = sigma_0 v_z,  v_z = v - |v| f_z/f_slide,  der(t_no) = -|v| (t_no - t_fresh)/slip_length",
     explains = "Elastic bristles carry the friction of %at, which yields before it slips (LuGre)."));
 end StopMass;

@@ -119,6 +119,10 @@ impl Problems {
             d.severity = Severity::Error;
         }
     }
+    /// Removes the errors with such a cause.
+    pub fn remove_errors<C: Cause>(&mut self, is: impl Fn(&C) -> bool) {
+        self.list.retain(|d| d.severity != Severity::Error || !d.is(&is));
+    }
     /// True if there are no diagnostics.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()

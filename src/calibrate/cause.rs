@@ -22,6 +22,18 @@ causes! {
         /// A unit is unknown.
         error MO1005 UnknownUnit { unit: String, near: Option<String>, known: String }
             => ("unknown unit `{unit}`"), remedy(did_you_mean_or(near, format!("known are {known}")));
+        /// A parameter cannot be fitted.
+        error MO1049 NotFittable { name: String, why: &'static str }
+            => ("`{name}` cannot be fitted: {why}"),
+            help("free a Real parameter that enters equations only, or give this one a value in `[fixed]`");
+        /// A column measures something else than its variable.
+        error MO1047 UnitOfVariable { name: String, declared: String, given: String }
+            => ("`{name}` is in `{declared}`, but the column in `{given}`"),
+            help("correct the unit, or name the variable that the column measures");
+        /// A variable is not declared in an SI unit.
+        error MO1048 NotInSi { name: String, declared: String, si: String }
+            => ("`{name}` is in `{declared}`, but columns are converted to SI units"),
+            help("declare it with `unit = \"{si}\", displayUnit = \"{declared}\"`");
         /// The bounds of a free parameter contradict each other or its start.
         error MO1006 ContradictoryBounds { name: String }
             => ("the bounds of `{name}` contradict each other or its start"),

@@ -2,6 +2,7 @@
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::Span;
+use crate::ir::expr::{Type, VarId};
 use crate::ir::program::Program;
 use crate::runtime::machine::Machine;
 use crate::simulate::sensitivity::Input;
@@ -123,6 +124,21 @@ pub fn input(
     found
 }
 
+/// Why a parameter cannot be varied continuously.
+fn unfittable(program: &Program, v: VarId) -> Option<&'static str> {
+    let variable = &program.blocks.dae.variables[v];
+    match variable.ty {
+        Type::Integer => Some("it is an Integer"),
+        Type::Boolean => Some("it is a Boolean"),
+        Type::Enumeration(_) => Some("it is an enumeration"),
+        Type::String => Some("it is a String"),
+        Type::Real if variable.structural => {
+            Some("it is a constant, `final`, or decides the structure of the model")
+        }
+        Type::Real => None,
+    }
+}
+
 /// A free parameter of the plan, with the coordinate in which it is searched.
 pub fn parameter(
     program: &Program,
@@ -133,6 +149,17 @@ pub fn parameter(
     let targets: Option<Vec<Input>> =
         free.targets.iter().map(|t| input(program, t, free.span, problems)).collect();
     let targets = targets?;
+    let of_parameter = |input: &Input| match input {
+        Input::Parameter(v) => Some(*v),
+        Input::Start(_) => None,
+    };
+    for v in targets.iter().filter_map(of_parameter) {
+        if let Some(why) = unfittable(program, v) {
+            let name = program.name(v).to_owned();
+            problems.push(Diagnostic::new(PlanCause::NotFittable { name, why }, free.span));
+            return None;
+        }
+    }
     let (v, declared) = match targets.first()? {
         Input::Parameter(v) => (*v, machine.value(*v)),
         Input::Start(v) => {

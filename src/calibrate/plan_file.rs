@@ -130,7 +130,7 @@ impl PlanReader<'_> {
             inputs: self.inputs(root),
             starts: self.starts(root),
             time,
-            time_unit: time_unit.unwrap_or(Unit { factor: 1.0, offset: 0.0 }),
+            time_unit: time_unit.unwrap_or(Unit::SECOND),
             signals: self.signals(root, whole),
             free,
             each,

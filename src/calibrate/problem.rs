@@ -25,6 +25,7 @@ use super::plan::Plan;
 use super::rows::Rows;
 use super::sums::Sums;
 use super::unit::Unit;
+use super::unit_check;
 
 /// Steps after which a run is abandoned, besides those for each row of the recording.
 const MAX_STEPS: u64 = 100_000;
@@ -122,6 +123,7 @@ impl<'a> Problem<'a> {
         problems: &mut Problems,
     ) -> Option<Self> {
         let before = problems.error_count();
+        unit_check::check(program, plan, problems);
         let mut conditions = Vec::new();
         for c in &plan.conditions {
             match input(program, &c.parameter, c.span, problems) {
@@ -402,7 +404,19 @@ impl<'a> Problem<'a> {
 
     /// The normal equations of the training recordings that are not trimmed.
     pub fn normal(&self, x: &[f64]) -> Result<NormalEquations, Failure> {
-        let recordings = self.fitted();
+        self.normal_of_all(&self.fitted(), x)
+    }
+
+    /// The normal equations of the recordings of one kind.
+    pub fn normal_of_split(&self, split: Split, x: &[f64]) -> Result<NormalEquations, Failure> {
+        self.normal_of_all(&self.recordings(split), x)
+    }
+
+    fn normal_of_all(
+        &self,
+        recordings: &[&Recording],
+        x: &[f64],
+    ) -> Result<NormalEquations, Failure> {
         let each = parallel::map(self.jobs, recordings.len(), |i| self.normal_of(recordings[i], x));
         let mut sum = NormalEquations::new(self.parameters.len());
         for normal in each {

@@ -1,5 +1,8 @@
 //! Units of recordings by name, with their conversion to SI units.
 
+use crate::units::dimension::Dimension;
+use crate::units::unit;
+
 /// A value in SI units is `factor * value + offset`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Unit {
@@ -7,6 +10,8 @@ pub struct Unit {
     pub factor: f64,
     /// Its zero in SI units.
     pub offset: f64,
+    /// What it measures.
+    pub dimension: Dimension,
 }
 
 /// Names and factors. Gauge pressures are relative to ambient.
@@ -73,15 +78,19 @@ const UNITS: [(&str, f64); 59] = [
 ];
 
 impl Unit {
+    /// The second.
+    pub const SECOND: Unit = Unit { factor: 1.0, offset: 0.0, dimension: Dimension::TIME };
+
     /// The unit of this name.
     pub fn of(name: &str) -> Option<Unit> {
         let name = name.trim();
         if matches!(name, "degC" | "°C") {
-            return Some(Unit { factor: 1.0, offset: 273.15 });
+            let dimension = Dimension::TEMPERATURE;
+            return Some(Unit { factor: 1.0, offset: 273.15, dimension });
         }
         let plain = name.replace('_', " ").replace('^', "");
-        let found = UNITS.iter().find(|(n, _)| *n == plain)?;
-        Some(Unit { factor: found.1, offset: 0.0 })
+        let (_, factor) = UNITS.iter().find(|(n, _)| *n == plain)?;
+        Some(Unit { factor: *factor, offset: 0.0, dimension: modelica(&plain)?.dimension })
     }
 
     /// All names.
@@ -100,9 +109,23 @@ impl Unit {
     }
 }
 
+/// The unit as Modelica writes it.
+fn modelica(name: &str) -> Option<unit::Unit> {
+    let name = name.trim_end_matches(" gauge").replace('µ', "u");
+    unit::Unit::of(if name == "Nm" { "N.m" } else { &name })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn factors_are_those_of_the_units_of_models() {
+        for (name, factor) in UNITS {
+            let scale = modelica(name).and_then(|u| u.scale).expect(name);
+            assert!((scale.factor / factor - 1.0).abs() < 1e-9, "{name}");
+        }
+    }
 
     #[test]
     fn units_are_converted_by_name() {

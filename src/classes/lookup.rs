@@ -344,6 +344,27 @@ impl ClassGraph<'_> {
         self.report(ClassCause::ImportFromOther { name: *last, holder }, path.span);
     }
 
+    /// Reports imports of what does not exist, whether or not something uses them (section 13.2.1).
+    pub(crate) fn check_imports(&mut self, composition: &ast::Composition) {
+        for element in &composition.elements {
+            let ElementKind::Import(import) = &element.kind else { continue };
+            let element = |name: &ast::Ident| {
+                let parts = import.path.parts.iter().chain([name]).copied().collect();
+                ast::Path { parts, span: name.span, ..import.path }
+            };
+            let imported = match &import.form {
+                ImportForm::List(names) => names.iter().map(element).collect(),
+                _ => vec![import.path.clone()],
+            };
+            for path in imported {
+                let parts: Vec<Name> = path.parts.iter().map(|p| p.name).collect();
+                if self.absolute(&parts, false).is_none() {
+                    self.report_unknown_class(&path, ROOT);
+                }
+            }
+        }
+    }
+
     /// A name from the top: a class, or a component of a package; only a public one if it is one of
     /// many that are imported.
     fn absolute(&mut self, parts: &[Name], public: bool) -> Option<Found> {

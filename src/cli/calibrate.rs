@@ -16,7 +16,7 @@ use crate::io::atomic_file::write_file;
 /// Runs the command.
 pub fn run(options: &Calibrate) -> Status {
     let started_at = Instant::now();
-    let mut session = Session::default();
+    let mut session = Session { parameters_vary: true, ..Session::default() };
     let folder = options.study.folder("calibration");
     let terminal = Terminal::new(folder.clone());
     let request = Request {

@@ -17,7 +17,7 @@ use crate::io::csv::write_csv;
 /// Runs the command.
 pub fn run(options: &Diagnose) -> Status {
     let started_at = Instant::now();
-    let mut session = Session::default();
+    let mut session = Session { parameters_vary: true, ..Session::default() };
     let folder = options.study.folder("diagnosis");
     let mut terminal = Terminal::new(folder.clone());
     terminal.log_since = options.verbose.then_some(started_at);

@@ -16,7 +16,7 @@ pub fn run(options: &Evaluate) -> Status {
             return Status::Usage;
         }
     };
-    let mut session = Session::default();
+    let mut session = Session { parameters_vary: true, ..Session::default() };
     let evaluation = evaluate(&request, &mut session);
     say(&session);
     let evaluation = match evaluation {

@@ -420,10 +420,9 @@ fn measured(
     for path in paths {
         let table = read_text(path).map_err(|e| e.to_string())?;
         let time = signals.iter().find(|s| s.variable == "time");
-        let second = Unit { factor: 1.0, offset: 0.0 };
         let (at, time_unit) = match time {
             Some(s) => (table.column(&s.column), s.unit),
-            None => (Some(0), second),
+            None => (Some(0), Unit::SECOND),
         };
         let at = at.ok_or_else(|| format!("{}: no column for the time", path.display()))?;
         let mut wanted: Vec<(usize, String, Unit)> = Vec::new();
@@ -439,7 +438,7 @@ fn measured(
         if signals.iter().all(|s| s.variable == "time") {
             for (k, name) in table.names.iter().enumerate().filter(|(k, _)| *k != at) {
                 if let Some(v) = position(columns, name) {
-                    wanted.push((k, columns[v].name.clone(), second));
+                    wanted.push((k, columns[v].name.clone(), Unit::SECOND));
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::progress::Progress;
 use super::stream::{Stream, drawable};
 use super::{Status, interrupt, print, running, say, style};
 use crate::base::render::render;
-use crate::driver::compile::Session;
+use crate::driver::compile::{Request, Session};
 use crate::io::format::Format;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Trajectory, position};
@@ -27,6 +27,7 @@ pub fn run(options: &Simulate) -> Status {
     let started_at = Instant::now();
     let mut session = Session { is_last: true, ..Session::default() };
     let request = running::request(&options.model, &options.running);
+    let request = Request { check_units: true, ..request };
     let program = match options.measures.as_slice() {
         [] => session.compile(&request).map(|program| (program, None)),
         texts => session.compile_measured(&request, texts).map(|(p, plan)| (p, Some(plan))),

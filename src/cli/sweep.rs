@@ -39,7 +39,7 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
         measures: options.measures.clone(),
         keep: files.traces.is_some().then(|| keep(options)),
     };
-    let mut session = Session::default();
+    let mut session = Session { parameters_vary: true, ..Session::default() };
     let base = model.compile(&[], &mut session);
     say(&session);
     let mut base = match base {
@@ -59,7 +59,7 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     // An error in every run, such as an unknown parameter, is an error in the request.
     let first = variants.settings(&design.values(0));
     if !first.is_empty() {
-        let mut session = Session::default();
+        let mut session = Session { parameters_vary: true, ..Session::default() };
         let all: Vec<String> = options.model.settings.iter().chain(&first).cloned().collect();
         let request = Request { settings: all, ..options.model.request() };
         if let Err(error) = session.flatten(&request)

@@ -66,8 +66,9 @@ pub struct Emitter {
     pub partials: Vec<(FunctionId, u32, u32)>,
     /// Relations, clocks and actions at events compiled so far.
     pub events: Events,
-    /// Slots of clocks that the initial tape fills, because initialization determines them.
-    pub initialized_clocks: Vec<(Slot, ExprId)>,
+    /// Slots of clocks and delays that the initial tape fills, because initialization determines
+    /// them.
+    pub initialized: Vec<(Slot, ExprId)>,
     /// See [`crate::ir::program::Program::bounds`].
     pub bounds: Vec<Bounds>,
     /// Errors so far.
@@ -107,7 +108,7 @@ impl Emitter {
             routines: Routines::default(),
             partials: Vec::new(),
             events: Events::default(),
-            initialized_clocks: Vec::new(),
+            initialized: Vec::new(),
             bounds: Vec::new(),
             problems: Problems::new(),
             span: Span::NONE,

@@ -44,8 +44,17 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
 ///
 /// Errors are diagnostics of codes `MO0801` and following.
 pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems> {
-    let Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts } =
-        blocks;
+    let Blocks {
+        dae,
+        states,
+        dummies,
+        state_sets,
+        initial,
+        event,
+        continuous,
+        assumed_starts,
+        undetermined,
+    } = blocks;
     let mut order = SortedBlocks { states, algebraics: Vec::new(), initial, event, continuous };
     let mut emitter = Emitter::new(dae);
     if form == SystemForm::Dae {
@@ -84,6 +93,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
             event,
             continuous,
             assumed_starts,
+            undetermined,
         },
         image,
         literals,

@@ -78,7 +78,7 @@ pub fn parameters(e: &mut Emitter, blocks: &SortedBlocks) {
         e.layout.starts.push((v, input, start));
     }
     for (v, time) in e.dae.delays.clone() {
-        let (source, delay) = (e.slot(v), e.emit(time).0);
+        let (source, delay) = (e.slot(v), initialized_value(e, time, 0.0));
         e.layout.delays.push(DelaySlots { variable: v, source, delay, moves: true });
     }
     for line in e.dae.transports.clone() {
@@ -132,7 +132,7 @@ pub fn initial(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     e.push_layer();
     e.floor = DISCRETE;
     let lagged = compile_with_relations(e, &blocks.initial, Sequence::Initial);
-    for (slot, value) in std::mem::take(&mut e.initialized_clocks) {
+    for (slot, value) in std::mem::take(&mut e.initialized) {
         e.emit_to(slot, value);
     }
     SequenceTape { tape: e.pop_discard(), lagged }
@@ -262,6 +262,11 @@ pub fn reset_levels(e: &mut Emitter, initialised: bool) {
 
 /// The slot of a time of a clock. Clocks start after initialization, which may determine them.
 fn clock_value(e: &mut Emitter, value: ExprId) -> Slot {
+    initialized_value(e, value, f64::INFINITY)
+}
+
+/// The slot of a value that initialization may determine, and what it holds until then.
+fn initialized_value(e: &mut Emitter, value: ExprId, before: f64) -> Slot {
     let initial = |v: VarId| {
         matches!(
             e.dae.variables[v].kind,
@@ -270,8 +275,8 @@ fn clock_value(e: &mut Emitter, value: ExprId) -> Slot {
     };
     let known = e.dae.graph.variables(value).into_iter().all(initial);
     if known && e.level_of(&[value], |_| false) > PARAMETER {
-        let slot = e.new_slot(f64::INFINITY);
-        e.initialized_clocks.push((slot, value));
+        let slot = e.new_slot(before);
+        e.initialized.push((slot, value));
         return slot;
     }
     parameter_value(e, value).0

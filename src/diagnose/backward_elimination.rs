@@ -27,7 +27,7 @@ pub fn eliminated(search: &Search<'_>, mut hypothesis: Hypothesis) -> Hypothesis
             local_search(p, &start, &policy.fit.full, &mut |_, _| search.on_step())
         };
         if let Some(without) = without(search.study, &hypothesis, &weak, refit)
-            && without.bic() < hypothesis.bic() + policy.evidence
+            && without.total_criterion() < hypothesis.total_criterion() + policy.evidence
         {
             hypothesis = without;
         }

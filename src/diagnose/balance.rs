@@ -11,7 +11,6 @@
 use std::sync::Arc;
 
 use crate::base::diag::Problems;
-use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
 use crate::calibrate::parallel;
 use crate::calibrate::problem::Problem;
@@ -21,7 +20,7 @@ use crate::numeric::linear::DenseLu;
 use super::catalogue::Effect;
 use super::hypothesis::{Hypothesis, amplitude, attached};
 use super::model_source::Attached;
-use super::place::{Place, places};
+use super::place::Place;
 use super::study::Study;
 
 /// Dampings to try, strongest first, relative to the mean square of the columns.
@@ -67,10 +66,9 @@ pub struct Profile {
 
 /// All balances of a model, the one that explains most first.
 pub fn balances(study: &Study, unknowns: &[Effect], hypothesis: &Hypothesis) -> Vec<Balance> {
-    let names: FastSet<&str> = study.variables.iter().map(String::as_str).collect();
     let mut found = Vec::new();
     for unknown in unknowns {
-        for place in places(unknown, &study.inventory, &names, &study.plan) {
+        for place in study.places(unknown, &study.plan) {
             found.extend(balance(study, unknown, place, hypothesis));
         }
     }

@@ -25,23 +25,25 @@ pub struct CandidateFits<'a> {
     pub proposals: &'a [Vec<Scored>],
     /// Number of effects before.
     pub depth: usize,
+    /// Where proposals are alternatives to what was found: the sum of squares above which a short fit is given up.
+    pub give_up_above: Option<f64>,
 }
+
+/// Steps after which a short fit of an alternative may be given up.
+const STEPS_BEFORE_GIVING_UP: u32 = 3;
 
 impl CandidateFits<'_> {
     /// The hypothesis extended by each of the proposals, best first.
     pub fn run(&self) -> Vec<Hypothesis> {
         let (search, from) = (self.search, self.from);
         let mut hypotheses = self.first_fits();
-        sort_by_preference(search, from, &mut hypotheses, Hypothesis::bic);
+        // Recordings that were never fitted count as much as the fitted ones.
+        let criterion = Hypothesis::total_criterion;
+        sort_by_preference(search, from, &mut hypotheses, criterion);
         if hypotheses.first().is_some_and(|h| self.resolves(h)) {
             return hypotheses;
         }
         self.fit_fully(&mut hypotheses);
-        // Beside another effect, recordings that were never fitted count as much as the fitted ones.
-        let criterion = match from.effects.is_empty() {
-            true => Hypothesis::bic,
-            false => Hypothesis::total_criterion,
-        };
         sort_by_preference(search, from, &mut hypotheses, criterion);
         if let Some(best) = hypotheses.first().filter(|h| self.may_be_local_minimum(h))
             && let Some(better) = self.refit_from_other_starts(best)
@@ -85,10 +87,17 @@ impl CandidateFits<'_> {
             if proposal.len() > 1 && gain < least_gain || varies && variation_resolves {
                 continue;
             }
+            if !self.search.is_new(self.from, proposal) {
+                continue;
+            }
             let (effects, plan) = attach(self.search.study, self.from, proposal, self.depth);
             let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
                 p.trimmed = p.surplus(policy.score_instants);
-                let on_step = &mut |_, _| self.search.on_step();
+                let is_hopeless = |step: u32, cost: f64| {
+                    let limit = self.give_up_above.unwrap_or(f64::INFINITY);
+                    step >= STEPS_BEFORE_GIVING_UP && cost > limit
+                };
+                let on_step = &mut |step, cost| self.search.on_step() && !is_hopeless(step, cost);
                 let fit = local_search(p, start, &policy.short_fit, on_step);
                 p.trimmed = Vec::new();
                 fit
@@ -129,7 +138,11 @@ impl CandidateFits<'_> {
         let excess = self.from.chi2_train() - 1.0;
         let left = policy.leading_excess + (1.0 - policy.leading_share) * excess;
         let specific = !ends_with_curve(study, hypothesis) && !ends_with_sensor(hypothesis);
-        specific && self.from.effects.is_empty() && hypothesis.chi2_train() - 1.0 < left
+        let is_alternative = self.give_up_above.is_some();
+        specific
+            && !is_alternative
+            && self.from.effects.is_empty()
+            && hypothesis.chi2_train() - 1.0 < left
     }
 
     /// True for a completed fit of an effect on the machine that leaves nothing to explain.
@@ -212,7 +225,7 @@ impl CandidateFits<'_> {
             true => h.chi2_train() < limit(any).min(1.0 + parametric),
             false => h.chi2_train() < limit(parametric),
         };
-        let first = 0..hypotheses.len().min(policy.long_fits);
+        let first = 0..hypotheses.len().min(policy.long_fits * self.search.generosity());
         first.filter(|k| is_worth_it(&hypotheses[*k])).collect()
     }
 
@@ -237,7 +250,7 @@ impl CandidateFits<'_> {
             };
             let Some(fitted) = self.fitted(effects, plan, full) else { continue };
             self.note("from another start", &fitted);
-            if fitted.train.total() < least.train.total() {
+            if fitted.total_criterion() < least.total_criterion() {
                 better = Some(Hypothesis { is_complete_fit: true, ..fitted });
             }
             if better.as_ref().is_some_and(|b| !self.may_be_local_minimum(b)) {

@@ -53,6 +53,13 @@ pub struct Effect {
     pub span: Option<Span>,
 }
 
+impl Effect {
+    /// What it is called: its class, unless that says what has the effect rather than what the effect is.
+    pub fn name(&self) -> &str {
+        self.named.as_ref().unwrap_or(&self.class)
+    }
+}
+
 /// An amplitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amplitude {
@@ -138,6 +145,14 @@ impl Role {
             Role::Effect => "effect",
             Role::Unknown => "unknown",
             Role::Choice => "choice",
+        }
+    }
+
+    /// The key of the law's formula.
+    fn law(self) -> &'static str {
+        match self {
+            Role::Effect | Role::Unknown => "law",
+            Role::Choice => "chosen",
         }
     }
 }
@@ -242,7 +257,7 @@ fn described(session: &mut Session, annotated: &Annotated, role: Role) -> Option
             effect.span = Some(entry.span);
             let explains = annotated.entry("explains").map(|e| e.text.as_str());
             effect.explains = explains.unwrap_or("%at has this effect.").to_owned();
-            effect.law = annotated.entry("law").map(|e| e.text.clone()).unwrap_or_default();
+            effect.law = annotated.entry(role.law()).map(|e| e.text.clone()).unwrap_or_default();
             Some(effect)
         }
         Err(why) => {

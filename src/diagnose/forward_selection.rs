@@ -23,40 +23,83 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         let ranking = rank(search, &diagnosis.after);
         let total = diagnosis.after.train.total();
         let notable = if depth < policy.usual_effects { 0.0 } else { policy.notable_share * total };
-        let mut proposals = promising(search, &diagnosis.after, &ranking);
-        proposals.retain(|p| p.iter().all(|s| s.gain > notable));
         for s in ranking.iter().take(2 * policy.fitted_places) {
             let share = 100.0 * s.gain / total;
             let label = search.study.label(s.effect, &s.place);
             search.note(&format!("  score {share:5.1} %  {label} {:?}", s.shape));
         }
-        diagnosis.rankings.push(ranking);
-        let fits = CandidateFits { search, from: &diagnosis.after, proposals: &proposals, depth };
-        let mut hypotheses = fits.run();
-        let supported = |h: &Hypothesis| {
-            h.bic() < diagnosis.after.bic() - policy.evidence
-                && h.train.total() < total - notable
-                && h.chi2_validation() < diagnosis.after.chi2_validation()
-        };
-        let first = hypotheses.iter().position(supported);
-        let best = first.map(|k| hypotheses.remove(k));
-        if let Some(best) = best {
-            accept(search, diagnosis, best);
+        diagnosis.rankings.push(ranking.clone());
+        let mut left = ranking;
+        let mut accepted = false;
+        // Where the first proposals describe the fitted recordings alone, the next ones are tried.
+        for _ in 0..BATCHES_OF_PROPOSALS {
+            let mut proposals = promising(search, &diagnosis.after, &left);
+            proposals.retain(|p| p.iter().all(|s| s.gain > notable));
+            if proposals.is_empty() || !search.may_continue() {
+                break;
+            }
+            left.retain(|s| !proposals.iter().any(|p| p[0].is_same(s)));
+            let from = &diagnosis.after;
+            let mut hypotheses =
+                CandidateFits { search, from, proposals: &proposals, depth, give_up_above: None }
+                    .run();
+            let supported = |h: &Hypothesis| {
+                h.is_supported_over(from, search.study) && h.train.total() < total - notable
+            };
+            let best = hypotheses.iter().position(supported).map(|k| hypotheses.remove(k));
+            accepted = best.is_some();
+            if let Some(best) = best {
+                accept(search, diagnosis, best);
+            }
             diagnosis.rejected.extend(hypotheses);
-        } else {
-            diagnosis.rejected.extend(hypotheses);
+            if accepted {
+                break;
+            }
+        }
+        if !accepted {
             break;
         }
     }
 }
 
-/// The proposals, of one effect each, whose promise outweighs their parameters.
+/// Batches of proposals that are fitted until one is supported.
+const BATCHES_OF_PROPOSALS: usize = 2;
+
+/// The proposals, of one effect each, whose promise outweighs their parameters: those that promise most for the
+/// fitted recordings, and those that promise most for all.
 pub fn promising(
     search: &Search<'_>,
     hypothesis: &Hypothesis,
     ranking: &[Scored],
 ) -> Vec<Vec<Scored>> {
-    let policy = search.policy();
-    let supported = |s: &&Scored| s.bic_gain(hypothesis) > policy.evidence;
-    ranking.iter().filter(supported).take(policy.fitted_places).map(|s| vec![s.clone()]).collect()
+    let (study, policy) = (search.study, search.policy());
+    let mut proposals: Vec<&Scored> = Vec::new();
+    let (mut variations, mut choices) = (0, 0);
+    let most = search.generosity() * policy.fitted_places;
+    for s in ranking.iter().filter(|s| s.bic_gain(hypothesis) > policy.evidence) {
+        let effect = &study.effects[s.effect];
+        let (varies, is_choice) = (effect.varies.is_some(), effect.choice.is_some());
+        let is_repeated = proposals.iter().any(|known| known.promises_as(s));
+        if proposals.len() == most
+            || is_repeated
+            || varies && variations == policy.fitted_variations
+            || is_choice && choices == policy.fitted_choices
+        {
+            continue;
+        }
+        variations += usize::from(varies);
+        choices += usize::from(is_choice);
+        proposals.push(s);
+    }
+    let total = |s: &Scored| s.bic_gain(hypothesis) + s.validation_gain.unwrap_or(0.0);
+    let is_named =
+        |s: &Scored| !study.is_curve(s.effect) && study.effects[s.effect].varies.is_none();
+    let mut others: Vec<&Scored> = ranking
+        .iter()
+        .filter(|s| is_named(s) && s.validation_gain.is_some_and(|gain| gain > policy.evidence))
+        .filter(|s| total(s) > policy.evidence && !proposals.iter().any(|known| known.is_same(s)))
+        .collect();
+    others.sort_by(|a, b| total(b).total_cmp(&total(a)));
+    proposals.extend(others.into_iter().take(search.generosity() * policy.fitted_by_validation));
+    proposals.into_iter().map(|s| vec![s.clone()]).collect()
 }

@@ -9,7 +9,7 @@ use crate::calibrate::problem::Problem;
 use crate::calibrate::statistics::standard_errors;
 use crate::calibrate::sums::Sums;
 
-use super::catalogue::Start;
+use super::catalogue::{Amplitude, Start};
 use super::law_choice::Choice;
 use super::model_source::Attached;
 use super::place::Place;
@@ -145,6 +145,23 @@ impl Hypothesis {
     /// The information criterion plus the sum of squares of the recordings that were never fitted.
     pub fn total_criterion(&self) -> f64 {
         self.bic() + self.validation.total()
+    }
+
+    /// True if the data determine every amplitude of its effects.
+    pub fn is_determined(&self, study: &Study) -> bool {
+        let finite = |c: &ChosenEffect, a: &Amplitude| {
+            self.estimate(&c.full_name(&a.name)).is_none_or(|(_, error)| error.is_finite())
+        };
+        self.effects.iter().all(|c| study.effects[c.effect].amplitudes.iter().all(|a| finite(c, a)))
+    }
+
+    /// True if the data support it instead of another: the criterion over all recordings is lower by
+    /// the policy's evidence, those that were never fitted are described better, and every amplitude is
+    /// determined.
+    pub fn is_supported_over(&self, other: &Hypothesis, study: &Study) -> bool {
+        self.total_criterion() < other.total_criterion() - study.policy.evidence
+            && self.chi2_validation() < other.chi2_validation()
+            && self.is_determined(study)
     }
 
     /// True for the same effects at the same places.

@@ -139,7 +139,7 @@ fn indistinguishable(outcome: &Outcome) -> Json {
 fn component(effect: &Effect) -> String {
     match effect.varies {
         Some(_) => "parameter".to_owned(),
-        None => effect.named.as_ref().unwrap_or(&effect.class).clone(),
+        None => effect.name().to_owned(),
     }
 }
 

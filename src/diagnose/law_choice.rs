@@ -5,17 +5,32 @@
 //! linearised model with the other law would leave, and its own parameters, those that only the new law
 //! reads, start from the best point of a grid around the model's values.
 
+use crate::base::diag::Problems;
 use crate::base::index::FastSet;
+use crate::calibrate::parameter::Parameter;
+use crate::calibrate::plan::Free;
+use crate::calibrate::problem::Problem;
 use crate::driver::compile::{Request, Session};
-use crate::ir::expr::{Node, Type, VarId};
+use crate::ir::expr::{Const, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability};
+use crate::numeric::least_squares::Residuals;
 
 use super::catalogue::{Effect, Start};
+use super::hypothesis::{ChosenEffect, Hypothesis, attach, attached};
+use super::place::Place;
+use super::rank::Scored;
+use super::search::Search;
+use super::shape_parameters::shapes;
 
 /// Factors by which the start of a law's own parameter differs from the model's value.
 const STARTS: [f64; 3] = [0.2, 1.0, 5.0];
 /// Factor by which a fit may change a law's own parameter.
 const REACH: f64 = 1e4;
+
+/// Starts of a law's own parameters from which its model is linearised.
+const LINEARISED_STARTS: usize = 2;
+/// Damping of the step whose decrease a law promises.
+const DAMPING: f64 = 1e-2;
 
 /// How a law is chosen.
 #[derive(Clone, Debug, Default)]
@@ -47,15 +62,18 @@ pub fn choices(request: &Request, flat: &FlatModel) -> Vec<Effect> {
             continue;
         }
         let kind = &flat.graph.enumerations[id];
-        for literal in &kind.literals {
-            let value = format!("{}.{literal}", kind.name);
-            out.extend(choice(request, flat, &v.name, value));
+        let own = v.binding.and_then(|b| flat.graph.as_const(b));
+        for (number, literal) in (1..).zip(&kind.literals) {
+            if own != Some(Const::Enumeration(id, number)) {
+                let value = format!("{}.{literal}", kind.name);
+                out.extend(choice(request, flat, &v.name, value));
+            }
         }
     }
     out
 }
 
-/// The law that a parameter selects by a value; `None` if the model has it, or does not compile with it.
+/// The law that a parameter selects by a value; `None` if the model does not compile with it.
 fn choice(request: &Request, flat: &FlatModel, parameter: &str, value: String) -> Option<Effect> {
     let mut request = request.clone();
     request.settings.push(format!("{parameter}={value}"));
@@ -66,15 +84,16 @@ fn choice(request: &Request, flat: &FlatModel, parameter: &str, value: String) -
         .filter_map(|name| name.split_once('.').map(|(component, _)| component))
         .map(|component| component.split('[').next().unwrap_or(component))
         .collect();
-    if components.is_empty() {
-        return None;
-    }
     let mut at: Vec<String> = Vec::new();
     for v in other.variables.iter() {
         let component = v.name.split(['.', '[']).next().unwrap_or_default();
         if components.contains(component) && !at.iter().any(|known| known == component) {
             at.push(component.to_owned());
         }
+    }
+    // Where the law has no components of its own, the parameter stands for it.
+    if at.is_empty() {
+        at.push(parameter.to_owned());
     }
     let known: FastSet<String> = roots(flat).into_iter().map(|(name, _)| name).collect();
     let own = roots(&other).into_iter().filter(|(name, value)| {
@@ -125,4 +144,74 @@ fn roots(flat: &FlatModel) -> Vec<(String, f64)> {
         }
     }
     out
+}
+
+/// Scores the laws that the model offers, each with the best start of its own parameters.
+pub fn scored_choices(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
+    let study = search.study;
+    let is_taken = |place: &Place| {
+        let known = |c: &ChosenEffect| study.effects[c.effect].built_in && c.place.at == place.at;
+        hypothesis.effects.iter().any(known)
+    };
+    let mut chosen = Vec::new();
+    for (k, effect) in study.effects.iter().enumerate().filter(|(_, e)| e.choice.is_some()) {
+        for place in study.places(effect, &hypothesis.plan) {
+            if is_taken(&place) {
+                continue;
+            }
+            let unscored = |shape| Scored {
+                effect: k,
+                place: place.clone(),
+                shape,
+                amplitudes: Vec::new(),
+                gain: 0.0,
+                validation_gain: None,
+                others: Vec::new(),
+            };
+            let mut all: Vec<Scored> =
+                shapes(effect, |_| (0.0, 1.0)).into_iter().map(unscored).collect();
+            score(search, hypothesis, &mut all);
+            all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            if !all.is_empty() {
+                let others = all.split_off(1);
+                chosen.extend(all.pop().map(|best| Scored { others, ..best }));
+            }
+        }
+    }
+    chosen
+}
+
+/// Scores one law with several starts: the decrease that its linearised model promises from the best of them.
+fn score(search: &Search<'_>, hypothesis: &Hypothesis, starts: &mut [Scored]) -> Option<()> {
+    let (study, policy) = (search.study, search.policy());
+    let first = starts.first()?.clone();
+    let (effects, plan) = attach(study, hypothesis, &[first], 0);
+    let (session, program) = study.compile(&plan, &attached(study, &effects), &[]).ok()?;
+    let mut problems = Problems::new();
+    let problem = Problem::new(&program, &session.sources, &plan, &study.data, &mut problems);
+    let mut problem = problem?;
+    problem.trimmed = problem.surplus(policy.preselection_instants);
+    let used = |(k, squares): (usize, &Vec<f64>)| match problem.trimmed.contains(&k) {
+        true => 0.0,
+        false => squares.iter().sum::<f64>(),
+    };
+    let before: f64 = hypothesis.train.squares.iter().enumerate().map(used).sum();
+    let share = before / hypothesis.train.total();
+    // Where the sum of squares is least, the linearised model says how much less it can become.
+    let mut points: Vec<(f64, usize, Vec<f64>)> = Vec::new();
+    for (k, scored) in starts.iter().enumerate() {
+        let (_, plan) = attach(study, hypothesis, std::slice::from_ref(scored), 0);
+        let place = |(p, free): (&Parameter, &Free)| p.scale.place(free.start.unwrap_or(p.start));
+        let x: Vec<f64> = problem.parameters.iter().zip(&plan.free).map(place).collect();
+        if let Some(cost) = Residuals::cost(&mut problem, &x) {
+            points.push((cost, k, x));
+        }
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, k, x) in points.into_iter().take(LINEARISED_STARTS) {
+        let Ok(normal) = problem.normal(&x) else { continue };
+        let decrease = normal.decrease(DAMPING)?;
+        starts[k].gain = (before - (normal.cost - decrease)).max(0.0) / share;
+    }
+    Some(())
 }

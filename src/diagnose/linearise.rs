@@ -10,7 +10,7 @@ use crate::numeric::least_squares::NormalEquations;
 use super::hypothesis::{Hypothesis, amplitude, attached};
 use super::model_source::Attached;
 use super::rank::Candidate;
-use super::score::{Score, score};
+use super::score::{Score, full_step, projected, score};
 use super::study::Study;
 
 /// A hypothesis and the candidates that may be attached to it.
@@ -22,11 +22,15 @@ pub struct Linearisation<'a> {
     instants: usize,
     /// The hypothesis without effects, if candidates are to replace those of `hypothesis`.
     replaced: Option<&'a Hypothesis>,
+    /// The recordings that were never fitted are linearised as well.
+    is_validated: bool,
 }
 
 /// The normal equations with some of the candidates.
 pub struct Linearised {
     normal: NormalEquations,
+    /// Those of the recordings that were never fitted.
+    validation: Option<NormalEquations>,
     /// Number of parameters of the hypothesis, which come first.
     free: usize,
     /// Position of the first amplitude of each candidate.
@@ -48,11 +52,30 @@ impl Linearised {
             }
         }
         let mut found = score(&self.normal, self.free, &group, &positive)?;
+        found.columns = group;
         // The same share is assumed to be explained in the recordings that were not used.
         if self.share.is_normal() {
             found.gain /= self.share;
         }
         Some(found)
+    }
+}
+
+impl Linearised {
+    /// The same without what the parameters of the hypothesis absorb, so that many scores cost little.
+    pub fn projected(&self) -> Linearised {
+        let Linearised { free, first, share, .. } = self;
+        let normal = projected(&self.normal, *free);
+        let first = first.iter().map(|k| k.map(|k| k - free)).collect();
+        Linearised { normal, validation: None, free: 0, first, share: *share }
+    }
+
+    /// Decrease of the sum of squares of the recordings that were never fitted, if the amplitudes of a score
+    /// and the parameters follow the fitted ones.
+    pub fn validation_gain(&self, score: &Score) -> Option<f64> {
+        let validation = self.validation.as_ref()?;
+        let step = full_step(&self.normal, self.free, score)?;
+        Some(validation.cost - validation.after(&step))
     }
 }
 
@@ -64,12 +87,18 @@ impl<'a> Linearisation<'a> {
         candidates: &'a [Candidate],
         instants: usize,
     ) -> Self {
-        Linearisation { study, hypothesis, candidates, instants, replaced: None }
+        let (replaced, is_validated) = (None, false);
+        Linearisation { study, hypothesis, candidates, instants, replaced, is_validated }
     }
 
     /// Candidates in place of the effects of the hypothesis; `replaced` is the hypothesis without any.
     pub fn instead(self, replaced: Option<&'a Hypothesis>) -> Self {
         Linearisation { replaced, ..self }
+    }
+
+    /// Linearises the recordings that were never fitted as well.
+    pub fn validated(self) -> Self {
+        Linearisation { is_validated: true, ..self }
     }
 
     /// The largest gain that a score can mean: the whole sum of squares, unless candidates replace effects.
@@ -100,6 +129,9 @@ impl<'a> Linearisation<'a> {
         let mut problem = problem?;
         problem.trimmed = surplus(&problem, replaced.unwrap_or(hypothesis), instants);
         let mut normal = problem.normal(&problem.start()).ok()?;
+        let is_validated = self.is_validated && replaced.is_none();
+        let validation =
+            is_validated.then(|| problem.normal_of_split(Split::Validation, &problem.start()));
         let share = match replaced {
             None => normal.cost / hypothesis.train.total(),
             Some(replaced) => {
@@ -118,7 +150,8 @@ impl<'a> Linearisation<'a> {
         let x = problem.start();
         let at_bound = at_bound(&normal, &problem.parameters[..free], &x[..free]);
         (0..free).filter(|k| at_bound[*k]).for_each(|k| remove_column(&mut normal, k));
-        Some(Linearised { normal, free, first, share })
+        let validation = validation.and_then(Result::ok).filter(NormalEquations::is_finite);
+        Some(Linearised { normal, validation, free, first, share })
     }
 }
 

@@ -30,7 +30,8 @@ pub fn pairwise_selection_from(
     ranking: &[Scored],
 ) {
     let proposals = pairs(search, from, ranking);
-    let hypotheses = CandidateFits { search, from, proposals: &proposals, depth: 0 }.run();
+    let hypotheses =
+        CandidateFits { search, from, proposals: &proposals, depth: 0, give_up_above: None }.run();
     if diagnosis.pairs.is_empty() {
         diagnosis.pairs = proposals;
     }
@@ -62,7 +63,7 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
     let linearisation = Linearisation::new(study, hypothesis, &candidates, policy.score_instants);
     let all: Vec<usize> = (0..candidates.len()).collect();
     let Some(linearised) = linearisation.with(&all) else { return Vec::new() };
-    let mut all = scored(search, hypothesis, &members, &linearised);
+    let mut all = scored(search, hypothesis, &members, &linearised.projected());
     all.sort_by(|a, b| b.bic_gain.total_cmp(&a.bic_gain));
     let mut used = vec![0; ranking.len()];
     let mut known = FastSet::default();
@@ -71,7 +72,8 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
         let (first, second) = (&members[i], &members[j]);
         let numbers = [first.number, second.number];
         let is_used_up = |n: &usize| used[*n] == policy.pairs_per_member;
-        if best.len() == policy.fitted_pairs || numbers.iter().any(is_used_up) {
+        if best.len() == search.generosity() * policy.fitted_pairs || numbers.iter().any(is_used_up)
+        {
             continue;
         }
         if !known.insert(numbers) {
@@ -129,13 +131,14 @@ fn scored(
     pairs
 }
 
-/// The members of pairs, with all shapes, and the candidates that they consist of. Free curves are left out.
+/// The members of pairs, with all shapes, and the candidates that they consist of. Free curves
+/// and parameters that vary are left out: two of them describe anything.
 fn members<'a>(study: &Study, ranking: &'a [Scored]) -> (Vec<Candidate>, Vec<Member<'a>>) {
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut members = Vec::new();
     for (number, best) in ranking.iter().enumerate() {
         let effect = &study.effects[best.effect];
-        if study.is_curve(best.effect) {
+        if study.is_curve(best.effect) || effect.varies.is_some() {
             continue;
         }
         for scored in std::iter::once(best).chain(&best.others) {

@@ -58,7 +58,20 @@ pub struct SearchPolicy {
     pub notable_share: f64,
     /// Places that are fitted after a score test. Default 5.
     pub fitted_places: usize,
-    /// Steps of all fits after which no further fit begins. Default 1000.
+    /// Times as many, and pairs and full fits too, where the training recordings have no more than
+    /// `preselection_instants`. Default 2.
+    pub proposals_if_short: usize,
+    /// Of these, parameters that vary. Default 3: they describe much and name nothing.
+    pub fitted_variations: usize,
+    /// Of these, laws that the model chooses. Default 2: what they promise counts other parameters as well.
+    pub fitted_choices: usize,
+    /// Places that are fitted besides because they promise most for recordings that were never fitted.
+    /// Default 2.
+    pub fitted_by_validation: usize,
+    /// Fits of the same effects at the same places. Default 3. More repeat what is known from other starts.
+    pub fits_of_the_same: usize,
+    /// Steps of all fits after which no further fit begins. Default 1000; with short recordings, more by the
+    /// square of `proposals_if_short`.
     pub max_steps: u64,
     /// An effect whose amplitudes are all within this many standard errors of zero is a candidate for
     /// elimination. Default 10.
@@ -109,7 +122,7 @@ pub struct SearchPolicy {
     /// Default 0.1.
     pub parametric_excess: f64,
 
-    /// Candidates from which pairs are formed. Default 200. The number of pairs grows with its square.
+    /// Candidates from which pairs are formed. Default 120. The number of pairs grows with its square.
     pub pair_candidates: usize,
     /// Pairs that are fitted. Default 8.
     pub fitted_pairs: usize,
@@ -122,8 +135,11 @@ pub struct SearchPolicy {
     pub alternatives: usize,
     /// Share of the accepted effect's own promise that an alternative must promise. Default 0.7.
     pub alternative_share: f64,
+    /// Share of the greatest first promise that an alternative must have promised to be scored again.
+    /// Default 0.25.
+    pub alternative_promise: f64,
     /// Excess, as a share of the excess without effects, up to which an alternative is fitted to
-    /// convergence after a short fit. Default 0.2.
+    /// convergence after a short fit. Default 0.05.
     pub alternative_excess: f64,
 }
 
@@ -148,6 +164,11 @@ impl Default for SearchPolicy {
             many_effects_above: 2.0,
             notable_share: 0.1,
             fitted_places: 5,
+            proposals_if_short: 2,
+            fitted_variations: 3,
+            fitted_choices: 2,
+            fitted_by_validation: 2,
+            fits_of_the_same: 3,
             max_steps: 1000,
             weak_below: 10.0,
             escaped_share: 0.7,
@@ -167,13 +188,14 @@ impl Default for SearchPolicy {
             parametric_share: 0.95,
             parametric_factor: 5.0,
             parametric_excess: 0.1,
-            pair_candidates: 200,
+            pair_candidates: 120,
             fitted_pairs: 8,
             pairs_per_member: 3,
             swap_rounds: 3,
             alternatives: 3,
             alternative_share: 0.7,
-            alternative_excess: 0.2,
+            alternative_promise: 0.25,
+            alternative_excess: 0.05,
         }
     }
 }

@@ -4,18 +4,12 @@
 //! a candidate contributes one column of the score test, or several. Effects at several places together are
 //! composed of the columns of the single places.
 
-use crate::base::diag::Problems;
-use crate::base::index::FastSet;
 use crate::calibrate::data::Split;
-use crate::calibrate::parameter::Parameter;
-use crate::calibrate::plan::Free;
-use crate::calibrate::problem::Problem;
-use crate::numeric::least_squares::{NormalEquations, Residuals};
-use crate::numeric::linear::DenseLu;
 
-use super::hypothesis::{ChosenEffect, Hypothesis, attach, attached};
+use super::hypothesis::Hypothesis;
+use super::law_choice::scored_choices;
 use super::linearise::Linearisation;
-use super::place::{Place, places};
+use super::place::Place;
 use super::search::Search;
 use super::shape_parameters::{ranges, ranges_of, shapes};
 use super::study::Study;
@@ -33,6 +27,8 @@ pub struct Scored {
     pub amplitudes: Vec<f64>,
     /// Decrease of the sum of squares that it promises.
     pub gain: f64,
+    /// The same for the recordings that were never fitted, if it was computed.
+    pub validation_gain: Option<f64>,
     /// The same with other shapes, best first.
     pub others: Vec<Scored>,
 }
@@ -41,6 +37,18 @@ impl Scored {
     /// The effect at each of its places separately.
     pub fn members(&self) -> Vec<(usize, Place)> {
         self.place.members().into_iter().map(|place| (self.effect, place)).collect()
+    }
+
+    /// True for the same effect at the same place.
+    pub fn is_same(&self, other: &Scored) -> bool {
+        self.effect == other.effect && self.place == other.place
+    }
+
+    /// True for another place of the same effect where it cannot be told apart: in a chain without branches,
+    /// or at a set of parameters of which one has no influence.
+    pub fn promises_as(&self, other: &Scored) -> bool {
+        const EQUAL: f64 = 1e-9;
+        self.effect == other.effect && (self.gain - other.gain).abs() < EQUAL * self.gain.abs()
     }
 
     /// Decrease of the Bayesian information criterion: the gain less the penalty of the amplitudes.
@@ -112,7 +120,8 @@ fn rank_those(
         let again = with(policy.score_instants);
         score_some(search, &again, (&candidates, &selected), &mut trials);
     } else {
-        score_some(search, &with(policy.score_instants), (&candidates, &all), &mut trials);
+        let all_at_once = with(policy.score_instants).validated();
+        score_some(search, &all_at_once, (&candidates, &all), &mut trials);
     }
     let mut best: Vec<Scored> = Vec::new();
     // Effects that promise nothing alone are kept: they may do so beside another.
@@ -129,7 +138,7 @@ fn rank_those(
         known.others.push(scored);
     }
     if replaced.is_none() {
-        best.extend(score_choices(search, hypothesis));
+        best.extend(scored_choices(search, hypothesis));
     }
     for scored in &mut best {
         scored.others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
@@ -191,109 +200,10 @@ fn score_batch(
     for Trial { scored, candidates } in trials {
         if let Some(score) = linearised.score(study, &[(scored.effect, candidates)]) {
             scored.gain = score.gain.min(linearisation.max_gain());
+            scored.validation_gain = linearised.validation_gain(&score);
             scored.amplitudes = score.amplitudes;
         }
     }
-}
-
-/// Scores the laws that the model offers, each with the best start of its own parameters.
-fn score_choices(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
-    let study = search.study;
-    let names: FastSet<&str> = study.variables.iter().map(String::as_str).collect();
-    let mut offered: Vec<(usize, Place)> = Vec::new();
-    for (k, effect) in study.effects.iter().enumerate() {
-        match &effect.choice {
-            Some(choice) if choice.is_of_model() => offered.push((k, Place::at(&choice.at))),
-            Some(_) => {
-                let all = places(effect, &study.inventory, &names, &hypothesis.plan);
-                offered.extend(all.into_iter().map(|place| (k, place)));
-            }
-            None => {}
-        }
-    }
-    let is_taken = |place: &Place| {
-        let known = |c: &ChosenEffect| study.effects[c.effect].built_in && c.place.at == place.at;
-        hypothesis.effects.iter().any(known)
-    };
-    offered.retain(|(_, place)| !is_taken(place));
-    let chosen = offered.into_iter().filter_map(|(k, place)| {
-        let effect = &study.effects[k];
-        let shapes = shapes(effect, |_| (0.0, 1.0)).into_iter();
-        let unscored = |shape| Scored {
-            effect: k,
-            place: place.clone(),
-            shape,
-            amplitudes: Vec::new(),
-            gain: 0.0,
-            others: Vec::new(),
-        };
-        let mut all: Vec<Scored> = shapes.map(unscored).collect();
-        score_choice(search, hypothesis, &mut all);
-        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let others = all.split_off(1);
-        all.pop().map(|best| Scored { others, ..best })
-    });
-    chosen.collect()
-}
-
-/// Scores one law with several starts: the decrease that its linearised model promises from the best of them.
-fn score_choice(search: &Search<'_>, hypothesis: &Hypothesis, starts: &mut [Scored]) -> Option<()> {
-    let (study, policy) = (search.study, search.policy());
-    let first = starts.first()?.clone();
-    let (effects, plan) = attach(study, hypothesis, &[first], 0);
-    let (session, program) = study.compile(&plan, &attached(study, &effects), &[]).ok()?;
-    let mut problems = Problems::new();
-    let problem = Problem::new(&program, &session.sources, &plan, &study.data, &mut problems);
-    let mut problem = problem?;
-    problem.trimmed = problem.surplus(policy.preselection_instants);
-    let used = |(k, squares): (usize, &Vec<f64>)| match problem.trimmed.contains(&k) {
-        true => 0.0,
-        false => squares.iter().sum::<f64>(),
-    };
-    let before: f64 = hypothesis.train.squares.iter().enumerate().map(used).sum();
-    let share = before / hypothesis.train.total();
-    // Where the sum of squares is least, the linearised model says how much less it can become.
-    let mut points: Vec<(f64, usize, Vec<f64>)> = Vec::new();
-    for (k, scored) in starts.iter().enumerate() {
-        let (_, plan) = attach(study, hypothesis, std::slice::from_ref(scored), 0);
-        let place = |(p, free): (&Parameter, &Free)| p.scale.place(free.start.unwrap_or(p.start));
-        let x: Vec<f64> = problem.parameters.iter().zip(&plan.free).map(place).collect();
-        if let Some(cost) = Residuals::cost(&mut problem, &x) {
-            points.push((cost, k, x));
-        }
-    }
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, k, x) in points.into_iter().take(LINEARISED_STARTS) {
-        let Ok(normal) = problem.normal(&x) else { continue };
-        let decrease = damped_decrease(&normal)?;
-        starts[k].gain = (before - (normal.cost - decrease)).max(0.0) / share;
-    }
-    Some(())
-}
-
-/// Starts of a law's own parameters from which its model is linearised.
-const LINEARISED_STARTS: usize = 2;
-
-/// The decrease of the sum of squares by a damped step: an honest one even where the linearised model would
-/// promise everything by a step that is far too long.
-fn damped_decrease(normal: &NormalEquations) -> Option<f64> {
-    const DAMPING: f64 = 1e-2;
-    let n = normal.n;
-    let mut lu = DenseLu::new(n);
-    let mut matrix = normal.gram.clone();
-    for k in 0..n {
-        let own = matrix[k + n * k];
-        matrix[k + n * k] = if own > 0.0 { own * (1.0 + DAMPING) } else { 1.0 };
-    }
-    lu.factor(&matrix).ok()?;
-    let mut step: Vec<f64> = normal.gradient.iter().map(|g| -g).collect();
-    lu.solve_in_place(&mut step);
-    let mut decrease = 0.0;
-    for j in 0..n {
-        let product: f64 = (0..n).map(|i| normal.gram[i + n * j] * step[i]).sum();
-        decrease -= step[j] * (2.0 * normal.gradient[j] + product);
-    }
-    Some(decrease.clamp(0.0, normal.cost))
 }
 
 /// The trials of a score test and their candidates.
@@ -303,17 +213,12 @@ fn trials(
     instead: bool,
     filter: &Filter<'_>,
 ) -> (Vec<Candidate>, Vec<Trial>) {
-    let names: FastSet<&str> = study.variables.iter().map(String::as_str).collect();
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in study.effects.iter().enumerate() {
         if effect.choice.is_some() {
             continue;
         }
-        let found = match &effect.varies {
-            Some(_) => effect.binds.first().map(|(input, _)| study.variations.places(input)),
-            None => Some(places(effect, &study.inventory, &names, &hypothesis.plan)),
-        };
-        for place in found.unwrap_or_default() {
+        for place in study.places(effect, &hypothesis.plan) {
             let taken = |at: &String| {
                 hypothesis.effects.iter().any(|c| c.effect == k && c.place.at.first() == Some(at))
             };
@@ -345,7 +250,8 @@ fn trials(
             let (effect, place) = (*effect, place.clone());
             let count = own.len() * study.effects[effect].amplitudes.len();
             let (amplitudes, others) = (vec![0.0; count], Vec::new());
-            let scored = Scored { effect, place, shape, amplitudes, gain: 0.0, others };
+            let (gain, validation_gain) = (0.0, None);
+            let scored = Scored { effect, place, shape, amplitudes, gain, validation_gain, others };
             trials.push(Trial { scored, candidates: own });
         }
     }

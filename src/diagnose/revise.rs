@@ -1,7 +1,7 @@
 //! Revision of the result of stepwise selection: pairs from better parameters, one effect swapped for
 //! another, fewer effects for many, and alternatives to a single effect.
 
-use crate::calibrate::fit::Fit;
+use crate::calibrate::fit::{Fit, search as local_search};
 use crate::calibrate::problem::Problem;
 
 use super::backward_elimination::without;
@@ -43,12 +43,26 @@ fn swap_step(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let own = groups(&diagnosis.after.effects).nth(k);
         let Some(own) = own.filter(|_| number > 1 && !done) else { return };
         let names: Vec<String> = own.iter().map(|c| c.name.clone()).collect();
-        let rest = without(search.study, &diagnosis.after, &names, &mut |p| not_fitted(p));
+        // Where a fit costs little, the scores beside the rest are those at its own parameters.
+        let rest_fit = &mut |p: &mut Problem<'_>| match search.generosity() {
+            1 => not_fitted(p),
+            _ => {
+                let (start, on_step) = (p.start(), &mut |_, _| search.on_step());
+                local_search(p, &start, &search.policy().fit.quick, on_step)
+            }
+        };
+        let rest = without(search.study, &diagnosis.after, &names, rest_fit);
         let Some(rest) = rest else { continue };
         search.note(&format!("swapping {}", names.join(", ")));
         let proposals = promising(search, &rest, &rank(search, &rest));
         let from = &rest;
-        let fits = CandidateFits { search, from, proposals: &proposals, depth: number - 1 };
+        let fits = CandidateFits {
+            search,
+            from,
+            proposals: &proposals,
+            depth: number - 1,
+            give_up_above: None,
+        };
         if accept_first_better(search, diagnosis, fits.run()) {
             return;
         }
@@ -61,10 +75,7 @@ pub fn accept_first_better(
     diagnosis: &mut Diagnosis,
     mut hypotheses: Vec<Hypothesis>,
 ) -> bool {
-    let better = |h: &Hypothesis| {
-        h.bic() < diagnosis.after.bic() - search.policy().evidence
-            && h.chi2_validation() < diagnosis.after.chi2_validation()
-    };
+    let better = |h: &Hypothesis| h.is_supported_over(&diagnosis.after, search.study);
     let best = hypotheses.iter().position(better).map(|k| hypotheses.remove(k));
     diagnosis.rejected.extend(hypotheses);
     let Some(best) = best else { return false };
@@ -119,8 +130,17 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     }
     let Some(start) = stripped(search, &current) else { return };
     let of_sensor = current.effects.iter().any(|c| c.place.signal.is_some());
+    let first = diagnosis.rankings.first().map_or(&[][..], Vec::as_slice);
+    let greatest = first.iter().map(|s| s.gain).fold(0.0, f64::max);
+    // What promised little even when everything was left to explain is no alternative.
+    let was_promising = |effect: usize, place: &Place| {
+        let same = |s: &&Scored| s.effect == effect && s.place == *place;
+        let known = first.iter().find(same);
+        known.is_none_or(|s| s.gain > policy.alternative_promise * greatest)
+    };
     let ranking = rank_instead(search, &current, &diagnosis.before, &|effect, place| {
-        !search.study.is_curve(effect) && (of_sensor || place.signal.is_none())
+        let admissible = !search.study.is_curve(effect) && (of_sensor || place.signal.is_none());
+        admissible && was_promising(effect, place)
     });
     let is_own = |s: &Scored| {
         let own = |c: &ChosenEffect| {
@@ -143,8 +163,14 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         .take(policy.alternatives)
         .map(|s| vec![s.clone()]);
     alternatives.extend(promising);
-    let fits = CandidateFits { search, from: &start, proposals: &alternatives, depth: 0 };
     let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
+    let fits = CandidateFits {
+        search,
+        from: &start,
+        proposals: &alternatives,
+        depth: 0,
+        give_up_above: Some(2.0 * near * current.train.count() as f64),
+    };
     let (mut hypotheses, distant): (Vec<_>, Vec<_>) =
         fits.short_fits().into_iter().partition(|h| h.chi2_train() < near);
     fits.fit_fully(&mut hypotheses);
@@ -173,8 +199,9 @@ fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>> {
     let study = search.study;
     let [chosen] = current.effects.as_slice() else { return Vec::new() };
     let effect = &study.effects[chosen.effect];
-    let input = effect.binds.first().filter(|_| effect.varies.is_some());
-    let Some((input, _)) = input else { return Vec::new() };
+    if effect.varies.is_none() {
+        return Vec::new();
+    }
     let estimate = |a: &Amplitude| Some(current.estimate(&chosen.full_name(&a.name))?.0);
     let amplitudes: Vec<f64> = effect.amplitudes.iter().filter_map(estimate).collect();
     let own = &chosen.place;
@@ -183,12 +210,13 @@ fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>> {
         let added = place.at.iter().filter(|p| !own.at.contains(p)).count();
         place.binds == own.binds && missing + added == 1
     };
-    let mut places: Vec<Place> = study.variations.places(input);
+    let mut places: Vec<Place> = study.places(effect, &current.plan);
     places.retain(is_near);
     places.sort_by_key(|place| place.at.len());
     let proposal = |place| {
         let (effect, shape, amplitudes) = (chosen.effect, chosen.fixed.clone(), amplitudes.clone());
-        vec![Scored { effect, place, shape, amplitudes, gain: 0.0, others: Vec::new() }]
+        let (gain, validation_gain, others) = (0.0, None, Vec::new());
+        vec![Scored { effect, place, shape, amplitudes, gain, validation_gain, others }]
     };
     places.into_iter().map(proposal).collect()
 }
@@ -208,7 +236,8 @@ fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Optio
     let study = search.study;
     let start = stripped(search, from)?;
     let fitted = |proposals: &[Vec<Scored>]| {
-        let hypotheses = CandidateFits { search, from: &start, proposals, depth: 0 }.run();
+        let hypotheses =
+            CandidateFits { search, from: &start, proposals, depth: 0, give_up_above: None }.run();
         hypotheses.into_iter().find(|h| h.bic() < from.bic() + search.policy().evidence)
     };
     let instead = rank_instead(search, from, before, &|effect, _| !study.is_curve(effect));

@@ -7,7 +7,6 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use crate::base::diag::Diagnostic;
-use crate::base::index::FastSet;
 use crate::base::source::Span;
 use crate::calibrate::observer::{Event, Observer};
 use crate::calibrate::problem::{Problem, record_signals};
@@ -20,7 +19,7 @@ use super::catalogue::{Effect, Packages, catalogue, of_folder, unknowns};
 use super::cause::CatalogueCause;
 use super::law_choice::choices;
 use super::noise::noise;
-use super::place::{places, why_nowhere};
+use super::place::why_nowhere;
 use super::policy::SearchPolicy;
 use super::residual::test_sums;
 use super::result::{Diagnosis, Verdict};
@@ -125,6 +124,10 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     let (plan, data) = inputs(&request.plan, request.data.as_deref(), session)?;
     let mut compiled = plan.request(request.modelica_path.clone());
     compiled.folders.extend(request.effects.clone());
+    let own = match &request.effects {
+        Some(folder) => of_folder(session, &compiled, folder)?,
+        None => Vec::new(),
+    };
     let (mut flat, inventory) = session.flatten_with_inventory(&compiled)?;
     let variables: Vec<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
     let units: Vec<(String, String)> =
@@ -137,23 +140,11 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     record_signals(&mut program, &plan);
     let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
     check_start(&problem.ok_or(CompileError::Request)?).map_err(CalibrationError::from)?;
-    let own = match &request.effects {
-        Some(folder) => of_folder(session, &compiled, folder)?,
-        None => Vec::new(),
-    };
     let names = [SHIPPED_EFFECTS.to_owned()];
     let packages = Packages { request: &compiled, names: &names, classes: &own };
     let mut effects = catalogue(session, &packages, &inventory, &units);
     effects.extend(choices);
     let unknowns = unknowns(session, &packages);
-    let known: FastSet<&str> = variables.iter().map(String::as_str).collect();
-    for effect in effects.iter().chain(&unknowns).filter(|e| own.contains(&e.class)) {
-        if effect.varies.is_none() && places(effect, &inventory, &known, &plan).is_empty() {
-            let (class, why) = (effect.class.clone(), why_nowhere(effect, &inventory));
-            let cause = CatalogueCause::FitsNowhere { class, why };
-            session.problems.push(Diagnostic::new(cause, effect.span.unwrap_or(Span::NONE)));
-        }
-    }
     let (request, policy) = (compiled, request.policy.clone());
     let study = Study {
         plan,
@@ -168,5 +159,12 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
         variations,
         policy,
     };
+    for effect in study.effects.iter().chain(&unknowns).filter(|e| own.contains(&e.class)) {
+        if study.places(effect, &study.plan).is_empty() {
+            let (class, why) = (effect.class.clone(), why_nowhere(effect, &study.inventory));
+            let cause = CatalogueCause::FitsNowhere { class, why };
+            session.problems.push(Diagnostic::new(cause, effect.span.unwrap_or(Span::NONE)));
+        }
+    }
     Ok((study, unknowns))
 }

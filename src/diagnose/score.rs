@@ -14,10 +14,15 @@ pub struct Score {
     pub gain: f64,
     /// The amplitudes that give it.
     pub amplitudes: Vec<f64>,
+    /// Their columns in the normal equations.
+    pub columns: Vec<usize>,
 }
 
 /// Share of its own sum of squares that a direction must retain after projection off the parameters.
 const INDEPENDENT: f64 = 1e-7;
+
+/// Added to the diagonal of columns of unit length, so that dependent parameters do no harm.
+const RIDGE: f64 = 1e-12;
 
 /// The score of the amplitudes `group` beside the parameters `0..free` of the normal equations; those of
 /// `positive` cannot be negative.
@@ -38,7 +43,7 @@ pub fn score(
         let (p, m) = (known.len(), all.len());
         let scaled = |a: usize, b: usize| entry(all[a], all[b]) / (size(all[a]) * size(all[b]));
         let mut lu = DenseLu::new(p);
-        let ridge = |a: usize, b: usize| if a == b { 1e-12 } else { 0.0 };
+        let ridge = |a: usize, b: usize| if a == b { RIDGE } else { 0.0 };
         lu.factor_with(|matrix| {
             for b in 0..p {
                 for a in 0..p {
@@ -88,9 +93,94 @@ pub fn score(
         for (k, a) in kept.iter().zip(&amplitudes) {
             out[*k] = *a;
         }
-        return Some(Score { gain, amplitudes: out });
+        return Some(Score { gain, amplitudes: out, columns: group.to_vec() });
     }
     None
+}
+
+/// The parameters of normal equations that may absorb other directions.
+struct Parameters<'a> {
+    normal: &'a NormalEquations,
+    /// Those with an influence.
+    columns: Vec<usize>,
+    /// Their lengths.
+    sizes: Vec<f64>,
+    lu: DenseLu,
+}
+
+impl<'a> Parameters<'a> {
+    /// The columns `0..free`; `None` if they are too dependent.
+    fn new(normal: &'a NormalEquations, free: usize) -> Option<Self> {
+        let entry = |i: usize, j: usize| normal.gram[i + normal.n * j];
+        let columns: Vec<usize> = (0..free).filter(|i| entry(*i, *i) > 0.0).collect();
+        let sizes: Vec<f64> = columns.iter().map(|i| entry(*i, *i).sqrt()).collect();
+        let p = columns.len();
+        let mut lu = DenseLu::new(p);
+        lu.factor_with(|matrix| {
+            for b in 0..p {
+                for a in 0..p {
+                    let ridge = if a == b { RIDGE } else { 0.0 };
+                    let product = entry(columns[a], columns[b]) / (sizes[a] * sizes[b]);
+                    matrix[a + p * b] = product + ridge;
+                }
+            }
+        })
+        .ok()?;
+        Some(Parameters { normal, columns, sizes, lu })
+    }
+
+    /// The combination of the parameters whose products with them are `right`, by column.
+    fn absorbing(&mut self, right: impl Fn(usize) -> f64) -> Vec<f64> {
+        let scaled = self.columns.iter().zip(&self.sizes).map(|(k, size)| right(*k) / size);
+        let mut solution: Vec<f64> = scaled.collect();
+        self.lu.solve_in_place(&mut solution);
+        solution.iter_mut().zip(&self.sizes).for_each(|(x, size)| *x /= size);
+        solution
+    }
+
+    /// The product of a column with a combination of the parameters.
+    fn product(&self, column: usize, combination: &[f64]) -> f64 {
+        let entry = |k: &usize| self.normal.gram[column + self.normal.n * k];
+        self.columns.iter().zip(combination).map(|(k, c)| entry(k) * c).sum()
+    }
+}
+
+/// Normal equations of the columns from `free` on, projected off the parameters `0..free`: a score beside these
+/// parameters is one beside none here. Columns that the parameters absorb vanish.
+pub fn projected(normal: &NormalEquations, free: usize) -> NormalEquations {
+    let (n, m) = (normal.n, normal.n - free);
+    let entry = |i: usize, j: usize| normal.gram[i + n * j];
+    let mut out = NormalEquations::new(m);
+    out.cost = normal.cost;
+    let Some(mut parameters) = Parameters::new(normal, free) else { return out };
+    let of_gradient = parameters.absorbing(|k| normal.gradient[k]);
+    for j in free..n {
+        let absorbing = parameters.absorbing(|k| entry(k, j));
+        let left = |i: usize| entry(i, j) - parameters.product(i, &absorbing);
+        if left(j) < INDEPENDENT * entry(j, j) {
+            continue;
+        }
+        for i in free..n {
+            out.gram[i - free + m * (j - free)] = left(i);
+        }
+        out.gradient[j - free] = normal.gradient[j] - parameters.product(j, &of_gradient);
+    }
+    out
+}
+
+/// The step of all columns that a score proposes: its amplitudes, and the parameters that follow them.
+pub fn full_step(normal: &NormalEquations, free: usize, score: &Score) -> Option<Vec<f64>> {
+    let mut step = vec![0.0; normal.n];
+    score.columns.iter().zip(&score.amplitudes).for_each(|(k, a)| step[*k] = *a);
+    let mut parameters = Parameters::new(normal, free)?;
+    let driven = |i: usize| -> f64 {
+        score.columns.iter().map(|k| normal.gram[i + normal.n * k] * step[*k]).sum()
+    };
+    let following = parameters.absorbing(|k| -normal.gradient[k] - driven(k));
+    for (k, x) in parameters.columns.iter().zip(following) {
+        step[*k] = x;
+    }
+    Some(step)
 }
 
 #[cfg(test)]
@@ -112,6 +202,29 @@ mod tests {
         assert!((slope.amplitudes[0] - 3.0).abs() < 1e-8);
         assert!((slope.gain - normal.cost).abs() < 1e-8);
         assert_eq!(score(&normal, 1, &[2], &[false]), None);
+    }
+
+    /// Two directions beside a constant: the projected equations give the score of each, and the whole step leaves
+    /// what the score says.
+    #[test]
+    fn projected_equations_have_the_same_scores() {
+        let mut normal = NormalEquations::new(4);
+        for i in 0..11 {
+            let t = 0.1 * i as f64;
+            normal.add(1.0 - 3.0 * t + t.sin(), &[1.0, t, t * t, 5.0]);
+        }
+        let small = projected(&normal, 1);
+        for group in [&[1][..], &[2], &[1, 2]] {
+            let signs = vec![false; group.len()];
+            let whole = score(&normal, 1, group, &signs).unwrap();
+            let shifted: Vec<usize> = group.iter().map(|k| k - 1).collect();
+            let own = score(&small, 0, &shifted, &signs).unwrap();
+            assert!((whole.gain - own.gain).abs() < 1e-7 * whole.gain, "{whole:?} {own:?}");
+            let calibrated = score(&normal, 0, &[0], &[false]).unwrap().gain;
+            let left = normal.after(&full_step(&normal, 1, &whole).unwrap());
+            assert!((normal.cost - left - calibrated - whole.gain).abs() < 1e-7, "{left}");
+        }
+        assert_eq!(score(&small, 0, &[2], &[false]), None);
     }
 
     #[test]

@@ -5,8 +5,10 @@
 //! [`super::backward_elimination`], [`super::pairwise_selection`]), followed by a revision of the result
 //! ([`super::revise`]).
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
+use crate::base::index::FastMap;
+use crate::calibrate::data::Split;
 use crate::calibrate::fit::{self, quick_fit};
 use crate::calibrate::observer::{Event, Observer};
 
@@ -15,7 +17,9 @@ use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
 use super::noise::noise;
 use super::pairwise_selection::pairwise_selection;
+use super::place::Place;
 use super::policy::SearchPolicy;
+use super::rank::Scored;
 use super::result::Diagnosis;
 use super::revise::{compare_alternatives, revise, simplify};
 use super::study::{DiagnosisError, Study};
@@ -27,17 +31,31 @@ pub struct Search<'a> {
     observer: &'a dyn Observer,
     /// Steps of all fits so far.
     steps: Cell<u64>,
+    /// The sets of effects that were fitted, and how often.
+    fitted: RefCell<FastMap<Vec<EffectAt>, usize>>,
 }
+
+/// An effect by its position in the catalogue, where it is, and the variables that it depends on.
+type EffectAt = (usize, Vec<String>, Vec<(String, String)>);
 
 impl<'a> Search<'a> {
     /// A search that has not begun.
     pub fn new(study: &'a Study, observer: &'a dyn Observer) -> Search<'a> {
-        Search { study, observer, steps: Cell::new(0) }
+        Search { study, observer, steps: Cell::new(0), fitted: RefCell::default() }
     }
 
     /// The policy of the study.
     pub fn policy(&self) -> &'a SearchPolicy {
         &self.study.policy
+    }
+
+    /// How many times as many proposals are fitted where the recordings are short, so that a fit costs little.
+    pub fn generosity(&self) -> usize {
+        let instants: usize = self.study.data.of(Split::Train).map(|r| r.time.len()).sum();
+        match instants <= self.policy().preselection_instants {
+            true => self.policy().proposals_if_short,
+            false => 1,
+        }
     }
 
     /// Counts a step of a fit; false ends the fit.
@@ -48,7 +66,22 @@ impl<'a> Search<'a> {
 
     /// Whether another fit may begin.
     pub fn may_continue(&self) -> bool {
-        !self.observer.is_cancelled() && self.steps.get() < self.policy().max_steps
+        let most = self.policy().max_steps * (self.generosity() as u64).pow(2);
+        !self.observer.is_cancelled() && self.steps.get() < most
+    }
+
+    /// Whether another fit of a hypothesis with a proposal may tell something new; counts it.
+    pub fn is_new(&self, from: &Hypothesis, proposal: &[Scored]) -> bool {
+        let known = from.effects.iter().map(|c| (c.effect, &c.place));
+        let members: Vec<(usize, Place)> = proposal.iter().flat_map(Scored::members).collect();
+        let all = known.chain(members.iter().map(|(effect, place)| (*effect, place)));
+        let mut key: Vec<EffectAt> =
+            all.map(|(effect, p)| (effect, p.at.clone(), p.binds.clone())).collect();
+        key.sort();
+        let mut fitted = self.fitted.borrow_mut();
+        let count = fitted.entry(key).or_default();
+        *count += 1;
+        *count <= self.policy().fits_of_the_same
     }
 
     /// Tells the observer the best result so far.
@@ -124,10 +157,9 @@ pub fn accept(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hypothesis
     let mut best = eliminated(search, better);
     let plain = without_effects(search, &best);
     if let Some(plain) = plain.filter(|p| p.train.total() < diagnosis.before.train.total()) {
-        let (train, bic) = (plain.chi2_train(), plain.bic());
-        search.note(&format!("without any effect from there: {train:.4}"));
+        search.note(&format!("without any effect from there: {:.4}", plain.chi2_train()));
         diagnosis.before = plain.clone();
-        if bic < best.bic() + search.policy().evidence {
+        if plain.total_criterion() < best.total_criterion() + search.policy().evidence {
             diagnosis.rejected.push(std::mem::replace(&mut best, plain));
         }
     }

@@ -1,5 +1,6 @@
 //! The model under examination, and its programs with effects attached.
 
+use crate::base::index::FastSet;
 use crate::calibrate::data::Data;
 use crate::calibrate::plan::Plan;
 use crate::calibrate::problem::record_also;
@@ -10,7 +11,7 @@ use crate::ir::program::Program;
 
 use super::catalogue::Effect;
 use super::model_source::{Attached, Extension};
-use super::place::Place;
+use super::place::{Place, places};
 use super::policy::SearchPolicy;
 use super::variation::VariationTargets;
 
@@ -64,9 +65,20 @@ impl Study {
 
     /// An effect and its place, for messages.
     pub fn label(&self, effect: usize, place: &Place) -> String {
-        let effect = &self.effects[effect];
-        let name = effect.named.as_ref().unwrap_or(&effect.class);
-        format!("{name} at {}", place.at.join(", "))
+        format!("{} at {}", self.effects[effect].name(), place.at.join(", "))
+    }
+
+    /// All places for an effect in the model that a plan fits.
+    pub fn places(&self, effect: &Effect, plan: &Plan) -> Vec<Place> {
+        if let Some(choice) = effect.choice.as_ref().filter(|c| c.is_of_model()) {
+            return vec![Place::at(&choice.at)];
+        }
+        if effect.varies.is_some() {
+            let input = effect.binds.first().map(|(input, _)| self.variations.places(input));
+            return input.unwrap_or_default();
+        }
+        let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
+        places(effect, &self.inventory, &names, plan)
     }
 
     /// True for an effect that is a free curve rather than parametric.
@@ -81,7 +93,7 @@ impl Study {
         attached: &[Attached<'_>],
         others: &[String],
     ) -> Result<(Session, Program), DiagnosisError> {
-        let mut session = Session::default();
+        let mut session = Session { parameters_vary: true, ..Session::default() };
         let mut request = self.request.clone();
         if !attached.is_empty() {
             let trial = Extension { name: TRIAL_MODEL, base: &self.base, ..Extension::default() };

@@ -33,6 +33,10 @@ causes! {
         error MO0109 NotAModel { name: String }
             => ("`{name}` is a package or a function, not a model"),
             help("name a model with `--model`");
+        /// The folder of a library does not exist.
+        error MO0110 NoSuchFolder { folder: String }
+            => ("there is no folder `{folder}`"),
+            help("name the folder that contains the library with `--lib DIR`; it is read from the folder where mocc runs");
         /// A flat model is too large to be printed.
         error MO0275 FlatModelTooLarge { why: String }
             => ("{why}"),

@@ -31,6 +31,18 @@ impl Session {
         if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }
     }
 
+    /// Adds the problems of a class. A component that is checked by itself has the units of its
+    /// instances.
+    fn add(&mut self, problems: Problems) {
+        let is_unit = |d: &Diagnostic| d.is(|_: &UnitCause| true);
+        for d in problems.iter() {
+            let is_known = |known: &Diagnostic| is_unit(known) && known.primary.0 == d.primary.0;
+            if !(is_unit(d) && self.problems.iter().any(is_known)) {
+                self.problems.push(d.clone());
+            }
+        }
+    }
+
     fn check_classes(&mut self, request: &Request) -> Result<(), CompileError> {
         let path = request.modelica_path.as_deref();
         let mut library = Library::new(super::files::folders(&request.folders, path));
@@ -78,7 +90,7 @@ impl Session {
             }
             // All of its errors may follow from the missing outer component.
             if !problems.iter().any(lacks_inner) {
-                self.problems.extend(problems);
+                self.add(problems);
             }
         }
         if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }

@@ -29,6 +29,7 @@ use crate::measure::model as extended;
 use crate::measure::observe::Plan;
 use crate::measure::text::Measures;
 use crate::resolve::library::Library;
+use crate::structure::error::StructureCause;
 use crate::verify;
 
 use super::cause::RequestCause;
@@ -71,6 +72,8 @@ pub struct Request {
     pub appended: Option<String>,
     /// `NAME=VALUE`.
     pub settings: Vec<String>,
+    /// Compare the units in the user's own sources, as `mocc check` does.
+    pub check_units: bool,
     /// Inputs of the model, or of its components, that recordings drive.
     pub recorded: Vec<String>,
     /// How algebraic loops are solved while the model runs.
@@ -106,6 +109,8 @@ pub struct Session {
     pub sources: SourceMap,
     /// Errors and warnings so far.
     pub problems: Problems,
+    /// Parameters get other values run by run, so equations may be singular at the declared ones.
+    pub parameters_vary: bool,
     /// The process ends after this request, so large structures are leaked instead of freed.
     pub is_last: bool,
     /// How long each stage took, in order.
@@ -241,6 +246,11 @@ impl Session {
         }
         let begun = Instant::now();
         let blocks = dae.and_then(|dae| crate::structure::structure(dae, &mut self.problems));
+        if self.parameters_vary {
+            self.problems.remove_errors(|cause: &StructureCause| {
+                matches!(cause, StructureCause::DependentLinearEquations { .. })
+            });
+        }
         self.times.push(("structure", begun.elapsed()));
         self.checked(CompileError::Model)?;
         if let Some(blocks) = &blocks {
@@ -275,6 +285,7 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, CompileError> {
         let mut flat = self.flatten(request)?;
+        self.compare_units(&flat, request);
         self.drive(&mut flat, &request.recorded)?;
         self.compile_flat(flat, request.form)
     }
@@ -283,8 +294,11 @@ impl Session {
     pub fn drive(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), CompileError> {
         for input in inputs {
             let found = flat.variables.enumerate().find(|(_, v)| v.name == *input);
-            let open =
-                |v: &Variable| v.ty == Type::Real && v.variability == Variability::Continuous;
+            let open = |v: &Variable| {
+                v.ty == Type::Real
+                    && v.variability == Variability::Continuous
+                    && v.causality == Some(Causality::Input)
+            };
             match found {
                 Some((id, v)) if v.binding.is_none() && open(v) => flat.recorded.push(id),
                 Some((_, v)) => {
@@ -326,12 +340,33 @@ impl Session {
             },
             |flat| flat,
         )?;
+        self.compare_units(&flat, request);
         extended::check(&flat, &read, &mut self.problems);
         self.checked(CompileError::Request)?;
         let mut program = self.compile_flat(flat, request.form)?;
         let plan = Plan::new(read, &mut program, &mut self.problems);
         self.checked(CompileError::Request)?;
         plan.map(|plan| (program, plan)).ok_or(CompileError::Request)
+    }
+
+    /// Warns of units that do not match in the sources that the user has named. Those of libraries
+    /// are the business of `mocc check`.
+    fn compare_units(&mut self, flat: &FlatModel, request: &Request) {
+        if !request.check_units {
+            return;
+        }
+        let mut found = Problems::new();
+        // The check adds nodes to the graph, and results must not depend on it.
+        crate::units::check(&mut flat.clone(), &mut found);
+        for d in found.iter() {
+            let file = self.sources.get(d.primary.0.file).map(|f| f.path.as_path());
+            let is_own = file.is_some_and(|path| {
+                Some(path) == request.file.as_deref() || path.starts_with("--")
+            });
+            if is_own {
+                self.problems.push(d.clone());
+            }
+        }
     }
 
     /// The program of a flat model, in this form.
@@ -356,6 +391,11 @@ impl Session {
         request: &Request,
         library: &mut Library,
     ) -> Result<Option<Arc<ast::File>>, CompileError> {
+        if let Some(folder) = request.folders.iter().find(|folder| !folder.is_dir()) {
+            let folder = folder.display().to_string();
+            self.problems.push(Diagnostic::new(RequestCause::NoSuchFolder { folder }, Span::NONE));
+            return Err(CompileError::Request);
+        }
         let Some(path) = &request.file else { return Ok(None) };
         let text = match super::files::read(path) {
             Ok(text) => text,

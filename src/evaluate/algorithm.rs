@@ -109,7 +109,7 @@ impl Evaluator<'_> {
         {
             return self.run_assert(args, named, call.span, scope);
         }
-        self.evaluate_outputs(call, scope).map(|_| ())
+        self.call_alone(call, scope)
     }
 
     fn run_if(

@@ -21,6 +21,10 @@ impl Evaluator<'_> {
         match args {
             [a] => {
                 let value = self.evaluate(a, scope)?;
+                if value.scalar().is_some() {
+                    self.wrong_arguments(span, "one array or two numbers");
+                    return None;
+                }
                 self.reduce(name, &value, span)
             }
             [a, b] => {

@@ -151,6 +151,26 @@ impl Evaluator<'_> {
         self.call_with(class, args, named, span, scope)
     }
 
+    /// A call that stands alone as an equation or statement. Functions may be called for their
+    /// assertions; an operator of the language only has a value.
+    pub(crate) fn call_alone(&mut self, call: &Expr, scope: Scope) -> Option<()> {
+        if let ExprKind::Call { function, .. } = &call.kind
+            && let Some(name) = function.simple()
+            && self.is_operator(name)
+            && !self.is_shadowed_builtin(name, scope)
+        {
+            self.report(BuiltinCause::UnusedValue { name }, call.span);
+            return None;
+        }
+        self.evaluate_outputs(call, scope).map(|_| ())
+    }
+
+    fn is_operator(&self, name: Name) -> bool {
+        let is_value = !matches!(name.as_str(), "assert" | "terminate" | "reinit" | "connect");
+        let in_table = Unary::called(&name).is_some() || Binary::called(&name).is_some();
+        in_table || is_value && OTHERS.contains(&name.as_str())
+    }
+
     /// Whether a function of an enclosing scope shadows the predefined one of its name, which
     /// belongs to the outermost scope (section 5.3.1).
     fn is_shadowed_builtin(&mut self, name: Name, scope: Scope) -> bool {

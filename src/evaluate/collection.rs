@@ -98,8 +98,10 @@ impl Evaluator<'_> {
         scope: Scope,
         span: Span,
     ) -> Option<Value> {
+        // The bounds decide the size, so their values count where only sizes are wanted.
+        let mode = if self.mode.sizes { self.mode.folding() } else { self.mode };
         let mut bound = |e: &Expr| {
-            let s = self.evaluate_scalar(e, scope)?;
+            let s = self.with_mode(mode, |cx| cx.evaluate_scalar(e, scope))?;
             if let Some(c) = self.graph.as_const(s) {
                 return Some(c);
             }

@@ -442,7 +442,7 @@ impl Evaluator<'_> {
     }
 
     /// The binding of a local or a field, from its declaration or from a class that extends it.
-    fn declared_value(
+    pub(super) fn declared_value(
         &self,
         entry: &Entry,
         declaration: &Declaration,

@@ -89,6 +89,18 @@ impl Evaluator<'_> {
         order.push(k);
     }
 
+    /// True for a field of a predefined type whose declaration gives it no value.
+    fn lacks_value(&mut self, entry: &Entry, declaration: &Declaration) -> bool {
+        let is_array =
+            !declaration.component().dims.is_empty() || !declaration.clause().type_dims.is_empty();
+        if is_array || self.declared_value(entry, declaration).is_some() {
+            return false;
+        }
+        let scope = self.declaration_scope(entry);
+        let class = self.find_class(&declaration.clause().type_name, scope);
+        class.is_some_and(|class| self.table(class).scalar.is_some())
+    }
+
     /// A record constructor (section 12.6).
     pub(super) fn construct(
         &mut self,
@@ -106,6 +118,13 @@ impl Evaluator<'_> {
             .iter()
             .map(|(_, d)| if has_fixed_value(d) { None } else { given.next().flatten() })
             .collect();
+        for ((entry, declaration), value) in components.iter().zip(&given) {
+            if value.is_none() && self.lacks_value(entry, declaration) {
+                let field = entry.name.name;
+                self.report(CallCause::FieldWithoutValue { record: full_name, field }, span);
+                return None;
+            }
+        }
         let outermost = !self.frames.in_function();
         let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
         let built = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));

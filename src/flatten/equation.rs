@@ -293,7 +293,7 @@ fn call_equation(
             cx.unsupported(call.span, Construct::OverconstrainedConnections);
             None
         }
-        _ => cx.evaluate_outputs(call, scope).map(|_| ()),
+        _ => cx.call_alone(call, scope),
     }
 }
 

@@ -9,6 +9,7 @@ pub mod bounds;
 pub mod cause;
 pub mod connect;
 pub mod equation;
+mod annotation;
 mod experiment;
 mod history;
 mod if_equation;
@@ -107,7 +108,7 @@ fn flatten_with(
     }
     inspect(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
-    flat.experiment = experiment::inherited(cx, class, root, 0);
+    flat.experiment = experiment::inherited(cx, class, root);
     let variations = varying::inherited(cx, class, root);
     let structural: FastSet<InstanceId> = cx.parameters.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.instance_of.iter().enumerate() {

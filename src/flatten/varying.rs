@@ -7,18 +7,17 @@
 //! in place of the parameter, directly or by way of parameters that are bound to it. Attributes such as
 //! `start` keep the parameter's own value.
 
-use std::sync::Arc;
-
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
-use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Modification, Path, Variability};
+use crate::ir::ast::Variability;
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variable};
-use crate::ir::instance::{ClassId, InstanceId, Scope};
+use crate::ir::instance::{ClassId, InstanceId};
 use crate::symbolic::rewrite::Rewriter;
 
+use super::annotation;
 use super::cause::{FlattenCause, WrongVariation};
 
 /// A parameter and the variable that it is multiplied by.
@@ -28,84 +27,25 @@ pub(super) struct Variation {
     span: Span,
 }
 
-/// The variations of a class and of its base classes.
+/// The variations of a class and of its base classes: `annotation(__mocc(varies = "a = x, b = x"))`.
 pub(super) fn inherited(
     cx: &mut Evaluator<'_>,
     class: ClassId,
     root: InstanceId,
 ) -> Vec<Variation> {
     let mut found = Vec::new();
-    collect(cx, class, root, 0, &mut found);
-    found
-}
-
-fn collect(
-    cx: &mut Evaluator<'_>,
-    class: ClassId,
-    root: InstanceId,
-    depth: usize,
-    found: &mut Vec<Variation>,
-) {
-    let Some(text) = cx.definition(class).cloned() else { return };
-    if let Some(annotation) = &text.annotation {
-        declared(cx, annotation, Scope { instance: root, class }, found);
-    }
-    // Cyclic inheritance is reported elsewhere.
-    if depth > 50 {
-        return;
-    }
-    let bases: Vec<&Path> = match &text.body {
-        ClassBody::Short(short) => vec![&short.base],
-        ClassBody::Long(composition) => composition
-            .elements
-            .iter()
-            .filter_map(|e| match &e.kind {
-                ElementKind::Extends(extends) => Some(&extends.base),
-                _ => None,
-            })
-            .collect(),
-        _ => Vec::new(),
-    };
-    for base in bases {
-        let scope = Scope { instance: cx.classes[class].holder, class };
-        if let Some(base) = cx.find_class(base, scope).filter(|b| *b != class) {
-            collect(cx, base, root, depth + 1, found);
-        }
-    }
-}
-
-/// `annotation(__mocc(varies = "a = x, b = x"))`
-fn declared(
-    cx: &mut Evaluator<'_>,
-    annotation: &Arc<Modification>,
-    scope: Scope,
-    found: &mut Vec<Variation>,
-) {
-    for arg in &annotation.args {
-        let ArgumentKind::Element { path, modification: Some(inner), .. } = &arg.kind else {
-            continue;
-        };
-        if path.to_string() != "__mocc" {
-            continue;
-        }
-        for entry in &inner.args {
-            let ArgumentKind::Element { path, modification: Some(m), .. } = &entry.kind else {
-                continue;
-            };
-            let Some(binding) = m.binding.as_ref().filter(|_| path.to_string() == "varies") else {
-                continue;
-            };
-            let value = cx.fold(binding, scope).and_then(|v| v.scalar());
-            let Some(Const::String(text)) = value.and_then(|e| cx.graph.as_const(e)) else {
-                continue;
-            };
+    annotation::inherited(cx, (class, root), "__mocc", &mut |cx, entries| {
+        for entry in entries.iter().filter(|entry| entry.key == "varies") {
+            let Some(Const::String(text)) = entry.constant(cx) else { continue };
             for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
                 let (parameter, factor) = item.split_once('=').unwrap_or((item, ""));
                 let (parameter, factor) = (parameter.trim().into(), factor.trim().into());
-                found.push(Variation { parameter, factor, span: binding.span });
+                found.push(Variation { parameter, factor, span: entry.value.span });
             }
         }
-    }
+        true
+    });
+    found
 }
 
 /// Lets the parameters vary: adds a variable for each of them and for each parameter that is bound to one,

@@ -6,6 +6,7 @@ use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::Asserted;
 use crate::evaluate::cause::array::Pair;
+use crate::evaluate::cause::builtin::BuiltinCause;
 use crate::evaluate::cause::call::{CallCause, Takes};
 use crate::evaluate::cause::types::{Conversion, Pairing, TypeCause};
 use crate::evaluate::value::Value;
@@ -223,7 +224,7 @@ fn call_action(
             out.push(Action::Terminate(message));
             Some(())
         }
-        _ => cx.evaluate_outputs(call, scope).map(|_| ()),
+        _ => cx.call_alone(call, scope),
     }
 }
 
@@ -333,7 +334,8 @@ pub(super) fn statement_branches(
     Some(out)
 }
 
-/// Executes statements: assignments remain in the evaluator; `reinit` and the like become actions.
+/// Executes statements: assignments remain in the evaluator; assertions and the like become actions.
+/// `reinit` belongs to equations (section 8.3.6).
 fn statement_actions(
     cx: &mut Evaluator<'_>,
     body: &[ast::Statement],
@@ -342,6 +344,10 @@ fn statement_actions(
 ) -> Option<()> {
     for s in body {
         match &s.kind {
+            StatementKind::Call(call) if is_reinit(call) => {
+                cx.report(BuiltinCause::ReinitOutsideWhen, call.span);
+                return None;
+            }
             StatementKind::Call(call) => call_action(cx, call, scope, out)?,
             _ => {
                 cx.run_statements(std::slice::from_ref(s), scope)?;
@@ -349,6 +355,13 @@ fn statement_actions(
         }
     }
     Some(())
+}
+
+fn is_reinit(call: &Expr) -> bool {
+    match &call.kind {
+        ExprKind::Call { function, .. } => function.simple().is_some_and(|n| n == "reinit"),
+        _ => false,
+    }
 }
 
 /// Rewrites the when-statements of one algorithm section so that only one of them assigns each

@@ -28,6 +28,8 @@ pub struct Blocks {
     pub continuous: Vec<Block>,
     /// Starts that initialisation had to choose because the model leaves them open.
     pub assumed_starts: Vec<VarId>,
+    /// Unknowns that their equations do not determine, and that nothing else depends on.
+    pub undetermined: Vec<VarId>,
 }
 
 /// A selected state.

@@ -6,7 +6,7 @@ use super::rewriting::Rewriting;
 use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
 use crate::ir::dae::{self, DiscreteEquation, VariableKind};
-use crate::ir::expr::{ExprId, Node, Type, VarId};
+use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
 use crate::ir::flat::{
     Action, Assert, Causality, EquationKind, FlatModel, Origin, Variability, Variable, WhenBranch,
 };
@@ -66,6 +66,32 @@ pub fn sections(flat: &mut FlatModel) -> Sections {
     }
     s.roots = roots(flat, &s);
     s
+}
+
+/// Reports `pre` of continuous variables outside of when-clauses, where no event has a value before
+/// it (section 3.7.5).
+pub fn check_pre(
+    graph: &Graph,
+    variables: &IndexVec<VarId, dae::Variable>,
+    equal: &[Equal],
+    problems: &mut Problems,
+) {
+    let is_continuous =
+        |v: VarId| variables[v].ty == Type::Real && variables[v].kind == VariableKind::Algebraic;
+    let is_wrong = |node: Node| matches!(node, Node::Pre(v) if is_continuous(v));
+    if !graph.any(equal.iter().flat_map(|e| [e.lhs, e.rhs]), |_, node| is_wrong(node)) {
+        return;
+    }
+    for e in equal {
+        let nodes = graph.postorder([e.lhs, e.rhs]).into_iter().map(|n| graph.node(n));
+        let found = nodes.filter_map(|node| match node {
+            Node::Pre(v) if is_continuous(v) => Some(v),
+            _ => None,
+        });
+        for v in found {
+            problems.push(error::pre_of_continuous(&variables[v], &e.origin));
+        }
+    }
 }
 
 /// Reports discrete variables without an equation.

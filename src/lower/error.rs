@@ -48,6 +48,10 @@ causes! {
         error MO0309 EqualityOfReals { operator: String } (section "3.5")
             => ("cannot compare continuous Real expressions with `{operator}` outside of functions"),
             help("compare with `<=` or `>=`, or with a tolerance: `abs(a - b) < eps`");
+        /// `pre` of a continuous variable outside of a when-clause.
+        error MO0325 PreOfContinuous { name: String } (section "3.7.5")
+            => ("`pre({name})` outside of a when-clause: `{name}` is continuous"),
+            help("use it in a `when`, or `delay({name}, T)` for an earlier value");
         /// The interval of `sample` varies.
         error MO0311 VaryingSample (section "3.7.5")
             => ("the start and the interval of `sample` must be parameter expressions"),
@@ -133,6 +137,12 @@ pub fn no_discrete_equation(v: &dae::Variable) -> Diagnostic {
 /// A discrete equation that is not an assignment.
 pub fn not_assigned_form(origin: &Origin) -> Diagnostic {
     Diagnostic::new(LoweringCause::NotAssignedForm, origin.span).label(in_component(origin))
+}
+
+/// `pre` of a continuous variable outside of a when-clause.
+pub fn pre_of_continuous(v: &dae::Variable, origin: &Origin) -> Diagnostic {
+    let cause = LoweringCause::PreOfContinuous { name: v.name.clone() };
+    Diagnostic::new(cause, origin.span).label(in_component(origin))
 }
 
 /// `==` or `<>` between reals that vary.

@@ -36,6 +36,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     determined_by_initialization::parameters(&mut flat);
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
+    classify::check_pre(&flat.graph, &variables, &sections.equal, problems);
     let (classes, mut equal) = alias::find_aliases(&mut flat.graph, &variables, sections.equal);
     let replacement =
         representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
@@ -47,12 +48,16 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     hold_initial_values(&flat.variables, &mut discrete, &mut rewriting);
     let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);
     let mut asserts = actions.asserts;
+    let at_start = rewriting.graph.intern(Node::Initial, Type::Boolean);
     for (assert, origin) in &sections.asserts {
+        // The first row is recorded when `initial()` is already false.
+        if rewriting.graph.any([assert.condition], |_, node| node == Node::Initial) {
+            asserts.push(when::guarded(Some(at_start), assert, origin, &mut rewriting));
+        }
         asserts.push(when::guarded(None, assert, origin, &mut rewriting));
     }
     for e in &flat.initial_equations {
         if let EquationKind::Assert(assert) = &e.kind {
-            let at_start = rewriting.graph.intern(Node::Initial, Type::Boolean);
             asserts.push(when::guarded(Some(at_start), assert, &e.origin, &mut rewriting));
         }
     }

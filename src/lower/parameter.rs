@@ -99,7 +99,10 @@ impl KnownValues {
             Node::Binary(Binary::Mul, a, b) => {
                 self.is_zero_by_form(a, r) || self.is_zero_by_form(b, r)
             }
-            Node::Binary(Binary::Div, a, _) => self.is_zero_by_form(a, r),
+            // 0/0 is not a number.
+            Node::Binary(Binary::Div, a, b) => {
+                self.is_zero_by_form(a, r) && !self.is_zero_by_form(b, r)
+            }
             _ => false,
         }
     }

@@ -28,6 +28,34 @@ impl NormalEquations {
         NormalEquations { n, gram: vec![0.0; n * n], gradient: vec![0.0; n], cost: 0.0 }
     }
 
+    /// The decrease of the cost by a step whose damping is this share of the diagonal: an honest one even
+    /// where the linearised residuals would promise everything by a step that is far too long. `None` if
+    /// no step can be computed.
+    pub fn decrease(&self, damping: f64) -> Option<f64> {
+        let n = self.n;
+        let mut matrix = self.gram.clone();
+        for k in 0..n {
+            let own = matrix[k + n * k];
+            matrix[k + n * k] = if own > 0.0 { own * (1.0 + damping) } else { 1.0 };
+        }
+        let mut lu = DenseLu::new(n);
+        lu.factor(&matrix).ok()?;
+        let mut step: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
+        lu.solve_in_place(&mut step);
+        Some((self.cost - self.after(&step)).clamp(0.0, self.cost))
+    }
+
+    /// The cost after a step, as the linearised residuals have it.
+    pub fn after(&self, step: &[f64]) -> f64 {
+        let n = self.n;
+        let mut cost = self.cost;
+        for j in 0..n {
+            let product: f64 = (0..n).map(|i| self.gram[i + n * j] * step[i]).sum();
+            cost += step[j] * (2.0 * self.gradient[j] + product);
+        }
+        cost
+    }
+
     /// Adds one residual with its derivatives with respect to the parameters.
     pub fn add(&mut self, residual: f64, slopes: &[f64]) {
         self.cost += residual * residual;
@@ -277,6 +305,15 @@ mod tests {
         fn cost(&mut self, x: &[f64]) -> Option<f64> {
             self.normal(x).map(|n| n.cost)
         }
+    }
+
+    /// `x - 3` with no damping leaves nothing; the step with damping 1 is half as long, and leaves a quarter.
+    #[test]
+    fn a_damped_step_gains_less() {
+        let mut normal = NormalEquations::new(1);
+        normal.add(-3.0, &[1.0]);
+        assert!((normal.decrease(0.0).unwrap() - 9.0).abs() < 1e-12);
+        assert!((normal.decrease(1.0).unwrap() - 6.75).abs() < 1e-12);
     }
 
     #[test]

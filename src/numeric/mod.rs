@@ -20,6 +20,7 @@ pub mod linear;
 pub mod maxvol;
 pub mod newton;
 pub mod norm;
+pub mod null_space;
 pub mod pattern;
 pub mod polynomial_segment;
 pub mod pseudo_inverse;

@@ -37,6 +37,7 @@ pub(crate) fn check_body(cx: &mut ClassGraph<'_>, class: ClassId, text: &Arc<Cla
         }
         ClassBody::Long(composition) => {
             check_elements(cx.problems, composition);
+            cx.check_imports(composition);
             let function = matches!(text.kind, ClassKind::Function { .. });
             if composition.algorithms.is_empty() {
                 return;

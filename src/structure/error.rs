@@ -56,6 +56,9 @@ causes! {
         error MO0409 NoInitialCondition { name: String } (section "8.6")
             => ("nothing determines `{name}` at the start of the simulation"),
             help("add an initial equation, or `fixed = true` with a start value");
+        /// Linear equations depend on each other: some repeat or contradict the others.
+        error MO0410 DependentLinearEquations { names: String, kind: Dependence }
+            => ("{}", kind.message(names)), remedy(Some(kind.remedy().to_owned()));
         /// `stateSelect = always` of a variable that is discontinuous.
         error MO0430 DiscontinuousState { name: String } (section "4.8.7.1")
             => ("`{name}` cannot be a state: it is discontinuous"),
@@ -114,6 +117,82 @@ pub fn dependent(dae: &Dae, equations: &[EqId]) -> Diagnostic {
     let sources: Vec<Source> = equations.iter().map(|id| Source::Continuous(*id)).collect();
     with_places(d, dae, &sources, |source, origin| label(dae, source, origin))
         .note("as many equations as unknowns, but some follow from the others")
+}
+
+/// Linear equations that depend on each other; a warning if they have solutions and nothing else
+/// depends on the choice.
+pub fn dependent_block(
+    dae: &Dae,
+    sources: &[Source],
+    free: &[VarId],
+    consequence: Consequence,
+) -> Diagnostic {
+    let names = list(free.iter().map(|v| &dae.variables[*v]));
+    let kind = match (sources.len(), consequence) {
+        (1, _) => Dependence::NoCoefficient,
+        (_, Consequence::NoSolution) => Dependence::Contradiction,
+        _ => Dependence::Repetition,
+    };
+    let cause = StructureCause::DependentLinearEquations { names, kind };
+    let d = Diagnostic::new(cause, Span::NONE);
+    let d = with_places(d, dae, sources, |source, origin| label(dae, source, origin));
+    match consequence {
+        Consequence::None => {
+            d.with_severity(Severity::Warning).note("nothing else depends on their values")
+        }
+        _ => d,
+    }
+}
+
+/// How linear equations fail to determine their unknowns.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Dependence {
+    /// The unknown has the coefficient 0 in its only equation.
+    NoCoefficient,
+    /// Equations repeat each other.
+    Repetition,
+    /// Equations contradict each other.
+    Contradiction,
+}
+
+impl Dependence {
+    fn message(self, names: &str) -> String {
+        match self {
+            Dependence::NoCoefficient => {
+                format!("this equation does not determine {names}: its coefficient is 0")
+            }
+            Dependence::Repetition => {
+                format!("the equations do not determine {names}: they depend on each other")
+            }
+            Dependence::Contradiction => {
+                format!("the equations of {names} contradict each other")
+            }
+        }
+    }
+
+    fn remedy(self) -> &'static str {
+        match self {
+            Dependence::NoCoefficient => {
+                "give the parameters in its coefficient other values, or write another equation"
+            }
+            Dependence::Repetition => {
+                "add an equation that ties one of them down, such as a ground, a fixed place or a \
+                 reference, and remove one that follows from the others"
+            }
+            Dependence::Contradiction => "correct or remove one of them",
+        }
+    }
+}
+
+/// What follows from equations that depend on each other.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Consequence {
+    /// They contradict each other.
+    NoSolution,
+    /// The results depend on unknowns that nothing determines.
+    Arbitrary,
+    /// Nothing else depends on the unknowns that nothing determines.
+    None,
 }
 
 /// An equation with a function call must be differentiated.

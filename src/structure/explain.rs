@@ -10,8 +10,9 @@ use crate::graph::matching::{self, Matching};
 use crate::graph::pantelides;
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, Variable};
-use crate::ir::expr::VarId;
+use crate::ir::expr::{ExprId, VarId};
 use crate::ir::flat::Origin;
+use crate::symbolic::print;
 
 /// Reports surplus equations and undetermined unknowns, with derivatives identified with their
 /// variables; `None` if there are any.
@@ -83,6 +84,19 @@ pub fn initially_too_many(dae: &Dae, system: &EquationSystem, matched: &Matching
     let sources: Vec<Source> = part.rows.iter().map(|row: &Row| system.sources[*row]).collect();
     let variables: Vec<VarId> = part.cols.iter().map(|col| system.unknowns[*col]).collect();
     error::initially_too_many(dae, sources.len() - variables.len(), &sources, &variables)
+}
+
+/// The error for fixed starts of variables that equations give other values.
+pub fn contradicted_constants(dae: &Dae, contradicted: &[(VarId, ExprId)]) -> Diagnostic {
+    let variables: Vec<VarId> = contradicted.iter().map(|(v, _)| *v).collect();
+    let starts: Vec<Source> = variables.iter().copied().map(Source::Start).collect();
+    let mut d = error::initially_too_many(dae, starts.len(), &starts, &variables);
+    let names = |v: VarId| dae.variables[v].name.clone();
+    for (v, value) in contradicted.iter().take(4) {
+        let value = print::print(&dae.graph, *value, &names);
+        d = d.note(format!("the equations give `{}` the value `{value}`", names(*v)));
+    }
+    d
 }
 
 /// The error for a variable that cannot be computed at the start.

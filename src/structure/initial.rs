@@ -6,7 +6,7 @@
 
 use super::incidence::EquationSystem;
 use super::structural_zeros::StructuralZeros;
-use super::{explain, is_continuous, reduce, sort};
+use super::{explain, is_continuous, reduce, redundant_initial, sort};
 use crate::base::diag::Problems;
 use crate::base::index::{Id, IndexVec};
 use crate::graph::augment::AugmentingSearch;
@@ -23,8 +23,13 @@ pub fn sequence(
     zeros: &StructuralZeros,
     problems: &mut Problems,
 ) -> Option<(Vec<Block>, Vec<VarId>)> {
+    let contradicted = redundant_initial::contradicted_constants(dae);
+    if !contradicted.is_empty() {
+        problems.push(explain::contradicted_constants(dae, &contradicted));
+        return None;
+    }
     let system = specified(dae);
-    let system = super::redundant_initial::without_redundant(dae, system, zeros);
+    let system = redundant_initial::without_redundant(dae, system, zeros);
     // States are matched last: unmatched states are the ones to be assumed, usually without any
     // search.
     let column_class = |col: Col| u8::from(is_state[system.unknowns[col]]);

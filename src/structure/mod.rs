@@ -12,10 +12,13 @@ pub mod error;
 pub mod explain;
 pub mod incidence;
 pub mod initial;
+mod initial_propagation;
 mod inline;
+mod parameter_values;
 pub mod print;
 pub mod reduce;
 pub mod redundant_initial;
+mod singular_blocks;
 pub mod solve;
 pub mod sort;
 pub mod structural_zeros;
@@ -64,12 +67,23 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
         (system, matched) = self::matched(&dae, &is_state, &zeros, problems)?;
     }
     let continuous = sort::sequence(&mut dae, &system, &matched);
+    let undetermined = singular_blocks::report(&mut dae, &continuous, problems);
     let (system, matched) = system.with_discrete(&dae, matched);
     let event = sort::sequence(&mut dae, &system, &matched);
 
     let (states, mut dummies) = split(&dae, &is_state);
     dummies.retain(|v| !state_sets.iter().any(|set| set.candidates.contains(v)));
-    Some(Blocks { dae, states, dummies, state_sets, initial, event, continuous, assumed_starts })
+    Some(Blocks {
+        dae,
+        states,
+        dummies,
+        state_sets,
+        initial,
+        event,
+        continuous,
+        assumed_starts,
+        undetermined,
+    })
 }
 
 /// Reduces the index. Combinations of derivatives that nonlinear constraints relate become states.

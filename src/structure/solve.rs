@@ -66,21 +66,31 @@ pub fn residual(dae: &mut Dae, source: Source) -> ExprId {
     match source {
         Source::Continuous(id) => dae.equations[id].residual,
         Source::Initial(i) => dae.initial[i].residual,
+        Source::Discrete(_) | Source::Start(_) => {
+            let (own, value) = sides(dae, source);
+            dae.graph.sub(own, value)
+        }
+    }
+}
+
+/// The two sides of an equation.
+pub fn sides(dae: &mut Dae, source: Source) -> (ExprId, ExprId) {
+    match source {
+        Source::Continuous(id) => (dae.equations[id].lhs, dae.equations[id].rhs),
+        Source::Initial(i) => (dae.initial[i].lhs, dae.initial[i].rhs),
         Source::Discrete(i) => {
             let (v, value) = (dae.discrete[i].variable, dae.discrete[i].value);
-            let own = dae.graph.var(v, dae.variables[v].ty);
-            dae.graph.sub(own, value)
+            (dae.graph.var(v, dae.variables[v].ty), value)
         }
         Source::Start(v) => {
             let start = start(dae, v);
-            let own = dae.graph.var(v, dae.variables[v].ty);
-            dae.graph.sub(own, start)
+            (dae.graph.var(v, dae.variables[v].ty), start)
         }
     }
 }
 
 /// The start value of a variable; zero if it has none.
-fn start(dae: &mut Dae, v: VarId) -> ExprId {
+pub fn start(dae: &mut Dae, v: VarId) -> ExprId {
     match dae.variables[v].start {
         Some(e) => e,
         None => match dae.variables[v].ty {

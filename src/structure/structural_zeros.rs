@@ -6,13 +6,13 @@
 //! form at these values, and the parameters that cause it become structural.
 
 use super::incidence::EquationSystem;
-use crate::base::index::{FastMap, FastSet, Id, IndexVec};
+use super::parameter_values::ParameterValues;
+use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::graph::bipartite::Edge;
 use crate::graph::matching::Matching;
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, EqId, VariableKind};
-use crate::ir::expr::{Const, ExprId, Graph, Node, Type, VarId};
-use crate::symbolic::eval;
+use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
 use crate::symbolic::rewrite::Rewriter;
 
 /// Maximum length of a chain of equations each of which reduces the next one.
@@ -47,8 +47,9 @@ impl StructuralZeros {
     /// Analyses all continuous equations. An equation that reduces to `v = 0` may reduce others in
     /// turn.
     pub fn find(dae: &mut Dae) -> StructuralZeros {
-        let values = values(dae);
-        let zeros = zeros(&dae.graph, &values);
+        let mut values = ParameterValues::of(dae);
+        let zeros = zeros(&dae.graph, &mut values);
+        let values = values.into_literals();
         let mut known = KnownZeros { zeros, values, because: FastMap::default() };
         let mut reduced = FastMap::default();
         for _ in 0..MAX_ROUNDS {
@@ -132,53 +133,11 @@ fn origin(dae: &Dae, mut id: EqId) -> EqId {
     id
 }
 
-/// The values of the parameters that are known at compile time.
-fn values(dae: &mut Dae) -> FastMap<VarId, ExprId> {
-    let mut values: FastMap<VarId, ExprId> = FastMap::default();
-    let mut rewriter = Rewriter::new();
-    for k in 0..dae.parameters.len() {
-        let (v, e) = dae.parameters[k];
-        let value = rewriter.apply(&mut dae.graph, e, &mut |g, n| match g.node(n) {
-            Node::Var(p) => values.get(&p).copied(),
-            _ => None,
-        });
-        if dae.variables[v].vanishes {
-            values.insert(v, dae.graph.real(0.0));
-        } else if dae.graph.as_const(value).is_some() {
-            values.insert(v, value);
-        }
-    }
-    values
-}
-
 /// The operations on parameters whose value is 0.
-fn zeros(graph: &Graph, values: &FastMap<VarId, ExprId>) -> FastSet<ExprId> {
-    let mut known: Vec<Option<f64>> = Vec::with_capacity(graph.len());
-    let mut zeros = FastSet::default();
-    // Operands have lower numbers.
-    for e in graph.ids() {
-        let of = |a: ExprId| known.get(a.idx()).copied().flatten();
-        let value = match graph.node(e) {
-            Node::Const(c) => Some(c.register()),
-            Node::Var(v) => {
-                values.get(&v).and_then(|value| graph.as_const(*value)).map(Const::register)
-            }
-            Node::Unary(op, a) => of(a).map(|a| eval::unary(op, a, graph.externals())),
-            Node::Binary(op, a, b) => match (of(a), of(b)) {
-                (Some(a), Some(b)) => Some(eval::binary(op, a, b, graph.externals())),
-                _ => None,
-            },
-            Node::If(c, a, b) => of(c).and_then(|c| of(if c != 0.0 { a } else { b })),
-            Node::NoEvent(a) => of(a),
-            _ => None,
-        };
-        let composite = matches!(graph.node(e), Node::Unary(..) | Node::Binary(..));
-        if composite && graph.ty(e) == Type::Real && value == Some(0.0) {
-            zeros.insert(e);
-        }
-        known.push(value);
-    }
-    zeros
+fn zeros(graph: &Graph, values: &mut ParameterValues) -> FastSet<ExprId> {
+    let is_operation = |e: ExprId| matches!(graph.node(e), Node::Unary(..) | Node::Binary(..));
+    let operations = graph.ids().filter(|e| is_operation(*e) && graph.ty(*e) == Type::Real);
+    operations.filter(|e| values.number(graph, *e) == Some(0.0)).collect()
 }
 
 /// Reduces an equation by the known values.

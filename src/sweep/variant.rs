@@ -112,7 +112,7 @@ impl Variants {
         }
         let outcome = self.outcome(settings.clone());
         let compile = || {
-            let mut session = Session::default();
+            let mut session = Session { parameters_vary: true, ..Session::default() };
             match self.model.compile(&settings, &mut session) {
                 Ok(mut compiled) => {
                     compiled.sources = session.sources;

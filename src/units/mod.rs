@@ -1,45 +1,49 @@
 //! Unit checking: dimensional analysis with inference (Modelica 3.6, chapter 19).
 //!
-//! *In:* an [`ir::flat`](crate::ir::flat) model. *Out:* a warning for each equation or binding
-//! whose two sides, or two terms, have different dimensions. Variables without a unit get the one
-//! that the equations require; dimensions that remain unknown are not compared. Each iteration
-//! makes two passes over the graph; the number of iterations is the length of the longest chain of
-//! inferences, at most [`MAX_ITERATIONS`].
+//! *In:* an [`ir::flat`](crate::ir::flat) model. *Out:* a warning for each unknown unit, and for
+//! each equation or binding whose two sides, or two terms, have different units: of another
+//! dimension, or of another size or zero, such as bar and Pa, or degC and K. Variables without a
+//! unit get the one that the equations require; units that remain unknown are not compared. Each
+//! iteration makes two passes over the graph; the number of iterations is the length of the longest
+//! chain of inferences, at most [`MAX_ITERATIONS`].
 //!
 //! A literal counts as a dimensionless factor only if it is obviously one, such as 2 or 0.5: others
-//! may be physical constants, whose units are lost by constant folding.
+//! may be physical constants, whose units are lost by constant folding, or convert units.
 //! *Wand and O'Keefe, Automatic dimensional inference, 1991; Kennedy 1996.*
 
 pub mod cause;
 pub mod dimension;
+mod quantity;
+pub mod unit;
 
-use crate::base::diag::{Diagnostic, Problems};
-use crate::base::index::{FastMap, IndexVec};
+use crate::base::diag::{Diagnostic, Problems, did_you_mean};
+use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::builtin::{BinaryUnit, UnaryUnit};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::{Action, EquationKind, FlatModel};
 use cause::UnitCause;
-use dimension::Dimension;
+use quantity::{Difference, Quantity};
+use unit::Unit;
 
 /// Maximum number of iterations of the inference.
 const MAX_ITERATIONS: usize = 40;
 
-/// Two expressions that must have the same dimension.
+/// Two expressions that must have the same unit.
 struct ComparedPair {
     left: ExprId,
     right: ExprId,
     span: Span,
 }
 
-/// The dimensions that are known.
+/// The units that are known.
 struct Inference<'a> {
     flat: &'a FlatModel,
-    /// Dimensions of variables, declared or inferred.
-    variables: IndexVec<VarId, Option<Dimension>>,
-    /// Dimensions of expressions in this iteration.
-    expressions: IndexVec<ExprId, Option<Dimension>>,
+    /// Units of variables, declared or inferred.
+    variables: IndexVec<VarId, Option<Quantity>>,
+    /// Units of expressions in this iteration.
+    expressions: IndexVec<ExprId, Option<Quantity>>,
     changed: bool,
 }
 
@@ -48,17 +52,12 @@ pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
     let mut pairs = pairs(flat);
     // Equations with a constant that has lost its unit cannot be checked.
     pairs.retain(|p| !flat.unitless_literals.contains(&p.span));
-    let mut known: FastMap<Name, Option<Dimension>> = FastMap::default();
-    let variables = flat
-        .variables
-        .iter()
-        .map(|v| match v.ty {
-            Type::Real if !v.unit.is_empty() => {
-                *known.entry(v.unit).or_insert_with(|| Dimension::of(&v.unit))
-            }
-            _ => None,
-        })
-        .collect();
+    let units = declared(flat, problems);
+    let variables = flat.variables.iter().map(|v| match v.ty {
+        Type::Real => units.get(&v.unit).copied().flatten().map(Quantity::declared),
+        _ => None,
+    });
+    let variables = variables.collect();
     let mut inference = Inference { flat, variables, expressions: IndexVec::new(), changed: true };
     for _ in 0..MAX_ITERATIONS {
         if !std::mem::take(&mut inference.changed) {
@@ -70,17 +69,32 @@ pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
         }
     }
     inference.evaluate();
-    let mut reported: Vec<Diagnostic> = Vec::new();
+    // Elements of an array and instances of a component share the place of their equation.
+    let mut reported: FastSet<Span> = FastSet::default();
     for pair in &pairs {
-        if let Some(d) = inference.mismatch(pair) {
-            // Report elements of an array and instances of a component only once.
-            let same = |o: &Diagnostic| o.primary.0 == d.primary.0;
-            if !reported.iter().rev().take(64).any(same) {
-                reported.push(d);
-            }
+        if let Some(d) = inference.mismatch(pair)
+            && reported.insert(d.primary.0)
+        {
+            problems.push(d);
         }
     }
-    reported.into_iter().for_each(|d| problems.push(d));
+}
+
+/// The declared units of Real variables. Each unknown one is reported once.
+fn declared(flat: &FlatModel, problems: &mut Problems) -> FastMap<Name, Option<Unit>> {
+    let mut units: FastMap<Name, Option<Unit>> = FastMap::default();
+    for v in flat.variables.iter().filter(|v| v.ty == Type::Real && !v.unit.is_empty()) {
+        units.entry(v.unit).or_insert_with(|| {
+            let unit = Unit::of(&v.unit);
+            if unit.is_none() {
+                let near = did_you_mean(&v.unit, Unit::symbols()).map(str::to_owned);
+                let cause = UnitCause::UnknownUnit { unit: v.unit.to_string(), near };
+                problems.push(Diagnostic::new(cause, v.span));
+            }
+            unit
+        });
+    }
+    units
 }
 
 /// The two sides of all equations, bindings and assignments.
@@ -90,6 +104,14 @@ fn pairs(flat: &mut FlatModel) -> Vec<ComparedPair> {
         let variable = &flat.variables[v];
         if variable.ty == Type::Real
             && let Some(right) = variable.binding
+        {
+            let span = variable.span;
+            out.push(ComparedPair { left: flat.read(v), right, span });
+        }
+        let variable = &flat.variables[v];
+        if variable.ty == Type::Real
+            && variable.binding.is_none()
+            && let Some(right) = variable.start
         {
             let span = variable.span;
             out.push(ComparedPair { left: flat.read(v), right, span });
@@ -148,7 +170,7 @@ impl Inference<'_> {
         &self.flat.graph
     }
 
-    /// The dimensions of all expressions; operands have lower numbers than their users.
+    /// The units of all expressions; operands have lower numbers than their users.
     fn evaluate(&mut self) {
         self.expressions = IndexVec::new();
         for e in self.flat.graph.ids() {
@@ -157,27 +179,31 @@ impl Inference<'_> {
         }
     }
 
-    fn of(&self, e: ExprId) -> Option<Dimension> {
+    fn of(&self, e: ExprId) -> Option<Quantity> {
         let known = |e: ExprId| self.expressions[e];
         match self.graph().node(e) {
-            Node::Time => Some(Dimension::TIME),
+            Node::Time => Some(Quantity::TIME),
             Node::Var(v) | Node::Pre(v) => self.of_variable(v),
-            Node::Der(v) => self.of_variable(v).map(|d| d.over(Dimension::TIME)),
+            Node::Der(v) => self.of_variable(v).map(|q| q.over(Quantity::TIME)),
             Node::Unary(op, a) => match of_unary(op) {
+                UnaryUnit::Same if op == Unary::Neg => known(a).map(|q| q.scaled_by(-1.0)),
                 UnaryUnit::Same => known(a),
                 UnaryUnit::Root => known(a)?.power(0.5),
-                UnaryUnit::Number | UnaryUnit::FromAny => Some(Dimension::ONE),
+                UnaryUnit::Number | UnaryUnit::FromAny => Some(Quantity::NUMBER),
                 UnaryUnit::Unknown => None,
             },
             Node::Binary(op, a, b) => match of_binary(op) {
-                BinaryUnit::Sum => known(a).or(known(b)),
-                BinaryUnit::Product => Some(self.factor(a)?.times(self.factor(b)?)),
-                BinaryUnit::Quotient => Some(self.factor(a)?.over(self.factor(b)?)),
+                BinaryUnit::Sum => self.of_sum(op, a, b),
+                BinaryUnit::Product => self.of_product(a, b),
+                BinaryUnit::Quotient => match self.graph().as_number(b) {
+                    Some(literal) if is_plain(literal) => Some(known(a)?.scaled_by(1.0 / literal)),
+                    _ => Some(self.factor(a)?.over(self.factor(b)?)),
+                },
                 BinaryUnit::Power => match known(a)? {
-                    Dimension::ONE => Some(Dimension::ONE),
+                    Quantity::NUMBER => Some(Quantity::NUMBER),
                     base => base.power(self.graph().as_number(b)?),
                 },
-                BinaryUnit::Angle => Some(Dimension::ONE),
+                BinaryUnit::Angle => Some(Quantity::NUMBER),
                 BinaryUnit::Alike | BinaryUnit::Unknown => None,
             },
             Node::If(_, a, b) | Node::Homotopy(a, b) => {
@@ -190,21 +216,46 @@ impl Inference<'_> {
         }
     }
 
-    /// The dimension of a variable; unknown for locals of functions that are called at run time.
-    fn of_variable(&self, v: VarId) -> Option<Dimension> {
+    fn of_sum(&self, op: Binary, a: ExprId, b: ExprId) -> Option<Quantity> {
+        let literals = [a, b].map(|e| self.graph().as_number(e));
+        match (self.expressions[a], self.expressions[b]) {
+            (Some(x), Some(y)) if literals == [None; 2] => Some(x.plus(y, op == Binary::Sub)),
+            (Some(x), _) if literals[0].is_none() => Some(match literals[1] {
+                Some(literal) => x.shifted_by(literal),
+                None => x.of_terms(),
+            }),
+            (_, Some(y)) if literals[1].is_none() => Some(match literals[0] {
+                Some(literal) => y.shifted_by(literal),
+                None => y.of_terms(),
+            }),
+            (x, y) => x.or(y),
+        }
+    }
+
+    fn of_product(&self, a: ExprId, b: ExprId) -> Option<Quantity> {
+        let literal = |e| self.graph().as_number(e).filter(|x| is_plain(*x));
+        match (literal(a), literal(b)) {
+            (Some(x), None) => Some(self.expressions[b]?.scaled_by(x)),
+            (None, Some(x)) => Some(self.expressions[a]?.scaled_by(x)),
+            _ => Some(self.factor(a)?.times(self.factor(b)?)),
+        }
+    }
+
+    /// The unit of a variable; unknown for locals of functions that are called at run time.
+    fn of_variable(&self, v: VarId) -> Option<Quantity> {
         self.variables.get(v).copied().flatten()
     }
 
-    /// The dimension of a factor: simple literals are dimensionless as factors, but may have any
-    /// dimension as terms.
-    fn factor(&self, e: ExprId) -> Option<Dimension> {
+    /// The unit of a factor: simple literals are numbers as factors, but may have any unit as
+    /// terms.
+    fn factor(&self, e: ExprId) -> Option<Quantity> {
         match self.graph().as_number(e) {
-            Some(value) => is_plain(value).then_some(Dimension::ONE),
+            Some(value) => is_plain(value).then(|| Quantity::NUMBER.scaled_by(value)),
             None => self.expressions[e],
         }
     }
 
-    /// Infers the dimension of one side from the other one.
+    /// Infers the unit of one side from the other one.
     fn infer(&mut self, pair: &ComparedPair) {
         match (self.expressions[pair.left], self.expressions[pair.right]) {
             (Some(d), None) => self.impose(pair.right, d),
@@ -224,8 +275,8 @@ impl Inference<'_> {
         }
     }
 
-    /// Propagates the dimension `d` of `e` to its operands.
-    fn impose(&mut self, e: ExprId, d: Dimension) {
+    /// Propagates the unit `d` of `e` to its operands.
+    fn impose(&mut self, e: ExprId, d: Quantity) {
         let mut open = vec![(e, d)];
         let mut steps = 0;
         while let Some((e, d)) = open.pop() {
@@ -235,7 +286,7 @@ impl Inference<'_> {
             }
             match self.graph().node(e) {
                 Node::Var(v) | Node::Pre(v) => self.set(v, d),
-                Node::Der(v) => self.set(v, d.times(Dimension::TIME)),
+                Node::Der(v) => self.set(v, d.times(Quantity::TIME).of_terms()),
                 Node::NoEvent(a) | Node::Smooth(_, a) => open.push((a, d)),
                 Node::Unary(op, a) => match of_unary(op) {
                     UnaryUnit::Same => open.push((a, d)),
@@ -244,7 +295,7 @@ impl Inference<'_> {
                 },
                 Node::If(_, a, b) | Node::Homotopy(a, b) => open.extend([(a, d), (b, d)]),
                 Node::Binary(op, a, b) => match (of_binary(op), self.factor(a), self.factor(b)) {
-                    (BinaryUnit::Sum, ..) => open.extend([(a, d), (b, d)]),
+                    (BinaryUnit::Sum, ..) => open.extend([(a, d.of_terms()), (b, d.of_terms())]),
                     (BinaryUnit::Product, Some(x), None) => open.push((b, d.over(x))),
                     (BinaryUnit::Product, None, Some(x)) => open.push((a, d.over(x))),
                     (BinaryUnit::Quotient, Some(x), None) => open.push((b, x.over(d))),
@@ -256,7 +307,7 @@ impl Inference<'_> {
         }
     }
 
-    fn set(&mut self, v: VarId, d: Dimension) {
+    fn set(&mut self, v: VarId, d: Quantity) {
         // A declared unit that is not understood is not overwritten.
         let Some(variable) = self.flat.variables.get(v) else { return };
         if self.variables[v].is_none() && variable.unit.is_empty() && variable.ty == Type::Real {
@@ -268,18 +319,23 @@ impl Inference<'_> {
     /// The first mismatch within the two sides, or between them.
     fn mismatch(&self, pair: &ComparedPair) -> Option<Diagnostic> {
         let g = self.graph();
+        let between = |difference: Difference, a, b| self.different(difference, a, b, pair.span);
         for e in g.postorder([pair.left, pair.right]) {
             match g.node(e) {
                 Node::Binary(op, a, b) => {
-                    let rule = of_binary(op);
-                    let alike =
-                        matches!(rule, BinaryUnit::Sum | BinaryUnit::Angle | BinaryUnit::Alike);
-                    if alike && self.differ(a, b) {
-                        return Some(self.different(a, b, pair.span));
+                    let found = match of_binary(op) {
+                        BinaryUnit::Sum if op == Binary::Add => {
+                            self.compare(a, b, Quantity::difference_in_sum)
+                        }
+                        BinaryUnit::Sum | BinaryUnit::Angle | BinaryUnit::Alike => {
+                            self.differ(a, b)
+                        }
+                        _ => None,
+                    };
+                    if let Some(difference) = found {
+                        return Some(between(difference, a, b));
                     }
-                    if rule == BinaryUnit::Power
-                        && self.expressions[b].is_some_and(|d| d != Dimension::ONE)
-                    {
+                    if of_binary(op) == BinaryUnit::Power && self.is_not_a_number(b) {
                         return Some(self.not_dimensionless(
                             b,
                             "an exponent".to_owned(),
@@ -287,12 +343,13 @@ impl Inference<'_> {
                         ));
                     }
                 }
-                Node::If(_, a, b) | Node::Homotopy(a, b) if self.differ(a, b) => {
-                    return Some(self.different(a, b, pair.span));
+                Node::If(_, a, b) | Node::Homotopy(a, b) => {
+                    if let Some(difference) = self.differ(a, b) {
+                        return Some(between(difference, a, b));
+                    }
                 }
                 Node::Unary(op, a)
-                    if of_unary(op) == UnaryUnit::Number
-                        && self.expressions[a].is_some_and(|d| d != Dimension::ONE) =>
+                    if of_unary(op) == UnaryUnit::Number && self.is_not_a_number(a) =>
                 {
                     let role = format!("the argument of `{}`", op.name());
                     return Some(self.not_dimensionless(a, role, pair.span));
@@ -300,23 +357,37 @@ impl Inference<'_> {
                 _ => {}
             }
         }
-        self.differ(pair.left, pair.right).then(|| self.different(pair.left, pair.right, pair.span))
+        let difference = self.differ(pair.left, pair.right)?;
+        Some(between(difference, pair.left, pair.right))
     }
 
-    fn differ(&self, a: ExprId, b: ExprId) -> bool {
-        let literal = |e| self.graph().as_number(e).is_some();
-        match (self.expressions[a], self.expressions[b]) {
-            (Some(d), Some(e)) => d != e && !literal(a) && !literal(b),
-            _ => false,
+    fn is_not_a_number(&self, e: ExprId) -> bool {
+        self.expressions[e].is_some_and(Quantity::is_not_a_number)
+    }
+
+    fn differ(&self, a: ExprId, b: ExprId) -> Option<Difference> {
+        self.compare(a, b, Quantity::difference)
+    }
+
+    /// Compares two expressions whose units are known; a literal may have any unit.
+    fn compare(
+        &self,
+        a: ExprId,
+        b: ExprId,
+        difference: fn(Quantity, Quantity) -> Option<Difference>,
+    ) -> Option<Difference> {
+        if [a, b].iter().any(|e| self.graph().as_number(*e).is_some()) {
+            return None;
         }
+        difference(self.expressions[a]?, self.expressions[b]?)
     }
 
-    fn different(&self, a: ExprId, b: ExprId, span: Span) -> Diagnostic {
-        let cause = UnitCause::Mismatch {
-            left: self.text(a),
-            left_unit: self.unit(a),
-            right: self.text(b),
-            right_unit: self.unit(b),
+    fn different(&self, difference: Difference, a: ExprId, b: ExprId, span: Span) -> Diagnostic {
+        let [left, right] = [a, b].map(|e| self.text(e));
+        let [left_unit, right_unit] = [a, b].map(|e| self.unit(e));
+        let cause = match difference {
+            Difference::Dimension => UnitCause::Mismatch { left, left_unit, right, right_unit },
+            Difference::Scale => UnitCause::OtherScale { left, left_unit, right, right_unit },
         };
         self.with_places(Diagnostic::new(cause, span), [a, b])
     }
@@ -358,7 +429,7 @@ impl Inference<'_> {
         }
     }
 
-    /// The declared unit if the expression is a variable, else the dimension.
+    /// The declared unit if the expression is a variable, else the inferred one.
     fn unit(&self, e: ExprId) -> String {
         if let Node::Var(v) = self.graph().node(e) {
             let unit = self.flat.variables.get(v).map(|x| x.unit);

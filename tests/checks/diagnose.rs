@@ -574,7 +574,7 @@ fn a_front_end_observes_and_cancels() {
 /// The verdicts on the recordings of the test stand; minutes without optimisation:
 /// `cargo test --release -- --ignored stand`.
 #[test]
-#[ignore = "five diagnoses of a minute each"]
+#[ignore = "eight diagnoses of a minute each"]
 fn the_stand_is_diagnosed() {
     let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let cases = [
@@ -583,6 +583,9 @@ fn the_stand_is_diagnosed() {
         ("valve52", "case-a", "effect_found", "FlowForceEdge"),
         ("valve52", "case-b", "effect_found", "Leak"),
         ("valve52", "case-c", "effect_found", "Detent"),
+        ("valve52", "case-d", "effect_found", "parameter"),
+        ("valve52", "case-e", "effect_found", "Pneumatics.Source"),
+        ("valve52", "case-f", "effect_found", "Friction.LuGre"),
     ];
     for (plan, data, verdict, effect) in cases {
         let scratch = Scratch::new();
@@ -598,6 +601,6 @@ fn the_stand_is_diagnosed() {
         assert!(component.contains(effect), "{data}: {component}");
         let chi2 = |when: &str| found[when]["validation"]["chi2"].as_f64().expect("a number");
         let removed = 1.0 - (chi2("after") - 1.0) / (chi2("before") - 1.0);
-        assert!(effect.is_empty() || removed > 0.95, "{data}: {removed}");
+        assert!(effect.is_empty() || removed > 0.98, "{data}: {removed}");
     }
 }

@@ -190,6 +190,53 @@ fn a_second_heat_store_is_found() {
     assert_found(&found, &scratch, "Effects.SecondHeatStore", "heater", &values);
 }
 
+/// `G = 0.4 (1 + 0.01 (T - 290))`: the products of the found parameters are those of the truth, whatever range of
+/// temperatures the factor is written over.
+#[test]
+fn a_parameter_that_varies_is_found() {
+    let study = Study {
+        model: "cooling",
+        truth: "cooling_truth",
+        conditions: &[("P", &[10.0, 40.0, 60.0, 30.0])],
+        signals: &[("T", "K", 0.1)],
+        free: &["G"],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "parameter", "G", &[]);
+    let effect = &found["effects"][0];
+    assert_eq!(
+        (&effect["over"][0], effect["over"].as_array().map(Vec::len)),
+        (&"T".into(), Some(1))
+    );
+    assert_eq!(effect["law"], "1 + a (x - x_lo)/(x_hi - x_lo)");
+    let amended = found["amended_model"].as_str().expect("a name");
+    let ended = mocc(&scratch.path().join("out"), &["flatten", amended]);
+    let value = |name: &str| -> f64 {
+        let (_, rest) = ended.out.split_once(&format!("Real {name} = ")).expect("a parameter");
+        rest.split([';', ' ']).next().and_then(|v| v.parse().ok()).expect("a number")
+    };
+    let [a, low, high] = ["a", "x_lo", "x_hi"].map(|p| value(&format!("'linear_variation.{p}'")));
+    let at = |t: f64| value("G") * (1.0 + a * (t - low) / (high - low));
+    for t in [290.0, 340.0] {
+        let truth = 0.4 * (1.0 + 0.01 * (t - 290.0));
+        assert!((at(t) - truth).abs() < 0.01 * truth, "{} is not {truth}", at(t));
+    }
+}
+
+/// A law that a parameter of the model selects, with a parameter of its own that the model has at another value.
+#[test]
+fn another_law_of_the_model_is_found() {
+    let study = Study {
+        model: "sled",
+        truth: "sled_truth",
+        conditions: &[("F", &[20.0, 50.0, 80.0, 40.0])],
+        signals: &[("v", "m/s", 0.02)],
+        free: &["m", "k"],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Drag.Quadratic", "drag", &[("c", 0.7, 0.01)]);
+}
+
 /// What is said of a folder of effects.
 fn said_of(folder: &str, files: &[(&str, &str)]) -> String {
     let scratch = Scratch::new();

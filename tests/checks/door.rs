@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use mocc::base::diag::Diagnostic;
+use mocc::base::diag::{Diagnostic, Severity};
 use mocc::base::render::{Style, render, render_all};
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::{Program, SystemForm};
@@ -96,6 +96,20 @@ impl Case {
     /// The trajectory; panics with what the compiler or the run says.
     pub fn run(&self) -> Trajectory {
         self.compile().run()
+    }
+    /// The trajectory, or the codes of the errors of the compiler or the run.
+    pub fn outcome(&self) -> Result<Trajectory, Vec<&'static str>> {
+        let mut session = Session::default();
+        let Ok(program) = session.compile(&self.request) else {
+            let errors = session.problems.iter().filter(|d| d.severity == Severity::Error);
+            let mut codes: Vec<_> = errors.map(|d| d.code).collect();
+            codes.sort_unstable();
+            codes.dedup();
+            return Err(codes);
+        };
+        let settings = Settings::of(&program.blocks.dae.experiment);
+        let run = simulate(&program, &settings, &session.sources);
+        run.map(|run| run.trajectory).map_err(|failure| vec![failure.diagnostic.code])
     }
     /// The flat model as text.
     pub fn flat(&self) -> String {

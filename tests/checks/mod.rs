@@ -24,6 +24,7 @@ mod machine_code;
 mod mutation;
 mod measured;
 mod native;
+mod permutation;
 mod reference;
 mod report;
 mod results;

@@ -573,6 +573,17 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end SensorLag;
 
+    model SensorTimeConstant
+      extends Check(n = 2);
+      // A ramp; T_min makes the lag longer where it is not short.
+      Effects.SensorTimeConstant effect(T = 0.2, u = time);
+      Effects.SensorTimeConstant blurred(T = 0.03, T_min = 0.04, u = time);
+    equation
+      found = {effect.y, blurred.y};
+      exact = {time - 0.2*(1 - exp(-time/0.2)), time - 0.03*(1 - exp(-time/0.05))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SensorTimeConstant;
+
     model SensorDelay
       extends Check;
       // Of a parabola Taylor leaves the square of the delay.
@@ -1394,6 +1405,11 @@ package EffectTests
       extends Base;
       Effects.SensorLag effect(u = s);
     end SensorLag;
+
+    model SensorTimeConstant
+      extends Base;
+      Effects.SensorTimeConstant effect(u = s, T_min = 1e-5);
+    end SensorTimeConstant;
 
     model SensorDelay
       extends Base;

@@ -47,6 +47,10 @@ causes! {
         error MO1267 CallWithoutValue { name: Name } (section "8.3")
             => ("`{name}` is an equation or statement, and has no value"),
             help("write it as an equation or statement of its own");
+        /// An operator that only has a value is written as an equation or statement.
+        error MO1293 UnusedValue { name: Name } (section "8.3")
+            => ("this is not an equation or statement: `{name}` only has a value"),
+            help("use the value, as in `y = {name}(...)`, or remove the line");
         /// An operator such as `pre` has an argument that is not a variable.
         error MO1268 ArgumentNotVariable { function: String } (section "3.7.5")
             => ("the argument of `{function}` must be a variable"),

@@ -65,6 +65,10 @@ impl Simulation<'_, '_> {
     /// Warns once about an unknown that its equations did not determine during the last step.
     pub(crate) fn warn_of_undetermined(&mut self, t: f64) {
         let Some((torn_block, unknown)) = self.system.machine.undetermined.take() else { return };
+        let variable = self.program.routines.torn_blocks[torn_block].unknowns[unknown];
+        if self.program.blocks.undetermined.contains(&variable) {
+            return; // Reported by the structural analysis.
+        }
         let is_undetermined = |cause: &RunCause| matches!(cause, RunCause::Undetermined { .. });
         let is_reported = self.statistics.warnings.iter().any(|w| w.is(is_undetermined));
         if !is_reported {

@@ -51,6 +51,7 @@ impl Builder {
             event: Vec::new(),
             continuous: Vec::new(),
             assumed_starts: Vec::new(),
+            undetermined: Vec::new(),
         };
         Builder { blocks, sources: SourceMap::default() }
     }

@@ -30,7 +30,7 @@ package Units
     Real E(unit = "J") = m*c^2;
     Real half(unit = "J") = 0.5*E;
     Real angle(unit = "deg") = 0;
-    Real turn(unit = "rad") = angle;
+    Real turn(unit = "rad") = angle*3.141592653589793/180;
     Real root(unit = "m/s") = sqrt(2*E/m);
     Real rising(unit = "1") = exp(-time/T);
     parameter Real T(unit = "s") = 2;
@@ -59,3 +59,98 @@ package Units
     Real y = exp(-time/T);
   end Rising;
 end Units;
+
+//@ case scales_that_differ
+//@ check
+package Scales
+  // A set point in degC for a temperature in K, a pressure in bar for one in Pa, and a length in mm for one in m.
+  model Plant
+    parameter Real tau(unit = "s") = 1;
+    parameter Real goal(unit = "degC") = 60;
+    parameter Real supply(unit = "bar") = 6;
+    parameter Real stroke(unit = "mm") = 3;
+    parameter Real speed(unit = "rev/min") = 1000;
+    Real T(unit = "K", start = 293, fixed = true);
+    Real p(unit = "Pa", start = 1e5, fixed = true);
+    Real s(unit = "m", start = 0.001, fixed = true);
+    Real phi(unit = "rad", start = 0, fixed = true);
+    Real share(unit = "%", start = 20, fixed = true);
+  equation
+    //@ warning[MO0323] 5-25
+    tau*der(T) = goal - T;
+    //@ warning[MO0323] 5-27
+    tau*der(p) = supply - p;
+    //@ warning[MO0323] 5-27
+    tau*der(s) = stroke - s;
+    //@ warning[MO0323] 5-20
+    der(phi) = speed;
+    //@ warning[MO0323] 5-33
+    tau*der(share) = 1 - sin(phi);
+  end Plant;
+end Scales;
+
+//@ case scales_that_are_converted
+// Literals convert; differences of temperatures are in K; unit-free parameters take what the equations require.
+//@ check
+package Converted
+  model Plant
+    parameter Real tau(unit = "s") = 1;
+    parameter Real goal(unit = "degC") = 60;
+    parameter Real ambient(unit = "degC") = 20;
+    parameter Real supply(unit = "bar") = 6;
+    parameter Real speed(unit = "rev/min") = 1000;
+    parameter Real k = 0.001;
+    parameter Real stroke(unit = "mm") = 3;
+    parameter Real G(unit = "W/K") = 2;
+    Real T(unit = "K", start = 293, fixed = true);
+    Real p(unit = "Pa", start = 1e5, fixed = true);
+    Real phi(unit = "rad", start = 0, fixed = true);
+    Real s(unit = "m") = k*stroke;
+    Real Q(unit = "W") = G*(goal - ambient);
+    Real warmer(unit = "degC") = goal + (T - T);
+    Real E(unit = "kJ") = Q*tau/1000;
+  equation
+    tau*der(T) = goal + 273.15 - T;
+    tau*der(p) = supply*1e5 - p;
+    der(phi) = speed*0.10471975511965977;
+  end Plant;
+end Converted;
+//@ expect accepted
+
+//@ case torque_and_energy
+//@ check
+package Levers
+  model Lever
+    parameter Real torque(unit = "N.m") = 5;
+    parameter Real angle(unit = "rad") = 2;
+    Real work(unit = "J") = torque*angle;
+    //@ warning[MO0320] 10-15
+    Real stored(unit = "J") = torque;
+  end Lever;
+end Levers;
+
+//@ case unknown_units
+// Each is named once.
+//@ check
+package Tracks
+  model Track
+    //@ warning[MO0324] 20-25
+    parameter Real length(unit = "furlong") = 8;
+    parameter Real other(unit = "furlong") = 4;
+    Real sum(unit = "m") = length + other;
+  end Track;
+end Tracks;
+
+//@ case a_model_without_units
+// Time alone gives no variable a unit.
+//@ check
+package Plain
+  model Wave
+    Real x(start = 0, fixed = true);
+    Real v(start = 1, fixed = true);
+  equation
+    der(x) = v;
+    der(v) = time - x + v;
+  end Wave;
+end Plain;
+//@ expect accepted

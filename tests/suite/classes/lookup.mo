@@ -213,3 +213,13 @@ package P
   end Top;
 end P;
 //@ expect named.y, own.y = 11, 10
+
+//@ case an_import_of_a_package_that_is_missing
+// Nothing uses it, but the reader believes that it is there.
+model Tank
+  //@ error[MO0201] 10-22
+  import Vessels.Walls;
+  Real level(start = 1, fixed = true);
+equation
+  der(level) = -level;
+end Tank;

@@ -220,3 +220,46 @@ equation
   p.i = G*p.v;
   annotation(__mocc(effect = "amplitude=G", explains = "%at has a leak."));
 end Leak;
+
+//@ case cooling
+//@ used by diagnose_domains.rs
+model Cooling "A body that is heated and loses heat, in equations alone"
+  parameter Real P = 40;
+  parameter Real G = 0.5;
+  parameter Real C = 60;
+  Real T(start = 290, fixed = true);
+equation
+  C*der(T) = (if time < 250 then P else 0) - G*(T - 290);
+  annotation(experiment(StopTime = 500, Interval = 2));
+end Cooling;
+
+//@ case cooling_truth
+//@ used by diagnose_domains.rs
+model Truth "The conductance grows by 1 % per kelvin"
+  parameter Real P = 40;
+  Real T(start = 290, fixed = true);
+equation
+  60*der(T) = (if time < 250 then P else 0) - 0.4*(1 + 0.01*(T - 290))*(T - 290);
+  annotation(experiment(StopTime = 500, Interval = 2));
+end Truth;
+
+//@ case sled
+//@ used by diagnose_domains.rs
+type Drag = enumeration(Linear "proportional to the speed", Quadratic "proportional to its square");
+model Sled "A sled on which a drag acts that a parameter selects"
+  parameter Drag drag = Drag.Linear;
+  parameter Real m = 20;
+  parameter Real k = 5;
+  parameter Real c = 2;
+  parameter Real F = 50;
+  Real v(start = 0, fixed = true);
+equation
+  m*der(v) = (if time < 10 then F else 0) - (if drag == Drag.Linear then k*v else c*v*abs(v));
+  annotation(experiment(StopTime = 20, Interval = 0.1));
+end Sled;
+
+//@ case sled_truth
+//@ used by diagnose_domains.rs
+model Truth "The drag is quadratic"
+  extends Sled(drag = Drag.Quadratic, c = 0.7);
+end Truth;

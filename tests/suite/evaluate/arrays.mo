@@ -225,3 +225,21 @@ end P;
 //@ expect cells[1].writes, cells[2].writes, cells[3].writes = 2, 2, 1
 //@ expect moved[1], moved[3] = 1, 3
 //@ expect moved[2] = 5.8 rel 1e-12
+
+//@ case the_size_of_a_range_with_a_parameter
+model Grid
+  parameter Real step = 3;
+  parameter Real last = 6;
+  Real x[:] = 0:step:last;
+  Real y[:] = last:-step:0;
+end Grid;
+//@ run stop=1
+//@ expect x[1:3] = 0, 3, 6
+//@ expect y[1:3] = 6, 3, 0
+
+//@ case the_largest_of_one_number
+model Peak
+  Real x = time;
+  //@ error[MO0219] 12-17
+  Real y = max(x);
+end Peak;

@@ -315,3 +315,16 @@ model Left
   Real y = held(time);
 end Left;
 //@ expect y at 0.25, 0.5, 1 = 0.5, 1, 1
+
+//@ case a_field_that_is_left_out
+model Pair
+  record Gains
+    Real low;
+    Real high;
+    Real middle = (low + high)/2;
+  end Gains;
+  parameter Gains given = Gains(1, 3);
+  //@ error[MO1256] 30-43
+  parameter Gains left_out = Gains(low = 1);
+  Real y = given.middle + left_out.high;
+end Pair;

@@ -17,3 +17,17 @@ equation
   //@ error[MO0215] 3-7
   b = a;
 end Sums;
+
+//@ case values_that_stand_alone
+model Room
+  Real T(start = 290, fixed = true);
+  Real x[2] = {T, 2*T};
+equation
+  der(T) = 300 - T;
+  //@ error[MO1293] 3-8
+  der(T);
+  //@ error[MO1293] 3-8
+  sum(x);
+  //@ error[MO1293] 3-14
+  sample(0, 1);
+end Room;

@@ -57,3 +57,15 @@ end Delays;
 // The method of steps: t^2/2 - 2 t + 3/2 from 1 to 2. The jump to 2 comes out at 1.3.
 //@ expect x = -0.5 abs 1e-8
 //@ expect sum = 1.4 abs 1e-8
+
+//@ case a_delay_that_initialization_determines
+model Belt
+  parameter Real length = 0.4;
+  parameter Real tau(fixed = false, start = 1);
+  Real x = time;
+  Real y = delay(x, tau);
+initial equation
+  2*tau = length;
+end Belt;
+//@ run stop=1 interval=0.1
+//@ expect y = 0.8 rel 1e-6

@@ -52,3 +52,15 @@ equation
     display.shown = time;
   end when;
 end Foreign;
+
+//@ case reinit_in_an_algorithm
+model Tank
+  Real level(start = 0, fixed = true);
+equation
+  der(level) = 1;
+algorithm
+  when time > 0.5 then
+    //@ error[MO1265] 5-20
+    reinit(level, 0);
+  end when;
+end Tank;

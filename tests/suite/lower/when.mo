@@ -10,3 +10,29 @@ equation
     n = 2;
   end when;
 end Count;
+
+//@ case pre_of_a_continuous_variable
+model Thermostat
+  Real T(start = 290, fixed = true);
+  //@ error[MO0325] 11-12
+  Boolean on = pre(T) < 300;
+equation
+  der(T) = if on then 20 else -1;
+end Thermostat;
+
+//@ case pre_of_a_continuous_variable_at_an_event
+// In a when-clause it is the value before the event.
+model Ball
+  Real h(start = 1, fixed = true);
+  Real v(start = 0, fixed = true);
+  discrete Real impact(start = 0, fixed = true);
+equation
+  der(h) = v;
+  der(v) = -1;
+  when h <= 0 then
+    impact = pre(v);
+    reinit(v, -0.8*pre(v));
+  end when;
+end Ball;
+//@ run stop=1.5
+//@ expect impact = -sqrt(2) rel 1e-5

@@ -29,7 +29,7 @@ model Ring
   Real x(start = 0, fixed = true);
 equation
   a - b = sin(time);
-  //@ warning[MO0918] 3-19
+  //@ warning[MO0410] 3-19
   b - c = cos(time);
   c - a = -sin(time) - cos(time);
   der(x) = a - c;
@@ -38,7 +38,26 @@ end Ring;
 //@ expect a - b = sin(1) rel 1e-12
 //@ expect b - c = cos(1) rel 1e-12
 //@ expect x = 1 - cos(1) + sin(1) rel 1e-8
-//@ expect messages has "at time 0 s nothing determines `a`"
+//@ expect messages has "do not determine `a`, `b` and `c`"
+
+//@ case dependent_equations_that_change
+// What is singular only at some times is seen by the simulation.
+model Ring
+  Real g = 1 + time;
+  Real a;
+  Real b;
+  Real c;
+  Real x(start = 0, fixed = true);
+equation
+  g*(a - b) = g*sin(time);
+  g*(b - c) = g*cos(time);
+  //@ warning[MO0918] 3-40
+  g*(c - a) = -g*(sin(time) + cos(time));
+  der(x) = a - c;
+  annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+end Ring;
+//@ expect x = 1 - cos(1) + sin(1) rel 1e-8
+//@ expect messages has "at time 0 s nothing determines `c`"
 
 //@ case coefficients_that_vanish
 // A winding at an angle: of its two components one vanishes, at 0 exactly, at pi/2 by rounding.

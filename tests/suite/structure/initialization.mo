@@ -43,3 +43,98 @@ equation
   c = d;
   b = d;
 end Joined;
+
+//@ case rest_and_a_fixed_start
+// Three conditions for two states. That two of them state the same number does not make them the same.
+model Oven
+  Real T;
+  //@ error[MO0408] 8
+  Real u(start = 0, fixed = true);
+initial equation
+  der(u) = 0;
+  der(T) = 0;
+equation
+  der(T) = 20*u - (T - 290);
+  der(u) = 350 - T;
+end Oven;
+
+//@ case rest_that_follows_from_a_fixed_start
+// At these values rest is where the controller begins.
+model Oven
+  parameter Real goal = 350;
+  Real T;
+  Real u(start = 3, fixed = true);
+initial equation
+  der(u) = 0;
+  der(T) = 0;
+equation
+  der(T) = 20*u - (T - 290);
+  der(u) = goal - T;
+end Oven;
+//@ run stop=1
+//@ expect T = 350 rel 1e-9
+//@ expect u = 3 rel 1e-9
+
+//@ case rest_that_another_parameter_prevents
+model Oven
+  parameter Real goal = 350;
+  Real T;
+  //@ error[MO0408] 8
+  Real u(start = 3, fixed = true);
+initial equation
+  der(u) = 0;
+  der(T) = 0;
+equation
+  der(T) = 20*u - (T - 290);
+  der(u) = goal - T;
+end Oven;
+//@ run set=goal=360
+
+//@ case a_start_that_a_gear_repeats
+// The second start follows from the first for every ratio.
+model Gear
+  parameter Real ratio = 3;
+  parameter Real w0 = 6;
+  Real w1(start = w0, fixed = true);
+  Real w2(start = w0/ratio, fixed = true);
+  Real torque;
+equation
+  der(w1) = -torque;
+  der(w2) = ratio*torque;
+  w1 = ratio*w2;
+end Gear;
+//@ run stop=1
+//@ expect w2 = 2 rel 1e-9
+
+//@ case a_start_of_a_constant
+model Tank
+  //@ error[MO0408] 8-12
+  Real level(start = 1, fixed = true);
+  Real volume(start = 0, fixed = true);
+equation
+  level = 5;
+  der(volume) = level;
+end Tank;
+//@ expect messages has "the equations give `level` the value `5.0`"
+
+//@ case a_start_that_a_constant_repeats
+model Tank
+  parameter Real height = 5;
+  Real level(start = 5, fixed = true);
+  Real volume(start = 0, fixed = true);
+equation
+  level = height;
+  der(volume) = level;
+end Tank;
+//@ run stop=1
+//@ expect volume = 5 rel 1e-9
+
+//@ case an_assertion_about_the_start
+model Tank
+  Real level(start = 1, fixed = true);
+equation
+  //@ error[MO0912] 3-65
+  assert(not initial() or level > 2, "the tank begins too empty");
+  der(level) = 1;
+end Tank;
+//@ status 3

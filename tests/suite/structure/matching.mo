@@ -53,3 +53,70 @@ model Drive
 equation
   connect(spring.flange_b, mass.flange);
 end Drive;
+
+//@ case equations_that_repeat_each_other
+// The same law in two forms: what follows from it would be arbitrary.
+model Level
+  Real low;
+  Real high;
+  Real volume(start = 0, fixed = true);
+equation
+  high = low + 1;
+  //@ error[MO0410] 3-16
+  low = high - 1;
+  der(volume) = high;
+end Level;
+
+//@ case equations_that_repeat_each_other_by_rounding
+// 0.1*3 is not 0.3 in floating point.
+model Level
+  parameter Real k = 0.1;
+  Real low;
+  Real high;
+  Real volume(start = 0, fixed = true);
+equation
+  k*high = 3*k*low;
+  //@ error[MO0410] 3-26
+  0.1*high - 0.3*low = 0.0;
+  der(volume) = high;
+end Level;
+
+//@ case equations_that_contradict_each_other
+model Split
+  Real a;
+  Real b;
+  Real x(start = 1, fixed = true);
+equation
+  a + b = x;
+  //@ error[MO0410] 3-23
+  2*a + 2*b = 2*x + 1.0;
+  der(x) = -x;
+end Split;
+
+//@ case a_coefficient_that_is_zero
+model Tank
+  parameter Real area = 0;
+  Real level(start = 1, fixed = true);
+equation
+  //@ error[MO0410] 3-26
+  area*der(level) = -level;
+end Tank;
+
+//@ case a_circuit_without_ground
+// The currents do not depend on the level of the potentials.
+model Bridge
+  Real v1;
+  Real v2;
+  Real v3;
+  Real i(start = 2, fixed = true);
+  Real power;
+equation
+  v1 - v2 = 5*i;
+  //@ warning[MO0410] 3-15
+  v2 - v3 = 7*i;
+  v3 - v1 = -12*i;
+  der(i) = v3 - v1;
+  power = (v1 - v2)*i;
+end Bridge;
+//@ run stop=0.1 tolerance=1e-9
+//@ expect i = 2*exp(-1.2) rel 1e-7

@@ -1,0 +1,89 @@
+//! Annotations of a class and of its base classes.
+
+use crate::evaluate::Evaluator;
+use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Expr, Path};
+use crate::ir::expr::Const;
+use crate::ir::instance::{ClassId, InstanceId, Scope};
+
+/// One entry of an annotation, such as `StopTime = 1` in `annotation(experiment(StopTime = 1))`.
+pub(super) struct Entry<'a> {
+    /// Its key.
+    pub key: String,
+    /// Its value as written.
+    pub value: &'a Expr,
+    /// Where names in it are looked up.
+    scope: Scope,
+}
+
+impl Entry<'_> {
+    /// Its value, if it is a constant scalar.
+    pub fn constant(&self, cx: &mut Evaluator<'_>) -> Option<Const> {
+        let value = cx.fold(self.value, self.scope).and_then(|v| v.scalar())?;
+        cx.graph.as_const(value)
+    }
+}
+
+/// Calls `each` with the entries of the annotation `name` of a class, then of its base classes, until it returns
+/// false.
+pub(super) fn inherited(
+    cx: &mut Evaluator<'_>,
+    (class, root): (ClassId, InstanceId),
+    name: &str,
+    each: &mut dyn FnMut(&mut Evaluator<'_>, Vec<Entry<'_>>) -> bool,
+) {
+    visit(cx, (class, root), name, 0, each);
+}
+
+fn visit(
+    cx: &mut Evaluator<'_>,
+    (class, root): (ClassId, InstanceId),
+    name: &str,
+    depth: usize,
+    each: &mut dyn FnMut(&mut Evaluator<'_>, Vec<Entry<'_>>) -> bool,
+) -> bool {
+    let Some(text) = cx.definition(class).cloned() else { return true };
+    let scope = Scope { instance: root, class };
+    for arg in text.annotation.iter().flat_map(|a| &a.args) {
+        let ArgumentKind::Element { path, modification: Some(inner), .. } = &arg.kind else {
+            continue;
+        };
+        if path.to_string() != name {
+            continue;
+        }
+        let entry = |kind| match kind {
+            &ArgumentKind::Element { ref path, modification: Some(ref m), .. } => {
+                let value = m.binding.as_ref()?;
+                Some(Entry { key: path.to_string(), value, scope })
+            }
+            _ => None,
+        };
+        let entries = inner.args.iter().filter_map(|arg| entry(&arg.kind)).collect();
+        if !each(cx, entries) {
+            return false;
+        }
+    }
+    // Cyclic inheritance is reported elsewhere.
+    if depth > 50 {
+        return true;
+    }
+    let bases: Vec<&Path> = match &text.body {
+        ClassBody::Short(short) => vec![&short.base],
+        ClassBody::Long(composition) => composition
+            .elements
+            .iter()
+            .filter_map(|e| match &e.kind {
+                ElementKind::Extends(extends) => Some(&extends.base),
+                _ => None,
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    for base in bases {
+        let scope = Scope { instance: cx.classes[class].holder, class };
+        let Some(base) = cx.find_class(base, scope).filter(|b| *b != class) else { continue };
+        if !visit(cx, (base, root), name, depth + 1, each) {
+            return false;
+        }
+    }
+    true
+}

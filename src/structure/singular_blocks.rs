@@ -1,0 +1,199 @@
+//! Linear equations that are singular at the values of the parameters, whatever the states are.
+//!
+//! *In:* the blocks of the continuous phases. *Out:* an error for each block with constant
+//! coefficients whose equations depend on each other. If they are consistent, and nothing else
+//! depends on what they leave open, a warning: the potentials of a circuit without a ground are
+//! arbitrary, but its currents are not.
+
+use super::error::{self, Consequence};
+use super::parameter_values::{self, ParameterValues};
+use super::solve;
+use crate::base::diag::Problems;
+use crate::base::index::{FastMap, FastSet, Id};
+use crate::ir::blocks::{Block, Source, Torn};
+use crate::ir::dae::{Dae, VariableKind};
+use crate::ir::expr::{ExprId, Type, VarId};
+use crate::numeric::null_space::NullSpace;
+use crate::symbolic::gradient::{Leaf, gradient};
+use crate::symbolic::linear;
+
+/// Larger blocks are left to the simulation.
+const MAX_ORDER: usize = 150;
+/// Sums below this fraction of their terms are zero.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// Reports singular blocks, and returns the unknowns that are undetermined without consequence.
+pub fn report(dae: &mut Dae, blocks: &[Block], problems: &mut Problems) -> Vec<VarId> {
+    if !blocks.iter().any(|block| matches!(block, Block::Torn(torn) if torn.linear)) {
+        return Vec::new();
+    }
+    let mut check = SingularityCheck { values: ParameterValues::of(dae), dae };
+    let mut harmless = Vec::new();
+    for block in blocks {
+        let Block::Torn(torn) = block else { continue };
+        let Some(singular) = check.singular(torn) else { continue };
+        let free: Vec<VarId> = singular.free();
+        let consequence = if check.contradicts(&singular) {
+            Consequence::NoSolution
+        } else if check.has_effect(&singular) {
+            Consequence::Arbitrary
+        } else {
+            Consequence::None
+        };
+        problems.push(error::dependent_block(check.dae, &singular.sources, &free, consequence));
+        if consequence == Consequence::None {
+            harmless.extend(free);
+        }
+    }
+    harmless
+}
+
+/// A block whose equations depend on each other.
+struct SingularBlock {
+    members: Vec<VarId>,
+    sources: Vec<Source>,
+    null_space: NullSpace,
+}
+
+impl SingularBlock {
+    /// The members that the equations do not determine.
+    fn free(&self) -> Vec<VarId> {
+        let is_free = |k: usize| self.null_space.right.iter().any(|x| x[k] != 0.0);
+        (0..self.members.len()).filter(|k| is_free(*k)).map(|k| self.members[k]).collect()
+    }
+}
+
+struct SingularityCheck<'a> {
+    dae: &'a mut Dae,
+    values: ParameterValues,
+}
+
+impl SingularityCheck<'_> {
+    /// The block, if it is linear with constant coefficients and singular.
+    fn singular(&mut self, torn: &Torn) -> Option<SingularBlock> {
+        let order = torn.unknowns.len() + torn.explicit.len();
+        if !torn.linear || order > MAX_ORDER {
+            return None;
+        }
+        let explicit = torn.explicit.iter();
+        let members: Vec<VarId> =
+            torn.unknowns.iter().copied().chain(explicit.clone().map(|a| a.variable)).collect();
+        let sources: Vec<Source> =
+            torn.residuals.iter().map(|r| r.source).chain(explicit.map(|a| a.source)).collect();
+        let place: FastMap<VarId, usize> =
+            members.iter().enumerate().map(|(k, v)| (*v, k)).collect();
+        let mut matrix = Vec::with_capacity(order);
+        for &source in &sources {
+            matrix.push(self.coefficients(source, &place)?);
+        }
+        let null_space = NullSpace::of(&matrix);
+        (!null_space.right.is_empty()).then_some(SingularBlock { members, sources, null_space })
+    }
+
+    /// The coefficients of an equation, if they are constant.
+    fn coefficients(&mut self, source: Source, place: &FastMap<VarId, usize>) -> Option<Vec<f64>> {
+        let residual = solve::residual(self.dae, source);
+        let graph = &mut self.dae.graph;
+        if linear::hidden_variables(graph, residual).iter().any(|v| place.contains_key(v)) {
+            return None;
+        }
+        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if place.contains_key(&v));
+        let mut row = vec![0.0; place.len()];
+        for (leaf, partial) in gradient(graph, residual, wanted) {
+            let Leaf::Var(v) = leaf else { continue };
+            let value = self.values.number(graph, partial).filter(|x| x.is_finite())?;
+            row[place[&v]] = value;
+        }
+        Some(row)
+    }
+
+    /// True if the equations have no solution for general values of everything else.
+    fn contradicts(&mut self, block: &SingularBlock) -> bool {
+        let members: FastSet<VarId> = block.members.iter().copied().collect();
+        let residuals: Vec<ExprId> =
+            block.sources.iter().map(|source| solve::residual(self.dae, *source)).collect();
+        let values: Vec<f64> =
+            residuals.iter().map(|e| self.sample(*e, |v| members.contains(&v))).collect();
+        let left = &block.null_space.left;
+        left.iter().any(|w| !vanishes(w.iter().zip(&values).map(|(w, r)| w * r)))
+    }
+
+    /// True if something else changes with what the block leaves open.
+    fn has_effect(&mut self, block: &SingularBlock) -> bool {
+        let free = block.free();
+        let is_rate = |v: &VarId| self.dae.variables[*v].derivative_of.is_some();
+        if free.iter().any(is_rate) {
+            return true;
+        }
+        let others: Vec<Source> = self.dae.equations.ids().map(Source::Continuous).collect();
+        let others = others.into_iter().filter(|source| !block.sources.contains(source));
+        let mut expressions: Vec<ExprId> =
+            others.map(|source| solve::residual(self.dae, source)).collect();
+        let dae = &mut *self.dae;
+        for relation in &dae.relations {
+            expressions.push(dae.graph.sub(relation.lhs, relation.rhs));
+        }
+        expressions.extend(dae.discrete.iter().map(|d| d.value));
+        expressions.extend(dae.reinits.iter().map(|r| r.value));
+        expressions.extend(dae.asserts.iter().map(|a| a.assert.condition));
+        let free: FastSet<VarId> = free.into_iter().collect();
+        expressions.into_iter().any(|e| self.changes(e, block, &free))
+    }
+
+    /// True if an expression changes along the null space of a block.
+    fn changes(&mut self, e: ExprId, block: &SingularBlock, free: &FastSet<VarId>) -> bool {
+        let graph = &mut self.dae.graph;
+        if !graph.variables(e).iter().any(|v| free.contains(v)) {
+            return false;
+        }
+        if graph.ty(e) != Type::Real
+            || linear::hidden_variables(graph, e).iter().any(|v| free.contains(v))
+        {
+            return true;
+        }
+        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if free.contains(&v));
+        let slopes: FastMap<VarId, f64> = gradient(graph, e, wanted)
+            .into_iter()
+            .filter_map(|(leaf, partial)| match leaf {
+                Leaf::Var(v) => Some((v, self.sample(partial, |_| false))),
+                _ => None,
+            })
+            .collect();
+        block.null_space.right.iter().any(|x| {
+            let along = block.members.iter().zip(x);
+            !vanishes(along.map(|(v, x)| slopes.get(v).copied().unwrap_or(0.0) * x))
+        })
+    }
+
+    /// The value of an expression at the values of the parameters and some values of everything
+    /// else: what vanishes there vanishes in general. Variables in `zero` are 0.
+    fn sample(&self, root: ExprId, zero: impl Fn(VarId) -> bool) -> f64 {
+        let graph = &self.dae.graph;
+        // Fractions of the golden ratio are far from all simple relations.
+        let any = |k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract();
+        let variable = |v: VarId| match self.dae.variables.get(v) {
+            _ if zero(v) => Some(0.0),
+            Some(known) if known.kind == VariableKind::Parameter => {
+                self.values.literal(graph, v).or_else(|| Some(any(v.idx())))
+            }
+            _ => Some(any(v.idx())),
+        };
+        let mut values: FastMap<ExprId, f64> = FastMap::default();
+        for e in graph.postorder([root]) {
+            let of = |a: ExprId| values.get(&a).copied();
+            let value = parameter_values::evaluate(graph, e, of, variable);
+            values.insert(e, value.unwrap_or_else(|| any(e.idx())));
+        }
+        values[&root]
+    }
+}
+
+/// True if a sum is zero up to rounding.
+fn vanishes(terms: impl Iterator<Item = f64>) -> bool {
+    let (mut sum, mut size) = (0.0, 0.0);
+    for term in terms {
+        sum += term;
+        size += f64::abs(term);
+    }
+    f64::abs(sum) <= NEGLIGIBLE * size
+}
