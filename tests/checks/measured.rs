@@ -3,7 +3,7 @@
 //! that is absent the tests say so and pass.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -291,25 +291,17 @@ fn recordings_that_drive_are_repaired() {
     }
 }
 
-/// The folder of the public recordings, if it is there.
-fn recordings() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/measured");
-    if !folder.is_dir() {
-        println!("skipped: the public recordings are not at {}", folder.display());
-    }
-    folder.is_dir().then_some(folder)
-}
-
-/// Diagnoses a plan of `examples/measured`: what was found.
-fn diagnosed(plan: &str) -> Option<Value> {
-    let data = recordings()?;
+/// Diagnoses a plan of `examples/measured` with the recordings of `tests/data/measured`: what was found.
+fn diagnosed(plan: &str) -> Value {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = root.join("examples/measured").join(plan);
+    let data = root.join("tests/data/measured");
     let folder = Scratch::new();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/measured").join(plan);
     let [path, data] = [path, data].map(|p| p.display().to_string());
     let ended = mocc(folder.path(), &["diagnose", &path, "--data", &data, "--out", "out"]);
     assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
     let text = std::fs::read_to_string(folder.path().join("out/diagnosis.json")).expect("a file");
-    Some(serde_json::from_str(&text).expect("JSON"))
+    serde_json::from_str(&text).expect("JSON")
 }
 
 fn rmse(found: &Value, split: &str, signal: &str) -> f64 {
@@ -324,9 +316,9 @@ fn components(found: &Value) -> Vec<&str> {
 /// Fitted to the first part, frozen on the rest.
 #[test]
 fn chambers_leak() {
-    let Some(found) = diagnosed("chamber_leak/Prusa.toml") else { return };
+    let found = diagnosed("chamber_leak/Prusa.toml");
     assert!(rmse(&found, "validation", "p_bar") < 0.015);
-    let Some(found) = diagnosed("chamber_leak/Ultimaker_015.toml") else { return };
+    let found = diagnosed("chamber_leak/Ultimaker_015.toml");
     assert_eq!(components(&found)[0], "Effects.LeakLaminar");
     assert!(rmse(&found, "validation", "p_bar") < 0.240);
 }
