@@ -31,6 +31,14 @@ package Effects "Physical effects that a model may lack"
   // `explains` is the sentence that a diagnosis reports; %at is the location and %over the variable that a parameter
   // varies with. `law` is the effect's formula.
   //
+  // An entry `formula` of a free curve tells how a short formula takes its place where the recordings support one:
+  //   extends=PartialLeak   the class of the same package that the law extends
+  //   knots=Q               the amplitudes that are the values of the curve
+  //   over=dp               the variable of that class that it depends on
+  //   from=v_lo; to=v_hi    the parameters that are its first and its last knot; without `from`, the curve begins at 0
+  //   zero=true             the curve passes through 0 at 0, and its first knot is at least one n-th of the last
+  //   equation=i = F(v)     an equation of the law, with F for the formula; one entry for each equation
+  //
   // An entry `choice` describes another law that a class has built in: the overrides that select it (`with`), its own
   // parameters with values to start from, and by `named` what it is called. `chosen` is its formula.
   //

@@ -10,6 +10,7 @@ use super::hypothesis::{ChosenEffect, Hypothesis, attach};
 use super::place::Place;
 use super::preference::{ends_with_curve, ends_with_sensor, sort_by_preference};
 use super::rank::Scored;
+use super::regrid::regridded;
 use super::revise::is_resolved;
 use super::search::Search;
 use super::study::Study;
@@ -158,6 +159,8 @@ impl CandidateFits<'_> {
             let start = p.start();
             self.full_fit(p, &start)
         };
+        let moved = regridded(self.search, hypothesis);
+        let hypothesis = moved.as_ref().unwrap_or(hypothesis);
         let (effects, plan) = (hypothesis.effects.clone(), hypothesis.plan.clone());
         let mut better = Hypothesis::fitted(self.search.study, effects, plan, full).ok()?;
         better.is_complete_fit = true;

@@ -10,6 +10,7 @@ use crate::flatten::inventory::{Inventory, InventoryConnector};
 use crate::ir::flat::{FlatModel, Variability, Variable};
 
 use super::cause::CatalogueCause;
+use super::formula::{Formula, FreeCurve};
 use super::law_choice::Choice;
 
 /// An effect as its class describes it.
@@ -49,6 +50,10 @@ pub struct Effect {
     pub varies: Option<String>,
     /// Of an effect that is another law: how it is chosen.
     pub choice: Option<Choice>,
+    /// Of a free curve: how a formula takes its place.
+    pub curve: Option<FreeCurve>,
+    /// Of a formula that may stand for a free curve: the formula.
+    pub formula: Option<Formula>,
     /// Its annotation.
     pub span: Option<Span>,
 }
@@ -258,6 +263,11 @@ fn described(session: &mut Session, annotated: &Annotated, role: Role) -> Option
             let explains = annotated.entry("explains").map(|e| e.text.as_str());
             effect.explains = explains.unwrap_or("%at has this effect.").to_owned();
             effect.law = annotated.entry(role.law()).map(|e| e.text.clone()).unwrap_or_default();
+            let curve = annotated.entry("formula").map(|e| FreeCurve::read(&e.text)).transpose();
+            if let Err(why) = &curve {
+                warn(session, annotated, role, why);
+            }
+            effect.curve = curve.ok()?;
             Some(effect)
         }
         Err(why) => {

@@ -311,7 +311,7 @@ fn is_fitted_shape(starts: &[Start]) -> bool {
 }
 
 /// The name of the component of an effect: its class, with a number where that name is taken.
-fn component_name(class: &str, depth: usize, chosen: &[ChosenEffect]) -> String {
+pub fn component_name(class: &str, depth: usize, chosen: &[ChosenEffect]) -> String {
     let short = class.rsplit('.').next().unwrap_or(class);
     let mut name: String = short
         .char_indices()

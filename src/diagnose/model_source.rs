@@ -121,6 +121,13 @@ impl Extension<'_> {
             modifications.print(4, &mut out);
             out.push_str("  );\n");
         }
+        let mut classes: Vec<&str> = components
+            .iter()
+            .filter_map(|a| Some(a.effect.formula.as_ref()?.source.as_str()))
+            .collect();
+        classes.sort_unstable();
+        classes.dedup();
+        classes.into_iter().for_each(|class| out.push_str(class));
         components.into_iter().for_each(|a| a.declare(&mut out));
         out.push_str(&self.connections(attached));
         let variations = variations(attached);

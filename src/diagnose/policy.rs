@@ -116,11 +116,15 @@ pub struct SearchPolicy {
     /// A parametric effect is preferred to a free curve if it explains this share of what the curve explains.
     /// Default 0.95.
     pub parametric_share: f64,
-    /// But not if its sum of squares exceeds that of the curve by this factor. Default 5.
+    /// But not if its sum of squares, of the fitted recordings or of the others, exceeds that of the curve by this
+    /// factor. Default 5.
     pub parametric_factor: f64,
     /// If the curve leaves nothing to explain, the reduced sum of the parametric effect may exceed 1 by this.
     /// Default 0.1.
     pub parametric_excess: f64,
+
+    /// Formulas that are fitted in the place of a free curve. Default 4.
+    pub fitted_formulas: usize,
 
     /// Candidates from which pairs are formed. Default 120. The number of pairs grows with its square.
     pub pair_candidates: usize,
@@ -188,6 +192,7 @@ impl Default for SearchPolicy {
             parametric_share: 0.95,
             parametric_factor: 5.0,
             parametric_excess: 0.1,
+            fitted_formulas: 4,
             pair_candidates: 120,
             fitted_pairs: 8,
             pairs_per_member: 3,

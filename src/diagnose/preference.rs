@@ -45,6 +45,7 @@ pub fn sort_by_preference(
     let nearly_as_good = |h: &Hypothesis| {
         explained(h) > wanted
             && h.train.total() < limit
+            && h.validation.total() <= policy.parametric_factor * curve.validation.total()
             && (!curve_resolves || h.chi2_train() < 1.0 + policy.parametric_excess)
     };
     let is_parametric = |h: &Hypothesis| !ends_with_curve(study, h) && !of_sensor(h);

@@ -215,7 +215,7 @@ fn trials(
 ) -> (Vec<Candidate>, Vec<Trial>) {
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in study.effects.iter().enumerate() {
-        if effect.choice.is_some() {
+        if effect.choice.is_some() || effect.formula.is_some() {
             continue;
         }
         for place in study.places(effect, &hypothesis.plan) {

@@ -84,7 +84,7 @@ pub fn accept_first_better(
 }
 
 /// Accepts a hypothesis, and rejects the one that it replaces if that has effects.
-fn accept_instead(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hypothesis) {
+pub fn accept_instead(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hypothesis) {
     let replaced = accept(search, diagnosis, better);
     if !replaced.effects.is_empty() {
         diagnosis.rejected.push(replaced);

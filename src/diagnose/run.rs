@@ -17,6 +17,7 @@ use super::amended_model::{AmendedModel, amended};
 use super::balance::{Balance, Profile, balances, contributions};
 use super::catalogue::{Effect, Packages, catalogue, of_folder, unknowns};
 use super::cause::CatalogueCause;
+use super::formula::formulas;
 use super::law_choice::choices;
 use super::noise::noise;
 use super::place::why_nowhere;
@@ -144,6 +145,7 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     let packages = Packages { request: &compiled, names: &names, classes: &own };
     let mut effects = catalogue(session, &packages, &inventory, &units);
     effects.extend(choices);
+    effects.extend(formulas(&effects));
     let unknowns = unknowns(session, &packages);
     let (request, policy) = (compiled, request.policy.clone());
     let study = Study {

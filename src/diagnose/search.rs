@@ -13,6 +13,7 @@ use crate::calibrate::fit::{self, quick_fit};
 use crate::calibrate::observer::{Event, Observer};
 
 use super::backward_elimination::eliminated;
+use super::formula_fit::replace_curves;
 use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
 use super::noise::noise;
@@ -146,6 +147,7 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
         forward_selection(search, &mut diagnosis, usual..max);
     }
     simplify(search, &mut diagnosis);
+    replace_curves(search, &mut diagnosis);
     compare_alternatives(search, &mut diagnosis);
     diagnosis
 }

@@ -308,17 +308,23 @@ fn rmse(found: &Value, split: &str, signal: &str) -> f64 {
     found["after"][split]["signals"][signal]["rmse"].as_f64().expect("a number")
 }
 
-fn components(found: &Value) -> Vec<&str> {
-    let all = found["effects"].as_array().expect("a list").iter();
-    all.filter_map(|e| e["component"].as_str()).collect()
+/// The components of the effects that explain a part: those of the hypothesis itself, before the rejected ones.
+fn explains_a_part(found: &Value) -> Vec<&str> {
+    let all = found["alternatives"].as_array().expect("a list").iter();
+    let own = all.take_while(|e| e["delta_bic"] == 0.0);
+    own.filter_map(|e| e["component"].as_str()).collect()
 }
 
-/// Fitted to the first part, frozen on the rest.
+/// Fitted to the first part, frozen on the rest. The bounds are the errors of the laws that were fitted by hand; for the
+/// second chamber, whose flow a gap's law misses by 0.236 bar, less than a tenth of that.
 #[test]
 fn chambers_leak() {
     let found = diagnosed("chamber_leak/Prusa.toml");
     assert!(rmse(&found, "validation", "p_bar") < 0.015);
+    let found = diagnosed("chamber_leak/Aluminium.toml");
+    assert_eq!(found["effects"][0]["component"], "Effects.LeakLaminar");
+    assert!(rmse(&found, "validation", "p_bar") < 0.0039);
     let found = diagnosed("chamber_leak/Ultimaker_015.toml");
-    assert_eq!(components(&found)[0], "Effects.LeakLaminar");
-    assert!(rmse(&found, "validation", "p_bar") < 0.240);
+    assert_eq!(explains_a_part(&found)[0], "Effects.LeakPorous");
+    assert!(rmse(&found, "validation", "p_bar") < 0.02);
 }

@@ -384,6 +384,21 @@ package EffectTests
       annotation(experiment(StopTime = 10, Tolerance = 1e-9));
     end LeakLaminar;
 
+    model LeakPorous
+      extends Check(n = 2);
+      // p_a^2 - p_b^2 = 2 p_t^2, where viscous friction and inertia take the same share: m_flow = G p_t^2.
+      Pneumatics.Source high(p = 3e5);
+      Pneumatics.Source low(p = 1e5);
+      Effects.LeakPorous effect(G = 1e-14, p_t = 2e5);
+      Effects.LeakPorous reversed(G = 1e-14, p_t = 2e5);
+    equation
+      connect(effect.port_a, high.port);   connect(effect.port_b, low.port);
+      connect(reversed.port_a, low.port);  connect(reversed.port_b, high.port);
+      found = {effect.m_flow, reversed.m_flow};
+      exact = {4e-4, -4e-4};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end LeakPorous;
+
     model LeakOrifice
       extends OnVessel(compared = p > 4e5);
       // Choked down to 1 bar/b.
@@ -1344,6 +1359,13 @@ package EffectTests
     equation
       connect(effect.port_a, chamber.port);  connect(effect.port_b, ambient.port);
     end LeakLaminar;
+
+    model LeakPorous
+      extends Base;
+      Effects.LeakPorous effect;
+    equation
+      connect(effect.port_a, chamber.port);  connect(effect.port_b, ambient.port);
+    end LeakPorous;
 
     model LeakOrifice
       extends Base;

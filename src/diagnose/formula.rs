@@ -1,0 +1,440 @@
+//! Short formulas that may stand for a free curve, and the classes that hold them.
+//!
+//! A formula is a sum of a few terms, each an amplitude times a function of `u = (x - x_m)/x_0`, the variable of
+//! the curve in units of its range. The functions have at most two shape parameters.
+
+use super::catalogue::{Amplitude, Effect, Start};
+
+/// How a formula takes the place of a free curve, from the annotation of its class.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FreeCurve {
+    /// The class of the same package that the law extends.
+    pub extends: String,
+    /// The amplitudes that are the values of the curve.
+    pub knots: String,
+    /// The variable that it depends on.
+    pub over: String,
+    /// The parameter that is its first knot; without it, the curve begins at 0.
+    pub from: Option<String>,
+    /// The parameter that is its last knot.
+    pub to: String,
+    /// It passes through 0 at 0, and its first knot is at least one `n`-th of the last.
+    pub is_zero_at_zero: bool,
+    /// The equations of the law, with `F(x)` for the formula.
+    pub equations: Vec<String>,
+}
+
+impl FreeCurve {
+    /// Reads `extends=PartialLeak; knots=Q; over=dp; ...`. Errors: the entry that cannot be read.
+    pub fn read(text: &str) -> Result<FreeCurve, String> {
+        let mut curve = FreeCurve::default();
+        for entry in text.split(';').map(str::trim).filter(|e| !e.is_empty()) {
+            let wrong = || format!("cannot read the entry `{entry}`");
+            let (key, value) = entry.split_once('=').ok_or_else(wrong)?;
+            let value = value.trim().to_owned();
+            match key.trim() {
+                "extends" => curve.extends = value,
+                "knots" => curve.knots = value,
+                "over" => curve.over = value,
+                "from" => curve.from = Some(value),
+                "to" => curve.to = value,
+                "zero" => curve.is_zero_at_zero = value == "true",
+                "equation" => curve.equations.push(value),
+                _ => return Err(wrong()),
+            }
+        }
+        Ok(curve)
+    }
+
+    /// Places of `n` knots between these ends.
+    pub fn places(&self, n: usize, (low, high): (f64, f64)) -> Vec<f64> {
+        let least = if self.is_zero_at_zero { high / n as f64 } else { low };
+        let first = if low < high { low.max(least) } else { least };
+        (0..n).map(|k| first + (high - first) * k as f64 / (n - 1).max(1) as f64).collect()
+    }
+
+    /// Its variable is counted from the middle of its range.
+    pub fn is_centred(&self) -> bool {
+        self.from.is_some() && !self.is_zero_at_zero
+    }
+}
+
+/// A formula that may stand for a free curve.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    /// The curve, by its position in the catalogue.
+    pub curve: usize,
+    /// Its form.
+    pub form: &'static Form,
+    /// The declaration of its class.
+    pub source: String,
+}
+
+/// A sum of terms with shape parameters.
+#[derive(Debug)]
+pub struct Form {
+    /// How its class is called.
+    pub name: &'static str,
+    /// Each is multiplied by an amplitude of its own.
+    pub terms: &'static [Term],
+    /// Their shape parameters: name, values to start from, and the range that is searched.
+    pub shapes: &'static [Shape],
+    /// It is 0 at 0.
+    pub is_zero_at_zero: bool,
+}
+
+/// A function of the variable and of the shape parameters.
+#[derive(Debug)]
+pub struct Term {
+    /// In Modelica, with `{u}` for the variable.
+    pub modelica: &'static str,
+    /// For people.
+    pub shown: &'static str,
+    /// Its value.
+    pub value: fn(f64, &[f64]) -> f64,
+}
+
+/// A shape parameter.
+#[derive(Debug)]
+pub struct Shape {
+    /// Its name.
+    pub name: &'static str,
+    /// Values to start from.
+    pub starts: &'static [f64],
+    /// The least and the greatest value; for one that keeps its sign, those of its magnitude.
+    pub range: (f64, f64),
+    /// It keeps the sign of its start.
+    pub keeps_sign: bool,
+}
+
+impl Shape {
+    /// The range in which a fit may look from a start.
+    pub fn range_around(&self, start: f64) -> (f64, f64) {
+        match self.keeps_sign && start < 0.0 {
+            true => (-self.range.1, -self.range.0),
+            false => self.range,
+        }
+    }
+}
+
+/// The amplitudes in order.
+const AMPLITUDES: [&str; 3] = ["A", "B", "C"];
+
+const ONE: Term = Term { modelica: "1", shown: "", value: |_, _| 1.0 };
+const LINE: Term = Term { modelica: "{u}", shown: "{u}", value: |u, _| u };
+const SQUARE: Term = Term { modelica: "{u}^2", shown: "{u}^2", value: |u, _| u * u };
+const SIGNED_SQUARE: Term =
+    Term { modelica: "{u}*noEvent(abs({u}))", shown: "{u} |{u}|", value: |u, _| u * u.abs() };
+const CUBE: Term = Term { modelica: "{u}^3", shown: "{u}^3", value: |u, _| u * u * u };
+const POWER: Term = Term {
+    modelica: "Effects.regularPower({u}, n)",
+    shown: "{u}^n",
+    value: |u, p| u.signum() * u.abs().powf(p[0]),
+};
+const EXPONENTIAL: Term =
+    Term { modelica: "exp({u}/w)", shown: "exp({u}/w)", value: |u, p| (u / p[0]).exp() };
+const GROWTH: Term = Term {
+    modelica: "(exp({u}/w) - 1)",
+    shown: "(exp({u}/w) - 1)",
+    value: |u, p| (u / p[0]).exp_m1(),
+};
+const SATURATION: Term =
+    Term { modelica: "tanh({u}/w)", shown: "tanh({u}/w)", value: |u, p| (u / p[0]).tanh() };
+const STEP: Term = Term {
+    modelica: "tanh(({u} - c)/w)",
+    shown: "tanh(({u} - c)/w)",
+    value: |u, p| ((u - p[0]) / p[1]).tanh(),
+};
+const BELL: Term = Term {
+    modelica: "exp(-(({u} - c)/w)^2)",
+    shown: "exp(-(({u} - c)/w)^2)",
+    value: |u, p| (-((u - p[0]) / p[1]).powi(2)).exp(),
+};
+const SINE: Term =
+    Term { modelica: "sin(k*{u})", shown: "sin(k {u})", value: |u, p| (p[0] * u).sin() };
+const COSINE: Term =
+    Term { modelica: "cos(k*{u})", shown: "cos(k {u})", value: |u, p| (p[0] * u).cos() };
+const HINGE: Term = Term {
+    modelica: "noEvent(max(0, {u} - c))",
+    shown: "max(0, {u} - c)",
+    value: |u, p| (u - p[0]).max(0.0),
+};
+
+const EXPONENT: Shape = Shape {
+    name: "n",
+    starts: &[0.5, 0.6, 0.7, 0.8, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0],
+    range: (0.3, 6.0),
+    keeps_sign: false,
+};
+const SCALE: Shape = Shape {
+    name: "w",
+    starts: &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, -0.05, -0.1, -0.2, -0.4, -0.8, -1.6],
+    range: (1e-2, 1e2),
+    keeps_sign: true,
+};
+const WIDTH: Shape = Shape {
+    name: "w",
+    starts: &[0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2],
+    range: (1e-2, 1e2),
+    keeps_sign: false,
+};
+const CENTRE: Shape = Shape {
+    name: "c",
+    starts: &[-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9],
+    range: (-2.0, 2.0),
+    keeps_sign: false,
+};
+const WAVE_NUMBER: Shape = Shape {
+    name: "k",
+    starts: &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0],
+    range: (0.2, 100.0),
+    keeps_sign: false,
+};
+
+/// All forms, simple ones first.
+static FORMS: &[Form] = &[
+    Form { name: "Proportional", terms: &[LINE], shapes: &[], is_zero_at_zero: true },
+    Form { name: "Line", terms: &[ONE, LINE], shapes: &[], is_zero_at_zero: false },
+    Form { name: "PowerLaw", terms: &[POWER], shapes: &[EXPONENT], is_zero_at_zero: true },
+    Form {
+        name: "LineAndSquare",
+        terms: &[LINE, SIGNED_SQUARE],
+        shapes: &[],
+        is_zero_at_zero: true,
+    },
+    Form { name: "LineAndCube", terms: &[LINE, CUBE], shapes: &[], is_zero_at_zero: true },
+    Form { name: "Growth", terms: &[GROWTH], shapes: &[SCALE], is_zero_at_zero: true },
+    Form { name: "Saturation", terms: &[SATURATION], shapes: &[WIDTH], is_zero_at_zero: true },
+    Form { name: "Parabola", terms: &[ONE, LINE, SQUARE], shapes: &[], is_zero_at_zero: false },
+    Form { name: "OffsetPower", terms: &[ONE, POWER], shapes: &[EXPONENT], is_zero_at_zero: false },
+    Form {
+        name: "Exponential",
+        terms: &[ONE, EXPONENTIAL],
+        shapes: &[SCALE],
+        is_zero_at_zero: false,
+    },
+    Form { name: "Hinge", terms: &[HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
+    Form { name: "OffsetHinge", terms: &[ONE, HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
+    Form { name: "Wave", terms: &[SINE, COSINE], shapes: &[WAVE_NUMBER], is_zero_at_zero: false },
+    Form { name: "Bell", terms: &[BELL], shapes: &[CENTRE, WIDTH], is_zero_at_zero: false },
+    Form { name: "Step", terms: &[STEP], shapes: &[CENTRE, WIDTH], is_zero_at_zero: false },
+    Form {
+        name: "OffsetStep",
+        terms: &[ONE, STEP],
+        shapes: &[CENTRE, WIDTH],
+        is_zero_at_zero: false,
+    },
+];
+
+/// The formulas for the free curves of a catalogue: effects of their own, which no score test tries.
+pub fn formulas(effects: &[Effect]) -> Vec<Effect> {
+    let mut out = Vec::new();
+    for (k, effect) in effects.iter().enumerate() {
+        let Some(curve) = &effect.curve else { continue };
+        let fits = |form: &&Form| form.is_zero_at_zero || !curve.is_zero_at_zero;
+        out.extend(FORMS.iter().filter(fits).map(|form| formula(k, effect, curve, form)));
+    }
+    out
+}
+
+fn formula(k: usize, effect: &Effect, curve: &FreeCurve, form: &'static Form) -> Effect {
+    let (package, own) = effect.class.rsplit_once('.').unwrap_or(("", &effect.class));
+    let class = format!("{}{}", own.strip_prefix("Free").unwrap_or(own), form.name);
+    let unit = |name: &str| {
+        let found = effect.units.iter().find(|(n, _)| n == name);
+        found.map_or("1", |(_, u)| u.as_str())
+    };
+    let (x, amplitude) = (unit(&curve.over), unit(&format!("{}[1]", curve.knots)));
+    let (scale, middle) = (scale_name(curve), middle_name(curve));
+    let law = law(effect, curve, form);
+    let mut source = format!("  model {class} \"{law}\"\n");
+    let base = if package.is_empty() { String::new() } else { format!("{package}.") };
+    source.push_str(&format!("    extends {base}{};\n", curve.extends));
+    let mut parameter = |name: &str, unit: &str, value: &str, about: &str| {
+        let line = format!("    parameter Real {name}(unit = \"{unit}\") = {value} \"{about}\";\n");
+        source.push_str(&line);
+    };
+    for name in AMPLITUDES.iter().take(form.terms.len()) {
+        parameter(name, amplitude, "0", "Amplitude");
+    }
+    for shape in form.shapes {
+        parameter(shape.name, "1", "1", "Shape");
+    }
+    parameter(&scale, x, "1", &format!("Scale of {}", curve.over));
+    if curve.is_centred() {
+        parameter(&middle, x, "0", &format!("Reference value of {}", curve.over));
+    }
+    source.push_str("  equation\n");
+    for equation in &curve.equations {
+        let value = |argument: &str| modelica(form, &normalized(curve, argument));
+        source.push_str(&format!("    {};\n", with_calls(equation, "F", &value)));
+    }
+    source.push_str(&format!("  end {class};\n"));
+    let names = AMPLITUDES.iter().take(form.terms.len());
+    let amplitudes = names.map(|n| Amplitude { name: (*n).to_owned(), positive: false }).collect();
+    let mut units: Vec<(String, String)> = effect.units.clone();
+    units.extend(AMPLITUDES.iter().map(|n| ((*n).to_owned(), amplitude.to_owned())));
+    units.extend([(scale, x.to_owned()), (middle, x.to_owned())]);
+    let unknown = "by a law that is not known in advance";
+    Effect {
+        class,
+        amplitudes,
+        shape_parameters: form
+            .shapes
+            .iter()
+            .map(|s| (s.name.to_owned(), s.starts.iter().map(|v| Start::Value(*v)).collect()))
+            .collect(),
+        explains: effect.explains.replace(unknown, &format!("as {law}")),
+        connectors: effect.connectors.clone(),
+        host: effect.host.clone(),
+        binds: effect.binds.clone(),
+        named: Some(effect.class.clone()),
+        law,
+        units,
+        over: effect.over.clone(),
+        formula: Some(Formula { curve: k, form, source }),
+        ..Effect::default()
+    }
+}
+
+/// The parameter that the variable of a curve is divided by.
+pub fn scale_name(curve: &FreeCurve) -> String {
+    format!("{}_0", curve.over)
+}
+
+/// The parameter from which the variable of a curve is counted.
+pub fn middle_name(curve: &FreeCurve) -> String {
+    format!("{}_m", curve.over)
+}
+
+/// `u` for an argument.
+fn normalized(curve: &FreeCurve, argument: &str) -> String {
+    let scale = scale_name(curve);
+    match curve.is_centred() {
+        true => format!("(({argument} - {})/{scale})", middle_name(curve)),
+        false => format!("({argument}/{scale})"),
+    }
+}
+
+fn modelica(form: &Form, u: &str) -> String {
+    let term = |(amplitude, term): (&&str, &Term)| match term.modelica {
+        "1" => (*amplitude).to_owned(),
+        other => format!("{amplitude}*{}", other.replace("{u}", u)),
+    };
+    let all: Vec<String> = AMPLITUDES.iter().zip(form.terms).map(term).collect();
+    match all.as_slice() {
+        [one] => one.clone(),
+        several => format!("({})", several.join(" + ")),
+    }
+}
+
+/// The law of a curve with a formula in the place of its unknown function.
+fn law(effect: &Effect, curve: &FreeCurve, form: &Form) -> String {
+    let value = |argument: &str| {
+        let u = normalized(curve, argument);
+        let term = |(amplitude, term): (&&str, &Term)| {
+            format!("{amplitude} {}", term.shown.replace("{u}", &u)).trim_end().to_owned()
+        };
+        let all: Vec<String> = AMPLITUDES.iter().zip(form.terms).map(term).collect();
+        match all.as_slice() {
+            [one] => one.clone(),
+            several => format!("({})", several.join(" + ")),
+        }
+    };
+    with_calls(&effect.law, &curve.knots, &value)
+}
+
+/// A text in which every call `name(x)` is replaced.
+fn with_calls(text: &str, name: &str, value: &dyn Fn(&str) -> String) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(at) = call(rest, name) {
+        let open = at + name.len();
+        let mut depth = 0usize;
+        let close = rest[open..].find(|c: char| {
+            match c {
+                '(' => depth += 1,
+                ')' => depth -= 1,
+                _ => {}
+            }
+            depth == 0
+        });
+        let Some(close) = close.map(|k| open + k) else { break };
+        out.push_str(&rest[..at]);
+        out.push_str(&value(&rest[open + 1..close]));
+        rest = &rest[close + 1..];
+    }
+    out + rest
+}
+
+/// Where a call of this name begins.
+fn call(text: &str, name: &str) -> Option<usize> {
+    let pattern = format!("{name}(");
+    text.match_indices(&pattern).map(|(k, _)| k).find(|k| {
+        let before = text[..*k].chars().next_back();
+        before.is_none_or(|c| !c.is_alphanumeric() && c != '_')
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flow() -> Effect {
+        let text = "extends=PartialLeak; knots=Q; over=dp; from=dp_lo; to=dp_hi; zero=true; \
+                    equation=m_flow = noEvent(sign(dp))*F(noEvent(abs(dp)))";
+        Effect {
+            class: "Effects.FreeFlow".into(),
+            law: "m_flow = sign(dp) Q(|dp|)".into(),
+            explains: "Air flows past %at by a law that is not known in advance.".into(),
+            units: vec![("dp".into(), "Pa".into()), ("Q[1]".into(), "kg/s".into())],
+            curve: Some(FreeCurve::read(text).unwrap()),
+            ..Effect::default()
+        }
+    }
+
+    #[test]
+    fn a_power_of_the_pressure_difference() {
+        let all = formulas(&[flow()]);
+        let power = all.iter().find(|e| e.class == "FlowPowerLaw").unwrap();
+        assert_eq!(power.law, "m_flow = sign(dp) A (|dp|/dp_0)^n");
+        assert_eq!(power.name(), "Effects.FreeFlow");
+        assert_eq!(
+            power.formula.as_ref().unwrap().source,
+            "  model FlowPowerLaw \"m_flow = sign(dp) A (|dp|/dp_0)^n\"\n\
+             \x20   extends Effects.PartialLeak;\n\
+             \x20   parameter Real A(unit = \"kg/s\") = 0 \"Amplitude\";\n\
+             \x20   parameter Real n(unit = \"1\") = 1 \"Shape\";\n\
+             \x20   parameter Real dp_0(unit = \"Pa\") = 1 \"Scale of dp\";\n\
+             \x20 equation\n\
+             \x20   m_flow = noEvent(sign(dp))*A*Effects.regularPower((noEvent(abs(dp))/dp_0), n);\n\
+             \x20 end FlowPowerLaw;\n"
+        );
+    }
+
+    #[test]
+    fn a_curve_through_zero_has_no_constant() {
+        let all = formulas(&[flow()]);
+        assert!(all.iter().any(|e| e.class == "FlowSaturation"));
+        assert!(!all.iter().any(|e| e.class == "FlowLine"));
+    }
+
+    #[test]
+    fn terms_and_their_text_are_alike() {
+        // 1.2 exp(-0.5/0.4) + 3, written out by hand.
+        let form = FORMS.iter().find(|f| f.name == "Exponential").unwrap();
+        let sum =
+            3.0 * (form.terms[0].value)(0.5, &[-0.4]) + 1.2 * (form.terms[1].value)(0.5, &[-0.4]);
+        assert!((sum - (3.0 + 1.2 * (-1.25_f64).exp())).abs() < 1e-15);
+        assert_eq!(modelica(form, "u"), "(A + B*exp(u/w))");
+    }
+
+    #[test]
+    fn calls_are_found_as_words() {
+        let value = |x: &str| format!("<{x}>");
+        assert_eq!(
+            with_calls("f = F(g(x)) + aF(x) + F(0)", "F", &value),
+            "f = <g(x)> + aF(x) + <0>"
+        );
+    }
+}

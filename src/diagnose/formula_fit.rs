@@ -1,0 +1,284 @@
+//! Formulas in the place of free curves: the values at the knots select a few, the recordings decide.
+//!
+//! A curve shows what is missing; a formula says it, with fewer parameters, and holds beyond the range of the
+//! recordings that were fitted. For each form the amplitudes follow from the shape parameters by linear least
+//! squares (variable projection: Golub and Pereyra 1973), so a grid of shapes suffices for a start.
+
+use crate::base::source::Span;
+use crate::calibrate::fit::refined;
+use crate::calibrate::plan::{Free, Plan};
+use crate::calibrate::problem::Problem;
+use crate::numeric::least_squares::NormalEquations;
+use crate::numeric::linear::DenseLu;
+
+use super::formula::{Form, FreeCurve, middle_name, scale_name};
+use super::hypothesis::{ChosenEffect, Hypothesis, component_name};
+use super::result::Diagnosis;
+use super::revise::accept_instead;
+use super::search::Search;
+
+/// Replaces the free curves of a diagnosis by formulas where the recordings support one.
+pub fn replace_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let study = search.study;
+    for k in 0..diagnosis.after.effects.len() {
+        let Some(chosen) = diagnosis.after.effects.get(k).cloned() else { return };
+        let same = diagnosis.after.effects.iter().filter(|c| c.group == chosen.group).count();
+        let Some(curve) = &study.effects[chosen.effect].curve else { continue };
+        let Some(knots) = Knots::of(search, &diagnosis.after, &chosen, curve).filter(|_| same == 1)
+        else {
+            continue;
+        };
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for (effect, formula) in study.effects.iter().enumerate() {
+            let Some(formula) = formula.formula.as_ref().filter(|f| f.curve == chosen.effect)
+            else {
+                continue;
+            };
+            candidates.extend(knots.fitted(effect, formula.form));
+        }
+        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let mut best: Option<Hypothesis> = None;
+        for candidate in candidates.iter().take(search.policy().fitted_formulas) {
+            if !search.may_continue() {
+                break;
+            }
+            let fitted = candidate.hypothesis(search, &diagnosis.after, k, curve, &knots);
+            let Some(fitted) = fitted else { continue };
+            let (label, law) = (fitted.effects[k].name.clone(), fitted.chi2_train());
+            let validation = fitted.chi2_validation();
+            search.note(&format!("formula {label}: {law:.4}, validation {validation:.4}"));
+            let criterion = fitted.total_criterion();
+            if best.as_ref().is_none_or(|b| criterion < b.total_criterion()) {
+                best = Some(fitted);
+            }
+        }
+        let limit = diagnosis.after.total_criterion() + search.policy().evidence;
+        if let Some(best) = best.filter(|b| b.total_criterion() < limit && b.is_determined(study)) {
+            accept_instead(search, diagnosis, best);
+        }
+    }
+}
+
+/// A fitted curve.
+struct Knots {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    /// One over the standard error of each value.
+    weights: Vec<f64>,
+    /// The value of the variable from which `u` is counted.
+    middle: f64,
+    /// The value by which it is divided.
+    scale: f64,
+}
+
+/// Errors of knots below this share of the greatest value are not trusted.
+const LEAST_ERROR: f64 = 0.01;
+
+impl Knots {
+    /// The knots of a curve; `None` if fewer than three are determined.
+    fn of(
+        search: &Search<'_>,
+        hypothesis: &Hypothesis,
+        chosen: &ChosenEffect,
+        curve: &FreeCurve,
+    ) -> Option<Knots> {
+        let effect = &search.study.effects[chosen.effect];
+        let fixed = |name: &String| chosen.fixed.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
+        let low = curve.from.as_ref().map_or(Some(0.0), fixed)?;
+        let high = fixed(&curve.to)?;
+        let places = curve.places(effect.amplitudes.len(), (low, high));
+        let estimates =
+            effect.amplitudes.iter().map(|a| hypothesis.estimate(&chosen.full_name(&a.name)));
+        let known: Vec<(f64, f64, f64)> = places
+            .into_iter()
+            .zip(estimates)
+            .filter_map(|(x, estimate)| estimate.map(|(y, error)| (x, y, error)))
+            .filter(|(.., error)| error.is_finite())
+            .collect();
+        let greatest = known.iter().map(|(_, y, _)| y.abs()).fold(0.0, f64::max);
+        if known.len() < 3 || greatest == 0.0 || high <= low {
+            return None;
+        }
+        let middle = if curve.is_centred() { rounded(0.5 * (low + high)) } else { 0.0 };
+        // A range on both sides of zero, or from there, is counted from zero.
+        let near_zero =
+            low.abs().min(high.abs()) < 0.5 * low.abs().max(high.abs()) || low * high <= 0.0;
+        let middle = if near_zero { 0.0 } else { middle };
+        let scale = rounded((low - middle).abs().max((high - middle).abs()));
+        let weight = |(.., error): &(f64, f64, f64)| 1.0 / error.max(LEAST_ERROR * greatest);
+        Some(Knots {
+            weights: known.iter().map(weight).collect(),
+            x: known.iter().map(|k| k.0).collect(),
+            y: known.iter().map(|k| k.1).collect(),
+            middle,
+            scale,
+        })
+    }
+
+    /// A form fitted to the knots: the best of its shapes.
+    fn fitted(&self, effect: usize, form: &'static Form) -> Option<Candidate> {
+        let parameters = form.terms.len() + form.shapes.len();
+        if parameters >= self.x.len() {
+            return None;
+        }
+        let mut best: Option<Candidate> = None;
+        for shapes in grid(form) {
+            let Some((amplitudes, cost)) = self.amplitudes(form, &shapes) else { continue };
+            let criterion = cost + parameters as f64 * (self.x.len() as f64).ln();
+            if best.as_ref().is_none_or(|b| criterion < b.criterion) {
+                best = Some(Candidate { effect, form, amplitudes, shapes, criterion });
+            }
+        }
+        best
+    }
+
+    /// The amplitudes of least squares for given shapes, and the weighted sum of squares that is left.
+    fn amplitudes(&self, form: &Form, shapes: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let n = form.terms.len();
+        let mut normal = NormalEquations::new(n);
+        for ((x, y), weight) in self.x.iter().zip(&self.y).zip(&self.weights) {
+            let u = (x - self.middle) / self.scale;
+            let slopes: Vec<f64> =
+                form.terms.iter().map(|t| (t.value)(u, shapes) * weight).collect();
+            normal.add(-y * weight, &slopes);
+        }
+        if !normal.is_finite() {
+            return None;
+        }
+        let mut lu = DenseLu::new(n);
+        lu.factor(&normal.gram).ok()?;
+        let mut step: Vec<f64> = normal.gradient.iter().map(|g| -g).collect();
+        lu.solve_in_place(&mut step);
+        let cost = normal.after(&step);
+        (cost.is_finite() && step.iter().all(|a| a.is_finite())).then_some((step, cost.max(0.0)))
+    }
+}
+
+/// A formula with the parameters that describe the knots best.
+struct Candidate {
+    effect: usize,
+    form: &'static Form,
+    amplitudes: Vec<f64>,
+    shapes: Vec<f64>,
+    /// Information criterion over the knots.
+    criterion: f64,
+}
+
+impl Candidate {
+    /// The hypothesis with the formula in the place of its curve, effect `k`, fitted to the recordings.
+    fn hypothesis(
+        &self,
+        search: &Search<'_>,
+        from: &Hypothesis,
+        k: usize,
+        curve: &FreeCurve,
+        knots: &Knots,
+    ) -> Option<Hypothesis> {
+        let study = search.study;
+        let effect = &study.effects[self.effect];
+        let old = &from.effects[k];
+        let name = component_name(&effect.class, k, &from.effects);
+        let prefix = name.clone();
+        let mut chosen = ChosenEffect { effect: self.effect, name, prefix, ..old.clone() };
+        chosen.fixed = vec![(scale_name(curve), knots.scale)];
+        if curve.is_centred() {
+            chosen.fixed.push((middle_name(curve), knots.middle));
+        }
+        let mut plan: Plan = from.plan.clone();
+        let is_old = |name: &String| old.fitted.iter().any(|p| *name == old.full_name(p));
+        plan.free.retain(|free| !free.targets.iter().any(is_old));
+        chosen.fitted.clear();
+        let amplitudes = effect.amplitudes.iter().map(|a| a.name.clone()).zip(&self.amplitudes);
+        let shapes = self.form.shapes.iter().zip(&self.shapes);
+        let starts = amplitudes
+            .map(|(name, value)| (name, *value, None))
+            .chain(shapes.map(|(s, v)| (s.name.to_owned(), *v, Some(s.range_around(*v)))));
+        for (name, start, range) in starts.collect::<Vec<_>>() {
+            let full = chosen.full_name(&name);
+            plan.free.push(Free {
+                name: full.clone(),
+                targets: vec![full],
+                start: Some(start),
+                min: range.map(|r| r.0),
+                max: range.map(|r| r.1),
+                acts_on: None,
+                only: None,
+                span: Span::NONE,
+            });
+            chosen.fixed.push((name.clone(), start));
+            chosen.fitted.push(name);
+        }
+        let mut effects = from.effects.clone();
+        effects[k] = chosen;
+        let policy = &search.policy().fit;
+        let fit = &mut |p: &mut Problem<'_>| {
+            let start = p.start();
+            refined(p, policy, &start, &policy.full, &mut |_, _| search.on_step())
+        };
+        let mut fitted = Hypothesis::fitted(study, effects, plan, fit).ok()?;
+        fitted.is_complete_fit = true;
+        Some(fitted)
+    }
+}
+
+/// All combinations of the shapes' starts.
+fn grid(form: &Form) -> Vec<Vec<f64>> {
+    let mut out: Vec<Vec<f64>> = vec![Vec::new()];
+    for shape in form.shapes {
+        let with = |known: &Vec<f64>| {
+            let known = known.clone();
+            shape.starts.iter().map(move |s| [known.as_slice(), &[*s]].concat())
+        };
+        out = out.iter().flat_map(with).collect();
+    }
+    out
+}
+
+/// A number rounded to one digit.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.0e}").parse().unwrap_or(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::catalogue::Effect;
+    use super::super::formula::formulas;
+    use super::*;
+
+    fn knots(f: impl Fn(f64) -> f64) -> Knots {
+        let x: Vec<f64> = (0..8).map(|k| 0.25 * f64::from(k)).collect();
+        let y: Vec<f64> = x.iter().map(|x| f(*x)).collect();
+        Knots { weights: vec![100.0; 8], x, y, middle: 0.0, scale: 2.0 }
+    }
+
+    /// The form that describes a function best, with its amplitudes and shapes.
+    fn chosen(f: impl Fn(f64) -> f64) -> (&'static str, Vec<f64>, Vec<f64>) {
+        let curve = FreeCurve { from: Some("a".into()), ..FreeCurve::default() };
+        let effect = Effect { curve: Some(curve), ..Effect::default() };
+        let knots = knots(f);
+        let mut all: Vec<Candidate> = formulas(&[effect])
+            .iter()
+            .filter_map(|e| knots.fitted(0, e.formula.as_ref()?.form))
+            .collect();
+        all.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let best = all.remove(0);
+        (best.form.name, best.amplitudes, best.shapes)
+    }
+
+    #[test]
+    fn the_form_is_that_of_the_function() {
+        assert_eq!(chosen(|x| 3.0 * x).0, "Proportional");
+        assert_eq!(chosen(|x| 3.0 * x - 1.0).0, "Line");
+        // u = x/2: 5 x^1.5 = 5 2^1.5 u^1.5.
+        let (name, amplitudes, shapes) = chosen(|x| 5.0 * x.powf(1.5));
+        assert_eq!((name, shapes.as_slice()), ("PowerLaw", &[1.5][..]));
+        assert!((amplitudes[0] - 5.0 * 2f64.powf(1.5)).abs() < 1e-9);
+        assert_eq!(chosen(|x| 2.0 + 3.0 * (-x / 0.4).exp()).0, "Exponential");
+        assert_eq!(chosen(|x| (3.0 * x).sin()).0, "Wave");
+    }
+
+    #[test]
+    fn scales_have_one_digit() {
+        assert_eq!([rounded(0.0347), rounded(288.0), rounded(-6.1e5)], [0.03, 300.0, -6e5]);
+    }
+}

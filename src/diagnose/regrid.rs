@@ -1,0 +1,81 @@
+//! New knots for a free curve: those of the score test lie in the range that its variable covers without the
+//! effect, and a large effect changes that range.
+
+use super::formula::FreeCurve;
+use super::hypothesis::{ChosenEffect, Hypothesis};
+use super::search::Search;
+use super::shape_parameters::{ranges, ranges_of, shapes};
+
+/// Share of the range by which its ends must move for new knots.
+const MOVED: f64 = 0.05;
+
+/// The hypothesis with the knots of its last effect, a free curve, in the range that its variable covers now; the
+/// values there start on the old curve. `None` if the knots may stay where they are. Not fitted again.
+pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothesis> {
+    let study = search.study;
+    let chosen = hypothesis.effects.last()?;
+    let effect = &study.effects[chosen.effect];
+    let curve = effect.curve.as_ref()?;
+    let found = ranges(study, hypothesis, &[(chosen.effect, chosen.place.clone())]);
+    let range = |variable: &str| ranges_of(&found, chosen.effect, &chosen.place, variable);
+    let shape = shapes(effect, range).into_iter().next()?;
+    let ends = |values: &[(String, f64)]| {
+        let of = |name: &String| values.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
+        Some((curve.from.as_ref().map_or(Some(0.0), of)?, of(&curve.to)?))
+    };
+    let (old, new) = (ends(&chosen.fixed)?, ends(&shape)?);
+    let limit = MOVED * (new.1 - new.0).abs();
+    let stays = (old.0 - new.0).abs() <= limit && (old.1 - new.1).abs() <= limit;
+    if stays || new.1 <= new.0 {
+        return None;
+    }
+    let n = effect.amplitudes.len();
+    let values: Option<Vec<f64>> = effect
+        .amplitudes
+        .iter()
+        .map(|a| Some(hypothesis.estimate(&chosen.full_name(&a.name))?.0))
+        .collect();
+    let known = on_curve(curve, &curve.places(n, old), &values?);
+    let mut moved = hypothesis.clone();
+    for (a, x) in effect.amplitudes.iter().zip(curve.places(n, new)) {
+        let full = chosen.full_name(&a.name);
+        let free = moved.plan.free.iter_mut().find(|f| f.name == full)?;
+        free.start = Some(interpolated(&known, x));
+    }
+    let last: &mut ChosenEffect = moved.effects.last_mut()?;
+    for (name, value) in &mut last.fixed {
+        if let Some((_, moved)) = shape.iter().find(|(n, _)| n == name) {
+            *value = *moved;
+        }
+    }
+    Some(moved)
+}
+
+/// The points of a curve.
+fn on_curve(curve: &FreeCurve, places: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+    let zero = curve.is_zero_at_zero.then_some((0.0, 0.0));
+    zero.into_iter().chain(places.iter().copied().zip(values.iter().copied())).collect()
+}
+
+/// A value between points, or that of the nearest end.
+fn interpolated(points: &[(f64, f64)], x: f64) -> f64 {
+    let k = points.partition_point(|(p, _)| *p < x);
+    match (k.checked_sub(1).map(|j| points[j]), points.get(k).copied()) {
+        (Some((a, y)), Some((b, z))) => y + (z - y) * (x - a) / (b - a),
+        (Some((_, y)), None) | (None, Some((_, y))) => y,
+        (None, None) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn new_values_lie_on_the_old_curve() {
+        let curve = FreeCurve { is_zero_at_zero: true, ..FreeCurve::default() };
+        let points = on_curve(&curve, &[1.0, 2.0], &[10.0, 40.0]);
+        let values = [0.5, 1.5, 2.0, 9.0].map(|x| interpolated(&points, x));
+        assert_eq!(values, [5.0, 25.0, 40.0, 40.0]);
+    }
+}
