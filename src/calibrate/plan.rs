@@ -68,6 +68,8 @@ pub struct Condition {
     pub parameter: String,
     /// The unit of the column.
     pub unit: Unit,
+    /// Its name.
+    pub unit_name: String,
     /// Its place in the plan.
     pub span: Span,
 }

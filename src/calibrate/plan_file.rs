@@ -145,8 +145,8 @@ impl PlanReader<'_> {
             let Some((table, span)) = self.as_table(&column, value) else { continue };
             self.known(table, &["parameter", "unit"]);
             let parameter = self.required(table, "parameter", &span);
-            if let Some((unit, _)) = self.unit(table, &span) {
-                out.push(Condition { column, parameter, unit, span: self.at(&span) });
+            if let Some((unit, unit_name)) = self.unit(table, &span) {
+                out.push(Condition { column, parameter, unit, unit_name, span: self.at(&span) });
             }
         }
         out

@@ -357,6 +357,9 @@ pub struct Diagnose {
     /// Write measured and simulated values, before and after, as a table for each recording.
     #[arg(long)]
     pub tables: bool,
+    /// Find the recording that would tell most: its conditions, within the ranges of those at hand.
+    #[arg(long)]
+    pub next: bool,
     /// End the search after this time, s, with the best verdict so far.
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,

@@ -30,6 +30,7 @@ pub fn run(options: &Diagnose) -> Status {
         effects: options.effects.clone(),
         modelica_path: modelica_path(),
         policy: SearchPolicy::default(),
+        next: options.next,
     };
     let outcome = diagnose(&request, &mut session, &terminal);
     terminal.finish();

@@ -83,6 +83,13 @@ pub struct Form {
     pub is_zero_at_zero: bool,
 }
 
+impl Form {
+    /// One of its terms is proportional to the variable.
+    pub fn has_line(&self) -> bool {
+        self.terms.iter().any(|t| t.modelica == LINE.modelica)
+    }
+}
+
 /// A function of the variable and of the shape parameters.
 #[derive(Debug)]
 pub struct Term {
@@ -127,65 +134,71 @@ const SIGNED_SQUARE: Term =
     Term { modelica: "{u}*noEvent(abs({u}))", shown: "{u} |{u}|", value: |u, _| u * u.abs() };
 const CUBE: Term = Term { modelica: "{u}^3", shown: "{u}^3", value: |u, _| u * u * u };
 const POWER: Term = Term {
-    modelica: "Effects.regularPower({u}, n)",
-    shown: "{u}^n",
+    modelica: "Effects.regularPower({u}, exponent)",
+    shown: "{u}^exponent",
     value: |u, p| u.signum() * u.abs().powf(p[0]),
 };
 const EXPONENTIAL: Term =
-    Term { modelica: "exp({u}/w)", shown: "exp({u}/w)", value: |u, p| (u / p[0]).exp() };
+    Term { modelica: "exp({u}/width)", shown: "exp({u}/width)", value: |u, p| (u / p[0]).exp() };
 const GROWTH: Term = Term {
-    modelica: "(exp({u}/w) - 1)",
-    shown: "(exp({u}/w) - 1)",
+    modelica: "(exp({u}/width) - 1)",
+    shown: "(exp({u}/width) - 1)",
     value: |u, p| (u / p[0]).exp_m1(),
 };
 const SATURATION: Term =
-    Term { modelica: "tanh({u}/w)", shown: "tanh({u}/w)", value: |u, p| (u / p[0]).tanh() };
+    Term { modelica: "tanh({u}/width)", shown: "tanh({u}/width)", value: |u, p| (u / p[0]).tanh() };
 const STEP: Term = Term {
-    modelica: "tanh(({u} - c)/w)",
-    shown: "tanh(({u} - c)/w)",
+    modelica: "tanh(({u} - centre)/width)",
+    shown: "tanh(({u} - centre)/width)",
     value: |u, p| ((u - p[0]) / p[1]).tanh(),
 };
 const BELL: Term = Term {
-    modelica: "exp(-(({u} - c)/w)^2)",
-    shown: "exp(-(({u} - c)/w)^2)",
+    modelica: "exp(-(({u} - centre)/width)^2)",
+    shown: "exp(-(({u} - centre)/width)^2)",
     value: |u, p| (-((u - p[0]) / p[1]).powi(2)).exp(),
 };
-const SINE: Term =
-    Term { modelica: "sin(k*{u})", shown: "sin(k {u})", value: |u, p| (p[0] * u).sin() };
-const COSINE: Term =
-    Term { modelica: "cos(k*{u})", shown: "cos(k {u})", value: |u, p| (p[0] * u).cos() };
+const SINE: Term = Term {
+    modelica: "sin(wave_number*{u})",
+    shown: "sin(wave_number {u})",
+    value: |u, p| (p[0] * u).sin(),
+};
+const COSINE: Term = Term {
+    modelica: "cos(wave_number*{u})",
+    shown: "cos(wave_number {u})",
+    value: |u, p| (p[0] * u).cos(),
+};
 const HINGE: Term = Term {
-    modelica: "noEvent(max(0, {u} - c))",
-    shown: "max(0, {u} - c)",
+    modelica: "noEvent(max(0, {u} - centre))",
+    shown: "max(0, {u} - centre)",
     value: |u, p| (u - p[0]).max(0.0),
 };
 
 const EXPONENT: Shape = Shape {
-    name: "n",
-    starts: &[0.5, 0.6, 0.7, 0.8, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0],
-    range: (0.3, 6.0),
+    name: "exponent",
+    starts: &[0.5, 0.6, 0.7, 0.8, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0],
+    range: (0.3, 10.0),
     keeps_sign: false,
 };
 const SCALE: Shape = Shape {
-    name: "w",
+    name: "width",
     starts: &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, -0.05, -0.1, -0.2, -0.4, -0.8, -1.6],
     range: (1e-2, 1e2),
     keeps_sign: true,
 };
 const WIDTH: Shape = Shape {
-    name: "w",
+    name: "width",
     starts: &[0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2],
     range: (1e-2, 1e2),
     keeps_sign: false,
 };
 const CENTRE: Shape = Shape {
-    name: "c",
+    name: "centre",
     starts: &[-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9],
     range: (-2.0, 2.0),
     keeps_sign: false,
 };
 const WAVE_NUMBER: Shape = Shape {
-    name: "k",
+    name: "wave_number",
     starts: &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0],
     range: (0.2, 100.0),
     keeps_sign: false,
@@ -397,17 +410,17 @@ mod tests {
     fn a_power_of_the_pressure_difference() {
         let all = formulas(&[flow()]);
         let power = all.iter().find(|e| e.class == "FlowPowerLaw").unwrap();
-        assert_eq!(power.law, "m_flow = sign(dp) A (|dp|/dp_0)^n");
+        assert_eq!(power.law, "m_flow = sign(dp) A (|dp|/dp_0)^exponent");
         assert_eq!(power.name(), "Effects.FreeFlow");
         assert_eq!(
             power.formula.as_ref().unwrap().source,
-            "  model FlowPowerLaw \"m_flow = sign(dp) A (|dp|/dp_0)^n\"\n\
+            "  model FlowPowerLaw \"m_flow = sign(dp) A (|dp|/dp_0)^exponent\"\n\
              \x20   extends Effects.PartialLeak;\n\
              \x20   parameter Real A(unit = \"kg/s\") = 0 \"Amplitude\";\n\
-             \x20   parameter Real n(unit = \"1\") = 1 \"Shape\";\n\
+             \x20   parameter Real exponent(unit = \"1\") = 1 \"Shape\";\n\
              \x20   parameter Real dp_0(unit = \"Pa\") = 1 \"Scale of dp\";\n\
              \x20 equation\n\
-             \x20   m_flow = noEvent(sign(dp))*A*Effects.regularPower((noEvent(abs(dp))/dp_0), n);\n\
+             \x20   m_flow = noEvent(sign(dp))*A*Effects.regularPower((noEvent(abs(dp))/dp_0), exponent);\n\
              \x20 end FlowPowerLaw;\n"
         );
     }
@@ -426,7 +439,7 @@ mod tests {
         let sum =
             3.0 * (form.terms[0].value)(0.5, &[-0.4]) + 1.2 * (form.terms[1].value)(0.5, &[-0.4]);
         assert!((sum - (3.0 + 1.2 * (-1.25_f64).exp())).abs() < 1e-15);
-        assert_eq!(modelica(form, "u"), "(A + B*exp(u/w))");
+        assert_eq!(modelica(form, "u"), "(A + B*exp(u/width))");
     }
 
     #[test]

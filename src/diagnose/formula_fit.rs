@@ -19,44 +19,56 @@ use super::search::Search;
 
 /// Replaces the free curves of a diagnosis by formulas where the recordings support one.
 pub fn replace_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
-    let study = search.study;
     for k in 0..diagnosis.after.effects.len() {
-        let Some(chosen) = diagnosis.after.effects.get(k).cloned() else { return };
-        let same = diagnosis.after.effects.iter().filter(|c| c.group == chosen.group).count();
-        let Some(curve) = &study.effects[chosen.effect].curve else { continue };
-        let Some(knots) = Knots::of(search, &diagnosis.after, &chosen, curve).filter(|_| same == 1)
-        else {
-            continue;
-        };
-        let mut candidates: Vec<Candidate> = Vec::new();
-        for (effect, formula) in study.effects.iter().enumerate() {
-            let Some(formula) = formula.formula.as_ref().filter(|f| f.curve == chosen.effect)
-            else {
-                continue;
-            };
-            candidates.extend(knots.fitted(effect, formula.form));
-        }
-        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        let mut best: Option<Hypothesis> = None;
-        for candidate in candidates.iter().take(search.policy().fitted_formulas) {
-            if !search.may_continue() {
-                break;
-            }
-            let fitted = candidate.hypothesis(search, &diagnosis.after, k, curve, &knots);
-            let Some(fitted) = fitted else { continue };
-            let (label, law) = (fitted.effects[k].name.clone(), fitted.chi2_train());
-            let validation = fitted.chi2_validation();
-            search.note(&format!("formula {label}: {law:.4}, validation {validation:.4}"));
-            let criterion = fitted.total_criterion();
-            if best.as_ref().is_none_or(|b| criterion < b.total_criterion()) {
-                best = Some(fitted);
-            }
-        }
         let limit = diagnosis.after.total_criterion() + search.policy().evidence;
-        if let Some(best) = best.filter(|b| b.total_criterion() < limit && b.is_determined(study)) {
+        if let Some(best) = formula_instead(search, &diagnosis.after, k)
+            && best.total_criterion() < limit
+        {
             accept_instead(search, diagnosis, best);
         }
     }
+}
+
+/// The hypothesis with the best formula in the place of its effect `k`. `None` if that is no free curve, or if the
+/// recordings determine none of the formulas.
+pub fn formula_instead(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    k: usize,
+) -> Option<Hypothesis> {
+    let study = search.study;
+    let chosen = hypothesis.effects.get(k)?;
+    let curve = study.effects[chosen.effect].curve.as_ref()?;
+    if hypothesis.effects.iter().filter(|c| c.group == chosen.group).count() > 1 {
+        return None;
+    }
+    let knots = Knots::of(search, hypothesis, chosen, curve)?;
+    let forms = study.effects.iter().enumerate().filter_map(|(effect, e)| {
+        let formula = e.formula.as_ref().filter(|f| f.curve == chosen.effect)?;
+        Some((effect, formula.form))
+    });
+    let mut candidates: Vec<Candidate> =
+        forms.filter_map(|(effect, form)| knots.fitted(effect, form)).collect();
+    candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let mut best: Option<Hypothesis> = None;
+    for candidate in candidates.iter().take(search.policy().fitted_formulas) {
+        if !search.may_continue() {
+            break;
+        }
+        let fitted = candidate.hypothesis(search, hypothesis, k, curve, &knots);
+        let Some(fitted) = fitted else { continue };
+        let (train, validation) = (fitted.chi2_train(), fitted.chi2_validation());
+        search.note(&format!(
+            "formula {}: {train:.4}, validation {validation:.4}",
+            fitted.effects[k].name
+        ));
+        let criterion = fitted.total_criterion();
+        let is_better = best.as_ref().is_none_or(|b| criterion < b.total_criterion());
+        if is_better && fitted.is_determined(study) {
+            best = Some(fitted);
+        }
+    }
+    best
 }
 
 /// A fitted curve.
@@ -65,6 +77,8 @@ struct Knots {
     y: Vec<f64>,
     /// One over the standard error of each value.
     weights: Vec<f64>,
+    /// Other parameters of the model take a share of the curve, which is taken to be proportional to its variable.
+    is_shared: bool,
     /// The value of the variable from which `u` is counted.
     middle: f64,
     /// The value by which it is divided.
@@ -75,7 +89,7 @@ struct Knots {
 const LEAST_ERROR: f64 = 0.01;
 
 impl Knots {
-    /// The knots of a curve; `None` if fewer than three are determined.
+    /// The knots of a curve that are determined, or all if none is; `None` if fewer than three.
     fn of(
         search: &Search<'_>,
         hypothesis: &Hypothesis,
@@ -93,8 +107,15 @@ impl Knots {
             .into_iter()
             .zip(estimates)
             .filter_map(|(x, estimate)| estimate.map(|(y, error)| (x, y, error)))
-            .filter(|(.., error)| error.is_finite())
             .collect();
+        // Where other parameters take a share of the whole curve, no value has an error, and all count the same.
+        let determined: Vec<_> = known.iter().copied().filter(|k| k.2.is_finite()).collect();
+        let is_shared = determined.is_empty();
+        let known = if is_shared {
+            known.into_iter().map(|(x, y, _)| (x, y, 0.0)).collect()
+        } else {
+            determined
+        };
         let greatest = known.iter().map(|(_, y, _)| y.abs()).fold(0.0, f64::max);
         if known.len() < 3 || greatest == 0.0 || high <= low {
             return None;
@@ -110,6 +131,7 @@ impl Knots {
             weights: known.iter().map(weight).collect(),
             x: known.iter().map(|k| k.0).collect(),
             y: known.iter().map(|k| k.1).collect(),
+            is_shared,
             middle,
             scale,
         })
@@ -117,8 +139,8 @@ impl Knots {
 
     /// A form fitted to the knots: the best of its shapes.
     fn fitted(&self, effect: usize, form: &'static Form) -> Option<Candidate> {
-        let parameters = form.terms.len() + form.shapes.len();
-        if parameters >= self.x.len() {
+        let parameters = form.terms.len() + form.shapes.len() + usize::from(self.is_shared);
+        if parameters >= self.x.len() || self.is_shared && form.has_line() {
             return None;
         }
         let mut best: Option<Candidate> = None;
@@ -134,12 +156,13 @@ impl Knots {
 
     /// The amplitudes of least squares for given shapes, and the weighted sum of squares that is left.
     fn amplitudes(&self, form: &Form, shapes: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let n = form.terms.len();
+        let n = form.terms.len() + usize::from(self.is_shared);
         let mut normal = NormalEquations::new(n);
         for ((x, y), weight) in self.x.iter().zip(&self.y).zip(&self.weights) {
             let u = (x - self.middle) / self.scale;
-            let slopes: Vec<f64> =
-                form.terms.iter().map(|t| (t.value)(u, shapes) * weight).collect();
+            let share = self.is_shared.then_some(u * weight);
+            let terms = form.terms.iter().map(|t| (t.value)(u, shapes) * weight);
+            let slopes: Vec<f64> = terms.chain(share).collect();
             normal.add(-y * weight, &slopes);
         }
         if !normal.is_finite() {
@@ -150,6 +173,7 @@ impl Knots {
         let mut step: Vec<f64> = normal.gradient.iter().map(|g| -g).collect();
         lu.solve_in_place(&mut step);
         let cost = normal.after(&step);
+        step.truncate(form.terms.len());
         (cost.is_finite() && step.iter().all(|a| a.is_finite())).then_some((step, cost.max(0.0)))
     }
 }
@@ -187,6 +211,13 @@ impl Candidate {
         let mut plan: Plan = from.plan.clone();
         let is_old = |name: &String| old.fitted.iter().any(|p| *name == old.full_name(p));
         plan.free.retain(|free| !free.targets.iter().any(is_old));
+        if knots.is_shared {
+            // Their values belong to the whole curve, of which they have a share.
+            for free in &mut plan.free {
+                let planned = study.plan.free.iter().find(|f| f.name == free.name);
+                free.start = planned.map_or(free.start, |f| f.start);
+            }
+        }
         chosen.fitted.clear();
         let amplitudes = effect.amplitudes.iter().map(|a| a.name.clone()).zip(&self.amplitudes);
         let shapes = self.form.shapes.iter().zip(&self.shapes);
@@ -248,7 +279,7 @@ mod tests {
     fn knots(f: impl Fn(f64) -> f64) -> Knots {
         let x: Vec<f64> = (0..8).map(|k| 0.25 * f64::from(k)).collect();
         let y: Vec<f64> = x.iter().map(|x| f(*x)).collect();
-        Knots { weights: vec![100.0; 8], x, y, middle: 0.0, scale: 2.0 }
+        Knots { weights: vec![100.0; 8], x, y, is_shared: false, middle: 0.0, scale: 2.0 }
     }
 
     /// The form that describes a function best, with its amplitudes and shapes.

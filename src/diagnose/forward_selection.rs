@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::candidate_fit::CandidateFits;
+use super::formula_fit::formula_instead;
 use super::hypothesis::Hypothesis;
 use super::rank::{Scored, rank};
 use super::result::Diagnosis;
@@ -43,6 +44,7 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
             let mut hypotheses =
                 CandidateFits { search, from, proposals: &proposals, depth, give_up_above: None }
                     .run();
+            with_formulas(search, &mut hypotheses);
             let supported = |h: &Hypothesis| {
                 h.is_supported_over(from, search.study) && h.train.total() < total - notable
             };
@@ -59,6 +61,19 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         if !accepted {
             break;
         }
+    }
+}
+
+/// Where the best hypothesis is a free curve of which other parameters take a share, so that nothing determines it: adds
+/// the best formula in its place.
+fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
+    let Some(best) = hypotheses.first().filter(|h| !h.is_determined(search.study)) else { return };
+    if let Some(formula) = formula_instead(search, best, best.effects.len() - 1) {
+        let criterion = formula.total_criterion();
+        let is_worse =
+            |h: &Hypothesis| h.is_determined(search.study) && h.total_criterion() > criterion;
+        let place = hypotheses.iter().position(is_worse).unwrap_or(hypotheses.len());
+        hypotheses.insert(place, formula);
     }
 }
 

@@ -7,8 +7,11 @@ use crate::io::json::Json;
 use super::balance::Balance;
 use super::catalogue::Effect;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::next_experiment::{ConditionValue, Gain, NextExperiment};
 use super::result::{Verdict, rmse_of, sentences, unit};
+use super::rivals::{Sensor, rivals};
 use super::run::Outcome;
+use super::study::Study;
 
 /// The text of the file. `amended_model`: name of the file of the amended model.
 pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> String {
@@ -44,6 +47,8 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         ("effects", Json::list(effects)),
         ("alternatives", Json::list(alternatives)),
         ("indistinguishable", indistinguishable(outcome)),
+        ("sensors", Json::list(outcome.sensors.iter().map(sensor))),
+        ("next", outcome.next.iter().flatten().next().map_or(Json::null(), |n| next(study, n))),
         ("before", quality(&study.data, &diagnosis.before)),
         ("after", quality(&study.data, &diagnosis.after)),
         ("balances", Json::list(outcome.balances.iter().map(balance_json))),
@@ -114,25 +119,51 @@ fn effect_json(
 /// with the one that was found.
 fn indistinguishable(outcome: &Outcome) -> Json {
     let Outcome { study, diagnosis, .. } = outcome;
-    let after = &diagnosis.after;
-    let limit = after.bic() + study.policy.evidence;
-    let number = groups(&after.effects).count();
-    let mut alike: Vec<&Hypothesis> = Vec::new();
-    for rejected in &diagnosis.rejected {
-        let same = |other: &&Hypothesis| other.has_same_effects(rejected);
-        let known = after.has_same_effects(rejected) || alike.iter().any(same);
-        if rejected.bic() < limit && groups(&rejected.effects).count() == number && !known {
-            alike.push(rejected);
-        }
-    }
-    if after.effects.is_empty() || alike.is_empty() {
+    let alike = rivals(study, diagnosis);
+    if alike.is_empty() {
         return Json::list([]);
     }
-    let last = |h: &Hypothesis| {
-        groups(&h.effects).last().map_or(Json::null(), |group| named(&study.effects, group))
-    };
-    let all = std::iter::once(after).chain(alike).map(last);
+    let all = std::iter::once(&diagnosis.after).chain(alike).map(|h| last(study, h));
     Json::list([Json::list(all.collect::<Vec<_>>())])
+}
+
+/// The effect that a hypothesis has added last, and its place.
+fn last(study: &Study, hypothesis: &Hypothesis) -> Json {
+    groups(&hypothesis.effects).last().map_or(Json::null(), |group| named(&study.effects, group))
+}
+
+fn sensor(sensor: &Sensor) -> Json {
+    Json::object([
+        ("variable", Json::text(sensor.variable.as_str())),
+        ("unit", Json::text(sensor.unit.as_str())),
+        ("difference", Json::number(sensor.difference)),
+        ("share_of_range", Json::number(sensor.share)),
+    ])
+}
+
+/// The recording that would tell most.
+fn next(study: &Study, next: &NextExperiment) -> Json {
+    let condition = |c: &ConditionValue| {
+        let members = [("value", Json::number(c.value)), ("unit", Json::text(c.unit.as_str()))];
+        (c.column.clone(), Json::object(members))
+    };
+    let gain =
+        |g: Gain| [("expected", Json::number(g.best)), ("of_random", Json::number(g.random))];
+    let separates = next.separation.map_or(Json::null(), |separation| {
+        let from = Json::list(next.rivals.iter().map(|r| last(study, r)));
+        let members = [("from", from)].into_iter().chain(gain(separation));
+        Json::object(members.collect::<Vec<_>>())
+    });
+    let narrows = next.narrowed.as_ref().map_or(Json::null(), |n| {
+        let own =
+            [("parameter", Json::text(n.parameter.as_str())), ("stderr", Json::number(n.error))];
+        Json::object(own.into_iter().chain(gain(n.expected)).collect::<Vec<_>>())
+    });
+    Json::object([
+        ("conditions", Json::object(next.conditions.iter().map(condition).collect::<Vec<_>>())),
+        ("separates", separates),
+        ("narrows", narrows),
+    ])
 }
 
 /// What an effect is, by name: its class, or a parameter that varies.

@@ -11,6 +11,8 @@ use crate::report::scale::pretty;
 
 use super::balance::{Balance, Profile};
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::next_experiment::Prediction;
+use super::next_text::{label, lines};
 use super::rank::Scored;
 use super::residual::residuals;
 use super::result::{Diagnosis, Verdict, estimates, rmse_of, sentences};
@@ -52,6 +54,9 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
         }
     }
     for line in noise_lines(outcome) {
+        out.push_str(&format!("  {line}\n"));
+    }
+    for line in lines(outcome) {
         out.push_str(&format!("  {line}\n"));
     }
     for repair in &study.data.repairs {
@@ -127,6 +132,10 @@ pub fn html(outcome: &Outcome) -> String {
         let text = unbalanced(&outcome.balances, &outcome.contributions);
         page.section("balances", "Balances that do not close", &text);
     }
+    let next = lines(outcome);
+    if !next.is_empty() {
+        page.section("next", "Next experiment", &next_section(study, outcome, &next));
+    }
     for (depth, ranking) in diagnosis.rankings.iter().enumerate() {
         let cost = if depth == 0 { diagnosis.before.train.total() } else { after.train.total() };
         let mut text = "<p>Share of the sum of squares that each effect promises to explain, before any is fitted.</p>\n".to_owned();
@@ -150,6 +159,30 @@ pub fn html(outcome: &Outcome) -> String {
         page.section("amended", "Additions to the model", &text);
     }
     page.finish()
+}
+
+/// The next experiment in words, and the readings that each hypothesis predicts for it.
+fn next_section(study: &Study, outcome: &Outcome, lines: &[String]) -> String {
+    let line = |text: &String| format!("<p>{}</p>\n", escaped(&sentence_case(text.trim())));
+    let mut out: String = lines.iter().map(line).collect();
+    let Some(next) = outcome.next.as_ref().and_then(Option::as_ref) else { return out };
+    let hypotheses = std::iter::once(&outcome.diagnosis.after).chain(&next.rivals);
+    let names: Vec<String> = hypotheses.map(|h| label(study, h)).collect();
+    let panel = |(k, signal): (usize, &Signal)| {
+        let curve = |(colour, p): (usize, &Prediction)| Curve {
+            name: names[colour].clone(),
+            x: p.time.clone(),
+            y: p.signals[k].clone(),
+            stroke: Stroke::Line,
+            colour,
+        };
+        let curves = next.predictions.iter().enumerate().map(curve).collect();
+        let (label, unit) = (signal.column.clone(), signal.unit_name.clone());
+        Panel { label, display_unit: unit.clone(), unit, curves, height: Some(160) }
+    };
+    let panels: Vec<Panel> = study.plan.signals.iter().enumerate().map(panel).collect();
+    out.push_str(&figure("next", &panels));
+    out
 }
 
 /// Balances to list.

@@ -123,7 +123,7 @@ pub struct SearchPolicy {
     /// Default 0.1.
     pub parametric_excess: f64,
 
-    /// Formulas that are fitted in the place of a free curve. Default 4.
+    /// Formulas that are fitted in the place of a free curve. Default 6.
     pub fitted_formulas: usize,
 
     /// Candidates from which pairs are formed. Default 120. The number of pairs grows with its square.
@@ -192,7 +192,7 @@ impl Default for SearchPolicy {
             parametric_share: 0.95,
             parametric_factor: 5.0,
             parametric_excess: 0.1,
-            fitted_formulas: 4,
+            fitted_formulas: 6,
             pair_candidates: 120,
             fitted_pairs: 8,
             pairs_per_member: 3,

@@ -19,11 +19,13 @@ use super::catalogue::{Effect, Packages, catalogue, of_folder, unknowns};
 use super::cause::CatalogueCause;
 use super::formula::formulas;
 use super::law_choice::choices;
+use super::next_experiment::{NextExperiment, next_experiment};
 use super::noise::noise;
 use super::place::why_nowhere;
 use super::policy::SearchPolicy;
 use super::residual::test_sums;
 use super::result::{Diagnosis, Verdict};
+use super::rivals::{Sensor, sensors};
 use super::search::diagnose;
 use super::study::{DiagnosisError, Study};
 use super::variation::VariationTargets;
@@ -44,6 +46,8 @@ pub struct Request {
     pub modelica_path: Option<OsString>,
     /// Limits, thresholds and stopping rules.
     pub policy: SearchPolicy,
+    /// Also find the recording that would tell most.
+    pub next: bool,
 }
 
 /// A finished diagnosis.
@@ -63,6 +67,10 @@ pub struct Outcome {
     pub amended: Option<AmendedModel>,
     /// The diagnosis was not cancelled.
     pub complete: bool,
+    /// Variables whose measurement would tell the effects that were found from those that explain as much.
+    pub sensors: Vec<Sensor>,
+    /// The recording that would tell most, if it was asked for; `None` within if there is nothing to choose.
+    pub next: Option<Option<NextExperiment>>,
 }
 
 impl Outcome {
@@ -117,7 +125,19 @@ pub fn run(
     let is_explained = diagnosis.verdict(&study.policy) != Verdict::Unexplained;
     let amended = amended(&study, &diagnosis, &original).filter(|_| is_explained);
     let (balances, contributions) = (all, contributed);
-    Ok(Outcome { study, diagnosis, balances, contributions, original, amended, complete })
+    let sensors = if complete { sensors(&study, &diagnosis) } else { Vec::new() };
+    let next = (request.next && complete).then(|| next_experiment(&study, &diagnosis));
+    Ok(Outcome {
+        study,
+        diagnosis,
+        balances,
+        contributions,
+        original,
+        amended,
+        complete,
+        sensors,
+        next,
+    })
 }
 
 /// Reads and checks everything before the search: the study, and the unknown inflows for balances.

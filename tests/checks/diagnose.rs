@@ -251,6 +251,7 @@ fn a_partial_explanation_is_no_effect() {
         effects: None,
         modelica_path: None,
         policy: SearchPolicy::default(),
+        next: false,
     };
     #[derive(Default)]
     struct Watcher(RefCell<Vec<String>>);
@@ -560,6 +561,7 @@ fn a_front_end_observes_and_cancels() {
         effects: None,
         modelica_path: None,
         policy: SearchPolicy::default(),
+        next: false,
     };
     let front_end = FrontEnd::default();
     let outcome = run(&request, &mut Session::default(), &front_end).expect("an outcome");

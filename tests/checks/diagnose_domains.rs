@@ -9,6 +9,7 @@ use super::door::{Case, Reading, Scratch, suite_model};
 use super::program::mocc;
 
 /// A model, what its recordings come from, and how they are made.
+#[derive(Clone, Copy)]
 struct Study<'a> {
     model: &'a str,
     truth: &'a str,
@@ -22,6 +23,12 @@ struct Study<'a> {
 impl Study<'_> {
     /// The diagnosis, and the folder it is in.
     fn diagnose(&self) -> (Value, Scratch) {
+        let scratch = self.written();
+        (read(&scratch, &["diagnose", "plan.toml", "--out", "out"], "diagnosis"), scratch)
+    }
+
+    /// A folder with the model, the plan and the recordings.
+    fn written(&self) -> Scratch {
         let scratch = Scratch::new();
         let model = suite_model(&format!("diagnose/domains/{}", self.model));
         let truth = model.clone() + &suite_model(&format!("diagnose/domains/{}", self.truth));
@@ -38,10 +45,7 @@ impl Study<'_> {
             scratch.file(&format!("{k}.csv"), &self.recording(&truth, k));
         }
         scratch.file("table.csv", &table);
-        let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
-        assert_eq!((ended.status, ended.err.as_str()), (0, ""));
-        let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json"));
-        (serde_json::from_str(&text.expect("a file")).expect("JSON"), scratch)
+        scratch
     }
 
     fn plan(&self) -> String {
@@ -95,6 +99,14 @@ impl Study<'_> {
         }
         text
     }
+}
+
+/// What a command writes to `out/NAME.json`.
+fn read(scratch: &Scratch, arguments: &[&str], name: &str) -> Value {
+    let ended = mocc(scratch.path(), arguments);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let text = std::fs::read_to_string(scratch.path().join(format!("out/{name}.json")));
+    serde_json::from_str(&text.expect("a file")).expect("JSON")
 }
 
 /// Checks that one effect was found, with its parameters, and that the amended model runs.
@@ -235,6 +247,66 @@ fn another_law_of_the_model_is_found() {
     };
     let (found, scratch) = study.diagnose();
     assert_found(&found, &scratch, "Drag.Quadratic", "drag", &[("c", 0.7, 0.01)]);
+}
+
+/// `i = 5 mA (v/3 V)^5`: no law of the library, so the curve over the voltage becomes a formula. The amplitude is that at
+/// the scale of the formula.
+#[test]
+fn a_law_that_the_library_lacks_becomes_a_formula() {
+    let study = Study {
+        model: "rectifier",
+        truth: "varistor_truth",
+        conditions: &[("U", &[5.0, 10.0, 12.0, 8.0]), ("f", &[5.0, 8.0, 4.0, 6.0])],
+        signals: &[("store.v", "V", 0.02)],
+        free: &["line.R", "store.C"],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(
+        &found,
+        &scratch,
+        "Effects.FreeCurrentOverVoltage",
+        "store",
+        &[("exponent", 5.0, 0.3)],
+    );
+    let effect = &found["effects"][0];
+    assert_eq!(effect["law"], "i = A ((v - v_m)/v_0)^exponent", "{effect:#}");
+    let amended = found["amended_model"].as_str().expect("a name");
+    let text = std::fs::read_to_string(scratch.path().join("out").join(amended)).expect("a model");
+    assert!(text.contains("i = A*Effects.regularPower(((v - v_m)/v_0), exponent);"), "{text}");
+}
+
+/// The error that the next experiment promises is the one that a fit with its recording has, and smaller than that with
+/// a recording under average conditions.
+#[test]
+fn the_next_experiment_keeps_its_promise() {
+    let study = Study {
+        model: "fan",
+        truth: "fan_itself",
+        conditions: &[("U", &[6.0, 12.0, 18.0, 9.0])],
+        signals: &[("rotor.w", "rad/s", 0.4), ("armature.i", "A", 0.02)],
+        free: &["rotor.J", "armature.k", "bearing.d"],
+    };
+    let diagnose = ["diagnose", "plan.toml", "--next", "--out", "out"];
+    let found = read(&study.written(), &diagnose, "diagnosis");
+    assert_eq!(found["verdict"], "complete");
+    let narrows = &found["next"]["narrows"];
+    let number = |v: &Value| v.as_f64().expect("a number");
+    let name = narrows["parameter"].as_str().expect("a name");
+    let error_with = |u: Option<f64>| {
+        let voltages: Vec<f64> = [6.0, 12.0, 18.0].into_iter().chain(u).chain([9.0]).collect();
+        let conditions = [("U", voltages.as_slice())];
+        let written = Study { conditions: &conditions, ..study }.written();
+        let calibrate = ["calibrate", "plan.toml", "--no-profiles", "--out", "out"];
+        let fit = read(&written, &calibrate, "calibration");
+        let all = fit["parameters"].as_array().expect("a list");
+        let own = all.iter().find(|p| p["name"] == name).expect("the parameter");
+        number(&own["standard_error"])
+    };
+    let next = number(&found["next"]["conditions"]["U"]["value"]);
+    let near = |a: f64, b: f64, share: f64| assert!((a - b).abs() < share * b, "{a} is not {b}");
+    near(number(&narrows["stderr"]), error_with(None), 0.02);
+    near(number(&narrows["expected"]), error_with(Some(next)), 0.05);
+    assert!(error_with(Some(next)) < error_with(Some(8.0)), "{narrows}");
 }
 
 /// What is said of a folder of effects.

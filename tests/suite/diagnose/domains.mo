@@ -263,3 +263,28 @@ end Sled;
 model Truth "The drag is quadratic"
   extends Sled(drag = Drag.Quadratic, c = 0.7);
 end Truth;
+
+//@ case fan_itself
+//@ used by diagnose_domains.rs
+model Truth
+  extends Motor;
+end Truth;
+
+//@ case varistor_truth
+//@ used by diagnose_domains.rs
+model Varistor "A current past the capacitor"
+  Pole p;
+  Pole n;
+  Real v = p.potential - n.potential;
+equation
+  p.current = 5e-3*(v/3)^5;
+  n.current = -p.current;
+end Varistor;
+
+model Truth
+  extends Rectifier;
+  Varistor varistor;
+equation
+  connect(varistor.p, store.p);
+  connect(varistor.n, store.n);
+end Truth;

@@ -1,0 +1,68 @@
+//! The next experiment and the sensors that would help, in words.
+
+use crate::calibrate::table::rmse_shown;
+
+use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::next_experiment::{Gain, NextExperiment};
+use super::rivals::Sensor;
+use super::run::Outcome;
+use super::study::Study;
+
+/// Lines about the effects that cannot be told apart, the sensors that would tell them apart and the next experiment.
+pub fn lines(outcome: &Outcome) -> Vec<String> {
+    let mut out: Vec<String> = outcome.sensors.iter().map(sensor).collect();
+    match &outcome.next {
+        None => {}
+        Some(None) => out.push(
+            "next experiment: the plan has no conditions that vary between recordings, so there is nothing to choose"
+                .to_owned(),
+        ),
+        Some(Some(next)) => out.extend(experiment(&outcome.study, next)),
+    }
+    out
+}
+
+fn sensor(sensor: &Sensor) -> String {
+    format!(
+        "a sensor of {} would tell them apart: they differ by up to {} {}, {:.0} % of its range",
+        sensor.variable,
+        rmse_shown(sensor.difference),
+        sensor.unit,
+        100.0 * sensor.share
+    )
+}
+
+fn experiment(study: &Study, next: &NextExperiment) -> Vec<String> {
+    let conditions: Vec<String> = next
+        .conditions
+        .iter()
+        .map(|c| format!("{} = {} {}", c.column, c.value, c.unit).trim_end().to_owned())
+        .collect();
+    let mut out = vec![format!("next experiment: {}", conditions.join(", "))];
+    if let Some(Gain { best, random }) = next.separation {
+        let rivals: Vec<String> = next.rivals.iter().map(|r| label(study, r)).collect();
+        out.push(format!(
+            "  tells it from {}: expected chi-square difference {best:.3e}, {random:.3e} under random conditions",
+            rivals.join(", ")
+        ));
+    }
+    if let Some(narrowed) = &next.narrowed {
+        let Gain { best, random } = narrowed.expected;
+        out.push(format!(
+            "  narrows {}: standard error {:.1e} to {best:.1e}, {random:.1e} under random conditions",
+            narrowed.parameter, narrowed.error
+        ));
+    }
+    out
+}
+
+/// The effects of a hypothesis and their places.
+pub fn label(study: &Study, hypothesis: &Hypothesis) -> String {
+    let one = |group: &[ChosenEffect]| {
+        let at: Vec<&str> =
+            group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
+        format!("{} at {}", study.effects[group[0].effect].name(), at.join(", "))
+    };
+    let all: Vec<String> = groups(&hypothesis.effects).map(one).collect();
+    if all.is_empty() { "the model without effects".to_owned() } else { all.join(" and ") }
+}

@@ -1,0 +1,116 @@
+//! The hypotheses that the recordings cannot tell from the best one, and the sensors that would.
+
+use crate::base::diag::Problems;
+use crate::calibrate::data::{Recording, Split};
+use crate::calibrate::problem::Problem;
+
+use super::hypothesis::{Hypothesis, attached, groups};
+use super::result::Diagnosis;
+use super::study::Study;
+
+/// The rejected hypotheses that the recordings support as well as the best one: as many effects, others than its own,
+/// and a criterion within the policy's evidence.
+pub fn rivals<'d>(study: &Study, diagnosis: &'d Diagnosis) -> Vec<&'d Hypothesis> {
+    let after = &diagnosis.after;
+    let limit = after.total_criterion() + study.policy.evidence;
+    let number = groups(&after.effects).count();
+    let mut alike: Vec<&Hypothesis> = Vec::new();
+    for rejected in &diagnosis.rejected {
+        let same = |other: &&Hypothesis| other.has_same_effects(rejected);
+        let known = after.has_same_effects(rejected) || alike.iter().any(same);
+        let is_alike = rejected.total_criterion() < limit;
+        if is_alike && groups(&rejected.effects).count() == number && !known && number > 0 {
+            alike.push(rejected);
+        }
+    }
+    alike
+}
+
+/// A variable that nobody measures, and by how much the rivals differ in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    /// The variable.
+    pub variable: String,
+    /// Its unit.
+    pub unit: String,
+    /// The greatest difference to the closest rival, in SI units.
+    pub difference: f64,
+    /// The same as a share of the range that the variable covers.
+    pub share: f64,
+}
+
+/// Sensors that are reported.
+const REPORTED: usize = 3;
+/// Share of the range of a variable below which a difference is not worth a sensor.
+const WORTHWHILE: f64 = 0.01;
+
+/// Share of the greatest value with its unit below which a variable is zero but for rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The variables whose measurement would tell the best hypothesis from its rivals: those in which they differ most,
+/// relative to the range of the variable. Empty without rivals.
+pub fn sensors(study: &Study, diagnosis: &Diagnosis) -> Vec<Sensor> {
+    let rivals = rivals(study, diagnosis);
+    let longest = study.data.of(Split::Train).max_by_key(|r| r.time.len());
+    let Some(recording) = longest.filter(|_| !rivals.is_empty()) else { return Vec::new() };
+    let measured = |name: &String| study.plan.signals.iter().any(|s| s.variable == *name);
+    let names: Vec<String> = study.variables.iter().filter(|v| !measured(v)).cloned().collect();
+    let Some(own) = courses(study, &diagnosis.after, recording, &names) else { return Vec::new() };
+    let mut found: Vec<Sensor> = own
+        .iter()
+        .map(|(variable, unit, _)| {
+            let (variable, unit) = (variable.clone(), unit.clone());
+            Sensor { variable, unit, difference: f64::INFINITY, share: f64::INFINITY }
+        })
+        .collect();
+    for rival in rivals {
+        let Some(other) = courses(study, rival, recording, &names) else { continue };
+        for (sensor, (name, _, course)) in found.iter_mut().zip(&own) {
+            let Some((.., of_rival)) = other.iter().find(|(n, ..)| n == name) else { continue };
+            let difference =
+                course.iter().zip(of_rival).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let (low, high) = course
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+            let share = if high > low { difference / (high - low) } else { 0.0 };
+            if share < sensor.share {
+                (sensor.difference, sensor.share) = (difference, share);
+            }
+        }
+    }
+    // A variable that is zero but for rounding has no range.
+    let size = |course: &[f64]| course.iter().map(|v| v.abs()).fold(0.0, f64::max);
+    let greatest = |unit: &str| {
+        let same = own.iter().filter(|(_, u, _)| u == unit);
+        same.map(|(.., course)| size(course)).fold(0.0, f64::max)
+    };
+    let mut is_real = own.iter().map(|(_, unit, course)| size(course) > ROUNDING * greatest(unit));
+    found.retain(|_| is_real.next().unwrap_or(false));
+    found.retain(|s| s.share.is_finite() && s.share > WORTHWHILE);
+    found.sort_by(|a, b| b.share.total_cmp(&a.share));
+    found.truncate(REPORTED);
+    found
+}
+
+/// The recorded variables of a hypothesis under the conditions of a recording: name, unit and values.
+fn courses(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    recording: &Recording,
+    names: &[String],
+) -> Option<Vec<(String, String, Vec<f64>)>> {
+    let plan = &hypothesis.plan;
+    let (session, program) =
+        study.compile(plan, &attached(study, &hypothesis.effects), names).ok()?;
+    let mut problems = Problems::new();
+    let problem = Problem::new(&program, &session.sources, plan, &study.data, &mut problems)?;
+    let recorded: Vec<String> =
+        program.recorded.iter().map(|v| program.name(*v).to_owned()).collect();
+    let wanted: Vec<String> = names.iter().filter(|n| recorded.contains(n)).cloned().collect();
+    let values = problem.others(recording, &problem.start(), &wanted).ok()?;
+    let unit = |name: &String| {
+        let v = program.recorded.iter().find(|v| program.name(**v) == name);
+        v.map_or(String::new(), |v| program.blocks.dae.variables[*v].unit.to_string())
+    };
+    Some(wanted.iter().zip(values).map(|(n, v)| (n.clone(), unit(n), v)).collect())
+}
