@@ -9,7 +9,7 @@ use super::{Status, interrupt, modelica_path, print};
 use crate::diagnose::policy::SearchPolicy;
 use crate::diagnose::run::{Outcome, Request, RunError, run as diagnose};
 use crate::diagnose::study::DiagnosisError;
-use crate::diagnose::{json, page, residual};
+use crate::diagnose::{json, page, residual, summary};
 use crate::driver::compile::Session;
 use crate::io::atomic_file::write_file;
 use crate::io::csv::write_csv;
@@ -51,7 +51,7 @@ pub fn run(options: &Diagnose) -> Status {
             return Status::Usage;
         }
     };
-    let mut text = page::summary(&outcome, seconds);
+    let mut text = summary::summary(&outcome, seconds);
     let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
     text.push_str(&format!("wrote {}\n", names.join(", ")));
     match print(&text) {

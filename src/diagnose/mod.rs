@@ -1,7 +1,7 @@
 //! Finding the physical effects that a model lacks.
 //!
 //! *In:* a plan, its recordings and the catalogue of effects ([`catalogue`]). *Out:* a verdict, the effects
-//! with their parameters ([`result`]), an amended model ([`amended_model`]), a page ([`page`]) and
+//! with their parameters ([`result`]), an amended model ([`amended_model`]), a [`summary`], a page ([`page`]) and
 //! `diagnosis.json` ([`json`]). [`run`] is the whole workflow for any front end.
 //!
 //! A [`hypothesis`] is the model with certain effects at certain places, fitted to the recordings. The
@@ -43,4 +43,5 @@ pub mod score;
 pub mod search;
 pub mod shape_parameters;
 pub mod study;
+pub mod summary;
 pub mod variation;

@@ -1,8 +1,9 @@
-//! The summary of a diagnosis for the terminal, and its self-contained HTML page.
+//! The self-contained HTML page of a diagnosis: the verdict, the recordings before and after, the missing flow, the
+//! additions to the model, and the evidence below.
 
 use crate::calibrate::data::Split;
 use crate::calibrate::plan::Signal;
-use crate::calibrate::table::{rmse_shown, shown};
+use crate::calibrate::table::shown;
 use crate::report::markup::escaped;
 use crate::report::page::diff::unified;
 use crate::report::page::figure::{Curve, Panel, Stroke, figure, figure_over};
@@ -14,81 +15,14 @@ use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::Prediction;
 use super::next_text::{label, lines};
 use super::rank::Scored;
-use super::residual::residuals;
+use super::residual::{Residual, residuals};
 use super::result::{Diagnosis, Verdict, estimates, rmse_of, sentences};
 use super::run::Outcome;
 use super::study::Study;
+use super::summary::{ENDED_EARLY, noise_lines, partial, sentence_case};
 
 /// Rows of a ranking to show.
 const RANKED: usize = 15;
-
-/// The summary for the terminal.
-pub fn summary(outcome: &Outcome, seconds: f64) -> String {
-    let Outcome { study, diagnosis, .. } = outcome;
-    let (before, after) = (&diagnosis.before, &diagnosis.after);
-    let mut out = format!("{}: {}\n", study.base, outcome.verdict().name());
-    if !outcome.complete {
-        out.push_str(&format!("  {ENDED_EARLY}\n"));
-    }
-    for sentence in sentences(&study.effects, &after.effects) {
-        out.push_str(&format!("  {}{sentence}\n", partial(outcome)));
-    }
-    for (name, value, error, unit) in estimates(&study.effects, after) {
-        let line = format!("    {name} = {} ± {error:.1e} {unit}", shown(value, error));
-        out.push_str(&format!("{}\n", line.trim_end()));
-    }
-    out.push_str("  reduced chi-square       before      after\n");
-    let pairs = study.data.splits().map(|s| (s.name(), before.chi2(s), after.chi2(s)));
-    for (name, before, after) in pairs {
-        out.push_str(&format!("    {name:<12} {before:16.4} {after:10.4}\n"));
-    }
-    out.push_str("  rmse                     before      after\n");
-    for split in study.data.splits() {
-        for (k, signal) in study.plan.signals.iter().enumerate() {
-            let label = format!("{}, {}", signal.column, split.name());
-            let [before, after] = [before, after].map(|hypothesis| {
-                rmse_shown(hypothesis.sums(split).of_signal(k) * study.data.sigmas[k])
-            });
-            let unit = &signal.unit_name;
-            out.push_str(&format!("    {label:<19} {before:>9} {after:>10} {unit}\n"));
-        }
-    }
-    for line in noise_lines(outcome) {
-        out.push_str(&format!("  {line}\n"));
-    }
-    for line in lines(outcome) {
-        out.push_str(&format!("  {line}\n"));
-    }
-    for repair in &study.data.repairs {
-        out.push_str(&format!("  {repair}\n"));
-    }
-    out.push_str(&format!("  {seconds:.1} s\n"));
-    out
-}
-
-/// Remark on a result of a search that was ended early.
-const ENDED_EARLY: &str = "the search was ended early: this is the best verdict so far";
-
-/// What precedes the sentence about an effect that leaves structure unexplained.
-fn partial(outcome: &Outcome) -> &'static str {
-    if outcome.verdict() == Verdict::Unexplained { "partial explanation: " } else { "" }
-}
-
-/// A line for each signal with noticeably more or less noise than the plan declares.
-fn noise_lines(outcome: &Outcome) -> Vec<String> {
-    let factors = outcome.diagnosis.noise.factors(&outcome.study);
-    let line = |(column, factor): (&str, f64)| {
-        format!("the noise of {column} is {factor:.2} times what the plan says")
-    };
-    factors.into_iter().map(line).collect()
-}
-
-/// A text with a capital letter at its start.
-fn sentence_case(text: &str) -> String {
-    let mut characters = text.chars();
-    let first = characters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-    first + characters.as_str()
-}
 
 /// The page.
 pub fn html(outcome: &Outcome) -> String {
@@ -103,6 +37,7 @@ pub fn html(outcome: &Outcome) -> String {
     if !outcome.complete {
         page.add(&format!("<p class=\"note\">{}</p>\n", sentence_case(ENDED_EARLY)));
     }
+    page.add(&format!("<p>{}</p>\n", escaped(&conclusion(outcome))));
     for sentence in sentences(&study.effects, &after.effects) {
         let text = sentence_case(&format!("{}{sentence}", partial(outcome)));
         page.add(&format!("<p>{}</p>\n", escaped(&text)));
@@ -110,31 +45,43 @@ pub fn html(outcome: &Outcome) -> String {
     for line in noise_lines(outcome) {
         page.add(&format!("<p>{}.</p>\n", escaped(&sentence_case(&line))));
     }
-    if !study.data.repairs.is_empty() {
-        let repair = |text: &String| format!("<p>{}</p>\n", escaped(text));
-        page.section(
-            "repairs",
-            "Repairs",
-            &study.data.repairs.iter().map(repair).collect::<String>(),
-        );
-    }
     let part = |write: &dyn Fn(&mut String)| {
         let mut out = String::new();
         write(&mut out);
         out
     };
-    page.section("errors", "Error before and after", &part(&|out| errors(study, diagnosis, out)));
-    if after.values.len() > study.plan.free.len() {
-        let text = part(&|out| parameters(study, after, out));
-        page.section("parameters", "Parameters of the effects", &text);
+    let residuals = residuals(study, diagnosis);
+    if let Some((heading, text)) = comparison(study, diagnosis, &residuals) {
+        page.section("comparison", &heading, &text);
     }
     if !outcome.balances.is_empty() {
         let text = unbalanced(&outcome.balances, &outcome.contributions);
         page.section("balances", "Balances that do not close", &text);
     }
+    if let Some(amended) = &outcome.amended {
+        let text = unified(&outcome.original, &amended.source);
+        page.section("amended", "Additions to the model", &text);
+    }
+    let text = part(&|out| parameters(study, diagnosis, out));
+    page.section("parameters", "Parameters before and after", &text);
+    page.section("errors", "Error before and after", &part(&|out| errors(study, diagnosis, out)));
+    if outcome.verdict() == Verdict::Unexplained {
+        let text = part(&|out| left(study, &residuals, out));
+        page.section("left", "Where the unexplained part is", &text);
+    }
     let next = lines(outcome);
     if !next.is_empty() {
         page.section("next", "Next experiment", &next_section(study, outcome, &next));
+    }
+    page.section(
+        "residuals",
+        "Residuals of each recording",
+        &multiples(study, diagnosis, &residuals),
+    );
+    if !study.data.repairs.is_empty() {
+        let repair = |text: &String| format!("<p>{}</p>\n", escaped(text));
+        let all: String = study.data.repairs.iter().map(repair).collect();
+        page.folded("repairs", "Repairs of the recordings", &all);
     }
     for (depth, ranking) in diagnosis.rankings.iter().enumerate() {
         let cost = if depth == 0 { diagnosis.before.train.total() } else { after.train.total() };
@@ -142,23 +89,124 @@ pub fn html(outcome: &Outcome) -> String {
         let each: Vec<Vec<Scored>> = ranking.iter().take(RANKED).map(|s| vec![s.clone()]).collect();
         rank(study, &each, cost, &mut text);
         let number = depth + 1;
-        page.section(&format!("ranking-{number}"), &format!("Ranking {number}"), &text);
+        page.folded(&format!("ranking-{number}"), &format!("Ranking {number}"), &text);
     }
     if !diagnosis.pairs.is_empty() {
         let mut text = "<p>One effect does not explain everything. Share of the sum of squares that two effects promise to explain together.</p>\n".to_owned();
         rank(study, &diagnosis.pairs, diagnosis.before.train.total(), &mut text);
-        page.section("pairs", "Pairs of effects", &text);
+        page.folded("pairs", "Pairs of effects", &text);
     }
     if !diagnosis.rejected.is_empty() {
         let text = part(&|out| rejected(study, diagnosis, out));
-        page.section("rejected", "Fitted and rejected", &text);
-    }
-    page.section("residuals", "Residuals of each recording", &multiples(study, diagnosis));
-    if let Some(amended) = &outcome.amended {
-        let text = unified(&outcome.original, &amended.source);
-        page.section("amended", "Additions to the model", &text);
+        page.folded("rejected", "Fitted and rejected", &text);
     }
     page.finish()
+}
+
+/// The verdict in a sentence, with its evidence.
+fn conclusion(outcome: &Outcome) -> String {
+    let Outcome { study, diagnosis, .. } = outcome;
+    let (before, after) = (&diagnosis.before, &diagnosis.after);
+    let has_validation = study.data.of(Split::Validation).next().is_some();
+    let of =
+        if has_validation { "the recordings that were never fitted" } else { "the recordings" };
+    let falls = format!(
+        "the reduced chi-square of {of} falls from {:.4} to {:.4}",
+        before.chi2_validation(),
+        after.chi2_validation()
+    );
+    let count = groups(&after.effects).count();
+    match (outcome.verdict(), count) {
+        (Verdict::Complete, _) => {
+            "The model explains the recordings: nothing is missing.".to_owned()
+        }
+        (Verdict::EffectFound, 1) => format!("The model lacks one effect. With it, {falls}."),
+        (Verdict::EffectFound, n) => format!("The model lacks {n} effects. With them, {falls}."),
+        (Verdict::Unexplained, 0) => {
+            "The model does not explain the recordings, and no effect that was tried does."
+                .to_owned()
+        }
+        (Verdict::Unexplained, _) => format!(
+            "The model does not explain the recordings. Effects explain a part: {falls}, and a structure is left."
+        ),
+    }
+}
+
+/// The recording in which the effects change most, of those that were never fitted if there are any: measurement and
+/// model, before and after.
+fn comparison(
+    study: &Study,
+    diagnosis: &Diagnosis,
+    residuals: &[Residual],
+) -> Option<(String, String)> {
+    let has_validation = study.data.of(Split::Validation).next().is_some();
+    let wanted = if has_validation { Split::Validation } else { Split::Train };
+    let squares = |all: &[Vec<f64>]| -> f64 {
+        all.iter().flatten().filter(|r| r.is_finite()).map(|r| r * r).sum()
+    };
+    let change = |r: &Residual| squares(&r.before) - squares(&r.after);
+    let recordings = Split::ALL.into_iter().flat_map(|split| study.data.of(split));
+    let (recording, shown) = recordings
+        .zip(residuals)
+        .filter(|(r, residual)| r.split == wanted && !residual.after.is_empty())
+        .max_by(|(_, a), (_, b)| change(a).total_cmp(&change(b)))?;
+    let has_effects = !diagnosis.after.effects.is_empty();
+    let panel = |(k, signal): (usize, &Signal)| {
+        let measured = &recording.signals[k];
+        let sigma = study.data.sigmas[k];
+        let curve = |name: &str, y: Vec<f64>, stroke, colour| Curve {
+            name: name.to_owned(),
+            x: shown.time.to_vec(),
+            y,
+            stroke,
+            colour,
+        };
+        let model = |name: &str, all: &[Vec<f64>], colour| {
+            let y = measured.iter().zip(all.get(k)?).map(|(m, r)| m + r * sigma).collect();
+            Some(curve(name, y, Stroke::Line, colour))
+        };
+        let before = model(if has_effects { "before" } else { "model" }, &shown.before, 1);
+        let after = model("after", &shown.after, 0).filter(|_| has_effects);
+        let points = curve("measured", measured.clone(), Stroke::Points, 2);
+        let curves = [points].into_iter().chain(before).chain(after).collect();
+        let label = format!("{} in {}", signal.column, signal.unit_name);
+        Panel { label, display_unit: String::new(), unit: String::new(), curves, height: Some(170) }
+    };
+    let panels: Vec<Panel> = study.plan.signals.iter().enumerate().map(panel).collect();
+    Some((format!("Recording {}, {}", shown.name, wanted.name()), figure("comparison", &panels)))
+}
+
+/// Rows of the table of what is left.
+const LEFT: usize = 8;
+
+/// The recordings and signals that hold most of what is left, and when it is greatest.
+fn left(study: &Study, residuals: &[Residual], out: &mut String) {
+    let mut rows: Vec<(f64, String)> = Vec::new();
+    for r in residuals {
+        for (signal, values) in study.plan.signals.iter().zip(&r.after) {
+            let known = || values.iter().zip(r.time.iter()).filter(|(v, _)| v.is_finite());
+            let square: f64 = known().map(|(v, _)| v * v).sum();
+            let count = known().count();
+            let Some((worst, at)) = known().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())) else {
+                continue;
+            };
+            let rms = (square / count as f64).sqrt();
+            let cells = format!(
+                "<td>{}</td><td>{}</td><td>{}</td><td>{rms:.2} x noise</td><td>{worst:.1} x noise at {at:.4} s</td>",
+                escaped(&r.name),
+                r.split.name(),
+                escaped(&signal.column)
+            );
+            rows.push((square - count as f64, cells));
+        }
+    }
+    let excess: f64 = rows.iter().map(|(e, _)| e.max(0.0)).sum();
+    rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+    out.push_str("<table><tr><th>recording</th><th></th><th>signal</th><th>RMS residual</th><th>greatest</th><th>share of the excess</th></tr>");
+    for (own, cells) in rows.iter().take(LEFT).filter(|(own, _)| *own > 0.0) {
+        out.push_str(&format!("<tr>{cells}<td>{:.0} %</td></tr>", 100.0 * own / excess));
+    }
+    out.push_str("</table>");
 }
 
 /// The next experiment in words, and the readings that each hypothesis predicts for it.
@@ -254,12 +302,12 @@ fn contribution_over(name: &str, contributions: &[Profile], colour: usize) -> Op
 }
 
 /// Residuals in units of the noise: a small figure for each recording, a panel for each signal.
-fn multiples(study: &Study, diagnosis: &Diagnosis) -> String {
+fn multiples(study: &Study, diagnosis: &Diagnosis, residuals: &[Residual]) -> String {
     let mut out = String::from(
         "<p>Model minus measurement, in units of the sensor's noise, without the effects and with them.</p>\n<div class=\"multiples\">\n",
     );
     let has_effects = !diagnosis.after.effects.is_empty();
-    for (i, r) in residuals(study, diagnosis).iter().enumerate() {
+    for (i, r) in residuals.iter().enumerate() {
         let curve = |name: &str, all: &[Vec<f64>], k: usize, colour| {
             let (x, y) = (r.time.to_vec(), all.get(k)?.clone());
             Some(Curve { name: name.to_owned(), x, y, stroke: Stroke::Line, colour })
@@ -329,15 +377,26 @@ fn errors(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
     out.push_str("</table>");
 }
 
-fn parameters(study: &Study, hypothesis: &Hypothesis, out: &mut String) {
-    out.push_str(
-        "<table><tr><th>parameter</th><th>value</th><th>standard error</th><th>unit</th></tr>",
-    );
-    for (name, value, error, unit) in estimates(&study.effects, hypothesis) {
-        let (name, value, unit) = (escaped(&name), shown(value, error), escaped(&pretty(&unit)));
-        out.push_str(&format!(
-            "<tr><td>{name}</td><td>{value}</td><td>{error:.1e}</td><td>{unit}</td></tr>"
-        ));
+/// The parameters of the model before and after, and those of the effects.
+fn parameters(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
+    let (before, after) = (&diagnosis.before, &diagnosis.after);
+    out.push_str("<table><tr><th>parameter</th><th>before</th><th>after</th><th>unit</th></tr>");
+    let cell = |estimate: Option<(f64, f64)>| match estimate {
+        Some((value, error)) if error.is_finite() => {
+            format!("<td>{} ± {error:.1e}</td>", shown(value, error))
+        }
+        Some((value, _)) => format!("<td>{value:.4e}, not determined</td>"),
+        None => "<td></td>".to_owned(),
+    };
+    for target in study.plan.free.iter().filter_map(|f| f.targets.first()) {
+        let (name, unit) = (escaped(target), escaped(&pretty(study.unit(target))));
+        let (before, after) = (cell(before.estimate(target)), cell(after.estimate(target)));
+        out.push_str(&format!("<tr><td>{name}</td>{before}{after}<td>{unit}</td></tr>"));
+    }
+    for (name, value, error, unit) in estimates(&study.effects, after) {
+        let (name, unit) = (escaped(&name), escaped(&pretty(&unit)));
+        let (before, after) = (cell(None), cell(Some((value, error))));
+        out.push_str(&format!("<tr><td>{name}</td>{before}{after}<td>{unit}</td></tr>"));
     }
     out.push_str("</table>");
 }

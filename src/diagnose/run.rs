@@ -178,6 +178,7 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
         effects,
         inventory,
         variables,
+        units: units.into_iter().collect(),
         variations,
         policy,
     };

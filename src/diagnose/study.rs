@@ -1,6 +1,6 @@
 //! The model under examination, and its programs with effects attached.
 
-use crate::base::index::FastSet;
+use crate::base::index::{FastMap, FastSet};
 use crate::calibrate::data::Data;
 use crate::calibrate::plan::Plan;
 use crate::calibrate::problem::record_also;
@@ -39,6 +39,8 @@ pub struct Study {
     pub inventory: Inventory,
     /// Names of its variables.
     pub variables: Vec<String>,
+    /// Their units.
+    pub units: FastMap<String, String>,
     /// The parameters that may vary, and what they may vary with.
     pub variations: VariationTargets,
     /// Limits, thresholds and stopping rules.
@@ -61,6 +63,11 @@ impl Study {
     pub fn correct_noise(&mut self, factors: Vec<f64>) {
         self.data.sigmas.iter_mut().zip(&factors).for_each(|(sigma, factor)| *sigma *= factor);
         self.corrections = factors;
+    }
+
+    /// The unit of a variable of the model; empty if it has none.
+    pub fn unit(&self, variable: &str) -> &str {
+        self.units.get(variable).map_or("", String::as_str)
     }
 
     /// An effect and its place, for messages.

@@ -37,6 +37,14 @@ impl Page {
         ))
     }
 
+    /// Adds a section that is folded at first.
+    pub fn folded(&mut self, id: &str, heading: &str, markup: &str) -> &mut Self {
+        let heading = escaped(heading);
+        self.add(&format!(
+            "<details id=\"{id}\"><summary>{heading}</summary>\n{markup}</details>\n"
+        ))
+    }
+
     /// Adds data that scripts find by `id`.
     pub fn data(&mut self, id: &str, data: &Json) -> &mut Self {
         self.data.push_str(&embedded(id, data));

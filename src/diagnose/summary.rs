@@ -1,0 +1,75 @@
+//! The summary of a diagnosis for the terminal.
+
+use crate::calibrate::table::{rmse_shown, shown};
+
+use super::next_text::lines;
+use super::result::{Verdict, estimates, sentences};
+use super::run::Outcome;
+
+/// The summary for the terminal.
+pub fn summary(outcome: &Outcome, seconds: f64) -> String {
+    let Outcome { study, diagnosis, .. } = outcome;
+    let (before, after) = (&diagnosis.before, &diagnosis.after);
+    let mut out = format!("{}: {}\n", study.base, outcome.verdict().name());
+    if !outcome.complete {
+        out.push_str(&format!("  {ENDED_EARLY}\n"));
+    }
+    for sentence in sentences(&study.effects, &after.effects) {
+        out.push_str(&format!("  {}{sentence}\n", partial(outcome)));
+    }
+    for (name, value, error, unit) in estimates(&study.effects, after) {
+        let line = format!("    {name} = {} ± {error:.1e} {unit}", shown(value, error));
+        out.push_str(&format!("{}\n", line.trim_end()));
+    }
+    out.push_str("  reduced chi-square       before      after\n");
+    let pairs = study.data.splits().map(|s| (s.name(), before.chi2(s), after.chi2(s)));
+    for (name, before, after) in pairs {
+        out.push_str(&format!("    {name:<12} {before:16.4} {after:10.4}\n"));
+    }
+    out.push_str("  rmse                     before      after\n");
+    for split in study.data.splits() {
+        for (k, signal) in study.plan.signals.iter().enumerate() {
+            let label = format!("{}, {}", signal.column, split.name());
+            let [before, after] = [before, after].map(|hypothesis| {
+                rmse_shown(hypothesis.sums(split).of_signal(k) * study.data.sigmas[k])
+            });
+            let unit = &signal.unit_name;
+            out.push_str(&format!("    {label:<19} {before:>9} {after:>10} {unit}\n"));
+        }
+    }
+    for line in noise_lines(outcome) {
+        out.push_str(&format!("  {line}\n"));
+    }
+    for line in lines(outcome) {
+        out.push_str(&format!("  {line}\n"));
+    }
+    for repair in &study.data.repairs {
+        out.push_str(&format!("  {repair}\n"));
+    }
+    out.push_str(&format!("  {seconds:.1} s\n"));
+    out
+}
+
+/// Remark on a result of a search that was ended early.
+pub const ENDED_EARLY: &str = "the search was ended early: this is the best verdict so far";
+
+/// What precedes the sentence about an effect that leaves structure unexplained.
+pub fn partial(outcome: &Outcome) -> &'static str {
+    if outcome.verdict() == Verdict::Unexplained { "partial explanation: " } else { "" }
+}
+
+/// A line for each signal with noticeably more or less noise than the plan declares.
+pub fn noise_lines(outcome: &Outcome) -> Vec<String> {
+    let factors = outcome.diagnosis.noise.factors(&outcome.study);
+    let line = |(column, factor): (&str, f64)| {
+        format!("the noise of {column} is {factor:.2} times what the plan says")
+    };
+    factors.into_iter().map(line).collect()
+}
+
+/// A text with a capital letter at its start.
+pub fn sentence_case(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    first + characters.as_str()
+}
