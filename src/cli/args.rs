@@ -168,6 +168,9 @@ pub struct Running {
     /// Relative tolerance [default: annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
+    /// Longest step, s: shorter pulses of the state may be stepped over [default: a 50th of the simulated time].
+    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
+    pub max_step: Option<f64>,
     /// Integration method.
     #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
     pub method: Method,

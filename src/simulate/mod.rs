@@ -23,6 +23,7 @@ pub mod sensitivity;
 pub mod settings;
 pub mod state_selection;
 pub mod system;
+mod time_features;
 
 #[cfg(test)]
 mod tests;
