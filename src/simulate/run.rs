@@ -27,6 +27,7 @@ use super::options::options;
 use super::record::{Recorder, Sink};
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
+use super::slow_progress::ProgressWatch;
 use super::state_selection::StateSelector;
 use super::system::{HybridSystem, is_domain_fault};
 use super::time_features::TimeFeatures;
@@ -189,6 +190,7 @@ pub struct Simulation<'p, 's> {
     /// For each relation, its events that may be bounces.
     pub(super) bounces: Vec<Bounces>,
     pub(super) duplicates: DuplicateFilter,
+    pub(super) progress: ProgressWatch,
     pub(super) ended: bool,
     pub(super) extrema: ExtremaSearch,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
@@ -263,6 +265,7 @@ impl<'p, 's> Simulation<'p, 's> {
             accumulation: None,
             bounces: vec![Bounces::default(); program.events.relation_triggers.len()],
             duplicates: DuplicateFilter::new(settings.stop - settings.start),
+            progress: ProgressWatch::new(settings.start),
             ended: false,
             extrema: ExtremaSearch::new(program, &settings.extrema, t, spacing),
             sensitivity,
@@ -378,7 +381,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.record_grid(t, true)?;
         at_end?;
         self.t = t;
-        Ok(())
+        self.watch_progress(t)
     }
 
     /// Advances past a breakpoint of an input signal. It is an event only if a value or rate jumps, or
