@@ -22,7 +22,7 @@ const NOTE_INTERVAL: usize = 1 << 14;
 
 /// Reports a component tree that is too large; true if it is.
 pub(crate) fn report_exhausted(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
-    if id.idx() % NOTE_INTERVAL == 0 && id.idx() > 0 {
+    if id.idx().is_multiple_of(NOTE_INTERVAL) && id.idx() > 0 {
         activity::note(format!("instantiating component number {} (`{}`)", id.idx(), cx.path(id)));
     }
     if cx.instances.len() <= MAX_COMPONENTS {

@@ -96,7 +96,7 @@ impl Settings {
             return Some(format!("the interval between rows is {interval} s, not positive"));
         }
         if let Some(max_step) = self.max_step
-            && !(max_step > 0.0)
+            && (max_step.is_nan() || max_step <= 0.0)
         {
             return Some(format!("the maximum step is {max_step} s, not positive"));
         }

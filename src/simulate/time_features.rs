@@ -165,7 +165,7 @@ impl Look<'_> {
                 operands[n] = operand;
             }
             for n in 0..width {
-                let [a, b, c] = [rows[0][n], rows[1][n], rows[2][n]];
+                let [a, b, c] = rows.each_ref().map(|row| row[n]);
                 let w = self.watched[n];
                 if k > 0 && ((w.jumps && b != c) || (w.crosses && b * c < 0.0)) {
                     self.bisect(w, at(k - 1), at(k), b);
