@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::cause::Cause;
 pub use super::cause::Severity;
+use super::index::FastSet;
 use super::source::Span;
 use super::specification;
 
@@ -31,13 +32,7 @@ pub struct Diagnostic {
 
 impl PartialEq for Diagnostic {
     fn eq(&self, other: &Diagnostic) -> bool {
-        let key = |d: &Diagnostic| (d.code, d.severity, d.primary.0);
-        key(self) == key(other)
-            && self.message == other.message
-            && self.primary.1 == other.primary.1
-            && self.secondary == other.secondary
-            && self.help == other.help
-            && self.notes == other.notes
+        self.digest() == other.digest()
     }
 }
 
@@ -55,6 +50,11 @@ impl Diagnostic {
             notes: specification::reference(entry.section).into_iter().collect(),
             cause: Arc::new(cause),
         }
+    }
+    /// Everything that it says, and where.
+    fn digest(&self) -> String {
+        let Diagnostic { code, severity, message, primary, secondary, help, notes, .. } = self;
+        format!("{code} {severity:?} {message} {primary:?} {secondary:?} {help:?} {notes:?}")
     }
     /// Whether its cause is one of `C` for which `holds` is true.
     pub fn is<C: Cause>(&self, holds: impl FnOnce(&C) -> bool) -> bool {
@@ -85,9 +85,17 @@ impl Diagnostic {
 }
 
 /// The diagnostics that a stage has collected, so that one compilation reports many problems.
-#[derive(Clone, PartialEq, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Problems {
     list: Vec<Diagnostic>,
+    /// Everything that those of the list say, so that the cost of thousands stays linear.
+    known: FastSet<String>,
+}
+
+impl PartialEq for Problems {
+    fn eq(&self, other: &Problems) -> bool {
+        self.list == other.list
+    }
 }
 
 impl Problems {
@@ -97,7 +105,7 @@ impl Problems {
     }
     /// Adds a diagnostic unless the list already contains it.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        if !self.list.contains(&diagnostic) {
+        if self.known.insert(diagnostic.digest()) {
             self.list.push(diagnostic);
         }
     }
@@ -118,10 +126,17 @@ impl Problems {
         for d in self.list.iter_mut().filter(|d| d.is(|_: &C| true)) {
             d.severity = Severity::Error;
         }
+        self.known = self.list.iter().map(Diagnostic::digest).collect();
     }
     /// Removes the errors with such a cause.
     pub fn remove_errors<C: Cause>(&mut self, is: impl Fn(&C) -> bool) {
         self.list.retain(|d| d.severity != Severity::Error || !d.is(&is));
+        self.known = self.list.iter().map(Diagnostic::digest).collect();
+    }
+    /// Removes the diagnostics for which `is` is true.
+    pub fn remove(&mut self, is: impl Fn(&Diagnostic) -> bool) {
+        self.list.retain(|d| !is(d));
+        self.known = self.list.iter().map(Diagnostic::digest).collect();
     }
     /// True if there are no diagnostics.
     pub fn is_empty(&self) -> bool {

@@ -1,4 +1,5 @@
 //! Ground floor: types that every stage uses and that depend on no stage.
+pub mod activity;
 pub mod cause;
 pub mod diag;
 pub mod index;

@@ -14,9 +14,18 @@ pub enum Style {
     Plain,
 }
 
-/// Renders all problems, sorted by span, each followed by an empty line.
+/// Number of problems that are shown: nobody reads more, and each costs a look at its whole file.
+const MAX_SHOWN: usize = 200;
+
+/// Renders the problems, sorted by span, each followed by an empty line; of very many, the first.
 pub fn render_all(problems: &Problems, sources: &SourceMap, style: Style) -> String {
-    problems.sorted().iter().map(|d| render(d, sources, style) + "\n\n").collect()
+    let sorted = problems.sorted();
+    let shown = sorted.iter().take(MAX_SHOWN);
+    let mut text: String = shown.map(|d| render(d, sources, style) + "\n\n").collect();
+    if sorted.len() > MAX_SHOWN {
+        text.push_str(&format!("{} further problems are not shown\n\n", sorted.len() - MAX_SHOWN));
+    }
+    text
 }
 
 /// Renders one diagnostic with its source excerpts.

@@ -23,6 +23,10 @@ pub(crate) enum TableState {
     Done(Rc<ClassTable>),
 }
 
+/// Number of classes of one definition whose bases may be looked for at the same time, each for the
+/// sake of the previous one; more are a cycle of redeclarations.
+const MAX_OPEN_TABLES: u32 = 30;
+
 impl ClassGraph<'_> {
     pub(crate) fn add_class(
         &mut self,
@@ -142,8 +146,21 @@ impl ClassGraph<'_> {
             }
             TableState::Untouched => {}
         }
+        let definition = self.definition(class).map(|text| Arc::as_ptr(text) as usize);
+        if let Some(definition) = definition {
+            // Redeclarations make another class of the same definition each time.
+            let open = self.open_definitions.entry(definition).or_insert(0);
+            if *open >= MAX_OPEN_TABLES {
+                self.report_inheritance_cycle(class);
+                return Rc::default();
+            }
+            *open += 1;
+        }
         self.tables[class] = TableState::InProgress;
         let (table, problems) = self.collect_problems(|cx| cx.read_table(class));
+        if let Some(open) = definition.and_then(|d| self.open_definitions.get_mut(&d)) {
+            *open -= 1;
+        }
         self.keep_problems(class, problems);
         table
     }

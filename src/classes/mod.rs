@@ -70,6 +70,8 @@ pub struct ClassGraph<'a> {
     /// All expressions, and the enumeration types.
     pub graph: Graph,
     tables: IndexVec<ClassId, inheritance::TableState>,
+    /// Number of tables in progress for each definition, by address.
+    open_definitions: FastMap<usize, u32>,
     class_cache: FastMap<(usize, ClassId, InstanceId), ClassId>,
     /// Declarations that mean the same for all their components.
     declaration_cache: FastMap<declaration_cache::Key, declaration_cache::Cached>,

@@ -66,6 +66,7 @@ impl<'a> ClassGraph<'a> {
             instances: snapshot.instances,
             graph: snapshot.graph,
             tables: snapshot.tables,
+            open_definitions: FastMap::default(),
             class_cache: snapshot.class_cache,
             declaration_cache: FastMap::default(),
             imports: snapshot.imports,

@@ -68,6 +68,17 @@ pub struct Model {
     pub folders: Vec<PathBuf>,
 }
 
+/// Limits of a command.
+#[derive(Args, Debug, Default)]
+pub struct Limits {
+    /// Memory that the command may use, GB [default: three quarters of the machine's].
+    #[arg(long, value_name = "GB")]
+    pub max_memory: Option<f64>,
+    /// Time that the command may take, s [default: unlimited].
+    #[arg(long, value_name = "S")]
+    pub max_seconds: Option<f64>,
+}
+
 /// The models to check.
 #[derive(Args, Debug)]
 pub struct Check {
@@ -86,6 +97,9 @@ pub struct Check {
     /// Print the problems as JSON on standard output.
     #[arg(long)]
     pub json: bool,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
 }
 
 /// Severity of mismatched units.
@@ -154,6 +168,9 @@ pub struct Simulate {
     /// Print a number computed from the run, such as "t = when(s > 0.95*s_max)"; repeatable.
     #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
     pub measures: Vec<String>,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
 }
 
 /// Simulation options.
@@ -168,6 +185,9 @@ pub struct Running {
     /// Relative tolerance [default: annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
+    /// Longest step, s: shorter pulses of the state may be stepped over [default: a 50th of the simulated time].
+    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
+    pub max_step: Option<f64>,
     /// Integration method.
     #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
     pub method: Method,

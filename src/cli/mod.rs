@@ -1,5 +1,6 @@
 //! The command line: parses arguments, calls the library, prints and writes. Arguments in, exit status out.
 pub mod args;
+pub mod budget;
 pub mod calibrate;
 pub mod check;
 pub mod diagnose;
@@ -76,6 +77,11 @@ pub fn run() -> Status {
 }
 
 fn carry_out(command: args::Command) -> Status {
+    match &command {
+        args::Command::Simulate(options) => budget::watch(&options.limits),
+        args::Command::Check(options) => budget::watch(&options.limits),
+        _ => budget::watch(&args::Limits::default()),
+    }
     match command {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Report(options) => report::run(&options),

@@ -55,7 +55,7 @@ pub(super) fn settings(options: &Running, experiment: &Experiment) -> Settings {
         interval: options.interval.or(experiment.interval),
         tolerance: options.tolerance.or(experiment.tolerance),
     };
-    Settings { method: options.method, ..Settings::of(&experiment) }
+    Settings { method: options.method, max_step: options.max_step, ..Settings::of(&experiment) }
 }
 
 /// Shows why a run failed.

@@ -160,6 +160,7 @@ fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
                 options.running.stop,
                 options.running.interval,
                 options.running.tolerance,
+                options.running.max_step,
                 options.running.method,
                 options.running.mode
             ),

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::base::activity;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::index::FastMap;
 use crate::base::name::name;
@@ -165,6 +166,7 @@ impl Session {
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         let class = model(&mut cx, request, file.as_deref())?;
+        activity::note("flattening the model".to_owned());
         let made = by(&mut cx, class, &settings);
         if !cx.class_graph.problems.has_errors() {
             verify::after("instantiate", "instance", || verify::instance::check(&cx.instances));
@@ -238,6 +240,7 @@ impl Session {
     /// The sorted system of a flat model.
     pub fn sort(&mut self, flat: FlatModel) -> Result<Blocks, CompileError> {
         let begun = Instant::now();
+        activity::note("simplifying the equations of the model".to_owned());
         let dae = crate::lower::lower(flat, &mut self.problems);
         self.times.push(("lower", begun.elapsed()));
         self.checked(CompileError::Model)?;
@@ -245,6 +248,7 @@ impl Session {
             verify::after("lower", "dae", || verify::dae::check(dae));
         }
         let begun = Instant::now();
+        activity::note("finding the states and blocks of the model".to_owned());
         let blocks = dae.and_then(|dae| crate::structure::structure(dae, &mut self.problems));
         if self.parameters_vary {
             self.problems.remove_errors(|cause: &StructureCause| {
@@ -271,6 +275,7 @@ impl Session {
         form: SystemForm,
     ) -> Result<Program, CompileError> {
         let begun = Instant::now();
+        activity::note("generating code".to_owned());
         let program = crate::codegen::compile_as(blocks, form);
         self.times.push(("codegen", begun.elapsed()));
         if let Ok(program) = &program {

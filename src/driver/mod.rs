@@ -3,3 +3,4 @@ pub mod cause;
 pub mod check;
 pub mod compile;
 pub mod files;
+pub mod memory;

@@ -140,6 +140,7 @@ impl Evaluator<'_> {
             cx.under(reached, |cx| {
                 cx.open_call(class, left);
                 let result = cx.with_frame(FrameKind::Function, |cx| {
+                    cx.check_executed(span)?;
                     cx.run_in_frame(class, components, &mut given, outermost, span)
                 });
                 cx.close_call();

@@ -110,6 +110,8 @@ pub struct Evaluator<'a> {
     pub(crate) builtins: builtin::Builtins,
     /// The model is a component by itself: its surroundings are missing.
     pub surrounded: bool,
+    /// The component tree has exceeded a limit, which was reported.
+    pub exhausted: bool,
 }
 
 impl<'a> Deref for Evaluator<'a> {
@@ -151,6 +153,7 @@ impl<'a> Evaluator<'a> {
             random_draws: Default::default(),
             builtins: Default::default(),
             surrounded: false,
+            exhausted: false,
         }
     }
 }

@@ -5,11 +5,15 @@ use std::rc::Rc;
 use super::Evaluator;
 use super::cause::array::{ArrayCause, Pair};
 use super::cause::types::{Conversion, Expected, Pairing, TypeCause};
+use super::cause::value::ValueCause;
 use super::value::{Record, Value};
 use crate::base::source::Span;
 use crate::ir::ast::{BinaryOp, Expr, UnaryOp};
 use crate::ir::expr::{Binary, Const, ExprId, Type, Unary};
 use crate::ir::instance::Scope;
+
+/// Length of a string that is joined here, bytes.
+const MAX_STRING: usize = 1_000_000;
 
 impl Evaluator<'_> {
     /// `op a`
@@ -185,6 +189,15 @@ impl Evaluator<'_> {
                 && cx.graph.ty(s) == Type::String
                 && cx.graph.ty(t) == Type::String
             {
+                let length = |e| match cx.graph.as_const(e) {
+                    Some(Const::String(text)) => text.len(),
+                    _ => 0,
+                };
+                let length = length(s) + length(t);
+                if length > MAX_STRING {
+                    cx.report(ValueCause::LongString { length, most: MAX_STRING }, span);
+                    return None;
+                }
                 return Some(Value::Scalar(cx.graph.binary(Binary::Add, s, t)));
             }
             if let (Value::Record(_), _) | (_, Value::Record(_)) = (x, y) {

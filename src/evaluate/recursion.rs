@@ -32,6 +32,9 @@ use crate::symbolic::rewrite::Rewriter;
 /// there are more.
 const MOST_OPEN: usize = 4;
 
+/// Number of calls that are executed for one call of the model.
+const MAX_CALLS: usize = 300_000;
+
 /// An open call of a function.
 pub(crate) struct Call {
     pub(super) class: ClassId,
@@ -55,6 +58,8 @@ enum Unwinding {
 pub(crate) struct Recursions {
     /// Open calls, the innermost last.
     pub(super) calls: Vec<Call>,
+    /// Number of calls that were executed for the outermost open one.
+    executed: usize,
     unwinding: Option<Unwinding>,
     /// Those that are functions of the flat model, by class.
     made: FastMap<ClassId, Vec<Recursive>>,
@@ -178,10 +183,25 @@ impl Evaluator<'_> {
 
     /// Opens a call. `left` are the conditions under which the caller was left before it.
     pub(super) fn open_call(&mut self, class: ClassId, left: Exits) {
+        if self.recursions.calls.is_empty() {
+            self.recursions.executed = 0;
+        }
+        self.recursions.executed += 1;
         let path = self.assertions.conditions.len();
         let before = self.recursions.calls.last().map_or(path, |c| c.path);
         let certain = path == before && left == Exits::default();
         self.recursions.calls.push(Call { class, certain, path });
+    }
+
+    /// Reports a function whose outermost call leads to more calls than are executed here.
+    pub(super) fn check_executed(&mut self, span: Span) -> Option<()> {
+        if self.recursions.executed <= MAX_CALLS {
+            return Some(());
+        }
+        let outermost = self.recursions.calls.first()?.class;
+        let function = self.classes[outermost].full_name;
+        self.report(CallCause::TooManyCalls { function, most: MAX_CALLS }, span);
+        None
     }
 
     /// Closes the innermost call.

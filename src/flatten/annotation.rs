@@ -1,5 +1,6 @@
 //! Annotations of a class and of its base classes.
 
+use crate::base::index::FastSet;
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Expr, Path};
 use crate::ir::expr::Const;
@@ -31,7 +32,7 @@ pub(super) fn inherited(
     name: &str,
     each: &mut dyn FnMut(&mut Evaluator<'_>, Vec<Entry<'_>>) -> bool,
 ) {
-    visit(cx, (class, root), name, 0, each);
+    visit(cx, (class, root), name, 0, &mut FastSet::default(), each);
 }
 
 fn visit(
@@ -39,8 +40,13 @@ fn visit(
     (class, root): (ClassId, InstanceId),
     name: &str,
     depth: usize,
+    seen: &mut FastSet<ClassId>,
     each: &mut dyn FnMut(&mut Evaluator<'_>, Vec<Entry<'_>>) -> bool,
 ) -> bool {
+    // A base that is inherited on several paths is one.
+    if !seen.insert(class) {
+        return true;
+    }
     let Some(text) = cx.definition(class).cloned() else { return true };
     let scope = Scope { instance: root, class };
     for arg in text.annotation.iter().flat_map(|a| &a.args) {
@@ -81,7 +87,7 @@ fn visit(
     for base in bases {
         let scope = Scope { instance: cx.classes[class].holder, class };
         let Some(base) = cx.find_class(base, scope).filter(|b| *b != class) else { continue };
-        if !visit(cx, (base, root), name, depth + 1, each) {
+        if !visit(cx, (base, root), name, depth + 1, seen, each) {
             return false;
         }
     }

@@ -29,6 +29,11 @@ causes! {
         error MO0294 ContainsItself { class: Name } (section "5.6.1")
             => ("`{class}` contains itself"),
             help("remove the component: a model cannot hold a component of its own class");
+        /// A model has more components than mocc can hold.
+        error MO1295 TooManyComponents { path: String, most: usize }
+            => ("the model has more than {most} components; `{path}` is one too many"),
+            help("check the sizes of arrays of components, and classes that hold two of another, \
+                  which holds two of a third, and so on");
         /// An `outer` component is modified.
         error MO1219 OuterModified { name: Name } (section "5.4")
             => ("`{name}` is `outer`, and cannot be modified"),

@@ -1,7 +1,10 @@
 //! Diagnostics of components that cannot be instantiated.
 
+use super::MAX_COMPONENTS;
 use super::cause::InstantiateCause;
+use crate::base::activity;
 use crate::base::diag::Diagnostic;
+use crate::base::index::Id;
 use crate::evaluate::Evaluator;
 use crate::ir::ast;
 use crate::ir::instance::{ClassDefinition, ClassId, InstanceId, InstanceKind};
@@ -12,6 +15,23 @@ pub(crate) fn report_component_cycle(cx: &mut Evaluator<'_>, id: InstanceId) {
     cx.problems
         .push(Diagnostic::new(cause, span).label("needed for its own size, condition or class"));
     cx.instances[id].kind = InstanceKind::Broken;
+}
+
+/// Number of components between two notes of the activity.
+const NOTE_INTERVAL: usize = 1 << 14;
+
+/// Reports a component tree that is too large; true if it is.
+pub(crate) fn report_exhausted(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
+    if id.idx().is_multiple_of(NOTE_INTERVAL) && id.idx() > 0 {
+        activity::note(format!("instantiating component number {} (`{}`)", id.idx(), cx.path(id)));
+    }
+    if cx.instances.len() <= MAX_COMPONENTS {
+        return false;
+    }
+    let (path, span) = (cx.path(id), cx.declared_at(id));
+    let cause = InstantiateCause::TooManyComponents { path, most: MAX_COMPONENTS };
+    cx.problems.push(Diagnostic::new(cause, span).label("the last component was of this"));
+    true
 }
 
 /// Partial classes, packages and functions cannot be instantiated, nor a class inside itself.

@@ -20,9 +20,17 @@ use crate::evaluate::frame::FrameKind;
 use crate::ir::instance::{ClassId, Instance, InstanceId, InstanceKind, Scope};
 use crate::ir::modification::{Layer, LayerSource, ParameterOverride};
 
+/// Number of components of a model; these take some gigabytes.
+const MAX_COMPONENTS: usize = 5_000_000;
+
 impl Demand for Evaluator<'_> {
     #[inline(never)]
     fn complete_pending(&mut self, id: InstanceId) {
+        if self.exhausted || error::report_exhausted(self, id) {
+            self.exhausted = true;
+            self.instances[id].kind = InstanceKind::Broken;
+            return;
+        }
         self.instances[id].kind = InstanceKind::InProgress;
         // Where a function reads a constant, its own variables are not those of the constant's package.
         let kind = self.with_frame(FrameKind::Class, |cx| component::kind(cx, id));

@@ -89,7 +89,8 @@ causes! {
             => ("expected {wanted}, found an expression");
         /// A character does not belong to the language.
         error MO0010 InvalidCharacter { text: String }
-            => ("unknown character `{text}`");
+            => ("unknown character `{text}`"),
+            remedy((text == "?").then(|| "write `if condition then a else b`".to_owned()));
         /// An operator of another programming language.
         error MO0011 ForeignOperator { written: String }
             => ("`{written}` is not an operator of Modelica");
@@ -163,6 +164,13 @@ causes! {
         /// A declaration has two prefixes that exclude each other.
         error MO0036 ExclusivePrefixes { prefix: &'static str, other: &'static str } (section "A.2.4")
             => ("cannot combine `{prefix}` with `{other}`"), help("remove one of them");
+        /// A number has a decimal comma.
+        error MO0037 DecimalComma { written: String, wanted: String } (section "2.4.1")
+            => ("`{written}` has a decimal comma"), help("write `{wanted}`");
+        /// A keyword stands where a declaration needs a name.
+        error MO0038 KeywordAsName { keyword: &'static str } (section "2.3.3")
+            => ("`{keyword}` is a keyword, and cannot be the name of a component"),
+            help("choose another name, such as `{keyword}_1`, or quote it: `'{keyword}'`");
     }
 }
 

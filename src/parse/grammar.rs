@@ -3,6 +3,7 @@
 use super::build::Builder;
 use super::error::{NestingLimit, SyntaxCause, SyntaxContext};
 use super::lexer;
+use super::missing_end::insert_missing_ends;
 use super::token::TokenKind;
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::source::{FileId, Span};
@@ -27,11 +28,12 @@ pub fn parse(file: FileId, text: &str, problems: &mut Problems) -> ast::File {
         problems.push(Diagnostic::new(SyntaxCause::FileTooLarge, Span::new(file, 0, 0)));
         return tree;
     }
-    let lexed = lexer::lex(file, text, problems);
+    let mut lexed = lexer::lex(file, text, problems);
     tree.comments = lexed.comments;
     if lexed.cut_off {
         return tree;
     }
+    insert_missing_ends(file, text, &mut lexed.tokens, problems);
     let mut builder = Builder::new(file, text, &lexed.tokens, problems);
     builder.unclosed_reported = lexed.swallowed_end;
     let tokens = lexed.tokens.iter().map(|t| Ok((t.start, t.kind, t.end)));

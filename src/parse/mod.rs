@@ -10,4 +10,5 @@ mod explain;
 pub mod fragment;
 pub mod grammar;
 pub mod lexer;
+mod missing_end;
 pub mod token;

@@ -3,6 +3,7 @@
 
 use super::cause::element::{Closed, ElementCause, TwicePrefix};
 use crate::base::diag::Diagnostic;
+use crate::base::index::FastSet;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
 use crate::ir::ast::{self, Causality, ClassKind, ConnectionPrefix, Variability};
@@ -59,9 +60,20 @@ pub(crate) fn check_prefix_conflict(
     table: &ClassTable,
     name: ast::Ident,
 ) {
-    if prefix.connection.is_none() && prefix.causality.is_none() {
-        return;
+    if prefix.connection.is_some() || prefix.causality.is_some() {
+        check_prefixes_below(cx, prefix, table, name, &mut FastSet::default());
     }
+}
+
+/// As [`check_prefix_conflict`]; the classes in `seen` have been looked at: a class may contain
+/// itself, which is reported elsewhere.
+fn check_prefixes_below(
+    cx: &mut ClassGraph<'_>,
+    prefix: ast::TypePrefix,
+    table: &ClassTable,
+    name: ast::Ident,
+    seen: &mut FastSet<ClassId>,
+) {
     for entry in &table.entries {
         let EntryKind::Component(declaration) = &entry.kind else { continue };
         let clause = declaration.clause();
@@ -73,7 +85,7 @@ pub(crate) fn check_prefix_conflict(
         {
             let of_type = cx.table(class);
             crate::classes::inheritance::merge_prefix(&mut inner, of_type.prefix);
-            below = of_type.scalar.is_none().then_some(of_type);
+            below = (of_type.scalar.is_none() && seen.insert(class)).then_some(of_type);
         }
         let twice = match () {
             () if prefix.connection.is_some() && inner.connection.is_some() => {
@@ -82,7 +94,7 @@ pub(crate) fn check_prefix_conflict(
             () if prefix.causality.is_some() && inner.causality.is_some() => TwicePrefix::Causality,
             () => {
                 if let Some(below) = below {
-                    check_prefix_conflict(cx, prefix, &below, name);
+                    check_prefixes_below(cx, prefix, &below, name, seen);
                 }
                 continue;
             }

@@ -80,6 +80,18 @@ causes! {
         /// More variables than are reported one by one are outside of their bounds.
         warning MO0931 MoreBeyondBounds { time: f64 }
             => ("at time {time} s more variables are beyond their bounds");
+        /// Events accumulate, and the solution passes the threshold at which they occur.
+        error MO0932 PassedThrough { time: f64, relation: String, events: u32, interval: f64 }
+            => ("at time {time} s the solution passes the border of `{relation}`: {events} events there \
+                 followed each other ever faster, the last after {interval:e} s"),
+            help("give the model a state of rest that it enters when the bounces become small, with \
+                  its own equations");
+        /// A comparison without events makes the steps collapse.
+        warning MO0933 HiddenSwitching { time: f64, expression: String, switches: u32, steps: u32 }
+            => ("at time {time} s the steps are very short: `{expression}` switches without an event, \
+                 {switches} times in {steps} steps"),
+            help("remove `noEvent`, so that each switch is an event, or give the two branches a \
+                  hysteresis or a smooth transition");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");

@@ -21,8 +21,10 @@ pub mod record;
 pub mod run;
 pub mod sensitivity;
 pub mod settings;
+mod slow_progress;
 pub mod state_selection;
 pub mod system;
+mod time_features;
 
 #[cfg(test)]
 mod tests;

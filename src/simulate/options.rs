@@ -1,23 +1,21 @@
 //! Options of the integrator: tolerances from nominal values, and limits of the step size.
 
-use crate::base::index::Id;
 use crate::integrate::options::Options;
-use crate::ir::expr::{Node, Unary};
-use crate::ir::program::{Program, RelationTrigger};
 
 use super::settings::Settings;
 use super::state_selection::LIMIT;
 use super::system::HybridSystem;
+use super::time_features::TimeFeatures;
 
 /// Maximum step, in sampling intervals of the recordings that drive the model.
 const MAX_STEP_INTERVALS: f64 = 4.0;
 /// Tolerances are not sharpened beyond this.
 const MIN_RTOL: f64 = 1e-12;
-/// Minimum number of steps of a run with an oscillating source and state-dependent relations.
-const MIN_OSCILLATION_STEPS: f64 = 50.0;
+/// Minimum number of steps of a run.
+const MIN_STEPS: f64 = 50.0;
 
 /// Options of the integrator for a model at its start.
-pub fn options(system: &HybridSystem<'_>, settings: &Settings) -> Options {
+pub fn options(system: &HybridSystem<'_>, settings: &Settings, features: &TimeFeatures) -> Options {
     let program = system.machine.program;
     let nominals = program.layout.nominals.iter().map(|slot| {
         let size = system.machine.get(*slot).abs();
@@ -34,32 +32,16 @@ pub fn options(system: &HybridSystem<'_>, settings: &Settings) -> Options {
     let machine = &system.machine;
     options.max_step = MAX_STEP_INTERVALS * machine.input_signals.spacing();
     options.max_step = options.max_step.min(machine.delays.shortest_delay(&machine.memory));
-    if program.events.relation_triggers.contains(&RelationTrigger::State) && oscillates(program) {
-        // While states are constant nothing else limits the step, and a pulse of the source could
-        // be stepped over.
-        options.max_step =
-            options.max_step.min((settings.stop - settings.start) / MIN_OSCILLATION_STEPS);
+    if settings.stop > settings.start {
+        // While nothing changes, the error does not limit the step, and a pulse or a pair of
+        // crossings could be stepped over.
+        let default = (settings.stop - settings.start) / MIN_STEPS;
+        options.max_step = options.max_step.min(settings.max_step.unwrap_or(default));
     }
+    options.max_step = options.max_step.min(features.max_step);
     if program.order() == 0 && settings.stop > settings.start {
         // A constant state does not limit the step, but events must not be stepped over.
         options.max_step = options.max_step.min(settings.spacing.unwrap_or(settings.interval));
     }
     options
-}
-
-/// True if a sine or cosine of time occurs in the model.
-fn oscillates(program: &Program) -> bool {
-    let graph = &program.blocks.dae.graph;
-    let mut of_time: Vec<bool> = Vec::with_capacity(graph.len());
-    for e in graph.ids() {
-        let node = graph.node(e);
-        let mut moves = node == Node::Time;
-        // Operands have lower numbers.
-        graph.for_each_operand(e, |a| moves |= of_time[a.idx()]);
-        if moves && matches!(node, Node::Unary(Unary::Sin | Unary::Cos, _)) {
-            return true;
-        }
-        of_time.push(moves);
-    }
-    false
 }

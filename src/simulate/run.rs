@@ -17,7 +17,7 @@ use super::event::duplicate_event::DuplicateFilter;
 use super::event::instant::Cause;
 use super::event::locate::Locator;
 use super::event::time_events::Clocks;
-use super::event::zeno::Accumulation;
+use super::event::zeno::{Accumulation, Bounces};
 use super::extrema::ExtremaSearch;
 use super::failure::non_finite::{Explainer, relation_text};
 use super::failure::{Failure, of_fault, of_integration, start_failure};
@@ -27,8 +27,10 @@ use super::options::options;
 use super::record::{Recorder, Sink};
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
+use super::slow_progress::ProgressWatch;
 use super::state_selection::StateSelector;
 use super::system::{HybridSystem, is_domain_fault};
+use super::time_features::TimeFeatures;
 use crate::integrate::system::System;
 use crate::runtime::machine::Fault;
 
@@ -172,6 +174,7 @@ pub struct Simulation<'p, 's> {
     pub(super) clocks: Clocks,
     pub(super) selection: StateSelector,
     pub(super) locator: Locator,
+    pub(super) time_features: TimeFeatures,
     pub(super) recorder: Recorder,
     pub(super) statistics: Statistics,
     pub(super) start: f64,
@@ -184,7 +187,10 @@ pub struct Simulation<'p, 's> {
     pub(super) history: EventHistory,
     /// An accumulation of events that has not been resolved yet.
     pub(super) accumulation: Option<Accumulation>,
+    /// For each relation, its events that may be bounces.
+    pub(super) bounces: Vec<Bounces>,
     pub(super) duplicates: DuplicateFilter,
+    pub(super) progress: ProgressWatch,
     pub(super) ended: bool,
     pub(super) extrema: ExtremaSearch,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
@@ -224,7 +230,8 @@ impl<'p, 's> Simulation<'p, 's> {
         let n = program.order().max(1);
         let mut y = vec![0.0; n];
         y[..program.order()].copy_from_slice(system.machine.states());
-        let (wanted, options) = (settings.method, options(&system, settings));
+        let time_features = TimeFeatures::new(&mut system.machine, settings);
+        let (wanted, options) = (settings.method, options(&system, settings, &time_features));
         let integrator = Integrator::new(wanted, program, sensitivity.is_some(), &system, options);
         let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
         let mut recorder = Recorder::new(program, settings);
@@ -244,6 +251,7 @@ impl<'p, 's> Simulation<'p, 's> {
             clocks,
             selection,
             locator: Locator::new(program),
+            time_features,
             recorder,
             statistics: Statistics { method, ..Statistics::default() },
             start: settings.start,
@@ -255,7 +263,9 @@ impl<'p, 's> Simulation<'p, 's> {
             relation_texts: vec![None; program.events.relation_triggers.len()],
             history: EventHistory::new(settings.stop - settings.start),
             accumulation: None,
+            bounces: vec![Bounces::default(); program.events.relation_triggers.len()],
             duplicates: DuplicateFilter::new(settings.stop - settings.start),
+            progress: ProgressWatch::new(settings.start),
             ended: false,
             extrema: ExtremaSearch::new(program, &settings.extrema, t, spacing),
             sensitivity,
@@ -288,6 +298,7 @@ impl<'p, 's> Simulation<'p, 's> {
                     .max_step(&machine.memory)
                     .max(MIN_STEP_FRACTION * (self.stop - self.start));
             let t_stop = instant.min(breakpoint).min(self.stop).min(history_limit);
+            let t_stop = self.time_features.end_of_step(self.t, t_stop);
             let mut reached = self.step(t_stop)?;
             let mut switched = self.first_switch()?;
             if self.system.left_domain && switched.is_none() && self.has_left_the_domain() {
@@ -370,7 +381,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.record_grid(t, true)?;
         at_end?;
         self.t = t;
-        Ok(())
+        self.watch_progress(t)
     }
 
     /// Advances past a breakpoint of an input signal. It is an event only if a value or rate jumps, or
@@ -488,6 +499,7 @@ impl<'p, 's> Simulation<'p, 's> {
     }
 
     pub(super) fn restart(&mut self) -> Result<(), Failure> {
+        self.locator.forget_samples();
         let started =
             self.stepper.restart(&mut self.system, self.t, &self.y, JacobianMemory::Forget);
         started.map_err(|e| of_integration(&self.system.machine, e, self.t))

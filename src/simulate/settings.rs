@@ -59,6 +59,8 @@ pub struct Settings {
     pub spacing: Option<f64>,
     /// Maximum number of steps of the integrator, including rejected ones.
     pub most_steps: u64,
+    /// Maximum step, s, positive; a 50th of the run if not given.
+    pub max_step: Option<f64>,
 }
 
 impl Settings {
@@ -80,6 +82,7 @@ impl Settings {
             extrema: Vec::new(),
             spacing: None,
             most_steps: DEFAULT_MAX_STEPS,
+            max_step: None,
         }
     }
 
@@ -91,6 +94,11 @@ impl Settings {
         }
         if (interval.is_nan() || *interval <= 0.0) && stop > start {
             return Some(format!("the interval between rows is {interval} s, not positive"));
+        }
+        if let Some(max_step) = self.max_step
+            && (max_step.is_nan() || max_step <= 0.0)
+        {
+            return Some(format!("the maximum step is {max_step} s, not positive"));
         }
         check_rtol(*tolerance).err().map(|e| e.to_string())
     }

@@ -24,6 +24,8 @@ pub struct HybridSystem<'p> {
     /// State-dependent relations.
     state_relations: Vec<u32>,
     probes: ProbeHistory,
+    /// Indicators of the last evaluations, one row for each of `probes`.
+    probed_indicators: Vec<f64>,
     /// Position in the pattern of each Jacobian entry of the program.
     positions: Vec<usize>,
     displaced: Vec<f64>,
@@ -31,23 +33,29 @@ pub struct HybridSystem<'p> {
     slope: Vec<f64>,
 }
 
+/// Number of evaluations whose relations are remembered.
+const PROBES: usize = 5;
+
 /// The last evaluations of derivatives, each with a flag that a relation differed from its held
 /// value.
 #[derive(Default)]
 struct ProbeHistory {
     /// As many as Radau IIA makes per step from its last iteration on: three stages, the error
     /// estimate, and the end.
-    recent: [(f64, bool); 5],
+    recent: [(f64, bool); PROBES],
     next: usize,
     /// The memory has not changed since the last one.
     is_current: bool,
 }
 
 impl ProbeHistory {
-    fn note(&mut self, t: f64, switched: bool) {
-        self.recent[self.next] = (t, switched);
-        self.next = (self.next + 1) % self.recent.len();
+    /// Notes an evaluation and returns its position.
+    fn note(&mut self, t: f64, switched: bool) -> usize {
+        let position = self.next;
+        self.recent[position] = (t, switched);
+        self.next = (position + 1) % self.recent.len();
         self.is_current = true;
+        position
     }
 }
 
@@ -77,6 +85,7 @@ impl<'p> HybridSystem<'p> {
             pattern,
             state_relations: state_relations(program),
             probes: ProbeHistory::default(),
+            probed_indicators: vec![0.0; PROBES * program.events.relation_triggers.len()],
             positions,
             displaced: zeros(),
             base: zeros(),
@@ -115,7 +124,28 @@ impl<'p> HybridSystem<'p> {
         let (candidates, held) = (program.layout.candidates, program.layout.relations);
         let switched = |k: &u32| self.machine.get(candidates + k) != self.machine.get(held + k);
         let switched = self.state_relations.iter().any(switched);
-        self.probes.note(t, switched);
+        let position = self.probes.note(t, switched);
+        let count = program.events.relation_triggers.len();
+        let first = program.layout.indicators as usize;
+        let now = &self.machine.memory[first..first + count];
+        self.probed_indicators[position * count..][..count].copy_from_slice(now);
+    }
+
+    /// The latest evaluations of the integrator strictly between two instants, in order of time,
+    /// with the indicators of all relations there.
+    pub fn probes_between(&self, t0: f64, t1: f64) -> impl Iterator<Item = (f64, &[f64])> {
+        let count = self.machine.program.events.relation_triggers.len();
+        let recent = &self.probes.recent;
+        let mut order: [usize; PROBES] = std::array::from_fn(|k| (self.probes.next + k) % PROBES);
+        // Stable: of evaluations at one instant the last remains last.
+        order.sort_by(|a, b| recent[*a].0.total_cmp(&recent[*b].0));
+        let is_last_there = move |k: usize| {
+            let t = recent[order[k]].0;
+            t0 < t && t < t1 && (k + 1 == PROBES || recent[order[k + 1]].0 > t)
+        };
+        (0..PROBES).filter(move |k| is_last_there(*k)).map(move |k| {
+            (recent[order[k]].0, &self.probed_indicators[order[k] * count..][..count])
+        })
     }
 
     /// Evaluates all variables at `(t, y)`, with relations held.

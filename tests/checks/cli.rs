@@ -344,6 +344,40 @@ fn exit_statuses() {
 }
 
 #[test]
+fn limits_end_a_command() {
+    let folder = shop();
+    folder.file(
+        "fast.mo",
+        "model F\n  Real x(start = 0, fixed = true);\nequation\n  der(x) = 1e5*cos(1e5*time);\nend F;\n",
+    );
+    let limited = |limit: &[&str]| {
+        let arguments = [&["simulate", "fast.mo", "--stop", "1000"], limit].concat();
+        mocc(folder.path(), &arguments)
+    };
+    let late = limited(&["--max-seconds", "0.3"]);
+    assert_eq!(late.status, 1, "{}", late.err);
+    assert!(late.err.contains("the limit of 0.3 s is reached"), "{}", late.err);
+    assert!(late.err.contains("--max-seconds"), "{}", late.err);
+    // Only Linux tells how much memory a process occupies.
+    if cfg!(target_os = "linux") {
+        let large = limited(&["--max-memory", "0.001"]);
+        assert_eq!(large.status, 1, "{}", large.err);
+        assert!(large.err.contains("of memory is reached"), "{}", large.err);
+    }
+}
+
+#[test]
+fn of_thousands_of_errors_the_first_are_shown() {
+    let folder = shop();
+    let unknown: String = (0..20_000).map(|i| format!("  Lost x{i};\n")).collect();
+    folder.file("lost.mo", &format!("model L\n{unknown}end L;\n"));
+    let ended = mocc(folder.path(), &["check", "lost.mo", "--max-seconds", "100"]);
+    assert_eq!(ended.status, 1);
+    assert_eq!(ended.err.matches("error[MO0201]").count(), 200);
+    assert!(ended.err.contains("19800 further problems are not shown"));
+}
+
+#[test]
 fn requests_that_cannot_be_met_are_explained() {
     let folder = shop();
     folder.file("latin.mo", "model A\nend A;\n");

@@ -67,6 +67,10 @@ causes! {
         error MO1205 DeepRecursion { function: Name, most: usize }
             => ("`{function}` calls itself more than {most} deep"),
             help("let parameters and constants decide how deep it goes, or write a loop");
+        /// One call of a function leads to too many others.
+        error MO1294 TooManyCalls { function: Name, most: usize }
+            => ("one call of `{function}` leads to more than {most} others"),
+            help("compute its value by a loop, or with fewer calls");
         /// An external function is not one that mocc implements.
         error MO0222 UnknownExternal { function: String } (section "12.9")
             => ("mocc does not know the external function `{function}`"),

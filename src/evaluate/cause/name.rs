@@ -11,7 +11,12 @@ causes! {
         /// A name is not declared.
         error MO0202 UnknownName { name: Name, near: Option<String> } (section "5.3.1")
             => ("`{name}` is not declared"),
-            remedy(did_you_mean_or(near, "declare it in this class, or check the spelling"));
+            remedy(match name.as_str() {
+                "dt" => Some(
+                    "`der(x)` is the derivative by time already; remove the division by `dt`".to_owned()
+                ),
+                _ => did_you_mean_or(near, "declare it in this class, or check the spelling"),
+            });
         /// A function does not exist.
         error MO0288 UnknownFunction { path: String, near: Option<String> } (section "5.3")
             => ("there is no function `{path}`"),

@@ -26,6 +26,10 @@ causes! {
         /// The value of a parameter or constant depends on itself.
         error MO0218 ValueCycle { path: String } (section "4.4.3")
             => ("the value of `{path}` depends on itself"), help("break the cycle of bindings");
+        /// A string that is computed is too long.
+        error MO1296 LongString { length: usize, most: usize }
+            => ("a string of {length} characters is too long"),
+            help("use no more than {most}");
         /// A list of values has a gap.
         error MO0211 MissingValue (section "8.3.1")
             => ("a value is missing in this list"),

@@ -164,7 +164,8 @@ impl Builder<'_> {
         self.open.retain(|open| open.start < start);
         self.blocks = 0;
         let Some(end) = end else { return };
-        if end.name == head.name.name {
+        // An empty one was inserted, and reported, where it is missing.
+        if end.name == head.name.name || end.span.start == end.span.end {
             return;
         }
         if self.open.iter().any(|open| open.name.name == end.name) {

@@ -8,12 +8,16 @@ use crate::base::diag::{Diagnostic, did_you_mean};
 use crate::parse::build::Builder;
 use crate::parse::error::{
     SyntaxCause, SyntaxContext, too_deep, unclosed_block, unclosed_bracket, unclosed_class,
+    unterminated,
 };
 use crate::parse::grammar::ParseError;
 use crate::parse::token::{Token, TokenKind};
 
 /// Number of preceding tokens that are searched for a cause.
 const HORIZON: usize = 5000;
+
+/// Number of tokens before an error among which a string over lines is its cause.
+const STRING_HORIZON: usize = 4;
 
 /// Keywords that begin a line of a class: the candidates for "did you mean".
 const LINE_KEYWORDS: &[&str] = &[
@@ -106,6 +110,10 @@ impl Builder<'_> {
             SyntaxContext::Class => self.next_class(at),
             _ => self.resume_after(start),
         };
+        if let Some(string) = self.string_over_lines(at) {
+            self.report_string(string);
+            return;
+        }
         if self.lexer_reported_near(at) {
             return;
         }
@@ -113,7 +121,9 @@ impl Builder<'_> {
             expected.iter().filter_map(|t| TokenKind::of_terminal(t)).collect();
         let obstacle = Obstacle { at, kind, expected: &expected, context };
         let error = self
-            .misspelled(&obstacle)
+            .decimal_comma(&obstacle)
+            .or_else(|| self.keyword_as_name(&obstacle))
+            .or_else(|| self.misspelled(&obstacle))
             .or_else(|| self.unclosed_at_end(&obstacle))
             .or_else(|| self.bracket(&obstacle))
             .or_else(|| self.unclosed_block(&obstacle));
@@ -156,6 +166,77 @@ impl Builder<'_> {
     }
 
     // ---- Causes, most specific first ----
+
+    /// A string just before this token that extends over lines, if a later one has no end: then it
+    /// is this one that is not closed, and all quotes after it are taken for the opposite.
+    fn string_over_lines(&self, at: usize) -> Option<Token> {
+        let is_unclosed = |p: &Diagnostic| {
+            p.primary.0.file == self.file
+                && p.is(|cause: &SyntaxCause| matches!(cause, SyntaxCause::UnterminatedString))
+        };
+        let near = self.tokens.get(at.saturating_sub(STRING_HORIZON)..at.min(self.tokens.len()))?;
+        let over_lines =
+            |t: &&Token| t.kind == TokenKind::String && self.text(t.start, t.end).contains('\n');
+        let string = near.iter().rev().find(over_lines)?;
+        self.problems.iter().any(is_unclosed).then_some(*string)
+    }
+
+    /// Reports a string that is not closed on its line, and nothing else of the file after it.
+    fn report_string(&mut self, string: Token) {
+        let file = self.file;
+        self.problems.remove(|p| p.primary.0.file == file && p.is(is_lexical));
+        let first_line = self.text(string.start, string.end).lines().next().map_or(0, str::len);
+        let span = self.span(string.start, string.start + first_line as u32);
+        self.report(unterminated(SyntaxCause::UnterminatedString, span, 1));
+        self.quiet_until = u32::MAX;
+        self.unclosed_reported = true;
+    }
+
+    /// `12,5`
+    fn decimal_comma(&self, o: &Obstacle<'_>) -> Option<Diagnostic> {
+        let [whole, comma, fraction] = *self.tokens.get(o.at.checked_sub(2)?..=o.at)? else {
+            return None;
+        };
+        let adjacent = whole.end == comma.start && comma.end == fraction.start;
+        let is_number = |t: Token| matches!(t.kind, TokenKind::Integer | TokenKind::Real);
+        if !adjacent || comma.kind != TokenKind::Comma || !is_number(whole) || !is_number(fraction)
+        {
+            return None;
+        }
+        let written = self.text(whole.start, fraction.end).to_owned();
+        let wanted = written.replacen(',', ".", 1);
+        let span = self.span(whole.start, fraction.end);
+        let cause = SyntaxCause::DecimalComma { written, wanted };
+        Some(Diagnostic::new(cause, span).label("the comma separates two values"))
+    }
+
+    /// `Real model;`
+    fn keyword_as_name(&self, o: &Obstacle<'_>) -> Option<Diagnostic> {
+        let (token, before) = (*self.tokens.get(o.at)?, *self.before(o.at)?);
+        let keyword = token.kind.text();
+        let wants_name = o.expects(TokenKind::Ident)
+            && !o.expects_expression()
+            && !o.expects(TokenKind::Parameter);
+        let after_type = matches!(before.kind, TokenKind::Ident | TokenKind::RightBracket);
+        let next = self.tokens.get(o.at + 1).map(|t| t.kind);
+        let is_declared = matches!(
+            next,
+            Some(
+                TokenKind::Semicolon
+                    | TokenKind::Equals
+                    | TokenKind::LeftParen
+                    | TokenKind::LeftBracket
+                    | TokenKind::Comma
+                    | TokenKind::String
+            )
+        );
+        let is_keyword = TokenKind::KEYWORDS.contains(&keyword);
+        let same_line = !self.lines_between(&before, &token);
+        (is_keyword && wants_name && after_type && is_declared && same_line).then(|| {
+            let span = self.span(token.start, token.end);
+            Diagnostic::new(SyntaxCause::KeywordAsName { keyword }, span).label("a keyword")
+        })
+    }
 
     fn misspelled(&self, o: &Obstacle<'_>) -> Option<Diagnostic> {
         let suggest = |token: &Token, keywords: &[&'static str]| {

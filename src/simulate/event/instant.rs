@@ -76,6 +76,7 @@ impl Simulation<'_, '_> {
             self.duplicates.record(t, &flipped);
             self.report_event(t, cause, ticked, &flipped, effects);
         }
+        self.count_bounce(t, &flipped, effects);
         if !ticked && !self.try_sliding(t, &flipped, effects)? {
             self.clear_accumulation(&flipped, effects);
             self.check_chattering(t, &flipped, effects)?;

@@ -2,13 +2,16 @@
 //!
 //! In: a step of the integrator with its dense output. Out: the instant, enclosed from the right.
 //! Relations are probed at points within the step; the crossing is enclosed by a bracketing root
-//! finder on the zero-crossing indicators.
+//! finder on the zero-crossing indicators. Between probes an indicator may touch zero, or cross it
+//! twice: [`super::dips`] finds where.
 
 use crate::integrate::stepper::Stepper;
 use crate::ir::program::{Program, RelationTrigger};
 use crate::numeric::root::locate;
 use crate::runtime::machine::{Fault, Machine};
 use crate::simulate::system::HybridSystem;
+
+use super::dips::Samples;
 
 /// Points within a step, as fractions, at which relations are probed in addition to its end.
 const PROBES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
@@ -25,6 +28,7 @@ pub struct Locator {
     ignored: Option<u32>,
     /// Hysteresis of each relation: minimum absolute value of its indicator after a change.
     hysteresis: Vec<f64>,
+    samples: Samples,
 }
 
 /// First hysteresis of a chattering relation, in units of its operands.
@@ -34,6 +38,18 @@ const HYSTERESIS_GROWTH: f64 = 100.0;
 /// Maximum hysteresis.
 const MAX_HYSTERESIS: f64 = 1e-7;
 
+/// Bisections of the interval between two samples in search of a change. The distance of an
+/// extremum from a sample falls to the rounding error of the indicator, relative to its change
+/// over the interval.
+const MAX_DIP_DEPTH: u32 = 26;
+
+/// The zero-crossing indicators of all relations in the memory.
+fn indicators<'a>(machine: &'a Machine<'_>) -> &'a [f64] {
+    let program = machine.program;
+    let first = program.layout.indicators as usize;
+    &machine.memory[first..first + program.events.relation_triggers.len()]
+}
+
 impl Locator {
     /// Monitors all state-dependent relations of a program.
     pub fn new(program: &Program) -> Self {
@@ -41,7 +57,9 @@ impl Locator {
             .filter(|k| program.events.relation_triggers[*k as usize] == RelationTrigger::State)
             .collect();
         let hysteresis = vec![0.0; program.events.relation_triggers.len()];
-        Locator { relations, point: vec![0.0; program.order().max(1)], ignored: None, hysteresis }
+        let samples = Samples::new(program.events.relation_triggers.len());
+        let point = vec![0.0; program.order().max(1)];
+        Locator { relations, point, ignored: None, hysteresis, samples }
     }
 
     /// Widens the hysteresis of chattering relations: smaller changes are rounding errors of
@@ -96,6 +114,12 @@ impl Locator {
         let quiet_until = if self.ignored.is_none() { system.quiet_until(t0, t1) } else { None };
         let mut left = quiet_until.unwrap_or(t0);
         let mut failures_left = MAX_FAILURES;
+        self.samples.begin(t0);
+        if quiet_until.is_some() {
+            for (t, indicators) in system.probes_between(t0, t1) {
+                self.samples.add(t, indicators);
+            }
+        }
         let probes = PROBES.map(|fraction| t0 + fraction * (t1 - t0)).into_iter();
         for target in probes.filter(|_| quiet_until.is_none()).chain([t1]) {
             let mut right = target;
@@ -104,7 +128,10 @@ impl Locator {
                     Ok(()) if self.switched(&system.machine).next().is_some() => {
                         return Ok(Some(self.enclose(system, stepper, left, right)));
                     }
-                    Ok(()) => (left, right) = (right, target),
+                    Ok(()) => {
+                        self.samples.add(right, indicators(&system.machine));
+                        (left, right) = (right, target);
+                    }
                     // The held branch may end within the step, but not before its relation changes.
                     Err(fault) => {
                         failures_left = failures_left.saturating_sub(1);
@@ -120,6 +147,47 @@ impl Locator {
                     }
                 }
             }
+        }
+        let found = self.first_dip(system, stepper)?;
+        self.samples.end(t1);
+        Ok(found)
+    }
+
+    /// Forgets the samples of the last step: the indicators may have jumped.
+    pub fn forget_samples(&mut self) {
+        self.samples.clear();
+    }
+
+    /// The first instant at which a relation changes between two samples that agree; without one,
+    /// the memory stays at the end of the step.
+    fn first_dip(
+        &mut self,
+        system: &mut HybridSystem<'_>,
+        stepper: &dyn Stepper,
+    ) -> Result<Option<f64>, Fault> {
+        let (mut from, mut moved) = (0, false);
+        while let Some((interval, depth)) = self.samples.next_suspect(&self.relations, from) {
+            from = interval;
+            let middle = self.samples.middle(interval);
+            let (left, right) = self.samples.interval(interval);
+            if depth >= MAX_DIP_DEPTH || !(left < middle && middle < right) {
+                from = interval + 1;
+                continue;
+            }
+            moved = true;
+            if self.evaluate(system, stepper, middle).is_err() {
+                from = interval + 1;
+                continue;
+            }
+            if self.switched(&system.machine).next().is_some() {
+                return Ok(Some(self.enclose(system, stepper, left, middle)));
+            }
+            if !self.samples.insert(interval, middle, indicators(&system.machine)) {
+                break;
+            }
+        }
+        if moved {
+            self.evaluate(system, stepper, stepper.t())?;
         }
         Ok(None)
     }

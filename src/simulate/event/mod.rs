@@ -2,12 +2,13 @@
 //!
 //! In: a step of the integrator with its dense output. Out: the instant at which the first relation
 //! changes and the state after event iteration (Modelica specification 3.6, appendix B).
-//! [`locate`] finds the instant, [`instant`] executes the event there, [`iterate`] iterates its
+//! [`locate`] finds the instant, also between probes that agree ([`dips`]), [`instant`] executes the event there, [`iterate`] iterates its
 //! discrete equations, and [`relation_search`] solves relations and equations together.
 //! [`chattering`] and [`sliding`] handle relations that switch back and forth, [`zeno`] those that
 //! switch ever faster, [`duplicate_event`] those that an event itself switches back.
 
 pub mod chattering;
+pub mod dips;
 pub mod duplicate_event;
 pub mod instant;
 pub mod iterate;

@@ -5,9 +5,12 @@
 //! enters it (K. H. Johansson et al., *On the regularization of Zeno hybrid automata*, Systems &
 //! Control Letters 38, 1999, sec. 4). A model without one passes the threshold, and the run fails.
 
+use crate::base::diag::Diagnostic;
+use crate::ir::program::RelationTrigger;
 use crate::ir::trajectory::Event;
 
 use super::iterate::EventEffects;
+use crate::simulate::cause::RunCause;
 use crate::simulate::failure::Failure;
 use crate::simulate::run::Simulation;
 
@@ -17,6 +20,34 @@ const PARTS: usize = 4;
 const SHRINKAGE: f64 = 0.8;
 /// Distance from the threshold, in units of the hysteresis, that counts as having passed it.
 const BEYOND: f64 = 1e6;
+
+/// Number of events at ever shorter intervals that count as bounces.
+const BOUNCES: u32 = 6;
+/// Maximum ratio of the last and the first interval between bounces that are about to end.
+const LAST_BOUNCE: f64 = 1e-2;
+/// Intervals after the last bounce within which the next one is expected.
+const OVERDUE: f64 = 8.0;
+/// Distance beyond the threshold, relative to the height of the bounces, that counts as having
+/// passed it.
+const DEPTH: f64 = 1e-2;
+
+/// Events of one relation with effects on variables, at ever shorter intervals: the last bounces may
+/// be lower than the rounding error of the place at which they start, so that the relation does not
+/// become false again and the model falls through its threshold.
+#[derive(Clone, Debug, Default)]
+pub struct Bounces {
+    /// Value of the relation after each event.
+    truth: bool,
+    /// Digest of all relations after each event: rest is another mode.
+    mode: u64,
+    count: u32,
+    /// Time of the last one, s.
+    last: f64,
+    /// The last and the first interval, s.
+    intervals: (f64, f64),
+    /// Largest distance from the threshold between them.
+    height: f64,
+}
 
 /// A relation whose events accumulate.
 pub struct Accumulation {
@@ -71,8 +102,74 @@ impl Simulation<'_, '_> {
         }
     }
 
+    /// Counts an event as a bounce of the relations that changed in it.
+    pub(crate) fn count_bounce(&mut self, t: f64, flipped: &[(u32, bool)], effects: EventEffects) {
+        if !effects.acted {
+            return;
+        }
+        let first = self.program.layout.relations as usize;
+        let count = self.program.events.relation_triggers.len();
+        let relations = &self.system.machine.memory[first..first + count];
+        // FNV-1a.
+        let mode = relations.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, value| {
+            (hash ^ u64::from(*value != 0.0)).wrapping_mul(0x0100_0000_01b3)
+        });
+        for &(k, truth) in flipped {
+            if self.program.events.relation_triggers[k as usize] != RelationTrigger::State {
+                continue;
+            }
+            let bounces = &mut self.bounces[k as usize];
+            // Between two bounces the relation changes back.
+            if bounces.count > 0 && truth != bounces.truth {
+                continue;
+            }
+            let interval = t - bounces.last;
+            let goes_on = bounces.count > 0
+                && mode == bounces.mode
+                && (bounces.count == 1
+                    || interval < bounces.intervals.0
+                    // The last ones are of the size of rounding errors.
+                    || interval < LAST_BOUNCE * bounces.intervals.1);
+            if goes_on {
+                bounces.count += 1;
+                let longest = if bounces.count == 2 { interval } else { bounces.intervals.1 };
+                bounces.intervals = (interval, longest);
+                bounces.last = t;
+            } else {
+                *bounces = Bounces { truth, mode, last: t, count: 1, ..Bounces::default() };
+            }
+        }
+    }
+
+    /// Fails if the solution has passed a threshold at which it bounced.
+    fn check_bounces(&mut self) -> Result<(), Failure> {
+        let (machine, layout) = (&self.system.machine, &self.program.layout);
+        let t = machine.get(layout.time);
+        let mut passed = None;
+        for (bounces, k) in self.bounces.iter_mut().zip(0..).filter(|(b, _)| b.count > 0) {
+            let distance = machine.get(layout.indicators + k).abs();
+            if (machine.get(layout.relations + k) != 0.0) != bounces.truth {
+                bounces.height = bounces.height.max(distance);
+                continue;
+            }
+            let (interval, longest) = bounces.intervals;
+            let ends = bounces.count >= BOUNCES && interval < LAST_BOUNCE * longest;
+            let is_overdue = t - bounces.last > OVERDUE * interval;
+            if ends && is_overdue && distance > DEPTH * bounces.height {
+                passed = Some((k, bounces.count, bounces.last, interval));
+            }
+        }
+        let Some((k, events, time, interval)) = passed else { return Ok(()) };
+        let relation = self.relation_text(k);
+        let cause = RunCause::PassedThrough { time, relation, events, interval };
+        let diagnostic = Diagnostic::new(cause, self.relation_span(k))
+            .label("after its last change nothing holds the solution");
+        Err(Failure::numerics(time, diagnostic))
+    }
+
     /// Fails if the solution has passed the threshold at which events accumulated.
     pub(crate) fn check_accumulation(&mut self) -> Result<(), Failure> {
+        self.check_bounces()?;
         let Some(accumulation) = &self.accumulation else { return Ok(()) };
         let (machine, layout) = (&self.system.machine, &self.program.layout);
         let indicator = machine.get(layout.indicators + accumulation.relation).abs();

@@ -51,6 +51,11 @@ impl<'a> Explainer<'a> {
         self.memory[self.program.layout.variables[v.idx()] as usize]
     }
 
+    /// The value of an expression; NaN if it is not known.
+    pub fn number(&self, e: ExprId) -> f64 {
+        self.evaluate(e).get(&e).copied().unwrap_or(f64::NAN)
+    }
+
     /// The value in a slot.
     pub fn at(&self, slot: Slot) -> f64 {
         self.memory[slot as usize]

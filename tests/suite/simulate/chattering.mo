@@ -8,3 +8,13 @@ equation
   u = if x > 0 then -1 else if x < 0 then 1 else 2;
   der(x) = u;
 end Relay;
+
+//@ case hidden_switching
+//@ status 3
+// Without an event the integrator follows every switch of the relay with steps as short as its tolerance.
+model Relay
+  Real x(start = 0.5, fixed = true);
+equation
+  //@ error[MO0933] 3-43
+  der(x) = noEvent(if x > 0 then -1 else 1);
+end Relay;

@@ -8,3 +8,156 @@ equation
   der(x) = x^2;
   annotation(experiment(StopTime = 2));
 end Escape;
+
+// Pulses, crossings and bounces that fit between the steps: each integral and each number of events
+// is that of the closed form.
+
+//@ case narrow_pulse
+// The integral of a normalized Gaussian of width 1e-4 is 1.
+//@ run
+model Pulse
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = exp(-((time - 0.5)/1e-4)^2)/(1e-4*sqrt(acos(-1.0)));
+end Pulse;
+//@ expect x = 1 abs 1e-6
+//@ expect x at 0.49 = 0 abs 1e-9
+//@ run method=radau
+//@ expect x = 1 abs 1e-6
+//@ run method=bdf
+//@ expect x = 1 abs 1e-5
+//@ run method=dopri
+//@ expect x = 1 abs 1e-6
+
+//@ case pulses_by_other_functions
+// Their integrals are the area of a triangle, the arctangent, and the hyperbolic tangent.
+model Pulses
+  constant Real w = 1e-4;
+  Real triangle(start = 0, fixed = true);
+  Real lorentz(start = 0, fixed = true);
+  Real sech(start = 0, fixed = true);
+  Real shift = time - 0.3;
+equation
+  der(triangle) = max(0, 1 - abs(time - 0.7123)/w)/w;
+  der(lorentz) = 1/(w*(1 + (shift/w)^2));
+  der(sech) = 1/(w*cosh((time - 0.5)/w*0.01)^2)*0.01;
+end Pulses;
+//@ expect triangle = 1 abs 1e-5
+//@ expect lorentz = atan(0.7/1e-4) + atan(0.3/1e-4) abs 1e-5
+//@ expect sech = 2*tanh(50) abs 1e-5
+
+//@ case pulse_without_events
+// `noEvent` turns the comparisons into jumps that are no events; the steps find them all the same.
+model Window
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = noEvent(if time > 0.41 and time < 0.4101 then 1e4 else 0);
+end Window;
+//@ expect x = 1 abs 1e-5
+
+//@ case pulse_of_a_parameter
+//@ run set=instant=0.123
+model Shifted
+  parameter Real instant = 0.9;
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1e3*exp(-((time - instant)*1e3)^2);
+end Shifted;
+//@ expect x = sqrt(acos(-1)) abs 1e-5
+//@ expect x at 0.12 = 0 abs 0.01
+
+//@ case two_crossings_in_a_step
+model Window
+  Real x(start = 0, fixed = true);
+  discrete Integer n(start = 0, fixed = true);
+equation
+  der(x) = 1;
+  when abs(x - 0.5) < 1e-5 then
+    n = pre(n) + 1;
+  end when;
+end Window;
+//@ expect n = 1
+//@ expect events "became true" = 1 at 0.49999 abs 1e-9
+//@ run method=bdf
+//@ expect n = 1
+//@ run method=dopri
+//@ expect n = 1
+
+//@ case touching_parabola
+// x = (time - 0.5)^2: below 1e-9 for sqrt(1e-9) on either side.
+model Parabola
+  Real x(start = 0.25, fixed = true);
+  Real v(start = -1, fixed = true);
+  discrete Integer n(start = 0, fixed = true);
+equation
+  der(x) = v;
+  der(v) = 2;
+  when x <= 1e-9 then
+    n = pre(n) + 1;
+  end when;
+end Parabola;
+//@ expect n = 1
+//@ expect events "became true" = 1 at 0.5 - sqrt(1e-9) abs 1e-7
+
+//@ case grazing_sine
+//@ run stop=2
+model Sine
+  Real x(start = 0, fixed = true);
+  Real v(start = 1, fixed = true);
+  discrete Integer n(start = 0, fixed = true);
+  discrete Integer m(start = 0, fixed = true);
+equation
+  der(x) = v;
+  der(v) = -x;
+  when x >= 1 - 1e-6 then
+    n = pre(n) + 1;
+  end when;
+  when sin(time) >= 1 - 1e-9 then
+    m = pre(m) + 1;
+  end when;
+end Sine;
+//@ expect n, m = 1, 1
+
+//@ case fast_source_against_a_state
+// sin(1e4 t) crosses t/2 twice in each of the 1e4/(2*pi) = 1591.55 periods; at the end, where t/2 is
+// 0.5, the second crossing is at 5/12 of a period, before the end of the last one.
+model Comparator
+  Real x(start = 0, fixed = true);
+  Boolean above = sin(1e4*time) > x;
+equation
+  der(x) = 0.5;
+end Comparator;
+//@ expect events "sin" = 3184
+
+//@ case ball_falls_through
+//@ run stop=10
+//@ status 3
+model Ball
+  Real h(start = 1, fixed = true);
+  Real v(start = 0, fixed = true);
+equation
+  der(h) = v;
+  der(v) = -9.81;
+  //@ error[MO0932] 3-
+  when h <= 0 then
+    reinit(v, -0.5*pre(v));
+  end when;
+end Ball;
+
+//@ case ball_comes_to_rest
+// The bounces end at sqrt(2/g) (1 + e)/(1 - e) = 1.3546 s.
+//@ run stop=10
+model Ball
+  Real h(start = 1, fixed = true);
+  Real v(start = 0, fixed = true);
+  Boolean flies(start = true, fixed = true);
+equation
+  der(h) = v;
+  der(v) = if flies then -9.81 else 0;
+  when h <= 0 then
+    flies = abs(pre(v)) > 1e-3;
+    reinit(v, if abs(pre(v)) > 1e-3 then -0.5*pre(v) else 0);
+  end when;
+end Ball;
+//@ expect h, v = 0, 0 abs 1e-9
+//@ expect flies at 1.353, 1.36 = 1, 0
