@@ -247,6 +247,7 @@ fn a_partial_explanation_is_no_effect() {
     let scratch = study("c = {}", "c = {}", |_, v| -0.9 * v.abs() * v);
     let request = Request {
         plan: scratch.path().join("plan.toml"),
+        memory: Default::default(),
         data: None,
         effects: None,
         modelica_path: None,
@@ -556,6 +557,7 @@ fn a_front_end_observes_and_cancels() {
     scratch.file("table.csv", "file,split,s_0\n0.csv,train,0.1\n");
     let request = Request {
         plan: scratch.path().join("plan.toml"),
+        memory: Default::default(),
         data: None,
         effects: None,
         modelica_path: None,
