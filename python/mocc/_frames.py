@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mocc import _mocc
 from mocc._errors import RequestError
 
 Numbers = NDArray[np.float64]
@@ -59,6 +60,13 @@ def columns_of(frame: Any) -> dict[str, Any]:
         if name is not None and str(name) not in columns:
             columns = {str(name): index, **columns}
     return columns
+
+
+def view(values: _mocc.Values) -> Numbers:
+    """A read-only array over the memory of the engine, which it keeps alive."""
+    if len(values) == 0:
+        return np.empty(0)
+    return np.frombuffer(memoryview(values), dtype=np.float64)
 
 
 def packed(values: Numbers) -> bytes:

@@ -9,10 +9,8 @@ from functools import cached_property
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from mocc import _mocc
-from mocc._frames import Numbers
+from mocc._frames import Numbers, view
 
 if TYPE_CHECKING:
     import pandas
@@ -86,7 +84,7 @@ class Result:
     @property
     def time(self) -> Numbers:
         """The instants, s, one for each row, as a read-only view."""
-        return _view(self._run.time())
+        return view(self._run.time())
 
     @cached_property
     def columns(self) -> list[Column]:
@@ -110,7 +108,7 @@ class Result:
             raise KeyError(f"no variable `{name}` was recorded{_near(name, self)}")
         values = self._run.values(position)
         assert values is not None
-        return _view(values)
+        return view(values)
 
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and (name == "time" or self._run.position(name) is not None)
@@ -186,16 +184,10 @@ class Result:
     def _values(self, position: int) -> Numbers:
         values = self._run.values(position)
         assert values is not None
-        return _view(values)
+        return view(values)
 
 
 _EMPTY = '<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
-
-
-def _view(values: _mocc.Values) -> Numbers:
-    if len(values) == 0:
-        return np.empty(0)
-    return np.frombuffer(values, dtype=np.float64)
 
 
 def _near(name: str, names: Sequence[str] | Result) -> str:

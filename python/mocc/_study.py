@@ -16,11 +16,16 @@ from numpy.typing import NDArray
 
 from mocc import _mocc
 from mocc._errors import ModelWarning, RequestError
-from mocc._frames import Numbers, columns_of, finite, numbers, packed
+from mocc._frames import Numbers, columns_of, finite, numbers, packed, view
 from mocc._model import Model, _number, source_of
 
 Progress = Callable[[str], object]
 """Called with a line of text now and then."""
+
+
+Frame = tuple[str, list[tuple[str, bytes]]]
+Strings = tuple[list[str], list[list[str]]]
+Study = tuple[str, str | None, str | None, Strings | None, list[Frame], str | None]
 
 
 class Report:
@@ -101,7 +106,7 @@ class Calibration:
     def _asked(self, question: Callable[[bytes], _mocc.Values], theta: Any) -> Numbers:
         values = question(packed(self._theta(theta)))
         # A copy, since optimizers write into the arrays that they get.
-        return np.frombuffer(values, dtype=np.float64).copy() if len(values) else np.empty(0)
+        return view(values).copy()
 
     def _theta(self, theta: Any) -> Numbers:
         if theta is None:
@@ -210,7 +215,7 @@ def calibrate(
     `SimulationError` if the model cannot be simulated at the start. Ctrl-C raises `KeyboardInterrupt`.
     """
     study = _study(plan, data, table, folder, keys)
-    native = _mocc.calibrate(*study, profiles, progress)
+    native = _mocc.calibrate(*study, profiles=profiles, progress=progress)
     _warn(native.warnings)
     return Calibration(native)
 
@@ -234,18 +239,19 @@ def diagnose(
     if time_limit is not None and _number("time_limit", time_limit) < 0:
         raise RequestError(f"`time_limit` is {time_limit} s, which is negative")
     study = _study(plan, data, table, folder, keys)
-    found = _mocc.diagnose(*study, None if effects is None else fspath(effects), time_limit, progress)
+    own = None if effects is None else fspath(effects)
+    found = _mocc.diagnose(*study, effects=own, time_limit=time_limit, progress=progress)
     _warn(found[4])
     return Diagnosis(found)
 
 
 def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,
-           keys: dict[str, Any]) -> tuple[Any, ...]:
+           keys: dict[str, Any]) -> Study:
     """The plan's path and text, the model's text, the table, the recordings, and the folder."""
     if data is not None and not isinstance(data, Mapping):
         raise RequestError(f"`data` is a {type(data).__name__}; map names of recordings to tables")
     recordings = [(str(name), _frame(frame, str(name))) for name, frame in (data or {}).items()]
-    texts = None if table is None else _texts(table)
+    rows = None if table is None else _strings(table)
     path, text, model = "plan", None, None
     if isinstance(plan, (str, PathLike)):
         if keys:
@@ -257,12 +263,12 @@ def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,
             raise RequestError("give a plan file, or the keys of a plan such as `model`, `signals` and `free`")
         model = _model(given)
         given.setdefault("data", {"folder": "." if folder is None else fspath(folder)})
-        if "recordings" not in given and texts is None and "table" not in given["data"]:
+        if "recordings" not in given and rows is None and "table" not in given["data"]:
             given["recordings"] = [{"file": name} for name, _ in recordings]
-        if texts is not None:
+        if rows is not None:
             given["data"] = {"table": "table", **given["data"]}
         text = toml(given)
-    return path, text, model, texts, recordings, None if folder is None else fspath(folder)
+    return path, text, model, rows, recordings, None if folder is None else fspath(folder)
 
 
 def _model(plan: dict[str, Any]) -> str | None:
@@ -290,7 +296,7 @@ def _frame(frame: Any, name: str) -> list[tuple[str, bytes]]:
         try:
             found = numbers(values, column)
         except RequestError:
-            # A column of texts: the plan does not need it, or the engine reports that it holds no numbers.
+            # A column of strings: the plan does not need it, or the engine reports that it holds no numbers.
             found = np.full(len(values), np.nan)
         if length is not None and len(found) != length:
             raise RequestError(f"`{column}` of `{name}` has {len(found)} rows instead of {length}")
@@ -301,7 +307,7 @@ def _frame(frame: Any, name: str) -> list[tuple[str, bytes]]:
     return columns
 
 
-def _texts(table: Any) -> tuple[list[str], list[list[str]]]:
+def _strings(table: Any) -> Strings:
     columns = columns_of(table)
     rows = zip(*([_text(value) for value in values] for values in columns.values()), strict=True)
     return list(columns), [list(row) for row in rows]
