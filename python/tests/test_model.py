@@ -34,6 +34,16 @@ def test_enumerations_and_strings_are_values():
     assert m.parameters["label"].value == "tank"
 
 
+def test_objects_are_those_of_the_package(tank, ball):
+    r = ball.simulate()
+    assert isinstance(tank, mocc.Model) and isinstance(r, mocc.Result)
+    assert isinstance(tank.parameters["k"], mocc.Parameter) and tank.parameters["k"].display_unit == ""
+    assert isinstance(tank.variables["x"], mocc.Variable)
+    assert isinstance(r.columns[0], mocc.Column) and isinstance(r.events[0], mocc.Event)
+    assert isinstance(r.plot("h"), mocc.Figure)
+    assert issubclass(mocc.InternalError, mocc.Error)
+
+
 def test_files_libraries_and_settings(tmp_path):
     (tmp_path / "Parts.mo").write_text("package Parts model P parameter Real a = 1; Real x = a*time; end P; end Parts;")
     m = mocc.compile(model="Parts.P", set={"a": 3}, lib=[tmp_path])
@@ -51,10 +61,12 @@ def test_a_wrong_model_is_one_exception_with_an_excerpt():
     with pytest.raises(mocc.ModelError) as caught:
         mocc.compile("model M\n  Real x = y;\nend M;")
     error = caught.value
-    assert error.code == "MO0203" or error.code.startswith("MO")
+    assert error.code.startswith("MO02")
     assert error.place == "<text>:2:12"
     assert "Real x = y" in error.rendered and "Real x = y" in str(error)
-    assert error.problems[0].message == error.message
+    problem = error.problems[0]
+    assert isinstance(problem, mocc.Problem) and problem.message == error.message
+    assert problem.notes[0].startswith("see section") and problem.time is None
     assert isinstance(pickle.loads(pickle.dumps(error)), mocc.ModelError)
 
 

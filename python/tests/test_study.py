@@ -191,6 +191,9 @@ def test_the_valve_of_the_tutorial_gets_its_detent():
     d = mocc.diagnose(folder / "plan.toml", progress=heard.append)
     effect = d.effects[0]
     assert (d.verdict, effect.component) == ("effect_found", "Effects.Detent") and heard
+    assert isinstance(d, mocc.Diagnosis) and isinstance(effect, mocc.Effect) and isinstance(d.report, mocc.Report)
+    assert isinstance(effect.parameters["F"], mocc.Estimate) and effect.parameters["F"].value > 0
+    assert effect.at and effect.law and effect.explains and effect.over is not None
     assert effect.parameters["F"].unit == "N" and effect.parameters["F"].error < effect.parameters["F"].value
     assert mocc.compile(d.amended).name.endswith("with_Detent")
     # The same from memory.
