@@ -8,7 +8,7 @@ __version__: str
 _Head = tuple[str, str, str, str, str]
 _Event = tuple[float, str, str]
 _Frame = tuple[str, list[tuple[str, bytes]]]
-_Texts = tuple[list[str], list[list[str]]]
+_Strings = tuple[list[str], list[list[str]]]
 
 def main(arguments: list[str]) -> int: ...
 
@@ -81,7 +81,7 @@ def calibrate(
     plan: str,
     plan_text: str | None,
     model_text: str | None,
-    table: _Texts | None,
+    table: _Strings | None,
     recordings: list[_Frame],
     folder: str | None,
     profiles: bool,
@@ -91,7 +91,7 @@ def diagnose(
     plan: str,
     plan_text: str | None,
     model_text: str | None,
-    table: _Texts | None,
+    table: _Strings | None,
     recordings: list[_Frame],
     folder: str | None,
     effects: str | None,

@@ -58,10 +58,10 @@ def sweep(
         raise RequestError("`vary` is empty; map parameters to lists of values")
     if sample is not None and sample < 1:
         raise RequestError(f"`sample` is {sample}; it is the number of runs")
-    texts = [f"{name} = {text}" for name, text in (measures or {}).items()]
+    formulas = [f"{name} = {text}" for name, text in (measures or {}).items()]
     points = [(name, _points(name, values, sample)) for name, values in vary.items()]
     drawn = None if sample is None else (sample, seed)
-    arguments = (*model._source, points, drawn, texts, (stop, interval, tolerance, method))
+    arguments = (*model._source, points, drawn, formulas, (stop, interval, tolerance, method))
     native = _mocc.Sweep(*arguments)
     rows = native.rows(0, len(native), jobs) if executor is None else _spread(native, arguments, executor)
     columns = {}

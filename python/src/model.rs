@@ -32,7 +32,7 @@ use crate::run::{self, kind_name, numbers};
 
 /// Number of runs up to which compiling to machine code at once does not pay.
 const FEW_RUNS: u64 = 4;
-/// Programs to keep beside the first.
+/// Programs to keep besides the first.
 const MAX_VARIANTS: usize = 16;
 
 /// A value of a parameter: a number in SI units, or a Modelica expression.

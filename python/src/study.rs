@@ -24,12 +24,12 @@ use crate::values::Values;
 /// The name of a recording, and its columns with their numbers.
 type Frame<'py> = (String, Vec<(String, Bound<'py, PyBytes>)>);
 /// Names of columns, and rows of text.
-type Texts = (Vec<String>, Vec<Vec<String>>);
+type Strings = (Vec<String>, Vec<Vec<String>>);
 
 fn memory(
     plan: Option<String>,
     model: Option<String>,
-    table: Option<Texts>,
+    table: Option<Strings>,
     recordings: Vec<Frame<'_>>,
 ) -> Arc<Memory> {
     let table = table.map(|(names, rows)| {
@@ -121,7 +121,7 @@ pub fn calibrate(
     plan: PathBuf,
     plan_text: Option<String>,
     model_text: Option<String>,
-    table: Option<Texts>,
+    table: Option<Strings>,
     recordings: Vec<Frame<'_>>,
     folder: Option<PathBuf>,
     profiles: bool,
@@ -212,7 +212,7 @@ pub fn diagnose<'py>(
     plan: PathBuf,
     plan_text: Option<String>,
     model_text: Option<String>,
-    table: Option<Texts>,
+    table: Option<Strings>,
     recordings: Vec<Frame<'py>>,
     folder: Option<PathBuf>,
     effects: Option<PathBuf>,
