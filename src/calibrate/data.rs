@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::Span;
-use crate::io::csv::{ReadError, TextTable, read_text};
+use crate::io::csv::TextTable;
 
 use super::cause::RecordingCause;
 use super::noise::{self, third_differences};
@@ -112,14 +112,14 @@ impl Data {
 /// Reads all recordings of a plan. Errors are added to `problems`.
 pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
     let before = problems.error_count();
-    let path = plan.folder.join(&plan.table);
     let mut repairs = Vec::new();
     let mut recordings = listed(plan, problems, &mut repairs);
     if !plan.table.is_empty() {
-        let table = match read_text(&path) {
+        let (path, table) = plan.memory.table(plan);
+        let table = match table {
             Ok(table) => table,
             Err(why) => {
-                problems.push(unreadable(&why, true));
+                problems.push(why);
                 return None;
             }
         };
@@ -149,7 +149,7 @@ fn listed(plan: &Plan, problems: &mut Problems, repairs: &mut Vec<String>) -> Ve
     for entry in &plan.listed {
         let path = plan.folder.join(&entry.file);
         if !files.iter().any(|(known, _)| *known == entry.file) {
-            files.push((&entry.file, measured(plan, &path, problems, repairs)));
+            files.push((&entry.file, measured(plan, &entry.file, problems, repairs)));
         }
         let of_file = files.iter().find(|(known, _)| *known == entry.file);
         let Some(measured) = of_file.and_then(|(_, m)| m.as_ref()) else { continue };
@@ -188,7 +188,7 @@ fn tabled(
     problems: &mut Problems,
     repairs: &mut Vec<String>,
 ) -> Vec<Recording> {
-    let mut column = |name: &str, span: Span| column(table, path, name, span, problems);
+    let mut column = |name: &str, span: Span| column(&table.names, path, name, span, problems);
     let file = column(&plan.file_column, Span::NONE);
     let name = plan.name_column.as_ref().map(|c| column(c, Span::NONE));
     let split = plan.split_column.as_ref().map(|c| column(c, Span::NONE));
@@ -220,7 +220,7 @@ fn tabled(
         }
         let name = name.flatten().map_or_else(|| row[file].clone(), |k| row[k].clone());
         let source = plan.folder.join(&row[file]);
-        let Some(measured) = measured(plan, &source, problems, repairs) else { continue };
+        let Some(measured) = measured(plan, &row[file], problems, repairs) else { continue };
         let FileContent { time, signals, courses, initial_signals } = measured;
         let conditions = values;
         let whole = Recording {
@@ -286,35 +286,38 @@ fn column_course(time: &[f64], values: &[f64], unit: Unit, smooth: f64) -> Optio
 /// Time and signals of one file.
 fn measured(
     plan: &Plan,
-    path: &Path,
+    file: &str,
     problems: &mut Problems,
     repairs: &mut Vec<String>,
 ) -> Option<FileContent> {
-    let table = match read_text(path) {
+    let (path, table) = plan.memory.rows(plan, file);
+    let path = path.as_path();
+    let table = match table {
         Ok(table) => table,
         Err(why) => {
-            problems.push(unreadable(&why, false));
+            problems.push(why);
             return None;
         }
     };
-    let at = column(&table, path, &plan.time, Span::NONE, problems);
+    let names = table.names();
+    let at = column(names, path, &plan.time, Span::NONE, problems);
     let signals = plan.signals.iter().map(|s| (&s.column, s.span, None));
     let inputs = plan.inputs.iter().map(|i| (&i.column, i.span, i.absent));
     let starts = plan.starts.iter().map(|b| (&b.column, b.span, None));
     let named = signals.chain(inputs).chain(starts);
     let mut source = |(name, span, absent): (&String, Span, Option<f64>)| match absent {
-        Some(value) if table.column(name).is_none() => Some(Source::Absent(value)),
-        _ => column(&table, path, name, span, problems).map(Source::Column),
+        Some(value) if !names.contains(name) => Some(Source::Absent(value)),
+        _ => column(names, path, name, span, problems).map(Source::Column),
     };
     let columns: Vec<_> = named.map(&mut source).collect();
     let columns: Vec<Source> = columns.into_iter().collect::<Option<_>>()?;
     let at = at?;
-    let mut time: Vec<f64> = Vec::with_capacity(table.rows.len());
-    let mut signals = vec![Vec::with_capacity(table.rows.len()); columns.len()];
+    let mut time: Vec<f64> = Vec::with_capacity(table.count());
+    let mut signals = vec![Vec::with_capacity(table.count()); columns.len()];
     let (mut dropped, mut repeated, mut missing) = (0usize, 0usize, 0usize);
     let (mut first_dropped, mut first_missing) = (None, None);
-    for (line, row) in &table.rows {
-        let number = |k: usize| row[k].parse::<f64>().ok().filter(|x| x.is_finite());
+    for row in 0..table.count() {
+        let number = |k: usize| table.number(row, k);
         let t = number(at).map(|t| plan.time_unit.to_si(t));
         // The clock of a logger may be coarser than its sampling: of rows with equal time, the first counts.
         if t.is_some() && t == time.last().copied() {
@@ -324,7 +327,7 @@ fn measured(
         let rises = |t: &f64| time.last().is_none_or(|last| t > last);
         let Some(t) = t.filter(rises) else {
             dropped += 1;
-            first_dropped = first_dropped.or(Some(*line));
+            first_dropped = first_dropped.or(Some(table.line(row)));
             continue;
         };
         time.push(t);
@@ -335,12 +338,12 @@ fn measured(
             };
             if value.is_none() {
                 missing += 1;
-                first_missing = first_missing.or(Some(*line));
+                first_missing = first_missing.or(Some(table.line(row)));
             }
             signal.push(value.unwrap_or(f64::NAN));
         }
     }
-    let rows = table.rows.len().max(1);
+    let rows = table.count().max(1);
     let place = |line: Option<u64>| format!("{}:{}", path.display(), line.unwrap_or(1));
     if time.len() < 2 || dropped as f64 > REPAIRABLE * rows as f64 {
         let cause =
@@ -455,26 +458,22 @@ fn sigmas(
 }
 
 fn column(
-    table: &TextTable,
+    names: &[String],
     path: &Path,
     name: &str,
     span: Span,
     problems: &mut Problems,
 ) -> Option<usize> {
-    let found = table.column(name);
+    let found = names.iter().position(|n| n == name);
     if found.is_none() {
-        let near = did_you_mean(name, table.names.iter().map(String::as_str));
+        let near = did_you_mean(name, names.iter().map(String::as_str));
         let cause = RecordingCause::UnknownColumn {
             path: path.display().to_string(),
             column: name.to_owned(),
             near: near.map(str::to_owned),
-            columns: table.names.join(", "),
+            columns: names.join(", "),
         };
         problems.push(Diagnostic::new(cause, span));
     }
     found
-}
-
-fn unreadable(why: &ReadError, is_table: bool) -> Diagnostic {
-    Diagnostic::new(RecordingCause::Unreadable { why: why.to_string(), is_table }, Span::NONE)
 }

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::driver::compile::{CompileError, Session};
 use crate::io::json::Json;
@@ -48,7 +49,7 @@ pub struct Evaluation {
 
 /// Compares the model with every recording. Its parameters keep the values of its file.
 pub fn run(request: &Request, session: &mut Session) -> Result<Evaluation, CalibrationError> {
-    let mut plan = read_plan(&request.plan, request.data.as_deref(), session)?;
+    let mut plan = read_plan(&request.plan, request.data.as_deref(), &Arc::default(), session)?;
     let data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
     plan.free.clear();
     if let Some(model) = &request.model {

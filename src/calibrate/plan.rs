@@ -2,12 +2,14 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::base::source::Span;
 use crate::driver::compile::Request;
 use crate::numeric::time_series::Interpolation;
 
 use super::data::{Data, Split};
+use super::memory::Memory;
 use super::unit::Unit;
 
 /// A plan.
@@ -15,6 +17,8 @@ use super::unit::Unit;
 pub struct Plan {
     /// The plan file.
     pub path: PathBuf,
+    /// What takes the place of files.
+    pub memory: Arc<Memory>,
     /// The model's file.
     pub model: PathBuf,
     /// The model's name, if it is not the last of its file.
@@ -152,6 +156,7 @@ impl Plan {
     /// The request that compiles the model of the plan.
     pub fn request(&self, modelica_path: Option<OsString>) -> Request {
         Request {
+            text: self.memory.model.clone(),
             settings: self.fixed.clone(),
             recorded: self.inputs.iter().map(|i| i.input.clone()).collect(),
             folders: self.libraries.clone(),

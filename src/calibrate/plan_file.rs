@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -113,6 +114,7 @@ impl PlanReader<'_> {
         let (free, each) = self.all_free(root);
         let plan = Plan {
             path: path.to_owned(),
+            memory: Arc::default(),
             model: base.join(model),
             name: self.text(root, "name"),
             libraries: self.texts(root, "libraries").into_iter().map(|f| base.join(f)).collect(),

@@ -5,13 +5,18 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use crate::base::diag::Problems;
+use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Session};
 use crate::driver::files;
+use crate::ir::program::Program;
 use crate::simulate::failure::Failure;
 
 use super::data::{self, Data, Split};
 use super::fit::{self, Fit};
+use super::memory::Memory;
 use super::observer::{Event, Observer};
 use super::plan::Plan;
 use super::policy::FitPolicy;
@@ -26,6 +31,8 @@ use super::{calibrated_model, plan_file, result};
 pub struct Request {
     /// The plan file.
     pub plan: PathBuf,
+    /// What takes the place of files.
+    pub memory: Arc<Memory>,
     /// Folder of the recordings; the plan's own if not given.
     pub data: Option<PathBuf>,
     /// The value of `MODELICAPATH`.
@@ -45,6 +52,22 @@ pub struct Outcome {
     pub model: String,
     /// The file of the model.
     pub model_path: PathBuf,
+    /// The fitted values, in the order of the problem's parameters and in their units.
+    pub values: Vec<f64>,
+    /// Their covariance, row by row; zero for those at a bound.
+    pub covariance: Vec<f64>,
+}
+
+/// A plan, its recordings and its program, from which problems are made.
+pub struct Prepared {
+    /// The plan.
+    pub plan: Plan,
+    /// The recordings.
+    pub data: Data,
+    /// The compiled model, which records the variables of the signals.
+    pub program: Program,
+    /// The source of the model's file.
+    pub original: String,
 }
 
 /// Why there is no calibration.
@@ -81,33 +104,66 @@ pub fn run(
     session: &mut Session,
     observer: &dyn Observer,
 ) -> Result<Outcome, CalibrationError> {
-    let (plan, data) = inputs(&request.plan, request.data.as_deref(), session)?;
-    let mut program = session.compile(&plan.request(request.modelica_path.clone()))?;
-    record_signals(&mut program, &plan);
-    let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
-    let mut problem = problem.ok_or(CompileError::Request)?;
-    let original = read(&plan.model)?;
+    let prepared = prepare(request, session)?;
+    let mut problem = prepared.problem(&session.sources, &mut session.problems)?;
     check_start(&problem)?;
     observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
-    let fitted = fit_with_intervals(&mut problem, request, observer)?;
+    calibrate(&prepared, &mut problem, request, observer)
+}
+
+/// Reads and compiles everything that a request names.
+pub fn prepare(request: &Request, session: &mut Session) -> Result<Prepared, CalibrationError> {
+    let folder = request.data.as_deref();
+    let (plan, data) = inputs(&request.plan, folder, &request.memory, session)?;
+    let mut program = session.compile(&plan.request(request.modelica_path.clone()))?;
+    record_signals(&mut program, &plan);
+    let original = original(&plan)?;
+    Ok(Prepared { plan, data, program, original })
+}
+
+impl Prepared {
+    /// The residuals to minimise. Everything that the plan names must exist in the program.
+    pub fn problem<'a>(
+        &'a self,
+        sources: &'a SourceMap,
+        problems: &mut Problems,
+    ) -> Result<Problem<'a>, CalibrationError> {
+        let Prepared { plan, data, program, .. } = self;
+        let problem = Problem::new(program, sources, plan, data, problems);
+        Ok(problem.ok_or(CompileError::Request)?)
+    }
+}
+
+/// Fits the parameters of a problem.
+pub fn calibrate(
+    prepared: &Prepared,
+    problem: &mut Problem<'_>,
+    request: &Request,
+    observer: &dyn Observer,
+) -> Result<Outcome, CalibrationError> {
+    let Prepared { plan, data, program, original } = prepared;
+    let fitted = fit_with_intervals(problem, request, observer)?;
     let of = (&fitted.statistics, fitted.intervals.as_slice());
     let summary = result::FitSummary {
         iterations: fitted.fit.iterations,
         converged: fitted.fit.converged,
         complete: !observer.is_cancelled(),
     };
-    let calibration = Calibration::new(&problem, &plan, &data.repairs, &fitted.fit, of, summary)?;
-    let model = calibrated_model::text(&original, &program, &plan, &calibration);
-    Ok(Outcome { calibration, model, model_path: plan.model })
+    let calibration = Calibration::new(problem, plan, &data.repairs, &fitted.fit, of, summary)?;
+    let model = calibrated_model::text(original, program, plan, &calibration);
+    let values = problem.values(&fitted.fit.x);
+    let covariance = fitted.statistics.covariance_of(&problem.parameters, &values);
+    Ok(Outcome { calibration, model, model_path: plan.model.clone(), values, covariance })
 }
 
 /// The plan of a file and its recordings, perhaps from another folder.
 pub fn inputs(
     path: &Path,
     folder: Option<&Path>,
+    memory: &Arc<Memory>,
     session: &mut Session,
 ) -> Result<(Plan, Data), CalibrationError> {
-    let mut plan = read_plan(path, folder, session)?;
+    let mut plan = read_plan(path, folder, memory, session)?;
     let data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
     data::check_training(&plan, &data, &mut session.problems).ok_or(CompileError::Request)?;
     plan.free_each(&data);
@@ -118,15 +174,22 @@ pub fn inputs(
 pub fn read_plan(
     path: &Path,
     folder: Option<&Path>,
+    memory: &Arc<Memory>,
     session: &mut Session,
 ) -> Result<Plan, CalibrationError> {
-    let text = read(path)?;
+    let text = memory.plan.clone().map_or_else(|| read(path), Ok)?;
     let plan = plan_file::read(path, &text, &mut session.sources, &mut session.problems);
     let mut plan = plan.ok_or(CompileError::Request)?;
+    plan.memory = Arc::clone(memory);
     if let Some(folder) = folder {
         plan.folder = folder.to_owned();
     }
     Ok(plan)
+}
+
+/// The source of the model's file.
+pub fn original(plan: &Plan) -> Result<String, CalibrationError> {
+    plan.memory.model.clone().map_or_else(|| read(&plan.model), Ok)
 }
 
 /// The text of a file.

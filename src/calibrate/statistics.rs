@@ -63,6 +63,14 @@ impl Statistics {
         Statistics { covariance, errors, spreads, at_bound, undetermined, directions }
     }
 
+    /// The covariance of the parameters' values, in their units, row by row.
+    pub fn covariance_of(&self, parameters: &[Parameter], values: &[f64]) -> Vec<f64> {
+        let slopes = parameters.iter().zip(values).map(|(p, v)| p.scale.slope(*v));
+        let slopes: Vec<f64> = slopes.collect();
+        let n = slopes.len();
+        (0..n * n).map(|k| self.covariance[k] * slopes[k / n] * slopes[k % n]).collect()
+    }
+
     /// The correlation of two parameters; zero for one at a bound or without influence.
     pub fn correlation(&self, i: usize, j: usize) -> f64 {
         let n = self.spreads.len();

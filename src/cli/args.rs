@@ -1,12 +1,13 @@
 //! Arguments, help and usage errors. Sole user of `clap` and `regex-lite`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use regex_lite::Regex;
 
-use super::modelica_path;
+use super::{Status, modelica_path};
 use crate::base::diag::Severity;
 use crate::driver::compile::Request;
 use crate::io::format::extensions;
@@ -463,9 +464,14 @@ fn seconds(text: &str) -> Result<f64, String> {
     time.ok_or_else(|| "write a time in s".to_owned())
 }
 
-/// Reads the arguments of the process; on a usage error, prints it and exits with status 2.
-pub fn read() -> Command {
-    Arguments::parse().command
+/// Reads the arguments, the first of which is the name of the program. An error prints the help or the usage that the
+/// arguments ask for, and is the status to exit with.
+pub fn read(arguments: Vec<OsString>) -> Result<Command, Status> {
+    Arguments::try_parse_from(arguments).map(|read| read.command).map_err(|error| {
+        // Nobody reads a message that cannot be printed.
+        let _ = error.print();
+        if error.use_stderr() { Status::Usage } else { Status::Done }
+    })
 }
 
 /// Help of `simulate --output`, with all result formats.

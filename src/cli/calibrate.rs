@@ -1,6 +1,7 @@
 //! `mocc calibrate`: fits the free parameters of a plan, and writes what it finds.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::args::Calibrate;
@@ -21,6 +22,7 @@ pub fn run(options: &Calibrate) -> Status {
     let terminal = Terminal::new(folder.clone());
     let request = Request {
         plan: options.study.plan.clone(),
+        memory: Arc::default(),
         data: options.study.data.clone(),
         modelica_path: modelica_path(),
         profiles: !options.no_profiles,

@@ -1,6 +1,7 @@
 //! `mocc diagnose`: finds the effects that a model lacks, and writes what it finds.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::args::Diagnose;
@@ -26,6 +27,7 @@ pub fn run(options: &Diagnose) -> Status {
     terminal.deadline = limit.and_then(|limit| started_at.checked_add(limit));
     let request = Request {
         plan: options.study.plan.clone(),
+        memory: Arc::default(),
         data: options.study.data.clone(),
         effects: options.effects.clone(),
         modelica_path: modelica_path(),

@@ -19,6 +19,7 @@ pub mod sweep;
 pub mod terminal;
 pub mod writer;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use crate::base::diag::Problems;
@@ -69,9 +70,32 @@ impl From<FailureKind> for Status {
     }
 }
 
-/// Runs the command that the arguments name.
-pub fn run() -> Status {
-    let status = carry_out(args::read());
+/// Deep models recurse deeply: the work runs on a thread with a stack of its own.
+const STACK: usize = 1 << 30;
+
+/// Runs the command that the arguments name, the first of which is the name of the program. This is the whole
+/// program for any process that offers it.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> Status {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let work = move || run(arguments);
+    let worker = std::thread::Builder::new().name("mocc".into()).stack_size(STACK).spawn(work);
+    match worker {
+        Ok(worker) => worker.join().unwrap_or_else(|_| {
+            eprintln!("this is a bug in mocc, please report it with the model and the command");
+            Status::Bug
+        }),
+        Err(why) => {
+            eprintln!("error: cannot start: {why}");
+            Status::Usage
+        }
+    }
+}
+
+fn run(arguments: Vec<OsString>) -> Status {
+    let status = match args::read(arguments) {
+        Ok(command) => carry_out(command),
+        Err(status) => return status,
+    };
     explain::print_hint();
     status
 }
@@ -99,7 +123,7 @@ fn carry_out(command: args::Command) -> Status {
 }
 
 /// The value of `MODELICAPATH`.
-fn modelica_path() -> Option<std::ffi::OsString> {
+fn modelica_path() -> Option<OsString> {
     std::env::var_os("MODELICAPATH")
 }
 

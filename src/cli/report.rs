@@ -20,6 +20,7 @@ use crate::ir::trajectory::{Column, Constant, Event, Trajectory, position};
 use crate::report::page::document::{Document, Measured, RunPart, html};
 use crate::report::page::parameters::{Parameter, Value};
 use crate::report::page::view::View;
+use crate::report::plot::choice::interesting;
 use crate::report::plot::figure::panels_for;
 use crate::report::raster::png;
 use crate::report::schematic::{draw, picture};
@@ -127,7 +128,7 @@ fn make(options: &Report) -> Result<Status, Status> {
             panels_for(&all, columns).map_err(wrong)?;
             names
         }
-        None => running::interesting(&finished[0].part.trajectory),
+        None => interesting(&finished[0].part.trajectory),
     };
     let measured = measured(&options.data, &signals, columns).map_err(wrong)?;
     let view = view(&base, &assembly, &finished[0].values, &mut remarks);
@@ -290,17 +291,9 @@ fn go(
         running::failed(&failure, sources)
     })?;
     let graph = &program.blocks.dae.graph;
-    let value = |c: Constant, ty: Type| match ty {
-        Type::Boolean => Value::Text((c.value != 0.0).to_string()),
-        Type::Enumeration(e) => {
-            let kind = &graph.enumerations[e];
-            let literal = (c.value as usize).checked_sub(1).and_then(|k| kind.literals.get(k));
-            match literal {
-                Some(literal) => Value::Text(format!("{}.{literal}", kind.name)),
-                None => Value::Number(c.value),
-            }
-        }
-        _ => Value::Number(c.value),
+    let value = |c: Constant, ty: Type| match graph.literal(ty, c.value) {
+        Some(literal) => Value::Text(literal),
+        None => Value::Number(c.value),
     };
     let values = program
         .constants

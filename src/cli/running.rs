@@ -10,13 +10,9 @@ use crate::codegen::recording;
 use crate::driver::compile::Request;
 use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
-use crate::ir::trajectory::{Kind, Trajectory};
 use crate::measure::observe::Plan;
 use crate::simulate::failure::Failure;
 use crate::simulate::settings::Settings;
-
-/// Largest number of curves to draw by default.
-const MAX_CURVES: usize = 8;
 
 /// The request that compiles the model of a run.
 pub(super) fn request(model: &Model, options: &Running) -> Request {
@@ -93,28 +89,4 @@ pub(super) fn names_in(list: &str) -> Vec<String> {
         out.last_mut().expect("never empty").push(c);
     }
     out.into_iter().map(|n| n.trim().to_string()).filter(|n| !n.is_empty()).collect()
-}
-
-/// The default choice of curves: variables of the model itself, or else those of its components; only
-/// positions and pressures if there are both.
-pub(super) fn interesting(trajectory: &Trajectory) -> Vec<String> {
-    let real = |k: &Kind| *k == Kind::Continuous;
-    let moving = |name: &str| trajectory.values(name).is_some_and(|v| v.iter().any(|x| *x != v[0]));
-    let candidates = |top: bool| {
-        trajectory
-            .columns
-            .iter()
-            .filter(|c| real(&c.kind) && (!top || !c.name.contains('.')))
-            .filter(|c| !c.name.starts_with("der(") && moving(&c.name))
-            .collect::<Vec<_>>()
-    };
-    let mut chosen = candidates(true);
-    if chosen.is_empty() {
-        chosen = candidates(false);
-    }
-    let has = |unit: &str| chosen.iter().any(|c| c.unit == unit);
-    if has("m") && has("Pa") {
-        chosen.retain(|c| c.unit == "m" || c.unit == "Pa");
-    }
-    chosen.into_iter().take(MAX_CURVES).map(|c| c.name.clone()).collect()
 }

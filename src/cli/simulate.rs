@@ -14,7 +14,8 @@ use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Trajectory, position};
 use crate::measure::observe::{Observer, Plan};
 use crate::report::plot;
-use crate::report::plot::figure::{PlotError, PlotSpec, find, panels_for};
+use crate::report::plot::choice::default_figure;
+use crate::report::plot::figure::panels_for;
 use crate::simulate::columns::{column_storage, columns};
 use crate::simulate::run::{Run, simulate_to};
 
@@ -180,36 +181,13 @@ impl Files {
         run: &Run,
     ) -> Result<Option<PathBuf>, String> {
         let Some(path) = &self.picture else { return Ok(None) };
-        let Some(spec) = figure(options, program, run).map_err(|e| e.to_string())? else {
-            return Ok(None);
-        };
+        let names = options.show.as_deref().map(running::names_in);
+        let title = &program.blocks.dae.name;
+        let figure = default_figure(title, names.as_deref(), &run.trajectory);
+        let Some(spec) = figure.map_err(|e| e.to_string())? else { return Ok(None) };
         plot::plot(&run.trajectory, &spec, path).map_err(|e| e.to_string())?;
         Ok(Some(path.clone()))
     }
-}
-
-/// The figure: of the variables that the user names, or of a default choice.
-fn figure(options: &Simulate, program: &Program, run: &Run) -> Result<Option<PlotSpec>, PlotError> {
-    let columns = &run.trajectory.columns;
-    let names: Vec<String> = match &options.show {
-        Some(list) => running::names_in(list),
-        None => running::interesting(&run.trajectory),
-    };
-    if names.is_empty() && options.show.is_none() {
-        return Ok(None);
-    }
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let mut panels = panels_for(&names, columns)?;
-    for panel in &mut panels {
-        // A single curve in a panel is labelled by its description.
-        if let [only] = panel.curves.as_slice() {
-            let description = &find(only, columns)?.description;
-            if !description.is_empty() {
-                panel.label = description.trim().to_string();
-            }
-        }
-    }
-    Ok(Some(PlotSpec::new(program.blocks.dae.name.clone(), panels)))
 }
 
 fn events(trajectory: &Trajectory) -> String {

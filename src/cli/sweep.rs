@@ -8,7 +8,7 @@ use super::args::Sweep as Options;
 use super::progress::Progress;
 use super::running::{self, names_in};
 use super::{Status, interrupt, print, say};
-use crate::driver::compile::{CompileError, Request, Session};
+use crate::driver::compile::Session;
 use crate::io::atomic_file::create_folder;
 use crate::io::format::Format;
 use crate::io::journal::{Fingerprint, Found, Journal, exists, remove};
@@ -57,17 +57,10 @@ fn sweep(options: &Options) -> Result<Status, SweepError> {
     base.sources = std::mem::take(&mut session.sources);
     let variants = Variants::new(model, base, &design.axes, design.count);
     // An error in every run, such as an unknown parameter, is an error in the request.
-    let first = variants.settings(&design.values(0));
-    if !first.is_empty() {
-        let mut session = Session { parameters_vary: true, ..Session::default() };
-        let all: Vec<String> = options.model.settings.iter().chain(&first).cloned().collect();
-        let request = Request { settings: all, ..options.model.request() };
-        if let Err(error) = session.flatten(&request)
-            && error == CompileError::Request
-        {
-            say(&session);
-            return Ok(Status::Usage);
-        }
+    let mut session = Session { parameters_vary: true, ..Session::default() };
+    if let Err(error) = variants.check(&design.values(0), &mut session) {
+        say(&session);
+        return Ok(error.into());
     }
     let jobs = options.jobs.unwrap_or_else(cores).max(1);
     let sweep = Sweep {
@@ -116,12 +109,8 @@ fn design(options: &Options) -> Result<Design, SweepError> {
 
 /// Settings of all runs. If no trajectory is kept, there are rows at events only.
 fn settings(options: &Options, experiment: &crate::ir::flat::Experiment, traces: bool) -> Settings {
-    let mut settings = running::settings(&options.running, experiment);
-    settings.spacing = Some(settings.interval);
-    if !traces && settings.stop > settings.start {
-        settings.interval = settings.stop - settings.start;
-    }
-    settings
+    let settings = running::settings(&options.running, experiment);
+    if traces { settings } else { settings.without_grid() }
 }
 
 /// The variables whose trajectories are kept.

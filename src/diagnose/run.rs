@@ -5,12 +5,14 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::calibrate::memory::Memory;
 use crate::calibrate::observer::{Event, Observer};
 use crate::calibrate::problem::{Problem, record_signals};
-use crate::calibrate::run::{CalibrationError, check_start, inputs, read};
+use crate::calibrate::run::{CalibrationError, check_start, inputs, original};
 use crate::driver::compile::{CompileError, Session};
 
 use super::amended_model::{AmendedModel, amended};
@@ -38,6 +40,8 @@ const SHIPPED_EFFECTS: &str = "Effects";
 pub struct Request {
     /// The plan file.
     pub plan: PathBuf,
+    /// What takes the place of files.
+    pub memory: Arc<Memory>,
     /// Folder of the recordings; the plan's own if not given.
     pub data: Option<PathBuf>,
     /// Folder of further effects.
@@ -104,7 +108,7 @@ pub fn run(
     observer: &dyn Observer,
 ) -> Result<Outcome, RunError> {
     let (mut study, unknowns) = prepare(request, session)?;
-    let original = read(&study.plan.model)?;
+    let original = original(&study.plan)?;
     observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
     let mut diagnosis = diagnose(&study, observer)?;
     let corrections = diagnosis.noise.corrections(&study.policy);
@@ -142,7 +146,8 @@ pub fn run(
 
 /// Reads and checks everything before the search: the study, and the unknown inflows for balances.
 fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effect>), RunError> {
-    let (plan, data) = inputs(&request.plan, request.data.as_deref(), session)?;
+    let folder = request.data.as_deref();
+    let (plan, data) = inputs(&request.plan, folder, &request.memory, session)?;
     let mut compiled = plan.request(request.modelica_path.clone());
     compiled.folders.extend(request.effects.clone());
     let own = match &request.effects {

@@ -67,6 +67,8 @@ impl Annotated {
 pub struct Request {
     /// The user's file.
     pub file: Option<PathBuf>,
+    /// Its text, if a front end holds it; diagnostics then show `file` as its name.
+    pub text: Option<String>,
     /// Full name of the model; without it the last model of the file that is not partial.
     pub model: Option<String>,
     /// A further source text that may use the classes of the file, such as a generated model.
@@ -402,7 +404,7 @@ impl Session {
             return Err(CompileError::Request);
         }
         let Some(path) = &request.file else { return Ok(None) };
-        let text = match super::files::read(path) {
+        let text = match request.text.clone().map_or_else(|| super::files::read(path), Ok) {
             Ok(text) => text,
             Err(why) => {
                 self.problems.push(unreadable(path, &why));

@@ -377,6 +377,19 @@ impl Graph {
         e
     }
 
+    /// The literal that stands for a value of a Boolean or an enumeration; `None` for numbers.
+    pub fn literal(&self, ty: Type, value: f64) -> Option<String> {
+        match ty {
+            Type::Boolean => Some((value != 0.0).to_string()),
+            Type::Enumeration(e) => {
+                let kind = &self.enumerations[e];
+                let literal = (value as usize).checked_sub(1).and_then(|k| kind.literals.get(k))?;
+                Some(format!("{}.{literal}", kind.name))
+            }
+            _ => None,
+        }
+    }
+
     /// The literal, if the expression is one.
     pub fn as_const(&self, e: ExprId) -> Option<Const> {
         match self.nodes[e] {

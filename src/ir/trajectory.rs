@@ -6,6 +6,7 @@
 //! time; two columns of one name.
 //! *Made by:* `simulate`, and `io` from files of measurements. *Read by:* `report`, `measure`, `calibrate`.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -229,6 +230,38 @@ impl Trajectory {
             }
         }
     }
+    /// Keeps one row of each instant, the last: at an event the right limit. Times then increase strictly.
+    pub fn keep_right_limits(&mut self) {
+        let is_left = |pair: &[f64]| pair[0] == pair[1];
+        let left = self.time.windows(2).enumerate().filter(|(_, pair)| is_left(pair));
+        let left: Vec<usize> = left.map(|(row, _)| row).collect();
+        if left.is_empty() {
+            return;
+        }
+        // Columns that share a vector go on sharing it. Only its first holder keeps it meanwhile, so that it is changed
+        // in place.
+        let mut first: BTreeMap<*const Vec<f64>, usize> = BTreeMap::new();
+        let mut twins = Vec::new();
+        for k in 0..self.data.len() {
+            if Arc::strong_count(&self.data[k]) > 1 {
+                let at = *first.entry(Arc::as_ptr(&self.data[k])).or_insert(k);
+                if at < k {
+                    self.data[k] = Arc::default();
+                    twins.push((k, at));
+                }
+            }
+        }
+        let mut is_twin = twins.iter().map(|(k, _)| *k).peekable();
+        for (k, column) in self.data.iter_mut().enumerate() {
+            if is_twin.next_if_eq(&k).is_none() {
+                remove_rows(Arc::make_mut(column), &left);
+            }
+        }
+        for (k, at) in twins {
+            self.data[k] = Arc::clone(&self.data[at]);
+        }
+        remove_rows(&mut self.time, &left);
+    }
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.time.len()
@@ -266,6 +299,17 @@ impl Trajectory {
         let instants: Vec<f64> = self.events.iter().map(|e| e.time).collect();
         ascending("event", &instants)
     }
+}
+
+/// Removes some rows, in ascending order, of a column.
+fn remove_rows(column: &mut Vec<f64>, rows: &[usize]) {
+    let mut end = rows[0];
+    for (k, row) in rows.iter().enumerate() {
+        let next = rows.get(k + 1).copied().unwrap_or(column.len());
+        column.copy_within(row + 1..next, end);
+        end += next - row - 1;
+    }
+    column.truncate(end);
 }
 
 /// Position of the column called `name`; spaces do not count.
@@ -343,6 +387,21 @@ mod tests {
         assert_eq!(run.verify(), Ok(()));
         assert_eq!((run.time[1], run.time[2]), (0.5, 0.5));
         assert_eq!(run.values("b.v").map(|v| (v[1], v[2])), Some((1.0, -1.0)));
+    }
+
+    #[test]
+    fn right_limits_are_kept_and_vectors_stay_shared() {
+        let mut run = switched();
+        run.columns.push(Column::new("twin", "m/s"));
+        run.data.push(run.data[1].clone());
+        run.keep_right_limits();
+        run.verify().unwrap();
+        assert_eq!(run.time, [0.0, 0.5, 1.0]);
+        assert_eq!(run.values("b.v"), Some(&[1.0, -1.0, -1.0][..]));
+        assert!(Arc::ptr_eq(&run.data[1], &run.data[2]));
+        let once = run.clone();
+        run.keep_right_limits();
+        assert_eq!(run, once);
     }
 
     #[test]

@@ -20,6 +20,7 @@ mod options;
 pub mod record;
 pub mod run;
 pub mod sensitivity;
+pub mod settable;
 pub mod settings;
 mod slow_progress;
 pub mod state_selection;

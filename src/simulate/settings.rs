@@ -9,6 +9,7 @@ use crate::numeric::time_series::TimeSeries;
 use crate::runtime::jit::tiering::Execution;
 
 use super::extrema::ExtremumRequest;
+use super::sensitivity::Input;
 
 /// Default stop time, s.
 pub const DEFAULT_STOP: f64 = 1.0;
@@ -84,6 +85,23 @@ impl Settings {
             most_steps: DEFAULT_MAX_STEPS,
             max_step: None,
         }
+    }
+
+    /// Overrides a parameter or a start value.
+    pub fn set(&mut self, input: Input, value: f64) {
+        match input {
+            Input::Parameter(v) => self.parameters.push((v, value)),
+            Input::Start(v) => self.starts.push((v, value)),
+        }
+    }
+
+    /// The same run with rows at the start, at events and at the end only. The distance of extrema remains.
+    pub fn without_grid(mut self) -> Self {
+        self.spacing = Some(self.spacing.unwrap_or(self.interval));
+        if self.stop > self.start {
+            self.interval = self.stop - self.start;
+        }
+        self
     }
 
     /// A message if a setting is out of range.

@@ -1,5 +1,6 @@
 //! The runs themselves, and their rows.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::design::Design;
@@ -90,26 +91,34 @@ impl Sweep<'_> {
         stop: &(dyn Fn() -> bool + Sync),
         mut on_progress: impl FnMut(u64),
     ) -> Result<bool, SweepError> {
-        let mut error = None;
         let rest = journal.lines..self.design.count;
+        self.rows(rest, stop, |k, cells| {
+            journal.push(&line(&cells))?;
+            on_progress(k + 1);
+            Ok(())
+        })?;
+        Ok(journal.lines == self.design.count)
+    }
+
+    /// Performs some of the runs, counted from 0, and passes their rows to `take`, in order. `stop` ends this within a
+    /// step of each run, before all rows are passed.
+    pub fn rows(
+        &self,
+        runs: Range<u64>,
+        stop: &(dyn Fn() -> bool + Sync),
+        mut take: impl FnMut(u64, Vec<Cell>) -> Result<(), SweepError>,
+    ) -> Result<(), SweepError> {
+        let mut outcome = Ok(());
         pool::in_order(
             self.jobs,
-            rest,
+            runs,
             |k| (!stop()).then(|| self.outcome(k, stop)).flatten(),
-            |k, outcome| {
-                let pushed = outcome.and_then(|outcome| {
-                    let cells = self.cells(k, &outcome);
-                    journal.push(&line(&cells)).map_err(SweepError::from)
-                });
-                error = pushed.err();
-                on_progress(k + 1);
-                error.is_none()
+            |k, found| {
+                outcome = found.and_then(|found| take(k, self.cells(k, &found)));
+                outcome.is_ok()
             },
         );
-        match error {
-            Some(error) => Err(error),
-            None => Ok(journal.lines == self.design.count),
-        }
+        outcome
     }
 
     /// One run; `None` if it was cancelled.

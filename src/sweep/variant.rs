@@ -7,10 +7,11 @@ use super::vary::{Axis, Value};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Request, Session};
-use crate::ir::expr::{Type, VarId};
 use crate::ir::program::Program;
 use crate::measure::observe::Plan;
 use crate::runtime::jit::tiering::Execution;
+use crate::simulate::sensitivity::Input;
+use crate::simulate::settable::settable;
 use crate::simulate::settings::Settings;
 
 /// Programs to keep; more only while more are in use.
@@ -133,18 +134,30 @@ impl Variants {
             .collect()
     }
 
+    /// Finds an error that every run would have, such as an unknown parameter: [`CompileError::Request`]. `first` holds
+    /// the values of the first run.
+    pub fn check(&self, first: &[Value], session: &mut Session) -> Result<(), CompileError> {
+        let settings = self.settings(first);
+        if settings.is_empty() {
+            return Ok(());
+        }
+        let mut request = self.model.request.clone();
+        request.settings.extend(settings);
+        match session.flatten(&request) {
+            Err(CompileError::Request) => Err(CompileError::Request),
+            // An error at these values alone is the outcome of their run.
+            Ok(_) | Err(CompileError::Model) => Ok(()),
+        }
+    }
+
     /// Gives the run the values that are inputs of its program.
     pub fn set(&self, program: &Program, values: &[Value], settings: &mut Settings) -> bool {
         for ((name, value), entry) in self.names.iter().zip(values).zip(&self.entries) {
             let Value::Number(x) = value else { continue };
             match entry {
                 Entry::Structure => {}
-                Entry::Parameter => match parameter(program, name) {
-                    Some(v) => settings.parameters.push((v, *x)),
-                    None => return false,
-                },
-                Entry::Start => match start(program, name) {
-                    Some(v) => settings.starts.push((v, *x)),
+                Entry::Parameter | Entry::Start => match settable(program, name) {
+                    Some(input) => settings.set(input, *x),
                     None => return false,
                 },
             }
@@ -156,7 +169,7 @@ impl Variants {
     pub fn unit(&self, axis: usize) -> String {
         let program = &self.base.program;
         let name = &self.names[axis];
-        let v = parameter(program, name).or_else(|| start(program, name));
+        let v = settable(program, name).map(Input::variable);
         v.map_or(String::new(), |v| program.blocks.dae.variables[v].unit.to_string())
     }
 
@@ -183,29 +196,11 @@ impl Variants {
 const FEW_RUNS: u64 = 4;
 
 fn entry(program: &Program, axis: &Axis) -> Entry {
-    let variables = &program.blocks.dae.variables;
-    if !axis.is_numeric() {
-        Entry::Structure
-    } else if parameter(program, &axis.name).is_some_and(|v| variables[v].ty == Type::Real) {
-        Entry::Parameter
-    } else if start(program, &axis.name).is_some_and(|v| variables[v].ty == Type::Real) {
-        Entry::Start
-    } else {
-        Entry::Structure
+    match settable(program, &axis.name).filter(|_| axis.is_numeric()) {
+        Some(Input::Parameter(_)) => Entry::Parameter,
+        Some(Input::Start(_)) => Entry::Start,
+        None => Entry::Structure,
     }
-}
-
-/// The parameter of this name, if a run may set it.
-fn parameter(program: &Program, name: &str) -> Option<VarId> {
-    let mut inputs = program.layout.parameter_inputs.iter().map(|(v, _)| *v);
-    inputs.find(|v| program.name(*v) == name && !program.blocks.dae.variables[*v].structural)
-}
-
-/// The variable whose start is called `x.start`, if a run may set it.
-fn start(program: &Program, name: &str) -> Option<VarId> {
-    let variable = name.strip_suffix(".start")?;
-    let mut starts = program.layout.starts.iter().map(|(v, ..)| *v);
-    starts.find(|v| program.name(*v) == variable)
 }
 
 /// The first error of a session, in one line.

@@ -97,6 +97,75 @@ fn number(value: &Value, path: &str) -> f64 {
     value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {value:#}"))
 }
 
+/// The same study in files and in memory: equal results, and residuals whose derivatives are those of the fit.
+#[test]
+fn a_front_end_may_hold_everything_in_memory() {
+    use mocc::calibrate::memory::{Memory, NumberTable};
+    use mocc::calibrate::policy::FitPolicy;
+    use mocc::calibrate::run::{Request, calibrate, prepare, run};
+    use mocc::driver::compile::Session;
+    use mocc::io::csv::TextTable;
+
+    let scratch = stand(&decay_model(), PLAN);
+    let request = |plan: &str, memory: Memory| Request {
+        plan: plan.into(),
+        memory: memory.into(),
+        data: None,
+        modelica_path: None,
+        profiles: false,
+        policy: FitPolicy::default(),
+    };
+    let session = || Session { parameters_vary: true, ..Session::default() };
+    let file = scratch.path().join("plan.toml").display().to_string();
+    let of_files = run(&request(&file, Memory::default()), &mut session(), &()).expect("a fit");
+
+    let names = |list: &[&str]| list.iter().map(|n| (*n).to_owned()).collect::<Vec<String>>();
+    let frame = |seed| {
+        // As the file has them.
+        let time = |t: f64| format!("{t:.2}").parse::<f64>().expect("a number");
+        let (t, x) = decay(seed).into_iter().map(|(t, x)| (time(t), 1e3 * x)).unzip();
+        NumberTable { names: names(&["t", "x_mm"]), columns: vec![t, x] }
+    };
+    let rows = vec![(1, names(&["1.csv", "train"])), (2, names(&["2.csv", "validation"]))];
+    let memory = Memory {
+        plan: Some(PLAN.to_owned()),
+        model: Some(decay_model()),
+        table: Some(TextTable { names: names(&["file", "split"]), rows }),
+        recordings: vec![("1.csv".to_owned(), frame(1)), ("2.csv".to_owned(), frame(2))],
+    };
+    let request = request("no/such/plan.toml", memory);
+    let mut session = session();
+    let prepared = prepare(&request, &mut session).expect("a study");
+    let mut problem = prepared.problem(&session.sources, &mut session.problems).expect("a problem");
+    let outcome = calibrate(&prepared, &mut problem, &request, &()).expect("a fit");
+    assert_eq!(outcome.values, of_files.values);
+    assert_eq!(outcome.covariance, of_files.covariance);
+
+    let at = |values: &[f64]| problem.residual_vector(values).expect("residuals");
+    let (residuals, jacobian) = (at(&outcome.values), problem.jacobian(&outcome.values).unwrap());
+    assert_eq!((residuals.len(), jacobian.len()), (201, 2 * 201));
+    for j in 0..2 {
+        let moved = |h: f64| {
+            let mut values = outcome.values.clone();
+            values[j] += h;
+            at(&values)
+        };
+        let (above, below) = (moved(1e-4), moved(-1e-4));
+        for k in 0..201 {
+            let slope = (above[k] - below[k]) / 2e-4;
+            assert!((slope - jacobian[2 * k + j]).abs() < 1e-2, "{slope} {}", jacobian[2 * k + j]);
+        }
+    }
+    // The covariance is the inverse of `J^T J`.
+    let gram =
+        |i: usize, j: usize| (0..201).map(|k| jacobian[2 * k + i] * jacobian[2 * k + j]).sum();
+    let (a, b, d): (f64, f64, f64) = (gram(0, 0), gram(0, 1), gram(1, 1));
+    let det = a * d - b * b;
+    for (found, expected) in outcome.covariance.iter().zip([d / det, -b / det, -b / det, a / det]) {
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    }
+}
+
 /// The sum of squares of the decay with this rate and its best start; that start.
 fn profile_of_decay(rows: &[(f64, f64)], k: f64) -> (f64, f64) {
     let (mut xe, mut ee) = (0.0, 0.0);

@@ -247,6 +247,7 @@ fn a_partial_explanation_is_no_effect() {
     let scratch = study("c = {}", "c = {}", |_, v| -0.9 * v.abs() * v);
     let request = Request {
         plan: scratch.path().join("plan.toml"),
+        memory: Default::default(),
         data: None,
         effects: None,
         modelica_path: None,
@@ -282,7 +283,7 @@ fn a_partial_explanation_is_no_effect() {
     assert_eq!(found["effects"], Value::Array(Vec::new()));
     assert_eq!(found["alternatives"][0]["component"], "Effects.QuadraticDrag", "{found:#}");
     assert_eq!(found["alternatives"][0]["delta_bic"], 0.0);
-    let summary = page::summary(&outcome, 1.0);
+    let summary = summary::summary(&outcome, 1.0);
     let lines: Vec<&str> = summary.lines().collect();
     assert_eq!(lines[0], "Swing: unexplained");
     assert!(lines[1].starts_with("  partial explanation: "), "{summary}");
@@ -557,6 +558,7 @@ fn a_front_end_observes_and_cancels() {
     scratch.file("table.csv", "file,split,s_0\n0.csv,train,0.1\n");
     let request = Request {
         plan: scratch.path().join("plan.toml"),
+        memory: Default::default(),
         data: None,
         effects: None,
         modelica_path: None,

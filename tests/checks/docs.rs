@@ -177,7 +177,7 @@ fn the_landing_page_stays_short_and_opens_with_the_two_commands() {
     let page = read("README.md");
     assert!(page.lines().count() <= 100, "README.md is a landing page; details belong in docs/");
     let first = blocks(&page).into_iter().find(|b| b.language == "sh").expect("commands");
-    assert_eq!(first.text, "cargo run --release -- simulate examples/valve52.mol\ncargo test\n");
+    assert_eq!(first.text, "pip install mocc\nmocc simulate examples/valve52.mol\n");
 }
 
 // ---- Guide pages ----

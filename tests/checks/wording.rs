@@ -15,7 +15,7 @@ use super::program::mocc;
 fn strings_of_the_program_keep_to_the_glossary() {
     let words = retired();
     let mut found: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    for path in files("src", "rs") {
+    for path in files("src", "rs").into_iter().chain(files("python/src", "rs")) {
         let file = path.strip_prefix(root()).expect("a file of the project").display().to_string();
         if file.contains("/tests/") || file.ends_with("tests.rs") || file.ends_with("fixture.rs") {
             continue;

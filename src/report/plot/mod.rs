@@ -4,6 +4,7 @@
 //! units. Its coordinates are integers, so one unit is a tenth of a px here.
 
 pub mod axis;
+pub mod choice;
 pub mod decimate;
 pub mod figure;
 pub mod layout;

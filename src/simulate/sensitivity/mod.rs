@@ -47,6 +47,15 @@ pub enum Input {
     Start(VarId),
 }
 
+impl Input {
+    /// The parameter, or the variable that starts.
+    pub fn variable(self) -> VarId {
+        match self {
+            Input::Parameter(v) | Input::Start(v) => v,
+        }
+    }
+}
+
 /// The sensitivities of a run at the current instant.
 pub struct Sensitivity {
     count: usize,

@@ -1,0 +1,368 @@
+"""Calibration and diagnosis."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from os import PathLike, fspath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mocc import _mocc
+from mocc._errors import ModelWarning, RequestError
+from mocc._frames import Numbers, columns_of, finite, numbers, packed, view
+from mocc._model import Model, _number, source_of
+
+Progress = Callable[[str], object]
+"""Called with a line of text now and then."""
+
+
+Frame = tuple[str, list[tuple[str, bytes]]]
+Strings = tuple[list[str], list[list[str]]]
+Study = tuple[str, str | None, str | None, Strings | None, list[Frame], str | None]
+
+
+class Report:
+    """A page of its own. Notebooks show it in a frame; `save` writes it."""
+
+    def __init__(self, page: str) -> None:
+        self.html = page
+        """The page."""
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the page to a file. Errors: `OSError`."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.html)
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.html, quote=True)
+        return f'<iframe srcdoc="{page}" style="width:100%;height:40em;border:1px solid #ccc"></iframe>'
+
+
+class Calibration:
+    """A calibrated model, made by `calibrate`."""
+
+    def __init__(self, native: _mocc.Calibration) -> None:
+        self._native = native
+        self.names: list[str] = native.names
+        """Names of the fitted parameters, in the order of `covariance`, `residuals` and `jacobian`; one that is free for
+        each recording comes once for each, as `NAME of RECORDING`."""
+        self.values: dict[str, float] = dict(zip(native.names, native.values, strict=True))
+        """The fitted values, in the units of the model."""
+        self.units: dict[str, str] = dict(zip(native.names, native.units, strict=True))
+        """Their units."""
+        self.bounds: dict[str, tuple[float, float]] = dict(zip(native.names, native.bounds, strict=True))
+        """The bounds of the search."""
+        n = len(self.names)
+        self.covariance: NDArray[np.float64] = np.array(native.covariance, dtype=float).reshape(n, n)
+        """Covariance of the fitted values, shape `(n, n)`, in their units; zero for those at a bound."""
+        self.result: dict[str, Any] = json.loads(native.json)
+        """Everything else, as in `calibration.json`: intervals, quality by signal and recording, repairs of the data."""
+        self.model: str = native.model
+        """The source of the model, followed by one that extends it with the fitted values."""
+        self.report = Report(native.page)
+        """The page."""
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of the fitted values, in their units; infinite where the data do not determine them."""
+        listed = {p["name"]: p["standard_error"] for p in self.result["parameters"]}
+        spread = np.sqrt(np.diag(self.covariance))
+        return {
+            name: float(spread[k]) if name not in listed
+            else math.inf if listed[name] is None else listed[name]
+            for k, name in enumerate(self.names)
+        }
+
+    @property
+    def converged(self) -> bool:
+        """Nothing was left to gain."""
+        return bool(self.result["converged"])
+
+    def residuals(self, theta: Any = None) -> Numbers:
+        """Model minus measurement, in units of the noise, for all training recordings, shape `(m,)`.
+
+        The order is recording by recording, instant by instant, signal by signal; values that were not measured have
+        none. `theta` holds values in the order of `names`, or maps names to values; without it, and for names that it
+        does not hold, the fitted ones.
+        Errors: `RequestError` for a wrong `theta`, `SimulationError` if a recording cannot be simulated there.
+        """
+        return self._asked(self._native.residuals, theta)
+
+    def jacobian(self, theta: Any = None) -> NDArray[np.float64]:
+        """Derivatives of `residuals` by the parameters, shape `(m, n)`, in 1 by the unit of the parameter; exact, also
+        across events, where the engine can differentiate the run.
+
+        Errors: as for `residuals`.
+        """
+        return self._asked(self._native.jacobian, theta).reshape(-1, len(self.names))
+
+    def _asked(self, question: Callable[[bytes], _mocc.Values], theta: Any) -> Numbers:
+        values = question(packed(self._theta(theta)))
+        # A copy, since optimizers write into the arrays that they get.
+        return view(values).copy()
+
+    def _theta(self, theta: Any) -> Numbers:
+        if theta is None:
+            theta = {}
+        if isinstance(theta, Mapping):
+            unknown = [name for name in theta if name not in self.values]
+            if unknown:
+                raise RequestError(f"`{unknown[0]}` was not fitted; fitted are {', '.join(self.names)}")
+            theta = [theta.get(name, value) for name, value in self.values.items()]
+        found = finite(theta, "`theta`")
+        if len(found) != len(self.names):
+            raise RequestError(f"`theta` has {len(found)} values for {len(self.names)} parameters")
+        return found
+
+    def __repr__(self) -> str:
+        ended = "converged" if self.converged else "not converged"
+        return f"<mocc.Calibration of {self.result['model']}: {len(self.names)} parameters, {ended}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td><code>{html.escape(name)}</code></td><td>{self.values[name]:.6g}</td>"
+            f"<td>± {error:.2g}</td><td>{html.escape(self.units[name])}</td></tr>"
+            for name, error in self.errors.items()
+        )
+        return f"<p><code>{html.escape(repr(self)[1:-1])}</code></p><table>{rows}</table>"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted parameter of an effect."""
+
+    value: float
+    """Its value."""
+    error: float
+    """Its standard error; infinite if the data do not determine it."""
+    unit: str
+    """The unit of both; empty if there is none."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect that the model lacks."""
+
+    component: str
+    """Name of its class, or `parameter` if a parameter of the model varies."""
+    at: list[str]
+    """The connectors or parameters where it acts."""
+    over: list[str]
+    """The variables that its law depends on."""
+    law: str
+    """Its law."""
+    parameters: dict[str, Estimate]
+    """Its fitted parameters."""
+    explains: str
+    """What it does, as a sentence."""
+
+
+class Diagnosis:
+    """The result of `diagnose`."""
+
+    def __init__(self, found: tuple[str, str, str, tuple[str, str] | None, list[str]]) -> None:
+        text, page, self.summary, amended, _ = found
+        self.result: dict[str, Any] = json.loads(text)
+        """Everything, as in `diagnosis.json`."""
+        self.verdict: str = self.result["verdict"]
+        """`complete` if the model lacks nothing, `effect_found`, or `unexplained`."""
+        self.effects: list[Effect] = [_effect(e) for e in self.result["effects"]]
+        """The effects that were found."""
+        self.amended: str | None = amended[1] if amended else None
+        """The source of the model, followed by one with the effects; `None` if none was found."""
+        self.report = Report(page)
+        """The page with the evidence."""
+
+    def __repr__(self) -> str:
+        names = ", ".join(e.component for e in self.effects)
+        return f"<mocc.Diagnosis: {self.verdict}{': ' + names if names else ''}>"
+
+    def __str__(self) -> str:
+        return self.summary
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self.summary)}</pre>{self.report._repr_html_()}"
+
+
+def calibrate(
+    plan: str | PathLike[str] | Mapping[str, Any] | None = None,
+    data: Mapping[str, Any] | None = None,
+    *,
+    table: Any | None = None,
+    folder: str | PathLike[str] | None = None,
+    profiles: bool = True,
+    progress: Progress | None = None,
+    **keys: Any,
+) -> Calibration:
+    """Fits the free parameters of a plan to recordings.
+
+    `plan` is a plan file, or a mapping with the keys of one, which may also be given by name: `model`, `time`, `signals`,
+    `free`, `fixed`, `inputs`, `starts`, `conditions`, `recordings`, `window`, `skip`, `every`. `model` is a file, a text,
+    or a `Model`.
+    `data` maps names to tables in memory: recordings that take the place of files of these names. Without `recordings`
+    and `table`, each of them is a training recording. NaN marks values that were not measured. `table` takes the place of
+    the plan's table of recordings, and `folder` is that of files.
+    `profiles=False` takes confidence intervals from standard errors alone, which is faster.
+
+    Errors: `RequestError` if the plan or a recording is wrong, such as a missing column or a wrong unit; `ModelError`;
+    `SimulationError` if the model cannot be simulated at the start. Ctrl-C raises `KeyboardInterrupt`.
+    """
+    study = _study(plan, data, table, folder, keys)
+    native = _mocc.calibrate(*study, profiles=profiles, progress=progress)
+    _warn(native.warnings)
+    return Calibration(native)
+
+
+def diagnose(
+    plan: str | PathLike[str] | Mapping[str, Any] | None = None,
+    data: Mapping[str, Any] | None = None,
+    *,
+    table: Any | None = None,
+    folder: str | PathLike[str] | None = None,
+    effects: str | PathLike[str] | None = None,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
+    **keys: Any,
+) -> Diagnosis:
+    """Finds the physical effects that a model lacks, from recordings.
+
+    `effects` is a folder with further effects, in addition to the shipped ones. `time_limit`, s, ends the search with the
+    best verdict so far. The other arguments, and the errors, are those of `calibrate`.
+    """
+    if time_limit is not None and _number("time_limit", time_limit) < 0:
+        raise RequestError(f"`time_limit` is {time_limit} s, which is negative")
+    study = _study(plan, data, table, folder, keys)
+    own = None if effects is None else fspath(effects)
+    found = _mocc.diagnose(*study, effects=own, time_limit=time_limit, progress=progress)
+    _warn(found[4])
+    return Diagnosis(found)
+
+
+def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,
+           keys: dict[str, Any]) -> Study:
+    """The plan's path and text, the model's text, the table, the recordings, and the folder."""
+    if data is not None and not isinstance(data, Mapping):
+        raise RequestError(f"`data` is a {type(data).__name__}; map names of recordings to tables")
+    recordings = [(str(name), _frame(frame, str(name))) for name, frame in (data or {}).items()]
+    rows = None if table is None else _strings(table)
+    path, text, model = "plan", None, None
+    if isinstance(plan, (str, PathLike)):
+        if keys:
+            raise RequestError(f"`{next(iter(keys))}` belongs into the plan file; give either a file or keys")
+        path = fspath(plan)
+    else:
+        given = {**(plan or {}), **keys}
+        if not given:
+            raise RequestError("give a plan file, or the keys of a plan such as `model`, `signals` and `free`")
+        model = _model(given)
+        given.setdefault("data", {"folder": "." if folder is None else fspath(folder)})
+        if "recordings" not in given and rows is None and "table" not in given["data"]:
+            given["recordings"] = [{"file": name} for name, _ in recordings]
+        if rows is not None:
+            given["data"] = {"table": "table", **given["data"]}
+        text = toml(given)
+    return path, text, model, rows, recordings, None if folder is None else fspath(folder)
+
+
+def _model(plan: dict[str, Any]) -> str | None:
+    """Replaces a model that is not a file; returns its text."""
+    model = plan.get("model")
+    if isinstance(model, Model):
+        file, text, name, settings, folders = model._source
+        plan["model"] = file or "<text>"
+        plan.setdefault("name", name or model.name)
+        if folders:
+            plan.setdefault("libraries", folders)
+        fixed = dict(setting.split("=", 1) for setting in settings)
+        plan["fixed"] = {**fixed, **plan.get("fixed", {})} or None
+        return text
+    if isinstance(model, (str, PathLike)):
+        plan["model"], text = source_of(model)
+        return text
+    return None
+
+
+def _frame(frame: Any, name: str) -> list[tuple[str, bytes]]:
+    columns = []
+    length = None
+    for column, values in columns_of(frame).items():
+        try:
+            found = numbers(values, column)
+        except RequestError:
+            # A column of strings: the plan does not need it, or the engine reports that it holds no numbers.
+            found = np.full(len(values), np.nan)
+        if length is not None and len(found) != length:
+            raise RequestError(f"`{column}` of `{name}` has {len(found)} rows instead of {length}")
+        length = len(found)
+        columns.append((column, packed(found)))
+    if not columns:
+        raise RequestError(f"`{name}` has no columns")
+    return columns
+
+
+def _strings(table: Any) -> Strings:
+    columns = columns_of(table)
+    rows = zip(*([_text(value) for value in values] for values in columns.values()), strict=True)
+    return list(columns), [list(row) for row in rows]
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    return str(value)
+
+
+def toml(plan: Mapping[str, Any]) -> str:
+    """A plan as TOML. Errors: a value that no plan can hold."""
+    plan = {key: value for key, value in plan.items() if value is not None}
+    lines = [f"{_key(k)} = {_toml(v)}" for k, v in plan.items() if not isinstance(v, Mapping) and k != "recordings"]
+    for key, value in plan.items():
+        if isinstance(value, Mapping):
+            lines += ["", f"[{_key(key)}]"]
+            lines += [f"{_key(k)} = {_toml(v)}" for k, v in value.items()]
+    for recording in plan.get("recordings", []):
+        lines += ["", "[[recordings]]"]
+        lines += [f"{_key(k)} = {_toml(v)}" for k, v in recording.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    if isinstance(value, (str, PathLike)):
+        return json.dumps(fspath(value))
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(k)} = {_toml(v)}" for k, v in value.items()) + " }"
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return "[" + ", ".join(_toml(v) for v in value) + "]"
+    raise RequestError(f"a plan cannot hold a {type(value).__name__}")
+
+
+def _key(name: str) -> str:
+    is_bare = name.isascii() and name.replace("_", "").replace("-", "").isalnum()
+    return name if is_bare else json.dumps(name)
+
+
+def _effect(found: dict[str, Any]) -> Effect:
+    def estimate(p: dict[str, Any]) -> Estimate:
+        error = math.inf if p["stderr"] is None else p["stderr"]
+        return Estimate(p["value"], error, p["unit"])
+
+    parameters = {name: estimate(p) for name, p in found["parameters"].items()}
+    return Effect(found["component"], found["at"], found["over"], found["law"], parameters, found["explains"])
+
+
+def _warn(rendered: list[str]) -> None:
+    for text in rendered:
+        warnings.warn(text, ModelWarning, stacklevel=3)

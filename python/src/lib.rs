@@ -1,0 +1,37 @@
+//! The Python module `mocc._mocc`: the functions and objects that the package `mocc` is made of. Its users import `mocc`,
+//! which gives them names, types, checks of their arguments and documentation.
+//!
+//! Every call releases the interpreter lock while it computes, and ends on Ctrl-C.
+
+mod arrow;
+mod background;
+mod error;
+mod model;
+mod run;
+mod study;
+mod sweep;
+mod values;
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+
+/// Runs the command line and returns its exit status. `arguments` starts with the name of the program.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| mocc::cli::main(arguments) as u8)
+}
+
+/// The native part of the package `mocc`.
+#[pymodule]
+fn _mocc(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(study::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(study::diagnose, module)?)?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<run::Run>()?;
+    module.add_class::<values::Values>()?;
+    module.add_class::<study::Calibration>()?;
+    module.add_class::<sweep::Sweep>()
+}

@@ -1,0 +1,264 @@
+//! Calibration and diagnosis with recordings in memory or in files.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+use mocc::calibrate::memory::{Memory, NumberTable};
+use mocc::calibrate::page;
+use mocc::calibrate::policy::FitPolicy;
+use mocc::calibrate::run::{self as calibration, check_start};
+use mocc::diagnose::policy::SearchPolicy;
+use mocc::diagnose::{self as search, page as search_page, summary as search_summary};
+use mocc::driver::compile::Session;
+use mocc::io::csv::TextTable;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyTuple};
+
+use crate::background::{Cancelled, Watch, spawn, wait};
+use crate::error::{Trouble, lost, warnings};
+use crate::run::numbers;
+use crate::values::Values;
+
+/// The name of a recording, and its columns with their numbers.
+type Frame<'py> = (String, Vec<(String, Bound<'py, PyBytes>)>);
+/// Names of columns, and rows of text.
+type Strings = (Vec<String>, Vec<Vec<String>>);
+
+fn memory(
+    plan: Option<String>,
+    model: Option<String>,
+    table: Option<Strings>,
+    recordings: Vec<Frame<'_>>,
+) -> Arc<Memory> {
+    let table = table.map(|(names, rows)| {
+        let rows = rows.into_iter().enumerate().map(|(k, row)| (k as u64 + 1, row));
+        TextTable { names, rows: rows.collect() }
+    });
+    let recordings = recordings.into_iter().map(|(name, columns)| {
+        let (names, columns) =
+            columns.into_iter().map(|(name, values)| (name, numbers(values.as_bytes()))).unzip();
+        (name, NumberTable { names, columns })
+    });
+    Arc::new(Memory { plan, model, table, recordings: recordings.collect() })
+}
+
+/// A calibrated model, ready to compute residuals at other parameters.
+#[pyclass(frozen)]
+pub struct Calibration {
+    /// The result as JSON.
+    #[pyo3(get)]
+    json: String,
+    /// The page.
+    #[pyo3(get)]
+    page: String,
+    /// The model's source with the estimates.
+    #[pyo3(get)]
+    model: String,
+    /// Names of the fitted values.
+    #[pyo3(get)]
+    names: Vec<String>,
+    /// Their units.
+    #[pyo3(get)]
+    units: Vec<String>,
+    /// Their bounds.
+    #[pyo3(get)]
+    bounds: Vec<(f64, f64)>,
+    /// The fitted values.
+    #[pyo3(get)]
+    values: Vec<f64>,
+    /// Their covariance, row by row.
+    #[pyo3(get)]
+    covariance: Vec<f64>,
+    /// Warnings, rendered.
+    #[pyo3(get)]
+    warnings: Vec<String>,
+    /// To the thread that holds the problem; it ends with this object.
+    questions: Sender<Question>,
+}
+
+/// Values at which residuals or their derivatives are wanted.
+struct Question {
+    values: Vec<f64>,
+    is_jacobian: bool,
+    answer: Sender<Result<Vec<f64>, Trouble>>,
+}
+
+#[pymethods]
+impl Calibration {
+    /// The residuals at these values, in units of the noise.
+    fn residuals(&self, py: Python<'_>, values: &Bound<'_, PyBytes>) -> PyResult<Values> {
+        self.ask(py, values, false)
+    }
+
+    /// Their derivatives, row by row.
+    fn jacobian(&self, py: Python<'_>, values: &Bound<'_, PyBytes>) -> PyResult<Values> {
+        self.ask(py, values, true)
+    }
+}
+
+impl Calibration {
+    fn ask(
+        &self,
+        py: Python<'_>,
+        values: &Bound<'_, PyBytes>,
+        is_jacobian: bool,
+    ) -> PyResult<Values> {
+        let (answer, answers) = channel();
+        let values = numbers(values.as_bytes());
+        self.questions.send(Question { values, is_jacobian, answer }).map_err(|_| lost())?;
+        let found = wait(py, &answers, &Cancelled::default(), None)?;
+        found.map(|numbers| Values(Arc::new(numbers))).map_err(|trouble| trouble.raise(py))
+    }
+}
+
+/// Fits the free parameters of a plan.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "all are named in the Python package")]
+pub fn calibrate(
+    py: Python<'_>,
+    plan: PathBuf,
+    plan_text: Option<String>,
+    model_text: Option<String>,
+    table: Option<Strings>,
+    recordings: Vec<Frame<'_>>,
+    folder: Option<PathBuf>,
+    profiles: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Calibration> {
+    let request = calibration::Request {
+        plan,
+        memory: memory(plan_text, model_text, table, recordings),
+        data: folder,
+        modelica_path: std::env::var_os("MODELICAPATH"),
+        profiles,
+        policy: FitPolicy::default(),
+    };
+    let cancelled = Cancelled::default();
+    let (notes, heard) = channel();
+    let (answer, answers) = channel();
+    let (questions, asked) = channel();
+    let watch = Watch { cancelled: cancelled.clone(), deadline: None, notes };
+    spawn(move || serve(&request, watch, questions, &asked, &answer))?;
+    let progress = progress.as_ref().map(|function| (&heard, function));
+    wait(py, &answers, &cancelled, progress)?.map_err(|trouble| trouble.raise(py))
+}
+
+/// Calibrates, then answers questions until nobody can ask any more.
+fn serve(
+    request: &calibration::Request,
+    watch: Watch,
+    questions: Sender<Question>,
+    asked: &Receiver<Question>,
+    answer: &Sender<Result<Calibration, Trouble>>,
+) {
+    let started_at = Instant::now();
+    // Nobody may wait for an answer any more.
+    let failed = |trouble| drop(answer.send(Err(trouble)));
+    let mut session = Session { parameters_vary: true, ..Session::default() };
+    let prepared = match calibration::prepare(request, &mut session) {
+        Ok(prepared) => prepared,
+        Err(error) => return failed(Trouble::of_calibration(&error, &session)),
+    };
+    let mut problem = match prepared.problem(&session.sources, &mut session.problems) {
+        Ok(problem) => problem,
+        Err(error) => return failed(Trouble::of_calibration(&error, &session)),
+    };
+    let fitted = check_start(&problem)
+        .map_err(Into::into)
+        .and_then(|()| calibration::calibrate(&prepared, &mut problem, request, &watch));
+    let outcome = match fitted {
+        Ok(outcome) => outcome,
+        Err(error) => return failed(Trouble::of_calibration(&error, &session)),
+    };
+    let found = &outcome.calibration;
+    let seconds = started_at.elapsed().as_secs_f64();
+    let parameters = &problem.parameters;
+    let sent = answer.send(Ok(Calibration {
+        json: found.json(seconds),
+        page: page::html(found, seconds),
+        model: outcome.model,
+        names: parameters.iter().map(|p| p.name.clone()).collect(),
+        units: parameters.iter().map(|p| p.unit.clone()).collect(),
+        bounds: parameters.iter().map(|p| p.bounds).collect(),
+        values: outcome.values,
+        covariance: outcome.covariance,
+        warnings: warnings(&session.problems, &session.sources),
+        questions,
+    }));
+    if sent.is_err() {
+        return;
+    }
+    // Whoever listens to the progress need not wait for more.
+    drop(watch);
+    for Question { values, is_jacobian, answer } in asked {
+        let found = match is_jacobian {
+            true => problem.jacobian(&values),
+            false => problem.residual_vector(&values),
+        };
+        let found = found.map_err(|failure| Trouble::of_failure(&failure, &session.sources));
+        // Nobody may wait any more.
+        let _ = answer.send(found);
+    }
+}
+
+/// Finds the effects that a model lacks. Returns the result as JSON, the page, a summary, the name and the source of the
+/// amended model, and warnings.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "all are named in the Python package")]
+pub fn diagnose<'py>(
+    py: Python<'py>,
+    plan: PathBuf,
+    plan_text: Option<String>,
+    model_text: Option<String>,
+    table: Option<Strings>,
+    recordings: Vec<Frame<'py>>,
+    folder: Option<PathBuf>,
+    effects: Option<PathBuf>,
+    time_limit: Option<f64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyTuple>> {
+    let request = search::run::Request {
+        plan,
+        memory: memory(plan_text, model_text, table, recordings),
+        data: folder,
+        effects,
+        modelica_path: std::env::var_os("MODELICAPATH"),
+        policy: SearchPolicy::default(),
+        next: false,
+    };
+    let started_at = Instant::now();
+    // A limit beyond what the clock can count is none.
+    let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
+    let cancelled = Cancelled::default();
+    let (notes, heard) = channel();
+    let (answer, answers) = channel();
+    let watch = Watch {
+        cancelled: cancelled.clone(),
+        deadline: limit.and_then(|limit| started_at.checked_add(limit)),
+        notes,
+    };
+    spawn(move || {
+        let mut session = Session { parameters_vary: true, ..Session::default() };
+        let outcome = search::run::run(&request, &mut session, &watch);
+        let outcome =
+            outcome.map_err(|error| Trouble::of_diagnosis(&error, &session)).map(|found| {
+                let seconds = started_at.elapsed().as_secs_f64();
+                let amended = found.amended.as_ref().map(|a| (a.name.clone(), a.source.clone()));
+                let file = amended.as_ref().map(|(name, _)| format!("{name}.mol"));
+                (
+                    search::json::json(&found, file.as_deref(), seconds),
+                    search_page::html(&found),
+                    search_summary::summary(&found, seconds),
+                    amended,
+                    warnings(&session.problems, &session.sources),
+                )
+            });
+        // Nobody may wait any more.
+        let _ = answer.send(outcome);
+    })?;
+    let progress = progress.as_ref().map(|function| (&heard, function));
+    let found = wait(py, &answers, &cancelled, progress)?;
+    found.map_err(|trouble| trouble.raise(py))?.into_pyobject(py)
+}
