@@ -241,7 +241,7 @@ fn a_partial_explanation_is_no_effect() {
     use mocc::diagnose::policy::SearchPolicy;
     use mocc::diagnose::result::Verdict;
     use mocc::diagnose::run::{Request, run};
-    use mocc::diagnose::{json, noise, page};
+    use mocc::diagnose::{json, noise, page, summary};
     use mocc::driver::compile::Session;
 
     let scratch = study("c = {}", "c = {}", |_, v| -0.9 * v.abs() * v);
