@@ -176,8 +176,13 @@ fn blocks(page: &str) -> Vec<Block> {
 fn the_landing_page_stays_short_and_opens_with_the_two_commands() {
     let page = read("README.md");
     assert!(page.lines().count() <= 100, "README.md is a landing page; details belong in docs/");
-    let first = blocks(&page).into_iter().find(|b| b.language == "sh").expect("commands");
-    assert_eq!(first.text, "pip install mocc\nmocc simulate examples/valve52.mol\n");
+    let commands = blocks(&page).into_iter().filter(|b| b.language == "sh").take(2);
+    let first: Vec<String> = commands.map(|b| b.text).collect();
+    let expected = [
+        "pip install ./python\nmocc simulate examples/valve52.mol\n",
+        "cargo run --release -- simulate examples/valve52.mol\ncargo test\n",
+    ];
+    assert_eq!(first, expected);
 }
 
 // ---- Guide pages ----
