@@ -116,6 +116,7 @@ impl Stand {
             effects,
             inventory,
             variables,
+            units: units.into_iter().collect(),
             variations,
             policy,
         };
