@@ -23,16 +23,14 @@ use mocc::calibrate::plan::Plan;
 use mocc::calibrate::plan_file;
 use mocc::calibrate::problem::Problem;
 use mocc::calibrate::sums::Sums;
-use mocc::diagnose::catalogue::{Effect, Packages, catalogue};
+use mocc::diagnose::catalogue::Effect;
 use mocc::diagnose::hypothesis::{ChosenEffect, Hypothesis, amplitude, groups};
-use mocc::diagnose::law_choice::choices;
 use mocc::diagnose::model_source::Attached;
 use mocc::diagnose::policy::SearchPolicy;
 use mocc::diagnose::rank::{Scored, unscored};
 use mocc::diagnose::result::{Diagnosis, Verdict};
 use mocc::diagnose::search::diagnose;
 use mocc::diagnose::study::Study;
-use mocc::diagnose::variation::VariationTargets;
 use mocc::driver::compile::{Request, Session};
 use mocc::numeric::least_squares::NormalEquations;
 use mocc::numeric::linear::DenseLu;
@@ -95,31 +93,10 @@ impl Stand {
         let plan = plan.expect("a plan");
         let data = data::read(&plan, &mut session.problems).expect("recordings");
         let request = Request::new(Some(plan.model.clone()), None);
-        let (flat, inventory) = session.flatten_with_inventory(&request).expect("a model");
-        let variables = flat.variables.iter().map(|v| v.name.clone()).collect();
-        let units: Vec<_> =
-            flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
-        let names = ["Effects".to_owned()];
-        let packages = Packages { request: &request, names: &names, classes: &[] };
-        let mut effects = catalogue(&mut session, &packages, &inventory, &units);
-        effects.extend(choices(&request, &flat));
-        let variations = VariationTargets::new(&flat, &plan);
-        let (base, experiment) = (flat.name.clone(), flat.experiment);
+        let flat = session.flatten_with_inventory(&request).expect("a model");
         let policy = SearchPolicy::default();
-        let study = Study {
-            plan,
-            request,
-            data,
-            corrections: Vec::new(),
-            base,
-            experiment,
-            effects,
-            inventory,
-            variables,
-            units: units.into_iter().collect(),
-            variations,
-            policy,
-        };
+        let study =
+            Study::new(&mut session, (request, &[]), (&flat.0, flat.1), (plan, data), policy);
         Stand { study }
     }
 

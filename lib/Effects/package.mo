@@ -23,6 +23,8 @@ package Effects "Physical effects that a model may lack"
   //   with has_line=true    a class that has the effect built in: the override that makes it part of the model
   //   varies=factor         parameters of the model are multiplied by this variable of the effect, whose first input is
   //                         bound to each variable that they may vary with
+  //   acts=y                equations of the model read this variable of the effect in place of an input of the model, to
+  //                         which the first input of the effect is bound
   // Without `host`, connectors of a model may be of another class, its own or that of a library, if they mean the same:
   // one potential and one flow with the units of the effect's connector, or where none are declared, with its names. The
   // model is then extended by an adapter.

@@ -33,6 +33,8 @@ pub struct Tree {
     children: Vec<(String, Tree)>,
     /// A value and its comment.
     value: Option<(String, String)>,
+    /// Words before the name, such as `redeclare model`.
+    prefix: String,
 }
 
 impl Tree {
@@ -43,22 +45,35 @@ impl Tree {
 
     /// Sets the value at a path; the comment may be empty.
     pub fn set(&mut self, path: &[String], value: String, comment: String) {
-        let Some((first, rest)) = path.split_first() else {
-            self.value = Some((value, comment));
-            return;
-        };
+        self.at(path).value = Some((value, comment));
+    }
+
+    /// Redeclares the element at a path: a class by its keyword, or a component.
+    pub fn redeclare(&mut self, path: &[String], keyword: Option<&str>, class: &str) {
+        let element = self.at(path);
+        match keyword {
+            Some(keyword) => {
+                element.prefix = format!("redeclare {keyword} ");
+                element.value = Some((class.to_owned(), String::new()));
+            }
+            None => element.prefix = format!("redeclare {class} "),
+        }
+    }
+
+    fn at(&mut self, path: &[String]) -> &mut Tree {
+        let Some((first, rest)) = path.split_first() else { return self };
         let at = self.children.iter().position(|(name, _)| name == first).unwrap_or_else(|| {
             self.children.push((first.clone(), Tree::default()));
             self.children.len() - 1
         });
-        self.children[at].1.set(rest, value, comment);
+        self.children[at].1.at(rest)
     }
 
     /// Prints one line for each modification, followed by its comment.
     pub fn print(&self, indent: usize, out: &mut String) {
         for (i, (name, node)) in self.children.iter().enumerate() {
             let comma = if i + 1 < self.children.len() { "," } else { "" };
-            out.push_str(&format!("{:indent$}{name}", ""));
+            out.push_str(&format!("{:indent$}{}{name}", "", node.prefix));
             if !node.children.is_empty() {
                 out.push_str("(\n");
                 node.print(indent + 2, out);
@@ -83,6 +98,19 @@ mod tests {
     fn names_are_split_at_dots_outside_quotes() {
         assert_eq!(parts("a.'b.c'.d"), ["a", "'b.c'", "d"]);
         assert_eq!(without_subscripts("a[2].b[1, 3].c"), "a.b.c");
+    }
+
+    #[test]
+    fn a_redeclared_component_keeps_its_modifications() {
+        let mut root = Tree::default();
+        root.set(&parts("motor.brake.M"), "2.0".into(), String::new());
+        root.redeclare(&parts("motor.brake"), None, "Drives.Brake");
+        root.redeclare(&parts("Friction"), Some("model"), "Drives.Stribeck");
+        let mut text = String::new();
+        root.print(0, &mut text);
+        let expected = "motor(\n  redeclare Drives.Brake brake(\n    M = 2.0\n  )\n),\n\
+                        redeclare model Friction = Drives.Stribeck\n";
+        assert_eq!(text, expected);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Backward elimination: removes the effects of a hypothesis that the data do not support beside the others.
 
 use crate::calibrate::fit::{Fit, search as local_search};
+use crate::calibrate::plan::Free;
 use crate::calibrate::problem::Problem;
 
 use super::hypothesis::{ChosenEffect, Hypothesis};
@@ -69,6 +70,13 @@ pub fn without(
         }
         !free.targets.is_empty()
     });
+    // A law that is no longer chosen gives the parameters back that it removed.
+    let is_back = |free: &Free| {
+        let choices = removed.iter().filter_map(|c| study.effects[c.effect].choice.as_ref());
+        choices.flat_map(|choice| &choice.removed).any(|name| free.targets.contains(name))
+    };
+    plan.free.retain(|free| !is_back(free));
+    plan.free.splice(0..0, study.plan.free.iter().filter(|free| is_back(free)).cloned());
     // Readers of the output of a removed sensor effect now read its input.
     for c in removed.iter().rev() {
         if let (Some(k), Some((_, input))) = (c.place.signal, c.place.binds.first()) {

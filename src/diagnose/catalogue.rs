@@ -48,6 +48,8 @@ pub struct Effect {
     pub over: Vec<String>,
     /// Of an effect that lets parameters vary: its output, by which they are multiplied.
     pub varies: Option<String>,
+    /// Of an effect that acts on an input of the model: its output, which the model reads instead.
+    pub acts: Option<String>,
     /// Of an effect that is another law: how it is chosen.
     pub choice: Option<Choice>,
     /// Of a free curve: how a formula takes its place.
@@ -128,7 +130,7 @@ pub struct Packages<'a> {
     /// The request that finds their classes.
     pub request: &'a Request,
     /// Their full names.
-    pub names: &'a [String],
+    pub names: &'a [&'a str],
     /// Full names of further classes.
     pub classes: &'a [String],
 }
@@ -318,7 +320,8 @@ fn complete(effect: &mut Effect, inventory: &Inventory) {
     if let Some(own) = inventory.parts.first() {
         effect.connectors = own.connectors.clone();
     }
-    effect.of_signal = effect.connectors.is_empty() && effect.varies.is_none();
+    effect.of_signal =
+        effect.connectors.is_empty() && effect.varies.is_none() && effect.acts.is_none();
     for input in &inventory.inputs {
         if !effect.of_signal && !effect.binds.iter().any(|(name, _)| name == input) {
             effect.binds.push((input.clone(), vec![input.clone()]));
@@ -378,6 +381,7 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "inflow" => effect.inflow = Some(value.trim().to_owned()),
             "named" => effect.named = Some(value.trim().to_owned()),
             "varies" => effect.varies = Some(value.trim().to_owned()),
+            "acts" => effect.acts = Some(value.trim().to_owned()),
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {
                 let starts: Option<Vec<Start>> = items.map(start).collect();

@@ -301,6 +301,8 @@ fn formula(k: usize, effect: &Effect, curve: &FreeCurve, form: &'static Form) ->
         connectors: effect.connectors.clone(),
         host: effect.host.clone(),
         binds: effect.binds.clone(),
+        varies: effect.varies.clone(),
+        acts: effect.acts.clone(),
         named: Some(effect.class.clone()),
         law,
         units,

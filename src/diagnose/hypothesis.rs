@@ -245,6 +245,13 @@ fn attach_one(
     depth: usize,
 ) -> (Vec<ChosenEffect>, Plan) {
     let effect = &study.effects[scored.effect];
+    if let Some(choice) = &effect.choice {
+        // What the model no longer has is not fitted.
+        plan.free.retain_mut(|free| {
+            free.targets.retain(|target| !choice.removed.contains(target));
+            !free.targets.is_empty()
+        });
+    }
     let name = component_name(&effect.class, depth, &chosen);
     let (known, group) = (chosen.len(), chosen.last().map_or(0, |c| c.group + 1));
     for (j, mut place) in scored.place.members().into_iter().enumerate() {

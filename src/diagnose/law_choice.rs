@@ -1,5 +1,5 @@
-//! Laws that the model itself offers: every other literal of an enumeration parameter that selects a law, and
-//! the laws that a class of the model describes in its annotation.
+//! Laws that the model itself offers: every other literal of an enumeration parameter that selects a law, every other
+//! class for a replaceable element, and the laws that a class of the model describes in its annotation.
 //!
 //! A law is chosen before the run, so no derivative leads from one to another. It is scored by what the
 //! linearised model with the other law would leave, and its own parameters, those that only the new law
@@ -11,12 +11,14 @@ use crate::calibrate::parameter::Parameter;
 use crate::calibrate::plan::Free;
 use crate::calibrate::problem::Problem;
 use crate::driver::compile::{Request, Session};
+use crate::driver::replacements::Replacement;
 use crate::ir::expr::{Const, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability};
 use crate::numeric::least_squares::Residuals;
 
 use super::catalogue::{Effect, Start};
 use super::hypothesis::{ChosenEffect, Hypothesis, attach, attached};
+use super::model_source::{Attached, Extension};
 use super::place::Place;
 use super::rank::Scored;
 use super::search::Search;
@@ -24,6 +26,13 @@ use super::shape_parameters::shapes;
 
 /// Factors by which the start of a law's own parameter differs from the model's value.
 const STARTS: [f64; 3] = [0.2, 1.0, 5.0];
+/// The same where the law has more than [`FEW_PARAMETERS`].
+const FEWER_STARTS: [f64; 2] = [0.5, 2.0];
+const FEW_PARAMETERS: usize = 3;
+/// Parameters of its own with which a law is tried.
+const MAX_PARAMETERS: usize = 5;
+/// Name of the generated model that chooses a law.
+const CHOOSING_MODEL: &str = "Choosing";
 /// Factor by which a fit may change a law's own parameter.
 const REACH: f64 = 1e4;
 
@@ -38,6 +47,10 @@ pub struct Choice {
     /// For a law that a parameter of the model selects: the components that use it. Empty for a law that is
     /// built into a component.
     pub at: Vec<String>,
+    /// For a law that takes the place of a replaceable element: the redeclaration.
+    pub replacement: Option<Replacement>,
+    /// Parameters that the model no longer has with it.
+    pub removed: Vec<String>,
 }
 
 impl Choice {
@@ -52,7 +65,7 @@ impl Choice {
     }
 }
 
-/// The laws that the enumeration parameters of a model offer besides those that it uses.
+/// The laws that the enumeration parameters and the replaceable elements of a model offer besides those that it uses.
 pub fn choices(request: &Request, flat: &FlatModel) -> Vec<Effect> {
     let mut out = Vec::new();
     for v in flat.variables.iter() {
@@ -66,17 +79,37 @@ pub fn choices(request: &Request, flat: &FlatModel) -> Vec<Effect> {
         for (number, literal) in (1..).zip(&kind.literals) {
             if own != Some(Const::Enumeration(id, number)) {
                 let value = format!("{}.{literal}", kind.name);
-                out.extend(choice(request, flat, &v.name, value));
+                let effect = Effect {
+                    class: value.clone(),
+                    with: vec![(v.name.clone(), value)],
+                    choice: Some(Choice::default()),
+                    ..Effect::default()
+                };
+                out.extend(choice(request, flat, (effect, &v.name)));
             }
         }
+    }
+    for replacement in Session::default().replacements(request) {
+        let element = replacement.element.clone();
+        let effect = Effect {
+            class: replacement.class.clone(),
+            choice: Some(Choice { replacement: Some(replacement), ..Choice::default() }),
+            ..Effect::default()
+        };
+        out.extend(choice(request, flat, (effect, &element)));
     }
     out
 }
 
-/// The law that a parameter selects by a value; `None` if the model does not compile with it.
-fn choice(request: &Request, flat: &FlatModel, parameter: &str, value: String) -> Option<Effect> {
+/// Completes the choice of a law by a parameter or an element of the model; `None` if the model does not compile with it.
+fn choice(request: &Request, flat: &FlatModel, (effect, chosen): (Effect, &str)) -> Option<Effect> {
     let mut request = request.clone();
-    request.settings.push(format!("{parameter}={value}"));
+    let effect = Effect { built_in: true, ..effect };
+    let place = Place::at(&[chosen.to_owned()]);
+    let attached = Attached::new(&effect, &place, String::new(), Vec::new());
+    let choosing = Extension { name: CHOOSING_MODEL, base: &flat.name, ..Extension::default() };
+    request.appended = Some(choosing.source(&[attached]));
+    request.model = Some(CHOOSING_MODEL.to_owned());
     let other = Session::default().flatten(&request).ok()?;
     let (before, after) = (names(flat), names(&other));
     let components: FastSet<&str> = before
@@ -91,25 +124,28 @@ fn choice(request: &Request, flat: &FlatModel, parameter: &str, value: String) -
             at.push(component.to_owned());
         }
     }
-    // Where the law has no components of its own, the parameter stands for it.
+    // Where the law has no components of its own, what chooses it stands for it.
     if at.is_empty() {
-        at.push(parameter.to_owned());
+        at.push(chosen.to_owned());
     }
+    let removed = before.difference(&after).map(|name| (*name).to_owned()).collect();
+    let replacement = effect.choice.as_ref().and_then(|c| c.replacement.clone());
     let known: FastSet<String> = roots(flat).into_iter().map(|(name, _)| name).collect();
-    let own = roots(&other).into_iter().filter(|(name, value)| {
-        // A parameter of the law; not a value that its components bring along.
-        !known.contains(name) && !name.contains(['.', '[']) && *value > 0.0
-    });
-    let starts = |value: f64| STARTS.iter().map(|f| Start::Value(f * value)).collect();
+    // A parameter of the law; of a law that a parameter chooses, not a value that its components bring along.
+    let is_own = |(name, value): &(String, f64)| {
+        let is_inner = name.contains('.') && replacement.is_none();
+        !known.contains(name) && !is_inner && !name.contains('[') && *value > 0.0
+    };
+    let own: Vec<(String, f64)> =
+        roots(&other).into_iter().filter(is_own).take(MAX_PARAMETERS).collect();
+    let factors = if own.len() > FEW_PARAMETERS { &FEWER_STARTS[..] } else { &STARTS[..] };
+    let starts = |value: f64| factors.iter().map(|f| Start::Value(f * value)).collect();
     Some(Effect {
-        class: value.clone(),
-        shape_parameters: own.map(|(n, v)| (n, starts(v))).collect(),
-        explains: format!("{value} describes %at better."),
-        with: vec![(parameter.to_owned(), value)],
+        shape_parameters: own.into_iter().map(|(n, v)| (n, starts(v))).collect(),
+        explains: format!("{} describes %at better.", effect.class),
         units: other.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect(),
-        built_in: true,
-        choice: Some(Choice { at }),
-        ..Effect::default()
+        choice: Some(Choice { at, replacement, removed }),
+        ..effect
     })
 }
 

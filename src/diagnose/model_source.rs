@@ -41,6 +41,9 @@ impl<'a> Attached<'a> {
     /// Adds the modifications of the component that the effect is built into.
     fn modify(&self, modifications: &mut Tree) {
         let inner = |parameter: &str| path(&full_name(&self.name, parameter));
+        if let Some(r) = self.effect.choice.as_ref().and_then(|c| c.replacement.as_ref()) {
+            modifications.redeclare(&path(&r.element), r.keyword, &r.class);
+        }
         for (parameter, value) in &self.effect.with {
             modifications.set(&inner(parameter), value.clone(), String::new());
         }
@@ -130,8 +133,9 @@ impl Extension<'_> {
         classes.into_iter().for_each(|class| out.push_str(class));
         components.into_iter().for_each(|a| a.declare(&mut out));
         out.push_str(&self.connections(attached));
-        let variations = variations(attached);
-        let own: Vec<&str> = self.measured.into_iter().chain(variations.as_deref()).collect();
+        let (variations, passages) = (variations(attached), passages(attached));
+        let entries = variations.as_deref().into_iter().chain(passages.as_deref());
+        let own: Vec<&str> = self.measured.into_iter().chain(entries).collect();
         let own = (!own.is_empty()).then(|| format!("__mocc({})", own.join(", ")));
         let annotations: Vec<&str> = self.experiment.into_iter().chain(own.as_deref()).collect();
         if !annotations.is_empty() {
@@ -171,6 +175,16 @@ fn variations(attached: &[Attached<'_>]) -> Option<String> {
     };
     let all: Vec<String> = attached.iter().flat_map(of).collect();
     (!all.is_empty()).then(|| format!("varies = \"{}\"", all.join(", ")))
+}
+
+/// The entry of the annotation `__mocc` that leads inputs through effects, if one acts on them.
+fn passages(attached: &[Attached<'_>]) -> Option<String> {
+    let of = |a: &Attached<'_>| {
+        let (output, (_, input)) = (a.effect.acts.as_ref()?, a.place.binds.first()?);
+        Some(format!("{input} = {}.{output}", a.name))
+    };
+    let all: Vec<String> = attached.iter().filter_map(of).collect();
+    (!all.is_empty()).then(|| format!("through = \"{}\"", all.join(", ")))
 }
 
 /// The path of a parameter in the tree of modifications.

@@ -68,6 +68,9 @@ pub fn places(
     if effect.of_signal {
         return signals(plan);
     }
+    if effect.acts.is_some() {
+        return inputs(effect, plan);
+    }
     if effect.built_in || !effect.host.is_empty() {
         let mut all: Vec<Place> = match effect.built_in {
             true => inventory.parts.iter().filter_map(|p| built_in(effect, p)).collect(),
@@ -133,6 +136,16 @@ fn signals(plan: &Plan) -> Vec<Place> {
         others: Vec::new(),
     };
     plan.signals.iter().enumerate().map(place).collect()
+}
+
+/// The inputs of the model that recordings drive.
+fn inputs(effect: &Effect, plan: &Plan) -> Vec<Place> {
+    let Some((own, _)) = effect.binds.first() else { return Vec::new() };
+    let place = |input: &String| Place {
+        binds: vec![(own.clone(), input.clone())],
+        ..Place::at(std::slice::from_ref(input))
+    };
+    plan.inputs.iter().map(|driven| place(&driven.input)).collect()
 }
 
 fn built_in(effect: &Effect, part: &InventoryPart) -> Option<Place> {

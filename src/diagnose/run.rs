@@ -17,10 +17,8 @@ use crate::driver::compile::{CompileError, Session};
 
 use super::amended_model::{AmendedModel, amended};
 use super::balance::{Balance, Profile, balances, contributions};
-use super::catalogue::{Effect, Packages, catalogue, of_folder, unknowns};
+use super::catalogue::{Effect, of_folder, unknowns};
 use super::cause::CatalogueCause;
-use super::formula::formulas;
-use super::law_choice::choices;
 use super::next_experiment::{NextExperiment, next_experiment};
 use super::noise::noise;
 use super::place::why_nowhere;
@@ -30,10 +28,6 @@ use super::result::{Diagnosis, Verdict};
 use super::rivals::{Sensor, sensors};
 use super::search::diagnose;
 use super::study::{DiagnosisError, Study};
-use super::variation::VariationTargets;
-
-/// The package of the shipped effects.
-const SHIPPED_EFFECTS: &str = "Effects";
 
 /// What to diagnose, and how.
 #[derive(Clone, Debug)]
@@ -155,38 +149,16 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
         None => Vec::new(),
     };
     let (mut flat, inventory) = session.flatten_with_inventory(&compiled)?;
-    let variables: Vec<String> = flat.variables.iter().map(|v| v.name.clone()).collect();
-    let units: Vec<(String, String)> =
-        flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
-    let (base, experiment) = (flat.name.clone(), flat.experiment);
-    let variations = VariationTargets::new(&flat, &plan);
-    let choices = choices(&compiled, &flat);
-    session.drive(&mut flat, &compiled.recorded)?;
-    let mut program = session.compile_flat(flat, compiled.form)?;
-    record_signals(&mut program, &plan);
-    let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
+    let (form, recorded) = (compiled.form, compiled.recorded.clone());
+    let unknowns = unknowns(session, &Study::packages(&compiled, &own));
+    let policy = request.policy.clone();
+    let study = Study::new(session, (compiled, &own), (&flat, inventory), (plan, data), policy);
+    session.drive(&mut flat, &recorded)?;
+    let mut program = session.compile_flat(flat, form)?;
+    record_signals(&mut program, &study.plan);
+    let problem =
+        Problem::new(&program, &session.sources, &study.plan, &study.data, &mut session.problems);
     check_start(&problem.ok_or(CompileError::Request)?).map_err(CalibrationError::from)?;
-    let names = [SHIPPED_EFFECTS.to_owned()];
-    let packages = Packages { request: &compiled, names: &names, classes: &own };
-    let mut effects = catalogue(session, &packages, &inventory, &units);
-    effects.extend(choices);
-    effects.extend(formulas(&effects));
-    let unknowns = unknowns(session, &packages);
-    let (request, policy) = (compiled, request.policy.clone());
-    let study = Study {
-        plan,
-        request,
-        data,
-        corrections: Vec::new(),
-        base,
-        experiment,
-        effects,
-        inventory,
-        variables,
-        units: units.into_iter().collect(),
-        variations,
-        policy,
-    };
     for effect in study.effects.iter().chain(&unknowns).filter(|e| own.contains(&e.class)) {
         if study.places(effect, &study.plan).is_empty() {
             let (class, why) = (effect.class.clone(), why_nowhere(effect, &study.inventory));

@@ -6,10 +6,12 @@ use crate::calibrate::plan::Plan;
 use crate::calibrate::problem::record_also;
 use crate::driver::compile::{CompileError, Request, Session};
 use crate::flatten::inventory::Inventory;
-use crate::ir::flat::Experiment;
+use crate::ir::flat::{Experiment, FlatModel};
 use crate::ir::program::Program;
 
-use super::catalogue::Effect;
+use super::catalogue::{Effect, Packages, catalogue};
+use super::formula::formulas;
+use super::law_choice::choices;
 use super::model_source::{Attached, Extension};
 use super::place::{Place, places};
 use super::policy::SearchPolicy;
@@ -17,6 +19,9 @@ use super::variation::VariationTargets;
 
 /// Name of the generated model that has effects attached.
 const TRIAL_MODEL: &str = "Trial";
+
+/// The package of the shipped effects.
+const SHIPPED_EFFECTS: &str = "Effects";
 
 /// A model, its recordings and the effects that it may lack.
 #[derive(Clone, Debug)]
@@ -59,6 +64,41 @@ pub enum DiagnosisError {
 }
 
 impl Study {
+    /// The study of a plan whose model is flat, with the shipped effects and those of further classes.
+    pub fn new(
+        session: &mut Session,
+        (request, classes): (Request, &[String]),
+        (flat, inventory): (&FlatModel, Inventory),
+        (plan, data): (Plan, Data),
+        policy: SearchPolicy,
+    ) -> Study {
+        let units: Vec<(String, String)> =
+            flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
+        let packages = Study::packages(&request, classes);
+        let mut effects = catalogue(session, &packages, &inventory, &units);
+        effects.extend(choices(&request, flat));
+        effects.extend(formulas(&effects));
+        Study {
+            base: flat.name.clone(),
+            experiment: flat.experiment,
+            variables: flat.variables.iter().map(|v| v.name.clone()).collect(),
+            variations: VariationTargets::new(flat, &plan, &data),
+            units: units.into_iter().collect(),
+            corrections: Vec::new(),
+            plan,
+            request,
+            data,
+            effects,
+            inventory,
+            policy,
+        }
+    }
+
+    /// The packages of effects: the shipped one and further classes.
+    pub fn packages<'a>(request: &'a Request, classes: &'a [String]) -> Packages<'a> {
+        Packages { request, names: &[SHIPPED_EFFECTS], classes }
+    }
+
     /// Corrects the noise of the signals by factors.
     pub fn correct_noise(&mut self, factors: Vec<f64>) {
         self.data.sigmas.iter_mut().zip(&factors).for_each(|(sigma, factor)| *sigma *= factor);
@@ -81,8 +121,11 @@ impl Study {
             return vec![Place::at(&choice.at)];
         }
         if effect.varies.is_some() {
-            let input = effect.binds.first().map(|(input, _)| self.variations.places(input));
-            return input.unwrap_or_default();
+            let Some((input, _)) = effect.binds.first() else { return Vec::new() };
+            return match effect.curve.is_some() {
+                true => self.variations.curve_places(input),
+                false => self.variations.places(input),
+            };
         }
         let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
         places(effect, &self.inventory, &names, plan)

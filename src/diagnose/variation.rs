@@ -1,10 +1,12 @@
 //! Parameters that vary: the parameters that may do so, and the variables that they may vary with.
 //!
-//! Every free parameter of the plan is a hypothesis with every measured variable, every named variable of the
-//! model and time; parameters of the same unit are hypotheses together as well, because one phenomenon often
-//! changes several of them alike.
+//! Every free parameter of the plan is a hypothesis with every measured variable, every condition that differs
+//! between the recordings, every named variable of the model and time; parameters of the same unit are hypotheses
+//! together as well, because one phenomenon often changes several of them alike. As a free curve, a parameter varies
+//! alone, with what is measured and with time.
 
 use crate::base::index::FastSet;
+use crate::calibrate::data::{Data, Split};
 use crate::calibrate::plan::Plan;
 use crate::ir::expr::{Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability};
@@ -17,39 +19,70 @@ const MAX_ALIKE: usize = 3;
 const MAX_VARIABLES: usize = 12;
 /// Number of named variables of the model from which its states are not needed as well.
 const ENOUGH_VARIABLES: usize = 4;
+/// Largest number of parameters times variables for free curves.
+const MAX_CURVES: usize = 40;
 
 /// The parameters of a model that may vary, and what they may vary with.
 #[derive(Clone, Debug, Default)]
 pub struct VariationTargets {
-    /// Sets of parameters, by their full names, that vary alike.
+    /// Sets of parameters, by their full names, that vary alike; those of one parameter of the plan come first.
     pub parameters: Vec<Vec<String>>,
-    /// Full names of variables.
+    /// Number of the latter.
+    pub single: usize,
+    /// Full names of variables: those that are measured, `time`, and others.
     pub variables: Vec<String>,
+    /// Parameters that differ between the recordings.
+    pub conditions: Vec<String>,
 }
 
 impl VariationTargets {
     /// Those of a flat model and a plan.
-    pub fn new(flat: &FlatModel, plan: &Plan) -> VariationTargets {
-        VariationTargets { parameters: parameters(flat, plan), variables: variables(flat, plan) }
+    pub fn new(flat: &FlatModel, plan: &Plan, data: &Data) -> VariationTargets {
+        let (parameters, single) = parameters(flat, plan);
+        let (variables, conditions) = (variables(flat, plan), conditions(flat, plan, data));
+        VariationTargets { parameters, single, variables, conditions }
     }
 
-    /// Every set of parameters with every variable, for an effect whose input is named `input`.
+    /// Every set of parameters with every variable and condition, for an effect whose input is named `input`.
     pub fn places(&self, input: &str) -> Vec<Place> {
-        let place = |at: &Vec<String>, variable: &String| Place {
-            at: at.clone(),
-            connections: Vec::new(),
-            adapters: Vec::new(),
-            binds: vec![(input.to_owned(), variable.clone())],
-            signal: None,
-            others: Vec::new(),
-        };
-        let of = |at| self.variables.iter().map(move |variable| place(at, variable));
-        self.parameters.iter().flat_map(of).collect()
+        let over: Vec<&String> = self.variables.iter().chain(&self.conditions).collect();
+        combinations(&self.parameters, &over, input)
+    }
+
+    /// The same for a free curve: parameters one by one, with the first of the variables.
+    pub fn curve_places(&self, input: &str) -> Vec<Place> {
+        let most = MAX_CURVES / self.single.max(1);
+        let over: Vec<&String> = self.variables.iter().take(most).collect();
+        combinations(&self.parameters[..self.single], &over, input)
     }
 }
 
-/// The free parameters of the plan one by one, and those of equal units together.
-fn parameters(flat: &FlatModel, plan: &Plan) -> Vec<Vec<String>> {
+fn combinations(parameters: &[Vec<String>], over: &[&String], input: &str) -> Vec<Place> {
+    let place = |at: &[String], variable: &str| Place {
+        binds: vec![(input.to_owned(), variable.to_owned())],
+        ..Place::at(at)
+    };
+    parameters.iter().flat_map(|at| over.iter().map(move |v| place(at, v))).collect()
+}
+
+/// The parameters that recordings set to different values.
+fn conditions(flat: &FlatModel, plan: &Plan, data: &Data) -> Vec<String> {
+    let differs = |k: usize| {
+        let mut values = data.of(Split::Train).filter_map(|r| r.conditions.get(k)).copied();
+        let first = values.next();
+        values.any(|v| Some(v) != first && !v.is_nan())
+    };
+    let is_real = |name: &str| {
+        let found = flat.variables.iter().find(|v| v.name == name);
+        found.is_some_and(|v| v.ty == Type::Real && v.variability == Variability::Parameter)
+    };
+    let all = plan.conditions.iter().enumerate();
+    let fit = all.filter(|(k, c)| is_real(&c.parameter) && differs(*k));
+    fit.map(|(_, c)| c.parameter.clone()).collect()
+}
+
+/// The free parameters of the plan one by one, then those of equal units together; the number of the former.
+fn parameters(flat: &FlatModel, plan: &Plan) -> (Vec<Vec<String>>, usize) {
     let mut single: Vec<(Vec<String>, String)> = Vec::new();
     for free in &plan.free {
         let can_vary = |name: &String| {
@@ -77,7 +110,7 @@ fn parameters(flat: &FlatModel, plan: &Plan) -> Vec<Vec<String>> {
         longest = longer;
     }
     let names = |set: &Vec<usize>| set.iter().flat_map(|k| single[*k].0.clone()).collect();
-    sets.iter().map(names).collect()
+    (sets.iter().map(names).collect(), single.len())
 }
 
 /// The measured variables, those with names of the model's own, and states where these are few.

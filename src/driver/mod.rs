@@ -4,3 +4,4 @@ pub mod check;
 pub mod compile;
 pub mod files;
 pub mod memory;
+pub mod replacements;

@@ -1,6 +1,7 @@
 //! Annotations of a class and of its base classes.
 
 use crate::base::index::FastSet;
+use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{ArgumentKind, ClassBody, ElementKind, Expr, Path};
 use crate::ir::expr::Const;
@@ -22,6 +23,37 @@ impl Entry<'_> {
         let value = cx.fold(self.value, self.scope).and_then(|v| v.scalar())?;
         cx.graph.as_const(value)
     }
+}
+
+/// An item `left = right` of a text such as `"p = x, q = y"`.
+pub(super) struct Pair {
+    /// Before the sign.
+    pub left: String,
+    /// After it; empty if there is none.
+    pub right: String,
+    /// The text.
+    pub span: Span,
+}
+
+/// The items of the entry `key` of the annotation `__mocc` of a class and of its base classes.
+pub(super) fn pairs(
+    cx: &mut Evaluator<'_>,
+    (class, root): (ClassId, InstanceId),
+    key: &str,
+) -> Vec<Pair> {
+    let mut found = Vec::new();
+    inherited(cx, (class, root), "__mocc", &mut |cx, entries| {
+        for entry in entries.iter().filter(|entry| entry.key == key) {
+            let Some(Const::String(text)) = entry.constant(cx) else { continue };
+            for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
+                let (left, right) = item.split_once('=').unwrap_or((item, ""));
+                let (left, right) = (left.trim().into(), right.trim().into());
+                found.push(Pair { left, right, span: entry.value.span });
+            }
+        }
+        true
+    });
+    found
 }
 
 /// Calls `each` with the entries of the annotation `name` of a class, then of its base classes, until it returns

@@ -77,6 +77,10 @@ causes! {
         /// An annotation lets a parameter vary that cannot.
         error MO1292 UnusableVariation { parameter: String, factor: String, why: WrongVariation }
             => ("{}", why.message(parameter, factor)), help("{}", why.remedy());
+        /// An annotation leads an input through a component that cannot take it.
+        error MO0326 UnusablePassage { input: String, output: String, why: WrongPassage }
+            => ("{}", why.message(input, output)),
+            help("write `through = \"INPUT = COMPONENT.OUTPUT\"` with names of this model");
     }
 }
 
@@ -179,6 +183,27 @@ impl WrongVariation {
         match self {
             WrongVariation::Structural => "let another parameter vary",
             _ => "write `varies = \"PARAMETER = VARIABLE\"` with names of this model",
+        }
+    }
+}
+
+/// Why an input cannot pass through a component as an annotation says.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)]
+pub enum WrongPassage {
+    Input,
+    Output,
+}
+
+impl WrongPassage {
+    fn message(self, input: &str, output: &str) -> String {
+        match self {
+            WrongPassage::Input => {
+                format!("`{input}` is not an unconnected `Real` input of the model")
+            }
+            WrongPassage::Output => {
+                format!("`{output}` is not a `Real` variable of a component of the model")
+            }
         }
     }
 }

@@ -18,6 +18,7 @@ pub mod inventory;
 pub mod parameter_override;
 pub mod print;
 pub mod variable;
+mod passage;
 mod varying;
 pub mod when;
 
@@ -109,7 +110,8 @@ fn flatten_with(
     inspect(cx, root, &mut connections, &flat);
     connections.equations(cx, &mut flat);
     flat.experiment = experiment::inherited(cx, class, root);
-    let variations = varying::inherited(cx, class, root);
+    let variations = annotation::pairs(cx, (class, root), "varies");
+    let passages = annotation::pairs(cx, (class, root), "through");
     let structural: FastSet<InstanceId> = cx.parameters.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
@@ -125,7 +127,9 @@ fn flatten_with(
     inline::calls(cx, &mut flat);
     flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
     flat.graph = std::mem::take(&mut cx.graph);
-    for problem in varying::apply(&mut flat, &variations) {
+    let mut problems = varying::apply(&mut flat, &variations);
+    problems.extend(passage::apply(&mut flat, &passages));
+    for problem in problems {
         cx.class_graph.problems.push(problem);
     }
     flat

@@ -9,48 +9,17 @@
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
-use crate::base::source::Span;
-use crate::evaluate::Evaluator;
 use crate::ir::ast::Variability;
-use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
+use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variable};
-use crate::ir::instance::{ClassId, InstanceId};
 use crate::symbolic::rewrite::Rewriter;
 
-use super::annotation;
+use super::annotation::Pair;
 use super::cause::{FlattenCause, WrongVariation};
 
-/// A parameter and the variable that it is multiplied by.
-pub(super) struct Variation {
-    parameter: String,
-    factor: String,
-    span: Span,
-}
-
-/// The variations of a class and of its base classes: `annotation(__mocc(varies = "a = x, b = x"))`.
-pub(super) fn inherited(
-    cx: &mut Evaluator<'_>,
-    class: ClassId,
-    root: InstanceId,
-) -> Vec<Variation> {
-    let mut found = Vec::new();
-    annotation::inherited(cx, (class, root), "__mocc", &mut |cx, entries| {
-        for entry in entries.iter().filter(|entry| entry.key == "varies") {
-            let Some(Const::String(text)) = entry.constant(cx) else { continue };
-            for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
-                let (parameter, factor) = item.split_once('=').unwrap_or((item, ""));
-                let (parameter, factor) = (parameter.trim().into(), factor.trim().into());
-                found.push(Variation { parameter, factor, span: entry.value.span });
-            }
-        }
-        true
-    });
-    found
-}
-
-/// Lets the parameters vary: adds a variable for each of them and for each parameter that is bound to one,
+/// Lets the parameters vary, each given with its factor: adds a variable for each of them and for each parameter that is bound to one,
 /// and reads it in all equations.
-pub(super) fn apply(flat: &mut FlatModel, variations: &[Variation]) -> Vec<Diagnostic> {
+pub(super) fn apply(flat: &mut FlatModel, variations: &[Pair]) -> Vec<Diagnostic> {
     if variations.is_empty() {
         return Vec::new();
     }
@@ -59,8 +28,8 @@ pub(super) fn apply(flat: &mut FlatModel, variations: &[Variation]) -> Vec<Diagn
         flat.variables.enumerate().map(|(v, x)| (x.name.as_str(), v)).collect();
     let mut factors: Vec<(VarId, Vec<VarId>)> = Vec::new();
     for v in variations {
-        let parameter = by_name.get(v.parameter.as_str()).copied();
-        let factor = by_name.get(v.factor.as_str()).copied();
+        let parameter = by_name.get(v.left.as_str()).copied();
+        let factor = by_name.get(v.right.as_str()).copied();
         match check(flat, parameter, factor) {
             Ok((parameter, factor)) => {
                 match factors.iter_mut().find(|(known, _)| *known == parameter) {
@@ -69,7 +38,7 @@ pub(super) fn apply(flat: &mut FlatModel, variations: &[Variation]) -> Vec<Diagn
                 }
             }
             Err(why) => {
-                let (parameter, factor) = (v.parameter.clone(), v.factor.clone());
+                let (parameter, factor) = (v.left.clone(), v.right.clone());
                 let cause = FlattenCause::UnusableVariation { parameter, factor, why };
                 problems.push(Diagnostic::new(cause, v.span));
             }

@@ -18,6 +18,8 @@ struct Study<'a> {
     /// Variables that are recorded, with their units and noise.
     signals: &'a [(&'a str, &'a str, f64)],
     free: &'a [&'a str],
+    /// Inputs of the model, each with the variable of the truth that its column records.
+    inputs: &'a [(&'a str, &'a str)],
 }
 
 impl Study<'_> {
@@ -52,7 +54,8 @@ impl Study<'_> {
         let mut plan = "model = \"model.mo\"\n[data]\nfolder = \".\"\ntable = \"table.csv\"\nfile = \"file\"\n\
                         split = \"split\"\n[conditions]\n"
             .to_owned();
-        for (name, _) in self.conditions {
+        // A condition of the truth alone is not one of the model.
+        for (name, _) in self.conditions.iter().filter(|_| self.inputs.is_empty()) {
             writeln!(plan, "{name} = {{ parameter = \"{name}\", unit = \"1\" }}")
                 .expect("a String");
         }
@@ -63,6 +66,13 @@ impl Study<'_> {
                 "y_{k} = {{ variable = \"{variable}\", unit = \"{unit}\", sigma = {sigma} }}"
             )
             .expect("a String");
+        }
+        if !self.inputs.is_empty() {
+            plan += "[inputs]\n";
+            for (input, recorded) in self.inputs {
+                writeln!(plan, "{recorded} = {{ input = \"{input}\", unit = \"1\", interpolation = \"linear\" }}")
+                    .expect("a String");
+            }
         }
         plan += "[free]\n";
         self.free.iter().for_each(|name| writeln!(plan, "\"{name}\" = {{}}").expect("a String"));
@@ -83,6 +93,7 @@ impl Study<'_> {
         };
         let mut text = "t".to_owned();
         (0..self.signals.len()).for_each(|k| write!(text, ",y_{k}").expect("a String"));
+        self.inputs.iter().for_each(|(_, recorded)| write!(text, ",{recorded}").expect("a String"));
         text.push('\n');
         // At an event there are two rows, and a sensor has only one reading.
         let is_once = |row: usize| {
@@ -94,6 +105,9 @@ impl Study<'_> {
             for (variable, _, sigma) in self.signals {
                 let normal: f64 = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
                 write!(text, ",{}", run.of(variable)[row] + sigma * normal).expect("a String");
+            }
+            for (_, recorded) in self.inputs {
+                write!(text, ",{}", run.of(recorded)[row]).expect("a String");
             }
             text.push('\n');
         }
@@ -144,6 +158,7 @@ fn a_fan_is_found_on_a_motor_with_connectors_of_its_own() {
         conditions: &[("U", &[6.0, 12.0, 18.0, 9.0])],
         signals: &[("rotor.w", "rad/s", 0.4), ("armature.i", "A", 0.02)],
         free: &["rotor.J", "armature.k", "bearing.d"],
+        inputs: &[],
     };
     let (found, scratch) = study.diagnose();
     assert_found(&found, &scratch, "Effects.FanDrag", "rotor", &[("k", 2.4e-5, 3e-7)]);
@@ -166,6 +181,7 @@ fn a_diode_is_found_in_a_circuit_with_connectors_of_its_own() {
         conditions: &[("U", &[5.0, 10.0, 12.0, 8.0]), ("f", &[5.0, 8.0, 4.0, 6.0])],
         signals: &[("store.v", "V", 0.02)],
         free: &["line.R", "store.C"],
+        inputs: &[],
     };
     let (found, scratch) = study.diagnose();
     let values = [("G", 1.0 / 110.0, 2e-4), ("V", 0.7, 0.02)];
@@ -181,6 +197,7 @@ fn a_heat_loss_is_found_at_an_element_of_an_array() {
         conditions: &[("P", &[20.0, 40.0, 60.0, 30.0]), ("T_s", &[300.0, 310.0, 295.0, 305.0])],
         signals: &[("plate[1].T", "K", 0.1), ("plate[2].T", "K", 0.1)],
         free: &["bridge.G"],
+        inputs: &[],
     };
     let (found, scratch) = study.diagnose();
     let values = [("G", 0.12, 2e-3), ("T_0", 288.0, 1.0)];
@@ -196,6 +213,7 @@ fn a_second_heat_store_is_found() {
         conditions: &[("P", &[20.0, 40.0, 60.0, 30.0])],
         signals: &[("plate[1].T", "K", 0.1), ("plate[2].T", "K", 0.1)],
         free: &["bridge.G"],
+        inputs: &[],
     };
     let (found, scratch) = study.diagnose();
     let values = [("C", 60.0, 3.0), ("tau", 200.0, 10.0)];
@@ -212,6 +230,7 @@ fn a_parameter_that_varies_is_found() {
         conditions: &[("P", &[10.0, 40.0, 60.0, 30.0])],
         signals: &[("T", "K", 0.1)],
         free: &["G"],
+        inputs: &[],
     };
     let (found, scratch) = study.diagnose();
     assert_found(&found, &scratch, "parameter", "G", &[]);
@@ -244,9 +263,55 @@ fn another_law_of_the_model_is_found() {
         conditions: &[("F", &[20.0, 50.0, 80.0, 40.0])],
         signals: &[("v", "m/s", 0.02)],
         free: &["m", "k"],
+        inputs: &[],
     };
     let (found, scratch) = study.diagnose();
     assert_found(&found, &scratch, "Drag.Quadratic", "drag", &[("c", 0.7, 0.01)]);
+}
+
+/// A law that stands in the place of a replaceable class.
+#[test]
+fn a_class_that_fits_a_replaceable_one_is_found() {
+    let study = Study {
+        model: "sledge",
+        truth: "sledge_truth",
+        conditions: &[("F", &[20.0, 50.0, 80.0, 40.0])],
+        signals: &[("v", "m/s", 0.02)],
+        free: &["m", "brake.k"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Quadratic", "brake", &[("c", 0.7, 0.01)]);
+}
+
+/// A heating element with a time constant of 12 s between the recorded power and the oven.
+#[test]
+fn an_actuator_with_a_lag_is_found() {
+    let study = Study {
+        model: "oven",
+        truth: "oven_truth",
+        conditions: &[("A", &[20.0, 50.0, 80.0, 40.0])],
+        signals: &[("T", "K", 0.05)],
+        free: &["G", "C"],
+        inputs: &[("P", "asked")],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.ActuatorLag", "P", &[("T", 12.0, 0.3)]);
+}
+
+/// An amplifier that saturates: the characteristic over the input.
+#[test]
+fn an_actuator_that_saturates_is_found() {
+    let study = Study {
+        model: "oven",
+        truth: "amplifier_truth",
+        conditions: &[("A", &[20.0, 50.0, 60.0, 40.0])],
+        signals: &[("T", "K", 0.05)],
+        free: &["G", "C"],
+        inputs: &[("P", "asked")],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.FreeActuator", "P", &[]);
 }
 
 /// `i = 5 mA (v/3 V)^5`: no law of the library, so the curve over the voltage becomes a formula. The amplitude is that at
@@ -259,6 +324,7 @@ fn a_law_that_the_library_lacks_becomes_a_formula() {
         conditions: &[("U", &[5.0, 10.0, 12.0, 8.0]), ("f", &[5.0, 8.0, 4.0, 6.0])],
         signals: &[("store.v", "V", 0.02)],
         free: &["line.R", "store.C"],
+        inputs: &[],
     };
     let (found, scratch) = study.diagnose();
     assert_found(
@@ -285,6 +351,7 @@ fn the_next_experiment_keeps_its_promise() {
         conditions: &[("U", &[6.0, 12.0, 18.0, 9.0])],
         signals: &[("rotor.w", "rad/s", 0.4), ("armature.i", "A", 0.02)],
         free: &["rotor.J", "armature.k", "bearing.d"],
+        inputs: &[],
     };
     let diagnose = ["diagnose", "plan.toml", "--next", "--out", "out"];
     let found = read(&study.written(), &diagnose, "diagnosis");

@@ -559,6 +559,65 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end LinearVariation;
 
+    model FreeVariation
+      extends Check;
+      // Knots on a straight line.
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.FreeVariation effect(f = {0, 0.125, 0.25, 0.375, 0.5}, x = time, x_lo = 0, x_hi = 2);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-2*(time + 0.125*time^2))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end FreeVariation;
+
+    partial model Driven "An input that is integrated"
+      extends Check;
+      input Real u(start = 2);
+      Real x(start = 0, fixed = true) "Integral of what acts";
+    equation
+      der(x) = u;
+      found = {x};
+    end Driven;
+
+    model ActuatorGain
+      extends Driven;
+      Effects.ActuatorGain effect(g = 0.1, u = u);
+    equation
+      exact = {2.2*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(through = "u = effect.y"));
+    end ActuatorGain;
+
+    model ActuatorOffset
+      extends Driven;
+      Effects.ActuatorOffset effect(offset = 0.3, u = u);
+    equation
+      exact = {2.3*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(through = "u = effect.y"));
+    end ActuatorOffset;
+
+    model ActuatorLag
+      extends Check(n = 2);
+      // A ramp; T_min makes the lag longer where it is not short.
+      Effects.ActuatorLag effect(T = 0.2, u = time);
+      Effects.ActuatorLag blurred(T = 0.03, T_min = 0.04, u = time);
+    equation
+      found = {effect.y, blurred.y};
+      exact = {time - 0.2*(1 - exp(-time/0.2)), time - 0.03*(1 - exp(-time/0.05))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ActuatorLag;
+
+    model FreeActuator
+      extends Check;
+      // Knots on a straight line.
+      Effects.FreeActuator effect(f = 0.1*{-3, -2, -1, 0, 1, 2, 3}, u_lo = -3, u_hi = 3, u = time);
+    equation
+      found = {effect.y};
+      exact = {1.1*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeActuator;
+
     model SensorGain
       extends Check;
       Effects.SensorGain effect(g = 0.1, u = time);
@@ -1412,6 +1471,45 @@ package EffectTests
       Effects.LinearVariation effect(x = s, x_hi = 3.5e-3);
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end LinearVariation;
+
+    model FreeVariation
+      extends Base;
+      Effects.FreeVariation effect(x = s, x_hi = 3.5e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end FreeVariation;
+
+    partial model Driven "The valve beside an input that is integrated"
+      extends Base;
+      input Real u(start = 2);
+      Real observed(start = 0, fixed = true);
+      Real twin(start = 0, fixed = true);
+    equation
+      der(observed) = u;
+      der(twin) = 2;
+    end Driven;
+
+    model ActuatorGain
+      extends Driven;
+      Effects.ActuatorGain effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorGain;
+
+    model ActuatorOffset
+      extends Driven;
+      Effects.ActuatorOffset effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorOffset;
+
+    model ActuatorLag
+      extends Base;
+      Effects.ActuatorLag effect(u = s, T_min = 1e-5);
+    end ActuatorLag;
+
+    model FreeActuator
+      extends Driven;
+      Effects.FreeActuator effect(u = u, u_lo = 2, u_hi = 3);
+      annotation(__mocc(through = "u = effect.y"));
+    end FreeActuator;
 
     model SensorGain
       extends Base;

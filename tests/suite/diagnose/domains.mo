@@ -264,6 +264,96 @@ model Truth "The drag is quadratic"
   extends Sled(drag = Drag.Quadratic, c = 0.7);
 end Truth;
 
+//@ case sledge
+//@ used by diagnose_domains.rs
+partial model Brake
+  input Real v;
+  Real F;
+end Brake;
+model Viscous
+  extends Brake;
+  parameter Real k = 5;
+equation
+  F = k*v;
+end Viscous;
+model Quadratic
+  extends Brake;
+  parameter Real c = 2;
+equation
+  F = c*v*abs(v);
+end Quadratic;
+model Dry
+  extends Brake;
+  parameter Real F_c = 5;
+equation
+  F = F_c*tanh(v/0.1);
+end Dry;
+model Sledge "A sled whose brake is replaceable"
+  replaceable model Law = Viscous constrainedby Brake;
+  parameter Real m = 20;
+  parameter Real F = 50;
+  Real v(start = 0, fixed = true);
+  Law brake(v = v);
+equation
+  m*der(v) = (if time < 10 then F else 0) - brake.F;
+  annotation(experiment(StopTime = 20, Interval = 0.1));
+end Sledge;
+model Sleigh "The same with a replaceable component"
+  replaceable Viscous brake constrainedby Brake(v = v);
+  parameter Real m = 20;
+  parameter Real F = 50;
+  Real v(start = 0, fixed = true);
+equation
+  m*der(v) = (if time < 10 then F else 0) - brake.F;
+  annotation(experiment(StopTime = 20, Interval = 0.1));
+end Sleigh;
+
+//@ case sledge_truth
+//@ used by diagnose_domains.rs
+model Truth "The drag is quadratic"
+  parameter Real F = 50;
+  Real v(start = 0, fixed = true);
+equation
+  20*der(v) = (if time < 10 then F else 0) - 0.7*v*abs(v);
+  annotation(experiment(StopTime = 20, Interval = 0.1));
+end Truth;
+
+//@ case oven
+//@ used by diagnose_domains.rs
+model Oven "An oven whose heating is an input"
+  parameter Real G = 0.5;
+  parameter Real C = 60;
+  input Real P(start = 0);
+  Real T(start = 290, fixed = true);
+equation
+  C*der(T) = P - G*(T - 290);
+  annotation(experiment(StopTime = 500, Interval = 2));
+end Oven;
+
+//@ case oven_truth
+//@ used by diagnose_domains.rs
+model Truth "The heating element stores heat of its own for 12 s"
+  parameter Real A = 40;
+  Real asked = A*(1 + sin(time/20 + time^2/8000))/2;
+  Real heat(start = 0.5*A, fixed = true);
+  Real T(start = 290, fixed = true);
+equation
+  12*der(heat) = asked - heat;
+  60*der(T) = heat - 0.5*(T - 290);
+  annotation(experiment(StopTime = 500, Interval = 2));
+end Truth;
+
+//@ case amplifier_truth
+//@ used by diagnose_domains.rs
+model Truth "The amplifier gives no more than 30 W"
+  parameter Real A = 40;
+  Real asked = A*(1 + sin(time/20 + time^2/8000))/2;
+  Real T(start = 290, fixed = true);
+equation
+  60*der(T) = min(asked, 30) - 0.5*(T - 290);
+  annotation(experiment(StopTime = 500, Interval = 2));
+end Truth;
+
 //@ case fan_itself
 //@ used by diagnose_domains.rs
 model Truth
