@@ -83,6 +83,7 @@ impl CandidateFits<'_> {
         let mut hypotheses: Vec<Hypothesis> = Vec::new();
         let (left, mut least_gain) = (self.from.train.total(), f64::NEG_INFINITY);
         let (study, mut variation_resolves) = (self.search.study, false);
+        let mut hopeless = self.give_up_above.unwrap_or(f64::INFINITY);
         for proposal in self.proposals {
             if !self.search.may_continue() {
                 break;
@@ -98,10 +99,8 @@ impl CandidateFits<'_> {
             let (effects, plan) = attach(self.search.study, self.from, proposal, self.depth);
             let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
                 p.trimmed = p.surplus(policy.score_instants);
-                let is_hopeless = |step: u32, cost: f64| {
-                    let limit = self.give_up_above.unwrap_or(f64::INFINITY);
-                    step >= STEPS_BEFORE_GIVING_UP && cost > limit
-                };
+                let is_hopeless =
+                    |step: u32, cost: f64| step >= STEPS_BEFORE_GIVING_UP && cost > hopeless;
                 let on_step = &mut |step, cost| self.search.on_step() && !is_hopeless(step, cost);
                 let fit = local_search(p, start, &policy.short_fit, on_step);
                 p.trimmed = Vec::new();
@@ -121,6 +120,9 @@ impl CandidateFits<'_> {
                 let label = self.label(&fitted);
                 self.search.note(&format!("short fit of {label}: {:.4}", fitted.chi2_train()));
                 let leads = self.leads(&fitted).then(|| self.continued(&fitted)).flatten();
+                if let Some(leader) = &leads {
+                    hopeless = hopeless.min(policy.trailing_factor * leader.train.total());
+                }
                 let fitted = leads.unwrap_or(fitted);
                 if fitted.explains_training(policy) {
                     least_gain = least_gain.max(gain - policy.pair_margin * left);

@@ -5,7 +5,7 @@
 //! squares (variable projection: Golub and Pereyra 1973), so a grid of shapes suffices for a start.
 
 use crate::base::source::Span;
-use crate::calibrate::fit::refined;
+use crate::calibrate::fit::{refined, search as local_search};
 use crate::calibrate::plan::{Free, Plan};
 use crate::calibrate::problem::Problem;
 use crate::numeric::least_squares::NormalEquations;
@@ -21,12 +21,22 @@ use super::study::Study;
 /// Replaces the free curves of a diagnosis by formulas where the recordings support one.
 pub fn replace_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     for k in 0..diagnosis.after.effects.len() {
-        let limit = diagnosis.after.total_criterion() + search.policy().evidence;
+        let limit = diagnosis.after.total_criterion() + allowance(search, &diagnosis.after, k);
         if let Some(best) = formula_instead(search, &diagnosis.after, k)
             && best.total_criterion() < limit
         {
             accept_instead(search, diagnosis, best);
         }
+    }
+}
+
+/// By how much the criterion may rise with a formula in the place of effect `k`: a curve is no law, while a straight line
+/// is one until the data support another.
+pub fn allowance(search: &Search<'_>, hypothesis: &Hypothesis, k: usize) -> f64 {
+    let evidence = search.policy().evidence;
+    match search.study.is_curve(hypothesis.effects[k].effect) {
+        true => evidence,
+        false => -evidence,
     }
 }
 
@@ -318,10 +328,18 @@ impl Candidate {
             readers.filter(|v| **v == output).for_each(|v| v.clone_from(&new));
         }
         effects[k] = chosen;
-        let policy = &search.policy().fit;
+        let policy = search.policy();
+        // A line that does not get better soon when it may bend is straight.
+        let least = from.train.total() - policy.evidence;
+        let is_line = !study.is_curve(old.effect);
         let fit = &mut |p: &mut Problem<'_>| {
             let start = p.start();
-            refined(p, policy, &start, &policy.full, &mut |_, _| search.on_step())
+            let short = local_search(p, &start, &policy.short_fit, &mut |_, _| search.on_step())?;
+            if is_line && short.normal.cost > least {
+                return None;
+            }
+            let on_step = &mut |_, _| search.on_step();
+            refined(p, &policy.fit, &short.x, &policy.fit.full, on_step)
         };
         let mut fitted = Hypothesis::fitted(study, effects, plan, fit).ok()?;
         fitted.is_complete_fit = true;

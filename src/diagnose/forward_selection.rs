@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::candidate_fit::CandidateFits;
-use super::formula_fit::formula_instead;
+use super::formula_fit::{allowance, formula_instead};
 use super::hypothesis::Hypothesis;
 use super::preference::{ends_with_curve, ends_with_variation};
 use super::rank::{Scored, rank};
@@ -76,8 +76,9 @@ fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
     if is_determined && (!is_vague || best.is_resolved(search.policy())) {
         return;
     }
-    if let Some(formula) = formula_instead(search, best, best.effects.len() - 1) {
-        let allowance = if is_determined { search.policy().evidence } else { 0.0 };
+    let last = best.effects.len() - 1;
+    if let Some(formula) = formula_instead(search, best, last) {
+        let allowance = if is_determined { allowance(search, best, last) } else { 0.0 };
         let criterion = formula.total_criterion() - allowance;
         let is_worse = |h: &Hypothesis| h.is_determined(study) && h.total_criterion() > criterion;
         let place = hypotheses.iter().position(is_worse).unwrap_or(hypotheses.len());

@@ -101,6 +101,9 @@ pub struct SearchPolicy {
     pub leading_share: f64,
     /// Excess of the reduced sum that such a fit may leave in any case. Default 0.3.
     pub leading_excess: f64,
+    /// Beside such a fit, a short fit whose sum of squares still exceeds its own by this factor after a few steps is given
+    /// up. Default 4.
+    pub trailing_factor: f64,
     /// Reduced sum without effects above which short fits begin at the plan's values as well: a large effect
     /// has dragged the calibrated ones far away. Default 5.
     pub large_effect_above: f64,
@@ -149,7 +152,7 @@ pub struct SearchPolicy {
     /// Default 0.25.
     pub alternative_promise: f64,
     /// Excess, as a share of the excess without effects, up to which an alternative is fitted to
-    /// convergence after a short fit. Default 0.05.
+    /// convergence after a short fit. Default 0.02.
     pub alternative_excess: f64,
 }
 
@@ -208,6 +211,7 @@ impl Default for SearchPolicy {
             most_share: 0.5,
             leading_share: 0.98,
             leading_excess: 0.3,
+            trailing_factor: 4.0,
             large_effect_above: 5.0,
             hopeless_factor: 2.0,
             local_minimum_above: 0.1,
@@ -225,7 +229,7 @@ impl Default for SearchPolicy {
             alternatives: 3,
             alternative_share: 0.7,
             alternative_promise: 0.25,
-            alternative_excess: 0.05,
+            alternative_excess: 0.02,
         }
     }
 }

@@ -192,7 +192,10 @@ mod tests {
         };
         let chosen = ChosenEffect {
             effect: 0,
-            place: Place { binds: vec![("x".into(), "arm.w".into())], ..Place::at(&["d"]) },
+            place: Place {
+                binds: vec![("x".into(), "arm.w".into())],
+                ..Place::at(&["d".to_owned()])
+            },
             name: "variation".into(),
             prefix: "variation".into(),
             fixed: vec![("x_m".into(), -2.0), ("x_0".into(), 20.0), ("A".into(), 3.0)],
