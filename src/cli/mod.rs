@@ -23,7 +23,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use crate::base::diag::Problems;
-use crate::base::render::{Style, render_all};
+use crate::base::render::{Style, render_all, visible};
 use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Session};
 use crate::simulate::failure::FailureKind;
@@ -142,8 +142,15 @@ fn say_problems(problems: &Problems, sources: &SourceMap) {
     }
 }
 
-/// Writes a result to the standard output. A reader that closes the pipe early is not an error.
+/// Writes a result to the standard output. On a terminal, characters of the model cannot command it.
 fn print(text: &str) -> Status {
+    use std::io::IsTerminal;
+    if std::io::stdout().is_terminal() { print_styled(&visible(text)) } else { print_styled(text) }
+}
+
+/// As [`print`], for a text that may hold escape codes. A reader that closes the pipe early is not an
+/// error.
+fn print_styled(text: &str) -> Status {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

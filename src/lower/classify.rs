@@ -148,14 +148,27 @@ fn assigned_in_when(flat: &FlatModel) -> FastSet<VarId> {
     let mut assigned = FastSet::default();
     for equation in &flat.equations {
         if let EquationKind::When(branches) = &equation.kind {
-            for action in branches.iter().flat_map(|b| &b.actions) {
-                if let Action::Assign(v, _) = action {
-                    assigned.insert(*v);
-                }
-            }
+            add_assigned(branches, &mut assigned);
         }
     }
     assigned
+}
+
+/// The variables that when-clauses assign.
+pub fn assigned_in(whens: &[(Vec<WhenBranch>, Origin)]) -> FastSet<VarId> {
+    let mut assigned = FastSet::default();
+    for (branches, _) in whens {
+        add_assigned(branches, &mut assigned);
+    }
+    assigned
+}
+
+fn add_assigned(branches: &[WhenBranch], assigned: &mut FastSet<VarId>) {
+    for action in branches.iter().flat_map(|b| &b.actions) {
+        if let Action::Assign(v, _) = action {
+            assigned.insert(*v);
+        }
+    }
 }
 
 /// A parameter of discrete type with `fixed = false`.

@@ -92,6 +92,19 @@ causes! {
                  {switches} times in {steps} steps"),
             help("remove `noEvent`, so that each switch is an event, or give the two branches a \
                   hysteresis or a smooth transition");
+        /// Steps or events are so short that the run would not end.
+        error MO0934 HopelessProgress { time: f64, total: f64, doing: &'static str }
+            => ("at time {time} s {doing} are so short that the run would take {total:e} of them"),
+            remedy(Some(if *doing == "steps" {
+                "look for the fastest oscillation or decay of the model, which the steps must follow, \
+                 and for expressions that jump; an implicit method, `--method radau`, steps over decays"
+            } else {
+                "lengthen the interval of the `sample` or `delay` that causes them, or end the run earlier"
+            }.to_owned()));
+        /// An Integer is too large for its neighbours to be told apart.
+        error MO0935 IntegerTooLarge { time: f64, name: String, value: f64 } (section "4.8.2")
+            => ("at time {time} s Integer `{name}` is {value:e}, beyond 2^53 = 9007199254740992"),
+            help("declare it as Real, or keep it smaller: larger Integers are not exact");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");

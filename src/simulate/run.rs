@@ -7,7 +7,8 @@ use crate::base::source::{SourceMap, Span};
 use crate::integrate::outcome::Step;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::JacobianMemory;
-use crate::ir::program::{Program, Sequence};
+use crate::ir::expr::VarId;
+use crate::ir::program::{Program, Sequence, Slot};
 use crate::ir::trajectory::Trajectory;
 
 use super::bound_warnings::BoundWarnings;
@@ -22,6 +23,7 @@ use super::extrema::ExtremaSearch;
 use super::failure::non_finite::{Explainer, relation_text};
 use super::failure::{Failure, of_fault, of_integration, start_failure};
 use super::initialization::initialise;
+use super::integers::integers;
 use super::method::{Choice, Integrator};
 use super::options::options;
 use super::record::{Recorder, Sink};
@@ -191,6 +193,8 @@ pub struct Simulation<'p, 's> {
     pub(super) bounces: Vec<Bounces>,
     pub(super) duplicates: DuplicateFilter,
     pub(super) progress: ProgressWatch,
+    /// Integer variables with their slots.
+    pub(super) integers: Vec<(VarId, Slot)>,
     pub(super) ended: bool,
     pub(super) extrema: ExtremaSearch,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
@@ -266,6 +270,7 @@ impl<'p, 's> Simulation<'p, 's> {
             bounces: vec![Bounces::default(); program.events.relation_triggers.len()],
             duplicates: DuplicateFilter::new(settings.stop - settings.start),
             progress: ProgressWatch::new(settings.start),
+            integers: integers(program),
             ended: false,
             extrema: ExtremaSearch::new(program, &settings.extrema, t, spacing),
             sensitivity,
@@ -275,6 +280,7 @@ impl<'p, 's> Simulation<'p, 's> {
         simulation.bound_warnings.drop_parameters(program);
         simulation.warn_of_undetermined(t);
         simulation.recorder.flush_first(simulation.sink);
+        simulation.check_integers(t)?;
         simulation.check_assertions(t)?;
         simulation.handle_effects(effects, t)?;
         Ok(simulation)
