@@ -31,6 +31,9 @@ impl Evaluator<'_> {
             names.push(name.to_string());
         }
         let table = self.table_of(scope.instance);
+        if table.lacks_base {
+            return;
+        }
         names.extend(table.entries.iter().map(|e| e.name.name.to_string()));
         names.push("time".into());
         let near = did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_string);

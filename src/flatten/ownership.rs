@@ -15,7 +15,8 @@ use crate::ir::instance::{InstanceId, InstanceKind};
 
 /// The owner of each variable of a model.
 pub(super) fn of(cx: &mut Evaluator<'_>, root: InstanceId, flat: &FlatModel) -> Ownership {
-    let mut found = Ownership { components: vec![Arc::from("")], owner: Vec::new() };
+    let components = vec![Arc::from("")];
+    let mut found = Ownership { components, ..Ownership::default() };
     found.owner.reserve(flat.variables.len());
     let mut holders: FastMap<InstanceId, InstanceId> = FastMap::default();
     let mut numbers: FastMap<InstanceId, u32> = FastMap::default();
@@ -36,6 +37,8 @@ pub(super) fn of(cx: &mut Evaluator<'_>, root: InstanceId, flat: &FlatModel) -> 
             }
         };
         found.owner.push(number);
+        let connection = cx.instances[instance].prefix.connection;
+        found.is_flow.push(connection == Some(ConnectionPrefix::Flow));
     }
     found
 }

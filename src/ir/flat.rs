@@ -60,6 +60,8 @@ pub struct Ownership {
     /// For each variable, by its number, the component that must determine it: that of its
     /// declaration, or for inputs and flows the one around it. Variables that `flatten` adds have none.
     pub owner: Vec<u32>,
+    /// For each variable, whether it is a flow.
+    pub is_flow: Vec<bool>,
 }
 
 /// Defaults of a run from `annotation(experiment(...))`.

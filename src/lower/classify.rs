@@ -32,6 +32,14 @@ pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, d
     for &id in &flat.recorded {
         all[id].kind = VariableKind::Algebraic;
     }
+    for equation in &flat.equations {
+        let EquationKind::Algorithm { outputs, .. } = &equation.kind else { continue };
+        for v in outputs.iter().map(|v| &flat.variables[*v]) {
+            if v.variability <= Variability::Parameter {
+                problems.push(error::assigned_by_algorithm(v, &equation.origin));
+            }
+        }
+    }
     all
 }
 

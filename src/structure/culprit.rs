@@ -58,6 +58,7 @@ pub struct ComponentCount {
 struct Whole {
     /// The variable of each column.
     unknowns: Vec<VarId>,
+    col: FastMap<VarId, Col>,
     graph: Bipartite,
     /// The component of each equation.
     component: Vec<u32>,
@@ -79,6 +80,8 @@ pub fn find(dae: &Dae, stated: &Stated) -> Option<Blame> {
         let owner = owner(stated, *v);
         by_component.entry(owner).or_default().1.push(Col::from_usize(col));
     }
+    let partners = partners(dae, stated);
+    let mut excess = (0, 0);
     let mut components: Vec<u32> = by_component.keys().copied().collect();
     components.sort_unstable();
     for component in components {
@@ -90,7 +93,19 @@ pub fn find(dae: &Dae, stated: &Stated) -> Option<Blame> {
         }
         let graph = Bipartite::from_rows(
             cols.len(),
-            rows.iter().map(|row| whole.graph.cols(*row).iter().filter_map(|c| local_col[*c])),
+            rows.iter().map(|row| {
+                let mut all: Vec<Col> = Vec::new();
+                for c in whole.graph.cols(*row) {
+                    all.extend(local_col[*c]);
+                    let v = whole.unknowns[c.0 as usize];
+                    let of_connector = partners.get(&v).into_iter().flatten();
+                    let own = of_connector.filter_map(|w| local_col[*whole.col.get(w)?]);
+                    all.extend(own.filter(|_| local_col[*c].is_none()));
+                }
+                all.sort_unstable();
+                all.dedup();
+                all
+            }),
         );
         let local = decompose(&graph);
         let over = &local.over_determined;
@@ -100,6 +115,7 @@ pub fn find(dae: &Dae, stated: &Stated) -> Option<Blame> {
             blame.over.equations.extend(over.rows.iter().map(|r| rows[r.0 as usize].0 as usize));
             let own = over.cols.iter().map(|c| whole.unknowns[cols[c.0 as usize].0 as usize]);
             blame.over.unknowns.extend(own);
+            excess.0 += over.rows.len() - over.cols.len();
             is_to_blame = true;
         }
         let under = &local.under_determined;
@@ -108,6 +124,7 @@ pub fn find(dae: &Dae, stated: &Stated) -> Option<Blame> {
             blame.under.equations.extend(under.rows.iter().map(|r| rows[r.0 as usize].0 as usize));
             let own = under.cols.iter().map(|c| whole.unknowns[cols[c.0 as usize].0 as usize]);
             blame.under.unknowns.extend(own);
+            excess.1 += under.cols.len() - under.rows.len();
             is_to_blame = true;
         }
         if is_to_blame && rows.len() != cols.len() {
@@ -119,9 +136,62 @@ pub fn find(dae: &Dae, stated: &Stated) -> Option<Blame> {
             });
         }
     }
+    // Where the components do not add up, they explain nothing.
+    let all = (&global.over_determined, &global.under_determined);
+    if excess.0 != all.0.rows.len() - all.0.cols.len() {
+        blame.over = Part::default();
+    }
+    if excess.1 != all.1.cols.len() - all.1.rows.len() {
+        blame.under = Part::default();
+    }
     whole.complete(&mut blame.over, &global.over_determined);
     whole.complete(&mut blame.under, &global.under_determined);
+    put_rivals_first(dae, stated, &mut blame.over.equations);
     Some(blame)
+}
+
+/// Of the equations too many, those come first of which two give the same variable.
+fn put_rivals_first(dae: &Dae, stated: &Stated, equations: &mut [usize]) {
+    let given = |k: usize| -> Vec<VarId> {
+        let e = &stated.equations[k];
+        let alone = |side| match dae.graph.node(side) {
+            Node::Var(v) => Some(v),
+            _ => None,
+        };
+        [e.lhs, e.rhs].into_iter().filter_map(alone).collect()
+    };
+    let mut count: FastMap<VarId, usize> = FastMap::default();
+    for v in equations.iter().flat_map(|k| given(*k)) {
+        *count.entry(v).or_default() += 1;
+    }
+    equations.sort_by_key(|k| !given(*k).iter().any(|v| count[v] > 1));
+}
+
+/// For each variable of a connector with flows, the others: a connection determines the flow where it
+/// equates the potential, and a component the potential where it gives the flow.
+fn partners<'a>(dae: &'a Dae, stated: &Stated) -> FastMap<VarId, Vec<VarId>> {
+    let connector = |v: VarId| -> &'a str {
+        dae.variables[v].name.rsplit_once('.').map_or("", |(connector, _)| connector)
+    };
+    let flows = stated.ownership.is_flow.iter().enumerate().filter(|(_, is_flow)| **is_flow);
+    let mut members: FastMap<&str, (Vec<VarId>, Vec<VarId>)> = FastMap::default();
+    for (k, _) in flows {
+        let v = VarId(k as u32);
+        members.entry(connector(v)).or_default().0.push(v);
+    }
+    for (k, is_flow) in stated.ownership.is_flow.iter().enumerate() {
+        let v = VarId(k as u32);
+        if !*is_flow && let Some((_, others)) = members.get_mut(connector(v)) {
+            others.push(v);
+        }
+    }
+    let mut found: FastMap<VarId, Vec<VarId>> = FastMap::default();
+    for (flows, others) in members.values() {
+        for (own, partners) in [(flows, others), (others, flows)] {
+            found.extend(own.iter().map(|v| (*v, partners.clone())));
+        }
+    }
+    found
 }
 
 impl Whole {
@@ -201,5 +271,6 @@ fn whole(dae: &Dae, stated: &Stated) -> Whole {
         };
         declared.or_else(|| numbers.get(&*e.origin.component).copied()).unwrap_or(0)
     });
-    Whole { unknowns, graph, component: component.collect() }
+    let component = component.collect();
+    Whole { unknowns, col, graph, component }
 }

@@ -202,7 +202,9 @@ pub fn dependent_block(
     consequence: Consequence,
 ) -> Diagnostic {
     let names = list(free.iter().map(|v| &dae.variables[*v]));
+    let is_discrete = matches!(sources.first(), Some(Source::Discrete(_)));
     let kind = match (sources.len(), consequence) {
+        (1, _) if is_discrete => Dependence::OwnValue,
         (1, _) => Dependence::NoCoefficient,
         (_, Consequence::NoSolution) => Dependence::Contradiction,
         _ => Dependence::Repetition,
@@ -223,6 +225,8 @@ pub fn dependent_block(
 pub enum Dependence {
     /// The unknown has the coefficient 0 in its only equation.
     NoCoefficient,
+    /// The equation of a discrete variable says that it equals itself.
+    OwnValue,
     /// Equations repeat each other.
     Repetition,
     /// Equations contradict each other.
@@ -235,6 +239,7 @@ impl Dependence {
             Dependence::NoCoefficient => {
                 format!("this equation does not determine {names}: its coefficient is 0")
             }
+            Dependence::OwnValue => format!("this equation only says that {names} equals itself"),
             Dependence::Repetition => {
                 format!("the equations do not determine {names}: they depend on each other")
             }
@@ -248,6 +253,9 @@ impl Dependence {
         match self {
             Dependence::NoCoefficient => {
                 "give the parameters in its coefficient other values, or write another equation"
+            }
+            Dependence::OwnValue => {
+                "write what determines it; its value before an event is `pre(...)`"
             }
             Dependence::Repetition => {
                 "add an equation that ties one of them down, such as a ground, a fixed place or a \

@@ -168,7 +168,8 @@ impl<'a> Explainer<'a> {
             let culprit = self.descend(root, &values);
             if let Node::Var(v) = self.program.blocks.dae.graph.node(culprit)
                 && visited.insert(v)
-                && let Some(&(value, from)) = definitions.get(&v)
+                && let Some((value, from)) =
+                    definitions.get(&v).copied().or_else(|| self.discrete(v))
             {
                 (root, source) = (value, from);
                 continue;
